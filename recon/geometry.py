@@ -1,0 +1,119 @@
+"""Rigid motions and angles.
+
+`T_a_b` maps points given in frame b to frame a: ``p_a = T_a_b @ p_b``; inner names cancel in a
+product. The world is right-handed with y up; a camera looks along its z, x right and y down.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from recon.errors import InputError, check_finite, check_shape
+
+Array = NDArray[np.float64]
+
+WORLD_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
+
+
+def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
+    """Move points of frame b into frame a.
+
+    Parameters
+    ----------
+    T_a_b : (4, 4) array_like
+    points_b : (N, 3) array_like
+
+    Returns
+    -------
+    points_a : (N, 3) float64
+    """
+    T = np.asarray(T_a_b, dtype=np.float64)
+    points = np.asarray(points_b, dtype=np.float64)
+    check_shape("T_a_b", T, (4, 4))
+    check_shape("points_b", points, (None, 3))
+    moved: Array = points @ T[:3, :3].T + T[:3, 3]
+    return moved
+
+
+def invert(T_a_b: ArrayLike) -> Array:
+    """Return `T_b_a` of the rigid motion `T_a_b` (4, 4)."""
+    T = np.asarray(T_a_b, dtype=np.float64)
+    check_shape("T_a_b", T, (4, 4))
+    inverse = np.eye(4)
+    inverse[:3, :3] = T[:3, :3].T
+    inverse[:3, 3] = -T[:3, :3].T @ T[:3, 3]
+    return inverse
+
+
+def pose(rotation: ArrayLike, translation: ArrayLike) -> Array:
+    """Put a (3, 3) rotation and a (3,) translation together into a (4, 4) motion."""
+    T = np.eye(4)
+    T[:3, :3] = rotation
+    T[:3, 3] = translation
+    return T
+
+
+def check_rigid(name: str, T: ArrayLike) -> None:
+    """Raise `InputError` unless `T` is a (4, 4) rotation and translation, to 1e-6."""
+    matrix = np.asarray(T, dtype=np.float64)
+    check_shape(name, matrix, (4, 4))
+    check_finite(name, matrix)
+    rotation = matrix[:3, :3]
+    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    if error > 1e-6 or np.linalg.det(rotation) < 0 or (matrix[3] != (0, 0, 0, 1)).any():
+        raise InputError(
+            f"{name} is no rigid motion (R R^T is off by {error:.2g}, det R = "
+            f"{np.linalg.det(rotation):.3g}), but a rotation and a translation are needed"
+        )
+
+
+def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = WORLD_UP) -> Array:
+    """Pose of a camera at `position` whose z axis goes through `target`.
+
+    Parameters
+    ----------
+    position, target : (3,) array_like
+        In the world.
+    up : (3,) array_like
+        The direction that is up in the image.
+
+    Returns
+    -------
+    T_world_cam : (4, 4) float64
+
+    Raises
+    ------
+    InputError
+        Where the target is the position, or straight above or below it.
+    """
+    eye = np.asarray(position, dtype=np.float64)
+    forward = np.asarray(target, dtype=np.float64) - eye
+    right = np.cross(forward, np.asarray(up, dtype=np.float64))
+    length = np.linalg.norm(right)
+    if not length > 1e-12 * max(1.0, float(np.linalg.norm(forward))):
+        raise InputError(
+            f"target {np.asarray(target).tolist()} seen from {eye.tolist()} gives no "
+            "horizontal direction, but one is needed"
+        )
+    x = right / length
+    z = forward / np.linalg.norm(forward)
+    return pose(np.column_stack([x, np.cross(z, x), z]), eye)
+
+
+def rotation_about_y(angle_rad: float) -> Array:
+    """(3, 3) rotation about the world's vertical, counter-clockwise seen from above."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def wrap_angle(angle_rad: ArrayLike) -> Array:
+    """Angles brought into [-pi, pi)."""
+    angle = np.asarray(angle_rad, dtype=np.float64)
+    wrapped: Array = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
+    return wrapped
+
+
+def hue_distance_deg(a_deg: ArrayLike, b_deg: ArrayLike) -> Array:
+    """Distance of two hues round the colour circle, 0 to 180 degrees."""
+    difference = np.mod(np.asarray(a_deg, float) - np.asarray(b_deg, float), 360.0)
+    distance: Array = np.minimum(difference, 360.0 - difference)
+    return distance

@@ -1,0 +1,71 @@
+"""The one door to libraries that are heavy, optional, or need the system's help to load."""
+
+import ctypes
+import functools
+import importlib
+import os
+import subprocess
+import sys
+from types import ModuleType
+
+from recon.errors import MissingLibraryError
+
+APT_LINE = "apt-get install -y --no-install-recommends libegl1 libgl1 libidn2-0 libusb-1.0-0"
+
+# The first VTK render without these libraries kills the process, so it happens in a child.
+_RENDER_PROBE = """
+from recon.libraries import load_pyvista
+pyvista = load_pyvista()
+plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
+plotter.add_mesh(pyvista.Cube())
+assert plotter.screenshot(return_img=True).any()
+"""
+
+
+@functools.cache
+def load_open3d() -> ModuleType:
+    """Open3D, after the libusb that its wheel wants but does not bring."""
+    import libusb_package
+
+    library = libusb_package.get_library_path()
+    if library is not None:
+        ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+    try:
+        return importlib.import_module("open3d")
+    except (ImportError, OSError) as error:
+        raise MissingLibraryError(f"Open3D does not load ({error}); run: {APT_LINE}") from error
+
+
+@functools.cache
+def load_pyvista() -> ModuleType:
+    """Pyvista, told to render without a screen where there is none."""
+    if not os.environ.get("DISPLAY"):
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    return importlib.import_module("pyvista")
+
+
+def load_extra(module: str, extra: str) -> ModuleType:
+    """A library that only the extra `extra` installs.
+
+    Raises
+    ------
+    MissingLibraryError
+        With the command that installs it.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MissingLibraryError(
+            f"{module.partition('.')[0]} is not installed; run: pip install 'recon[{extra}]'"
+        ) from error
+
+
+@functools.cache
+def rendering_fault() -> str | None:
+    """Why no picture can be rendered, with the line that cures it; None where one can."""
+    result = subprocess.run(
+        [sys.executable, "-c", _RENDER_PROBE], capture_output=True, text=True, check=False
+    )
+    if result.returncode == 0:
+        return None
+    return f"rendering does not work (exit {result.returncode}); run: {APT_LINE}"

@@ -1,0 +1,42 @@
+"""Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
+
+from recon.records.clouds import PointCloud, Segments, Voxels
+from recon.records.matches import Features, Matches
+from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
+from recon.records.pairs import PairSource, StereoPair, View, check_images
+from recon.records.solids import (
+    Box,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    FitFailure,
+    Plane,
+    Solid,
+    Sphere,
+    TruncatedCone,
+)
+
+__all__ = [
+    "UNKNOWN",
+    "Box",
+    "Cone",
+    "Cylinder",
+    "Ellipsoid",
+    "Features",
+    "FitFailure",
+    "FoundObject",
+    "Matches",
+    "PairSource",
+    "Part",
+    "Plane",
+    "PointCloud",
+    "Recognition",
+    "Segments",
+    "Solid",
+    "Sphere",
+    "StereoPair",
+    "TruncatedCone",
+    "View",
+    "Voxels",
+    "check_images",
+]

@@ -1,0 +1,93 @@
+"""What the eyes saw, and from where."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.errors import InputError, check_shape
+from recon.geometry import check_rigid
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """A place to stand and a point to look at, in the world.
+
+    The camera parameters that are None stay as they are. Field of view and focal length are tied
+    by the width of the sensor: changing one changes the other, so at most one may be given.
+    """
+
+    position: NDArray[np.float64]
+    """(3,) the point midway between the eyes."""
+    target: NDArray[np.float64]
+    """(3,) the point both eyes look at."""
+    focal_length: float | None = None
+    """World units."""
+    fov_deg: float | None = None
+    baseline: float | None = None
+    """World units."""
+    near: float | None = None
+    far: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("position", "target"):
+            point = np.asarray(getattr(self, name), dtype=np.float64)
+            check_shape(name, point, (3,))
+            object.__setattr__(self, name, point)
+        if self.focal_length is not None and self.fov_deg is not None:
+            raise InputError(
+                f"focal_length is {self.focal_length} and fov_deg is {self.fov_deg}, "
+                "but one follows from the other: give one of them"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StereoPair:
+    """Two rectified pictures taken at one moment."""
+
+    left: NDArray[np.uint8]
+    """(H, W, 3) RGB or (H, W) grey."""
+    right: NDArray[np.uint8]
+    """The same shape as `left`."""
+    rig: StereoRig
+    T_world_left: NDArray[np.float64] | None = None
+    """(4, 4) pose of the left camera, None where it is not known."""
+    stamp_s: float = 0.0
+    name: str = "pair"
+    """What messages call it: a file or a number."""
+
+    def __post_init__(self) -> None:
+        check_images(self.left, self.right, self.name)
+        if self.left.shape[:2] != (self.rig.height, self.rig.width):
+            raise InputError(
+                f"{self.name} is {self.left.shape[1]} x {self.left.shape[0]} pixels, but its "
+                f"calibration is for {self.rig.width} x {self.rig.height}"
+            )
+        if self.T_world_left is not None:
+            check_rigid("T_world_left", self.T_world_left)
+
+
+def check_images(left: NDArray[np.uint8], right: NDArray[np.uint8], name: str = "pair") -> None:
+    """Raise `InputError` unless both are uint8 images, grey or RGB, of one size."""
+    for side, image in (("left", left), ("right", right)):
+        if image.dtype != np.uint8:
+            raise InputError(f"{name}: {side} image is {image.dtype}, but uint8 is needed")
+        if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3) or not image.size:
+            raise InputError(
+                f"{name}: {side} image has shape {image.shape}, but (H, W) or (H, W, 3) is needed"
+            )
+    if left.shape != right.shape:
+        raise InputError(
+            f"{name}: left image has shape {left.shape}, right {right.shape}, but one is needed"
+        )
+
+
+class PairSource(Protocol):
+    """A sequence of pairs, read one at a time."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[StereoPair]: ...

@@ -1,0 +1,34 @@
+"""Settings: one frozen dataclass a stage, read from and saved as TOML, unknown names refused."""
+
+from recon.settings.exploration import ExplorationSettings
+from recon.settings.files import parse_overrides, read_toml, to_toml, updated
+from recon.settings.mapping import MapSettings
+from recon.settings.presets import PRESETS, QUALITIES, Quality, with_preset, with_quality
+from recon.settings.recognition import RecognitionSettings
+from recon.settings.sequences import SequenceSettings
+from recon.settings.settings import Settings
+from recon.settings.stereo import FeatureSettings, MatchingSettings, TriangulationSettings
+from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
+
+__all__ = [
+    "PRESETS",
+    "QUALITIES",
+    "ExplorationSettings",
+    "EyesSettings",
+    "FeatureSettings",
+    "MapSettings",
+    "MatchingSettings",
+    "Quality",
+    "RecognitionSettings",
+    "RenderSettings",
+    "SequenceSettings",
+    "Settings",
+    "TriangulationSettings",
+    "WorldSettings",
+    "parse_overrides",
+    "read_toml",
+    "to_toml",
+    "updated",
+    "with_preset",
+    "with_quality",
+]

@@ -1,0 +1,21 @@
+"""Settings of the explorer."""
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from recon.settings.stage import STRICT, Count, Positive
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ExplorationSettings:
+    """How the agent walks (thesis 4.4)."""
+
+    controller: str = "thesis"
+    """A name of the table of controllers, or of a plug-in."""
+    max_pairs: Count = 1000
+    clearance: Positive = 10.0
+    """Distance kept from the nearest object, world units."""
+    object_turn_deg: float = Field(default=40.0, gt=0, le=180)
+    """Turn round an object at each step."""
+    robot_turn_deg: float = Field(default=45.0, gt=0, le=180)
+    """Turn on the spot at each step."""

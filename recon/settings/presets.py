@@ -1,0 +1,39 @@
+"""Named sets of values: the thesis's own, and the two qualities of stereo."""
+
+from typing import Any, Literal
+
+from recon.settings.files import updated
+from recon.settings.settings import Settings
+
+Quality = Literal["best", "fast"]
+
+PRESETS: dict[str, dict[str, dict[str, Any]]] = {
+    "default": {},
+    "thesis": {
+        "matching": {"min_disparity": -10, "max_disparity": 20, "row_permission": 1},
+        "map": {"cell_size": 1.0, "min_count": 5, "max_sigma": None},
+        "exploration": {
+            "controller": "thesis",
+            "clearance": 10.0,
+            "object_turn_deg": 40.0,
+            # The text says 90 degrees, the table 45: the table's is taken.
+            "robot_turn_deg": 45.0,
+        },
+        "recognition": {"recogniser": "thesis", "hue_tolerance_deg": 7.0},
+    },
+}
+
+QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
+    "best": {"features": {"share": 0.10}},
+    "fast": {"features": {"share": 0.05}},
+}
+
+
+def with_preset(settings: Settings, name: str) -> Settings:
+    """`settings` with the values of a preset."""
+    return updated(settings, PRESETS[name], f"preset {name}")
+
+
+def with_quality(settings: Settings, quality: Quality) -> Settings:
+    """`settings` with the stereo values of a quality."""
+    return updated(settings, QUALITIES[quality], f"quality {quality}")

@@ -1,0 +1,29 @@
+"""All settings of a run: one frozen dataclass a stage."""
+
+from dataclasses import field
+
+from pydantic.dataclasses import dataclass
+
+from recon.settings.exploration import ExplorationSettings
+from recon.settings.mapping import MapSettings
+from recon.settings.recognition import RecognitionSettings
+from recon.settings.sequences import SequenceSettings
+from recon.settings.stage import STRICT
+from recon.settings.stereo import FeatureSettings, MatchingSettings, TriangulationSettings
+from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Settings:
+    """One table a stage; a stage is handed its own table and nothing else."""
+
+    sequence: SequenceSettings = field(default_factory=SequenceSettings)
+    world: WorldSettings = field(default_factory=WorldSettings)
+    eyes: EyesSettings = field(default_factory=EyesSettings)
+    render: RenderSettings = field(default_factory=RenderSettings)
+    features: FeatureSettings = field(default_factory=FeatureSettings)
+    matching: MatchingSettings = field(default_factory=MatchingSettings)
+    triangulation: TriangulationSettings = field(default_factory=TriangulationSettings)
+    map: MapSettings = field(default_factory=MapSettings)
+    exploration: ExplorationSettings = field(default_factory=ExplorationSettings)
+    recognition: RecognitionSettings = field(default_factory=RecognitionSettings)

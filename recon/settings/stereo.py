@@ -1,0 +1,49 @@
+"""Settings of the stereo stages: features, matching, fine tuning, triangulation."""
+
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from recon.settings.stage import STRICT, Count, Positive, Share
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FeatureSettings:
+    """Which points of an image are features (thesis 3.2, 3.3)."""
+
+    method: Literal["steerable"] = "steerable"
+    share: Share = 0.10
+    """Wanted number of features, as a share of the pixels; sets the threshold of the modulus."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MatchingSettings:
+    """How features of two images become pairs (thesis 3.4)."""
+
+    matcher: Literal["phase", "vonmises", "sgbm"] = "phase"
+    min_disparity: int = 0
+    max_disparity: int = 64
+    """The search includes both ends."""
+    row_permission: int = Field(default=0, ge=0)
+    """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
+    keep: Count | None = None
+    """How many of the most confident pairs to keep; None = all."""
+
+    @model_validator(mode="after")
+    def _range_is_not_empty(self) -> Self:
+        if self.max_disparity < self.min_disparity:
+            raise ValueError(
+                f"max_disparity {self.max_disparity} is below min_disparity {self.min_disparity}"
+            )
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TriangulationSettings:
+    """How pairs become coloured points (thesis 3.5, 4.5)."""
+
+    colour_window_px: int = Field(default=3, ge=1)
+    """Side of the square whose mean is the colour of a point."""
+    max_sigma: Positive | None = None
+    """Points whose depth is less sure than this many world units are left out; None = none."""

@@ -1,0 +1,124 @@
+"""The house as the design page has it: floors, homes of libraries, sizes, names."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+RECON = Path(__file__).parents[1] / "recon"
+
+FLOORS = {
+    "errors": 0,
+    "geometry": 1, "settings": 1, "libraries": 1,
+    "camera": 2,
+    "records": 3,
+    "world": 4, "stereo": 4, "voxelmap": 4, "recognition": 4, "runfolder": 4,
+    "pipeline": 5, "sequences": 5, "exports": 5, "figures": 5,
+    "explore": 6,
+    "runs": 7,
+    "batch": 8, "app": 8,
+    "cli": 9,
+}  # fmt: skip
+
+HOMES = {
+    "open3d": {"world", "voxelmap", "recognition", "exports"},
+    "cv2": {"stereo", "sequences", "world", "exports"},
+    "skimage": {"stereo", "recognition"},
+    "pyvista": {"figures", "app", "exports"},
+    "matplotlib": {"figures"},
+    "nicegui": {"app"},
+    "dask": {"batch"},
+    "distributed": {"batch"},
+    "numba": {"stereo", "world", "voxelmap", "recognition"},
+    "evo": {"sequences"},
+    "rosbags": {"sequences"},
+    "laspy": {"exports", "batch"},
+    "trimesh": {"exports", "batch"},
+    "pyoctomap": {"exports", "batch"},
+    "pyarrow": {"exports", "batch"},
+    "zarr": {"exports", "batch"},
+}
+
+# A door's call stands for the import it makes.
+DOORS = {"load_open3d": "open3d", "load_pyvista": "pyvista"}
+
+
+def room_of(path: Path) -> str:
+    """The room a file belongs to."""
+    first = path.relative_to(RECON).parts[0]
+    return first.removesuffix(".py")
+
+
+def imports(source: str) -> Iterator[str]:
+    """Every module a source imports, at the top or late, by statement or by door."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+            if node.module == "recon":
+                yield from (f"recon.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            if node.func.id in DOORS:
+                yield DOORS[node.func.id]
+            if node.func.id == "load_extra" and isinstance(node.args[0], ast.Constant):
+                yield str(node.args[0].value)
+
+
+def faults(room: str, source: str) -> list[str]:
+    """What a source imports against the design."""
+    found = []
+    for module in imports(source):
+        parts = module.split(".")
+        if parts[0] == "recon" and len(parts) > 1:
+            other = parts[1]
+            if other != room and FLOORS[other] >= FLOORS[room]:
+                found.append(f"{room} (floor {FLOORS[room]}) imports {other} ({FLOORS[other]})")
+        elif parts[0] in HOMES and room not in HOMES[parts[0]] and room != "libraries":
+            found.append(f"{parts[0]} is imported in {room}")
+    return found
+
+
+def sources() -> list[Path]:
+    return [
+        path
+        for path in sorted(RECON.rglob("*.py"))
+        if path.parent != RECON or path.stem != "__init__"
+    ]
+
+
+@pytest.mark.parametrize("path", sources(), ids=lambda path: str(path.relative_to(RECON)))
+def test_imports_go_strictly_downwards_and_libraries_stay_home(path):
+    assert faults(room_of(path), path.read_text()) == []
+
+
+@pytest.mark.parametrize(
+    ("room", "source"),
+    [
+        ("stereo", "from recon.voxelmap import VoxelMap"),
+        ("camera", "import recon.records"),
+        ("records", "def f():\n    from recon.pipeline import process_pair"),
+        ("stereo", "from recon import runs"),
+        ("stereo", "import matplotlib.pyplot"),
+        ("figures", "from recon.libraries import load_open3d\no3d = load_open3d()"),
+        ("cli", "laspy = load_extra('laspy', 'las')"),
+    ],
+)
+def test_the_layout_test_fires(room, source):
+    assert len(faults(room, source)) == 1
+
+
+def test_every_room_has_a_floor():
+    rooms = {room_of(path) for path in sources()}
+    assert rooms <= set(FLOORS), f"rooms without a floor: {rooms - set(FLOORS)}"
+
+
+def test_no_file_is_over_300_lines():
+    long = {str(p): n for p in sources() if (n := len(p.read_text().splitlines())) > 300}
+    assert long == {}
+
+
+def test_no_room_is_called_after_nothing():
+    nouns = {part for path in RECON.rglob("*") for part in [path.stem.lower()]}
+    assert not nouns & {"utils", "util", "common", "helpers", "helper", "tools", "misc"}
