@@ -1,0 +1,70 @@
+"""Records: what they refuse, that they pickle, that they leave what they are given alone."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from recon.camera import StereoRig
+from recon.errors import InputError, check_finite, check_shape
+from recon.geometry import pose, rotation_about_y
+from recon.records import PointCloud, StereoPair, View
+
+RIG = StereoRig(
+    width=6, height=4, focal_px=5.0, cx_left_px=2.5, cx_right_px=2.5, cy_px=1.5, baseline=1.0
+)
+
+
+def grey(height=4, width=6):
+    return np.zeros((height, width), dtype=np.uint8)
+
+
+def test_a_pair_pickles_whole():
+    pair = StereoPair(left=grey(), right=grey(), rig=RIG, T_world_left=np.eye(4), name="a")
+    copy = pickle.loads(pickle.dumps(pair))
+    assert copy.rig == pair.rig
+    assert np.array_equal(copy.left, pair.left)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "message"),
+    [
+        (grey(), grey(4, 5), r"left image has shape \(4, 6\), right \(4, 5\)"),
+        (grey().astype(float), grey(), "left image is float64, but uint8 is needed"),
+        (np.zeros((4, 6, 4), np.uint8), grey(), r"\(4, 6, 4\)"),
+        (grey(5, 6), grey(5, 6), "is 6 x 5 pixels, but its calibration is for 6 x 4"),
+        (grey(0, 6), grey(0, 6), r"\(0, 6\)"),
+    ],
+)
+def test_a_pair_of_other_images_is_refused(left, right, message):
+    with pytest.raises(InputError, match=message):
+        StereoPair(left=left, right=right, rig=RIG, name="pair 7")
+
+
+def test_a_view_takes_focal_length_or_field_of_view():
+    with pytest.raises(InputError, match="one follows from the other"):
+        View(position=[0, 5, 0], target=[0, 5, -9], focal_length=0.1, fov_deg=80.0)
+
+
+def test_a_moved_cloud_keeps_colour_sigma_and_its_source():
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(9, 3))
+    points.flags.writeable = False
+    cloud = PointCloud(points=points, colours=np.full((9, 3), 7, np.uint8), sigma=np.ones(9))
+    T = pose(rotation_about_y(0.3), [1, 2, 3])
+    moved = cloud.moved(T)
+    np.testing.assert_allclose(moved.points, points @ T[:3, :3].T + [1, 2, 3], atol=1e-12)
+    assert moved.colours is cloud.colours
+    assert moved.sigma is cloud.sigma
+
+
+def test_a_cloud_names_the_array_that_does_not_fit():
+    with pytest.raises(InputError, match=r"colours has shape \(2, 3\), but \(3, 3\) is needed"):
+        PointCloud(points=np.zeros((3, 3)), colours=np.zeros((2, 3), np.uint8))
+
+
+def test_checks_say_name_value_and_need():
+    with pytest.raises(InputError, match=r"disparity_px has shape \(4,\), but \(3,\) is needed"):
+        check_shape("disparity_px", np.zeros(4), (3,))
+    with pytest.raises(InputError, match="depth holds nan at flat index 2"):
+        check_finite("depth", np.array([0.0, 1.0, np.nan]))

@@ -1,0 +1,95 @@
+"""The run folder: whole or not at all, refused, resumed, overwritten."""
+
+import pytest
+
+from recon.errors import InputError, ReconError
+from recon.runfolder import RunFolder, RunPlan, digest, read_manifest
+
+
+@pytest.fixture
+def plan(tmp_path):
+    scene = tmp_path / "a.scene"
+    scene.write_text("world")
+    return RunPlan(command="explore", settings_toml="a = 1\n", seed=0, inputs=(scene,))
+
+
+def prepare(path, plan, overwrite=False, resume=False):
+    return RunFolder.prepare(path, plan, overwrite=overwrite, resume=resume)
+
+
+def finish(path, plan, **flags):
+    run = prepare(path, plan, **flags)
+    with run.opened():
+        run.write_json("metrics.json", {"pairs": 3})
+    return run
+
+
+def test_a_finished_run_says_what_it_is(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    manifest = read_manifest(tmp_path / "run")
+    assert manifest["state"] == "finished"
+    assert manifest["inputs"] == {"a.scene": digest(plan.inputs[0])}
+    assert set(manifest["outputs"]) == {"metrics.json", "settings.toml"}
+    assert manifest["outputs"]["metrics.json"] == digest(tmp_path / "run" / "metrics.json")
+
+
+def test_an_existing_run_is_refused_without_a_flag(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    with pytest.raises(InputError, match="give --overwrite, --resume, or another -o"):
+        prepare(tmp_path / "run", plan)
+
+
+def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    (tmp_path / "run" / "old.txt").write_text("x")
+    prepare(tmp_path / "run", plan, overwrite=True)
+    assert not (tmp_path / "run").exists()
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "only_copy.tex").write_text("x")
+    with pytest.raises(InputError, match="no run folder, so it is not overwritten"):
+        prepare(tmp_path / "thesis", plan, overwrite=True)
+    assert (tmp_path / "thesis" / "only_copy.tex").exists()
+
+
+def test_resume_starts_fresh_or_finds_it_done_or_refuses(tmp_path, plan):
+    assert not prepare(tmp_path / "run", plan, resume=True).is_finished
+    finish(tmp_path / "run", plan)
+    assert prepare(tmp_path / "run", plan, resume=True).is_finished
+    other = RunPlan(command="explore", settings_toml="a = 2\n", seed=0, inputs=plan.inputs)
+    with pytest.raises(InputError, match="made with another settings"):
+        prepare(tmp_path / "run", other, resume=True)
+    plan.inputs[0].write_text("another world")
+    with pytest.raises(InputError, match="made with another inputs"):
+        prepare(tmp_path / "run", plan, resume=True)
+
+
+def test_bad_input_leaves_no_folder_and_failed_work_leaves_its_reason(tmp_path, plan):
+    with pytest.raises(InputError, match="bad"), prepare(tmp_path / "bad", plan).opened():
+        raise InputError("bad")
+    assert not (tmp_path / "bad").exists()
+    with pytest.raises(ReconError), prepare(tmp_path / "fail", plan).opened():
+        raise ReconError("out of luck")
+    manifest = read_manifest(tmp_path / "fail")
+    assert (manifest["state"], manifest["error"]) == ("failed", "out of luck")
+
+
+def test_an_interrupted_run_keeps_what_it_needs_to_go_on(tmp_path, plan):
+    run = prepare(tmp_path / "run", plan)
+
+    def cut_short():
+        with run.opened():
+            (run.partial / "000001.npz").write_bytes(b"x")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        cut_short()
+    assert read_manifest(tmp_path / "run")["state"] == "interrupted"
+    again = prepare(tmp_path / "run", plan, resume=True)
+    with again.opened():
+        assert (again.partial / "000001.npz").exists()
+    assert not (tmp_path / "run" / "partial").exists()
+
+
+def test_a_folder_that_is_no_run_is_named(tmp_path):
+    with pytest.raises(InputError, match="is no run folder"):
+        read_manifest(tmp_path)
