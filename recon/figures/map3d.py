@@ -1,0 +1,86 @@
+"""The map in space (thesis figure 27): the exposed faces of its cells in their colours."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.figures.canvas import INK, PAPER, Image, Size
+from recon.libraries import load_pyvista
+from recon.records import FoundObject, Voxels
+from recon.voxelmap.faces import exposed_faces
+
+SIZE: Size = (1200, 900)
+
+# Directions from which the camera looks at the middle of the map.
+VIEWS = {
+    "default": (0.55, 0.75, 1.0),
+    "top": (0.0, 1.0, 1e-3),
+    "front": (0.0, 0.15, 1.0),
+    "side": (1.0, 0.15, 0.0),
+}
+
+
+def map3d(
+    voxels: Voxels,
+    objects: Sequence[FoundObject] = (),
+    view: str = "default",
+    size: Size = SIZE,
+) -> Image:
+    """Draw the occupied cells, with the names of the objects above them.
+
+    Raises
+    ------
+    InputError
+        For a view that is none of VIEWS.
+    """
+    if view not in VIEWS:
+        raise InputError(f"view is {view!r}, but one of {', '.join(VIEWS)} is needed")
+    pyvista = load_pyvista()
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+    try:
+        plotter.set_background(PAPER)
+        if len(voxels):
+            _add_cells(pyvista, plotter, voxels)
+            _add_names(plotter, objects)
+            _look(plotter, voxels, VIEWS[view])
+        plotter.render()
+        return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
+    finally:
+        plotter.close()
+
+
+def _add_cells(pyvista: Any, plotter: Any, voxels: Voxels) -> None:
+    faces = exposed_faces(voxels)
+    quads = np.arange(4 * len(faces.vertices)).reshape(-1, 4)
+    cells = np.column_stack([np.full(len(quads), 4), quads]).ravel()
+    mesh = pyvista.PolyData(faces.vertices.reshape(-1, 3), faces=cells)
+    mesh.cell_data["colour"] = faces.colours
+    plotter.add_mesh(
+        mesh, scalars="colour", rgb=True, ambient=0.45, diffuse=0.6, specular=0.0,
+        show_edges=False,
+    )  # fmt: skip
+
+
+def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
+    if not objects:
+        return
+    tops = np.array([found.centre for found in objects])
+    tops[:, 1] += [found.size[1] / 2.0 + 2.0 for found in objects]
+    plotter.add_point_labels(
+        tops, [found.label for found in objects], font_size=18, text_color=INK,
+        shape_color="white", shape_opacity=0.8, show_points=False, always_visible=True,
+        font_family="arial", bold=False,
+    )  # fmt: skip
+
+
+def _look(plotter: Any, voxels: Voxels, direction: tuple[float, float, float]) -> None:
+    low, high = voxels.centres.min(axis=0), voxels.centres.max(axis=0)
+    centre, reach = (low + high) / 2.0, float(np.linalg.norm(high - low)) + voxels.cell_size
+    away = np.asarray(direction) / np.linalg.norm(direction)
+    plotter.camera.position = tuple(centre + away * reach * 1.9)
+    plotter.camera.focal_point = tuple(centre)
+    plotter.camera.up = (0.0, 1.0, 0.0)
+    plotter.camera.view_angle = 28.0
+    plotter.camera.clipping_range = (reach * 0.05, reach * 10.0)

@@ -1,0 +1,183 @@
+"""The folder a command leaves: made whole or not at all, with a manifest that says what it is."""
+
+import hashlib
+import importlib.metadata
+import json
+import platform
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+from recon.errors import InputError
+from recon.files import atomic_path
+
+MANIFEST = "manifest.json"
+PARTIAL = "partial"
+LIBRARIES = ("recon", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunPlan:
+    """What makes a run what it is: the same plan gives the same bytes."""
+
+    command: str
+    settings_toml: str
+    seed: int
+    inputs: tuple[Path, ...]
+    """Files and folders that are read; a folder stands for all files in it."""
+
+    def identity(self) -> dict[str, Any]:
+        """Everything that has to agree before a run is resumed."""
+        return {
+            "command": self.command,
+            "seed": self.seed,
+            "settings_sha256": hashlib.sha256(self.settings_toml.encode()).hexdigest(),
+            "inputs": {path.name: digest(path) for path in self.inputs},
+        }
+
+
+@dataclass(slots=True, kw_only=True)
+class RunFolder:
+    """An open run; `write_text` and `write_json` put whole files into it."""
+
+    path: Path
+    plan: RunPlan
+    seconds: dict[str, float] = field(default_factory=dict)
+    """Wall time by stage, for the manifest."""
+    state: str = "running"
+    is_finished: bool = False
+    """Whether an earlier call had finished the very same run: nothing is left to do."""
+
+    @classmethod
+    def prepare(cls, path: Path, plan: RunPlan, *, overwrite: bool, resume: bool) -> Self:
+        """The folder of a run, refused where it holds another one.
+
+        Raises
+        ------
+        InputError
+            Where `path` exists and neither flag was given, or where the run to resume was made by
+            other settings, another seed or other inputs.
+        """
+        if path.exists() and not (overwrite or resume):
+            raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
+        run = cls(path=path, plan=plan)
+        if resume and path.exists():
+            run._check_same(read_manifest(path))
+        elif path.exists():
+            _remove_run(path)
+        return run
+
+    def _check_same(self, manifest: dict[str, Any]) -> None:
+        for name, value in self.plan.identity().items():
+            if manifest.get(name) != value:
+                raise InputError(
+                    f"{self.path} was made with another {name.removesuffix('_sha256')}; "
+                    "resume with the same, or give --overwrite"
+                )
+        self.is_finished = manifest["state"] == "finished"
+
+    @contextmanager
+    def opened(self) -> Iterator[Self]:
+        """Make the folder and close it with the state it ended in.
+
+        A run that ends by bad input before it wrote anything leaves no folder behind.
+        """
+        is_new = not self.path.exists()
+        self.path.mkdir(parents=True, exist_ok=True)
+        self.write_text("settings.toml", self.plan.settings_toml)
+        self._write_manifest()
+        began = time.perf_counter()
+        try:
+            yield self
+        except BaseException as error:
+            if is_new and isinstance(error, InputError):
+                shutil.rmtree(self.path)
+            else:
+                self.state = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
+                self._write_manifest(error=str(error))
+            raise
+        self.seconds["total"] = time.perf_counter() - began
+        if self.state == "running":
+            self.state = "finished"
+            shutil.rmtree(self.path / PARTIAL, ignore_errors=True)
+        self._write_manifest()
+
+    def interrupt(self) -> None:
+        """Say that the run stopped early on purpose and can be resumed."""
+        self.state = "interrupted"
+
+    @property
+    def partial(self) -> Path:
+        """What a cut run needs to go on; gone once it is finished."""
+        folder = self.path / PARTIAL
+        folder.mkdir(exist_ok=True)
+        return folder
+
+    def write_text(self, name: str, text: str) -> None:
+        """Write one text file, whole."""
+        with atomic_path(self.path / name) as part:
+            part.write_text(text, encoding="utf-8")
+
+    def write_json(self, name: str, document: object) -> None:
+        """Write one JSON file, whole."""
+        self.write_text(name, json.dumps(document, indent=2, allow_nan=False) + "\n")
+
+    def _write_manifest(self, error: str | None = None) -> None:
+        outputs = sorted(p for p in self.path.rglob("*") if p.is_file() and p.name != MANIFEST)
+        document = self.plan.identity() | {
+            "state": self.state,
+            "error": error,
+            "versions": versions(),
+            "outputs": {
+                path.relative_to(self.path).as_posix(): digest(path)
+                for path in outputs
+                if PARTIAL not in path.relative_to(self.path).parts
+            },
+            "seconds": {stage: round(s, 3) for stage, s in self.seconds.items()},
+        }
+        self.write_json(MANIFEST, document)
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The manifest of a run folder.
+
+    Raises
+    ------
+    InputError
+        Where `path` is no run folder.
+    """
+    try:
+        document = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path} is no run folder: its {MANIFEST} cannot be read") from error
+    if not isinstance(document, dict):
+        raise InputError(f"{path / MANIFEST} is no manifest, but a JSON object is needed")
+    return document
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file, or of the names and contents of all files in a folder."""
+    sha = hashlib.sha256()
+    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+    for file in files:
+        if path.is_dir():
+            sha.update(file.relative_to(path).as_posix().encode() + b"\0")
+        with file.open("rb") as stream:
+            sha.update(hashlib.file_digest(stream, "sha256").digest())
+    return sha.hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries whose numbers end up in a run."""
+    found = {"python": platform.python_version()}
+    return found | {name: importlib.metadata.version(name) for name in LIBRARIES}
+
+
+def _remove_run(path: Path) -> None:
+    if any(path.iterdir()) and not (path / MANIFEST).is_file():
+        raise InputError(f"{path} is no run folder, so it is not overwritten; give another -o")
+    shutil.rmtree(path)
