@@ -1,0 +1,75 @@
+"""Measure recon, room by room, against named peers in the same run.
+
+    python tools/benchmark.py                       everything
+    python tools/benchmark.py stereo --quick        one room, few runs
+    python tools/benchmark.py --gate                exit 1 where a number fell behind the baseline
+    python tools/benchmark.py --update-baseline
+
+Timings are ratios to a peer that ran beside them, so that they hold on other machines.
+"""
+
+import importlib
+import json
+import os
+import sys
+from pathlib import Path
+
+# Before any numerical library is loaded: everything is measured on one thread.
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+
+import click
+
+TOOLS = Path(__file__).parent
+BASELINE = TOOLS / "benchmark.json"
+sys.path.insert(0, str(TOOLS))
+
+from benchmarks import Measurement  # noqa: E402 -- after the path is set
+
+ROOMS = sorted(path.stem for path in (TOOLS / "benchmarks").glob("[!_]*.py"))
+
+
+@click.command()
+@click.argument("rooms", nargs=-1, type=click.Choice(ROOMS))
+@click.option("--quick", is_flag=True, help="Few runs; not comparable with the baseline.")
+@click.option("--gate", is_flag=True, help="Fail where a number is behind the baseline.")
+@click.option("--update-baseline", is_flag=True)
+def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool) -> None:
+    """Print every number with its unit and its baseline."""
+    if quick and (gate or update_baseline):
+        raise click.UsageError("--quick is not comparable with the baseline")
+    baseline = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
+    found = [number for room in rooms or ROOMS for number in measure(room, quick)]
+    late = [number.name for number in found if is_behind(number, baseline.get(number.name))]
+    for number in found:
+        print_row(number, baseline.get(number.name))
+    if update_baseline:
+        values = baseline | {number.name: round(number.value, 4) for number in found}
+        BASELINE.write_text(json.dumps(values, indent=2, sort_keys=True) + "\n")
+    elif gate and late:
+        raise click.ClickException(f"behind the baseline: {', '.join(late)}")
+
+
+def measure(room: str, quick: bool) -> list[Measurement]:
+    """The numbers of one room."""
+    return importlib.import_module(f"benchmarks.{room}").measure(quick)
+
+
+def is_behind(number: Measurement, baseline: float | None) -> bool:
+    """Whether a number is worse than its baseline by more than its tolerance."""
+    if baseline is None:
+        return False
+    slack = number.tolerance * abs(baseline)
+    if number.better == "lower":
+        return number.value > baseline + slack
+    return number.value < baseline - slack
+
+
+def print_row(number: Measurement, baseline: float | None) -> None:
+    """One line: name, value, unit, baseline."""
+    before = "" if baseline is None else f"(baseline {baseline:g})"
+    print(f"{number.name:44} {number.value:12.4g} {number.unit:28} {before}")
+
+
+if __name__ == "__main__":
+    main()

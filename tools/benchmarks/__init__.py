@@ -1,0 +1,18 @@
+"""What is measured, room by room. Nothing in `recon` imports this."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurement:
+    """One number that a room answers for."""
+
+    name: str
+    """Unique, as "stereo.best_741x500_ratio"."""
+    value: float
+    unit: str
+    """"of StereoSGBM's time", "percent", "bytes/cell", ..."""
+    better: Literal["lower", "higher"]
+    tolerance: float
+    """How far it may fall behind the baseline, as a share of it."""
