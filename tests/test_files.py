@@ -1,0 +1,32 @@
+"""Files appear whole or not at all."""
+
+import pytest
+
+from recon.files import atomic_path
+
+
+def test_a_file_takes_its_place_at_the_end(tmp_path):
+    path = tmp_path / "map.nii.npz"
+    path.write_text("old")
+    with atomic_path(path) as temporary:
+        assert temporary.parent == tmp_path
+        assert temporary.suffixes == path.suffixes
+        temporary.write_text("new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def cut_short(path):
+    with atomic_path(path) as temporary:
+        temporary.write_text("half")
+        raise RuntimeError("cut")
+
+
+def test_a_failure_leaves_what_was_there(tmp_path):
+    path = tmp_path / "map.npz"
+    path.write_text("old")
+    with pytest.raises(RuntimeError, match="cut"):
+        cut_short(path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]

@@ -1,0 +1,155 @@
+"""The map: what it counts, and that order, chunks and merging do not change a bit."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from recon.errors import InputError
+from recon.records import PointCloud
+from recon.voxelmap import VoxelMap
+
+
+def cloud(points, colours=None, sigma=None):
+    points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    if colours is None:
+        colours = np.zeros((len(points), 3), np.uint8)
+    return PointCloud(points=points, colours=np.asarray(colours, np.uint8), sigma=sigma)
+
+
+def random_cloud(rng, num=2000, spread=4.0):
+    return cloud(rng.normal(scale=spread, size=(num, 3)), rng.integers(0, 256, (num, 3)))
+
+
+def filled(*clouds, cell_size=1.0):
+    voxel_map = VoxelMap(cell_size)
+    for each in clouds:
+        voxel_map.insert(each)
+    return voxel_map
+
+
+def same(a, b):
+    names = ("index", "centres", "means", "counts", "colours")
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
+
+
+def test_counts_means_and_colours_are_those_of_the_points():
+    points = random_cloud(np.random.default_rng(1))
+    voxels = filled(points, cell_size=0.7).occupied(min_count=1)
+    cells = np.floor(points.points / 0.7).astype(int)
+    index, inverse, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    assert np.array_equal(voxels.index, index)
+    assert np.array_equal(voxels.counts, counts)
+    for column in range(3):
+        mean = np.bincount(inverse.ravel(), points.points[:, column]) / counts
+        assert np.abs(voxels.means[:, column] - mean).max() < 1e-6 * 0.7
+        colour = np.bincount(inverse.ravel(), points.colours[:, column]) / counts
+        assert np.abs(voxels.colours[:, column] - colour).max() <= 0.5
+    assert np.array_equal(voxels.centres, (index + 0.5) * 0.7)
+
+
+def test_the_cell_below_zero_is_minus_one():
+    voxels = filled(cloud([[-1e-20, -1.0, -1.0000001], [0.0, 0.999, 1.0]])).occupied(1)
+    assert voxels.index.tolist() == [[-1, -1, -2], [0, 0, 1]]
+    inside = voxels.means - voxels.index
+    assert (inside > 0).all()
+    assert (inside < 1).all()
+
+
+def test_occupied_keeps_cells_with_enough_points():
+    voxel_map = filled(cloud([[0.5, 0.5, 0.5]] * 5 + [[1.5, 0.5, 0.5]] * 4))
+    assert voxel_map.num_cells == 2
+    assert voxel_map.occupied().counts.tolist() == [5]
+    assert voxel_map.occupied(min_count=4).counts.tolist() == [5, 4]
+    assert len(voxel_map.occupied(min_count=6)) == 0
+
+
+@settings(deadline=None, max_examples=20)
+@given(seed=st.integers(0, 2**32 - 1), chunks=st.integers(1, 7), cell=st.sampled_from([0.1, 1.0]))
+def test_order_chunks_and_merging_do_not_change_a_bit(seed, chunks, cell, tmp_path_factory):
+    rng = np.random.default_rng(seed)
+    points = random_cloud(rng, num=500, spread=2.0)
+    whole = filled(points, cell_size=cell)
+    parts = np.array_split(rng.permutation(len(points)), chunks)
+    chunked = filled(*(points.select(part) for part in parts), cell_size=cell)
+    merged = VoxelMap(cell)
+    for part in parts:
+        merged.merge(filled(points.select(part), cell_size=cell))
+    assert same(whole.occupied(1), chunked.occupied(1))
+    assert same(whole.occupied(1), merged.occupied(1))
+    folder = tmp_path_factory.mktemp("maps")
+    for number, each in enumerate([whole, chunked, merged]):
+        each.save(folder / f"{number}.npz")
+    first, *others = [(folder / f"{n}.npz").read_bytes() for n in range(3)]
+    assert all(other == first for other in others)
+
+
+def test_a_cell_of_very_many_points_stays_exact():
+    points = cloud([[0.25, 0.5, 0.75]] * 5000, [[255, 254, 1]] * 5000)
+    voxels = filled(points, points).occupied()
+    assert voxels.counts.tolist() == [10000]
+    assert voxels.colours.tolist() == [[255, 254, 1]]
+    assert np.abs(voxels.means - [0.25, 0.5, 0.75]).max() < 1e-6
+
+
+def test_a_map_merged_with_itself_doubles():
+    voxel_map = filled(random_cloud(np.random.default_rng(3)))
+    before = voxel_map.occupied(1)
+    voxel_map.merge(voxel_map)
+    after = voxel_map.occupied(1)
+    assert np.array_equal(after.counts, 2 * before.counts)
+    assert np.allclose(after.means, before.means, atol=1e-12)
+
+
+def test_maps_of_other_cells_do_not_merge():
+    with pytest.raises(InputError, match=r"cell_size is 0.5, but 1.0 is needed"):
+        VoxelMap(1.0).merge(VoxelMap(0.5))
+
+
+@pytest.mark.parametrize("far", [1e6, -1e6])
+def test_far_from_the_origin_positions_are_kept(far):
+    rng = np.random.default_rng(5)
+    near = rng.uniform(0, 0.1, (50, 3))
+    voxels = filled(cloud(near + far), cell_size=0.1).occupied(1)
+    cells = np.floor((near + far) / 0.1)
+    assert np.array_equal(voxels.index, np.unique(cells, axis=0))
+    for index, mean in zip(voxels.index, voxels.means, strict=True):
+        inside = (near + far)[(cells == index).all(axis=1)].mean(axis=0)
+        assert np.abs(mean - inside).max() < 1e-3 * 0.1
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1e10])
+def test_points_out_of_reach_are_refused_and_change_nothing(value):
+    voxel_map = filled(cloud([[0, 0, 0]]))
+    with pytest.raises(InputError, match="finite numbers within"):
+        voxel_map.insert(cloud([[1, 1, 1], [0, value, 0]]))
+    assert voxel_map.num_cells == 1
+
+
+@pytest.mark.parametrize("cell_size", [0, -1, np.nan, np.inf])
+def test_a_cell_without_size_is_refused(cell_size):
+    with pytest.raises(InputError, match="cell_size is"):
+        VoxelMap(cell_size)
+
+
+def test_unsure_points_stay_out():
+    points = cloud([[0.5, 0.5, 0.5]] * 3, sigma=np.array([0.4, 0.6, np.nan]))
+    voxel_map = VoxelMap(0.5, max_sigma=1.0)
+    voxel_map.insert(points)
+    assert voxel_map.occupied(1).counts.tolist() == [1]
+
+
+def test_an_empty_map_has_no_cells(tmp_path):
+    voxel_map = filled(cloud([]))
+    assert voxel_map.num_cells == 0
+    assert len(voxel_map.occupied(1)) == 0
+    voxel_map.save(tmp_path / "map.npz")
+    assert VoxelMap.load(tmp_path / "map.npz").num_cells == 0
+
+
+def test_save_and_load_are_exact(tmp_path):
+    voxel_map = filled(random_cloud(np.random.default_rng(7)), cell_size=0.3)
+    voxel_map.save(tmp_path / "map.npz")
+    loaded = VoxelMap.load(tmp_path / "map.npz")
+    assert loaded.cell_size == 0.3
+    assert same(loaded.occupied(1), voxel_map.occupied(1))
