@@ -1,0 +1,48 @@
+"""Hue, saturation and value (Appendix D)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GREY = 0.15
+"""Below this saturation a hue is noise."""
+DARK = 0.1
+"""Below this value too."""
+
+
+def rgb_to_hsv(colours: NDArray[np.uint8]) -> Array:
+    """Hue in degrees, saturation and value in 0 to 1, as Appendix D has them.
+
+    Parameters
+    ----------
+    colours : (N, 3) uint8
+
+    Returns
+    -------
+    hsv : (N, 3) float64
+        Hue in [0, 360), -1 where the colour is grey.
+    """
+    rgb = colours / 255.0
+    value = rgb.max(axis=1)
+    delta = value - rgb.min(axis=1)
+    safe = np.where(delta > 0, delta, 1.0)
+    r, g, b = rgb.T
+    sector = np.select(
+        [r == value, g == value], [(g - b) / safe, 2.0 + (b - r) / safe], 4.0 + (r - g) / safe
+    )
+    hue = np.where(delta > 0, np.mod(60.0 * sector, 360.0), -1.0)
+    saturation = delta / np.where(value > 0, value, 1.0)
+    return np.column_stack([hue, saturation, value])
+
+
+def mean_hue_deg(colours: NDArray[np.uint8]) -> float | None:
+    """Circular mean hue of the cells that have one; None where they do not agree on any."""
+    hue, saturation, value = rgb_to_hsv(colours).T
+    vivid = (saturation >= GREY) & (value >= DARK)
+    if vivid.sum() < max(1, len(colours) // 4):
+        return None
+    direction = np.exp(1j * np.radians(hue[vivid])).mean()
+    if abs(direction) < 0.5:
+        return None
+    return float(np.degrees(np.angle(direction)) % 360.0)

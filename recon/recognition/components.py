@@ -1,0 +1,42 @@
+"""Which cells belong together: connected components with a gap."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+
+def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
+    """Number of the component of each cell.
+
+    Parameters
+    ----------
+    index : (K, 3) int
+        Cell numbers.
+    reach : int
+        Cells are neighbours that lie at most so many apart along every axis: 1 = the 26
+        neighbours, 2 closes gaps of one cell.
+
+    Returns
+    -------
+    label : (K,) int32
+        0, 1, ... in the order of each component's first cell.
+    """
+    if not len(index):
+        return np.empty(0, dtype=np.int32)
+    pairs = cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
+    ones = np.ones(len(pairs), dtype=np.int8)
+    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(index), len(index)))
+    _, label = connected_components(graph, directed=False)
+    return in_order_of_appearance(label)
+
+
+def in_order_of_appearance(label: NDArray[np.integer]) -> NDArray[np.int32]:
+    """The same groups, numbered 0, 1, ... by their first member; negative labels stay -1."""
+    kept = label >= 0
+    _, first, inverse = np.unique(label[kept], return_index=True, return_inverse=True)
+    rank = np.argsort(np.argsort(first))
+    ordered = np.full(len(label), -1, dtype=np.int32)
+    ordered[kept] = rank[inverse]
+    return ordered

@@ -1,0 +1,189 @@
+"""Whole objects: parts of revolution stacked on one vertical axis, fitted together.
+
+Each point belongs to the part whose outline is nearest in the (rho, y) profile, so that no
+segmentation has to be right before the fit.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.least_squares import Estimate, minimise
+from recon.recognition.profiles import NUM_RADII, distance
+from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
+
+Array = NDArray[np.float64]
+
+SPLITS = (0.2, 0.4, 0.6, 0.8)
+"""Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+INLIER_SIGMAS = 3.0
+"""Points nearer than so many scales lie on the fit."""
+TOP_QUANTILE = 0.99
+"""A part ends where so many of its points lie below."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stack:
+    """Upright parts on one axis; part i reaches from `heights[i]` to `heights[i + 1]`."""
+
+    shapes: tuple[str, ...]
+    """From the ground up."""
+    axis: Array
+    """(2,) x and z of the vertical axis."""
+    heights: Array
+    """(parts + 1,) y of the ends; the first is the ground."""
+    radii: tuple[Array, ...]
+    """For each part its (`NUM_RADII`,) radii."""
+
+    @property
+    def widest(self) -> Array:
+        """(parts,) largest radius of each part."""
+        pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
+        return np.array([r.max() if len(r) else span / 2.0 for _, r, span in pairs])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StackModel:
+    """Distances of points to the nearest part of a stack."""
+
+    points: Array
+
+    def residuals(self, stack: Stack) -> tuple[Array, Array]:
+        """Signed distances and their derivatives by axis, heights and radii."""
+        distances, gradient, _ = self.nearest(stack)
+        return distances, gradient
+
+    def nearest(self, stack: Stack) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Signed distances (N,), derivatives (N, P), and the nearest part (N,)."""
+        offset = self.points[:, ::2] - stack.axis
+        rho = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-12)
+        profile = np.column_stack([rho, self.points[:, 1]])
+        num_parts = len(stack.shapes)
+        best = np.full(len(rho), np.inf)
+        nearest = np.zeros(len(rho), dtype=np.intp)
+        gradient = np.zeros((len(rho), 2 + num_parts + sum(map(len, stack.radii))))
+        column = 2 + num_parts
+        for part, (shape, radii) in enumerate(zip(stack.shapes, stack.radii, strict=True)):
+            ends = stack.heights[part : part + 2]
+            signed, normal, by_numbers = distance(shape, profile, ends, radii)
+            rows = np.abs(signed) < np.abs(best)
+            best[rows], nearest[rows] = signed[rows], part
+            gradient[rows] = 0.0
+            gradient[rows, :2] = -(normal[:, :1] * offset / rho[:, None])[rows]
+            # The lowest end is the ground, which is known.
+            first = 1 if part == 0 else 0
+            gradient[rows, 1 + part + first : 3 + part] = by_numbers[rows, first:2]
+            gradient[rows, column : column + len(radii)] = by_numbers[rows, 2:]
+            column += len(radii)
+        return best, gradient, nearest
+
+    def moved(self, stack: Stack, step: Array) -> Stack:
+        """The stack after a step; sizes stay positive, ends in order."""
+        num_parts = len(stack.shapes)
+        heights = stack.heights.copy()
+        heights[1:] += step[2 : 2 + num_parts]
+        heights = np.maximum.accumulate(heights)
+        borders = np.cumsum([2 + num_parts, *map(len, stack.radii)])
+        radii = tuple(
+            np.abs(radii + step[low:high])
+            for radii, low, high in zip(stack.radii, borders[:-1], borders[1:], strict=True)
+        )
+        return Stack(shapes=stack.shapes, axis=stack.axis + step[:2], heights=heights, radii=radii)
+
+
+def fit_stack(
+    shapes: tuple[str, ...], points: Array, ground: float, floor: float
+) -> Estimate[Stack]:
+    """The most likely stack of `shapes` that stands on the ground.
+
+    Parameters
+    ----------
+    points : (N, 3) float64
+        World, y up.
+    ground : float
+        Height of the ground.
+    floor : float
+        Smallest noise believed, world units.
+    """
+    model = StackModel(points)
+    starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
+    rough = [minimise(model, start, floor=floor, max_steps=6) for start in starts]
+    best = min(rough, key=lambda estimate: estimate.deviance)
+    fit = minimise(model, best.state, floor=floor)
+    return replace(fit, state=_topped(fit, points))
+
+
+def _topped(fit: Estimate[Stack], points: Array) -> Stack:
+    """The stack cut where its points end: a part too long costs a fit nothing."""
+    stack = fit.state
+    low, high = stack.heights[-2:]
+    inliers = points[np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma, 1]
+    inliers = inliers[inliers > low]
+    if stack.shapes[-1] in ("sphere", "ellipsoid", "cone") or not len(inliers):
+        return stack
+    top = min(high, float(np.quantile(inliers, TOP_QUANTILE)))
+    radii = stack.radii[-1].copy()
+    radii[-1] += (radii[0] - radii[-1]) * (high - top) / max(high - low, 1e-12)
+    heights = np.append(stack.heights[:-1], top)
+    return replace(stack, heights=heights, radii=(*stack.radii[:-1], radii))
+
+
+def _splits(num_parts: int) -> list[tuple[float, ...]]:
+    if num_parts == 1:
+        return [()]
+    if num_parts == 2:
+        return [(share,) for share in SPLITS]
+    return [tuple(np.linspace(0.0, 1.0, num_parts + 1)[1:-1])]
+
+
+def _start(
+    shapes: tuple[str, ...], points: Array, ground: float, splits: tuple[float, ...]
+) -> Stack:
+    axis = (points[:, ::2].min(axis=0) + points[:, ::2].max(axis=0)) / 2.0
+    top = float(points[:, 1].max())
+    heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
+    rho = np.hypot(*(points[:, ::2] - axis).T)
+    radii = []
+    for shape, low, high in zip(shapes, heights[:-1], heights[1:], strict=True):
+        inside = rho[(points[:, 1] >= low) & (points[:, 1] <= high)]
+        middle = float(np.median(inside)) if len(inside) else float(np.median(rho))
+        radii.append(
+            middle
+            * np.array([1.3, 0.5] if shape == "truncated cone" else [1.0])[: NUM_RADII[shape]]
+        )
+    return Stack(shapes=shapes, axis=axis, heights=heights, radii=tuple(radii))
+
+
+def solids(stack: Stack) -> list[Solid]:
+    """The parts of a stack as solids in the world, from the ground up."""
+    ends = zip(stack.heights[:-1], stack.heights[1:], strict=True)
+    return [
+        _solid(shape, stack.axis, float(low), float(high), radii)
+        for shape, (low, high), radii in zip(stack.shapes, ends, stack.radii, strict=True)
+    ]
+
+
+def _solid(shape: str, axis: Array, low: float, high: float, radii: Array) -> Solid:
+    x, z = axis
+    up, bottom = np.array([0.0, 1.0, 0.0]), np.array([x, low, z])
+    middle, height = np.array([x, (low + high) / 2.0, z]), high - low
+    if shape == "sphere":
+        return Sphere(centre=middle, radius=height / 2.0)
+    if shape == "ellipsoid":
+        halves = np.array([radii[0], height / 2.0, radii[0]])
+        order = np.argsort(-halves, kind="stable")
+        return Ellipsoid(centre=middle, radii=halves[order], axes=np.eye(3)[order])
+    if shape == "cylinder":
+        return Cylinder(point=bottom, axis=up, radius=float(radii[0]), height=height)
+    if shape == "cone":
+        angle = float(np.arctan2(radii[0], height))
+        apex = np.array([x, high, z])
+        return Cone(apex=apex, axis=-up, half_angle_rad=angle, height=height)
+    return TruncatedCone(
+        point=bottom,
+        axis=up,
+        radius_bottom=float(radii[0]),
+        radius_top=float(radii[1]),
+        height=height,
+    )
