@@ -13,7 +13,9 @@ from recon.settings.stage import STRICT, NonNegative
 
 SHIPPED = Path(__file__).with_name("catalogue.toml")
 
-UprightShape = Literal["cylinder", "sphere", "ellipsoid", "cone", "truncated cone"]
+UprightShape = Literal["cylinder", "sphere", "ellipsoid", "cone"]
+FITTED = {"cone": "truncated cone"}
+"""A cone is fitted with a free top: no map shows its tip."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -36,9 +38,10 @@ class Kind:
     """Bounds of the lowest part's largest radius over that of the part on it."""
 
     @property
-    def stacks(self) -> list[tuple[UprightShape, ...]]:
-        """Every combination of shapes that the parts allow."""
-        return list(itertools.product(*(part.shapes for part in self.parts)))
+    def stacks(self) -> list[tuple[str, ...]]:
+        """Every combination of fitted shapes that the parts allow; a cone may be truncated."""
+        fitted = ({FITTED.get(shape, shape): None for shape in part.shapes} for part in self.parts)
+        return list(itertools.product(*fitted))
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "cone": 1, "truncated cone": 2}
+NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "truncated cone": 2}
 """Numbers of a part beside its lower and upper end."""
 
 
@@ -25,7 +25,7 @@ def distance(shape: str, profile: Array, ends: Array, radii: Array) -> tuple[Arr
     ends : (2,) float64
         Lower and upper end.
     radii : (NUM_RADII[shape],) float64
-        Cylinder: its radius; cone: bottom; truncated cone: bottom and top; ellipsoid: horizontal.
+        Cylinder: its radius; truncated cone: bottom and top; ellipsoid: horizontal.
 
     Returns
     -------
@@ -37,12 +37,10 @@ def distance(shape: str, profile: Array, ends: Array, radii: Array) -> tuple[Arr
     """
     if shape in ("sphere", "ellipsoid"):
         return _arc(profile, ends, radii)
-    bottom = radii[0]
-    top = {"cylinder": bottom, "cone": 0.0}.get(shape, radii[-1])
-    signed, normal, by_corner = _segment(profile, ends, bottom, top)
+    signed, normal, by_corner = _segment(profile, ends, radii[0], radii[-1])
     if shape == "cylinder":
         by_corner = np.column_stack([by_corner[:, :2], by_corner[:, 2] + by_corner[:, 3]])
-    return signed, normal, by_corner[:, : 2 + len(radii)]
+    return signed, normal, by_corner
 
 
 def _segment(profile: Array, ends: Array, bottom: float, top: float) -> tuple[Array, Array, Array]:

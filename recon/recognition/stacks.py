@@ -21,6 +21,8 @@ INLIER_SIGMAS = 3.0
 """Points nearer than so many scales lie on the fit."""
 TOP_QUANTILE = 0.99
 """A part ends where so many of its points lie below."""
+POINTED = 0.05
+"""A truncated cone whose top is narrower than this share of its bottom is a cone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,7 +122,7 @@ def _topped(fit: Estimate[Stack], points: Array) -> Stack:
     low, high = stack.heights[-2:]
     inliers = points[np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma, 1]
     inliers = inliers[inliers > low]
-    if stack.shapes[-1] in ("sphere", "ellipsoid", "cone") or not len(inliers):
+    if stack.shapes[-1] in ("sphere", "ellipsoid") or not len(inliers):
         return stack
     top = min(high, float(np.quantile(inliers, TOP_QUANTILE)))
     radii = stack.radii[-1].copy()
@@ -176,10 +178,11 @@ def _solid(shape: str, axis: Array, low: float, high: float, radii: Array) -> So
         return Ellipsoid(centre=middle, radii=halves[order], axes=np.eye(3)[order])
     if shape == "cylinder":
         return Cylinder(point=bottom, axis=up, radius=float(radii[0]), height=height)
-    if shape == "cone":
-        angle = float(np.arctan2(radii[0], height))
-        apex = np.array([x, high, z])
-        return Cone(apex=apex, axis=-up, half_angle_rad=angle, height=height)
+    if radii[1] < POINTED * radii[0]:
+        angle = float(np.arctan2(radii[0] - radii[1], height))
+        tip = high + float(radii[1] / np.tan(angle))
+        apex = np.array([x, tip, z])
+        return Cone(apex=apex, axis=-up, half_angle_rad=angle, height=tip - low)
     return TruncatedCone(
         point=bottom,
         axis=up,

@@ -64,8 +64,7 @@ def _outline(stack: Stack, part: int) -> Array:
         angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, 65)
         radius = radii[0] if len(radii) else half
         return np.column_stack([radius * np.cos(angle), (low + high) / 2.0 + half * np.sin(angle)])
-    top = {"cylinder": radii[0], "cone": 0.0}.get(shape, radii[-1])
-    return np.array([[radii[0], low], [top, high]])
+    return np.array([[radii[0], low], [radii[-1], high]])
 
 
 def _bands(outline: Array) -> Array:
