@@ -8,7 +8,18 @@ import pytest
 from recon.camera import StereoRig
 from recon.errors import InputError, check_finite, check_shape
 from recon.geometry import pose, rotation_about_y
-from recon.records import PointCloud, StereoPair, View
+from recon.records import (
+    Cone,
+    FoundObject,
+    Part,
+    PointCloud,
+    Recognition,
+    StereoPair,
+    TruncatedCone,
+    View,
+)
+from recon.records.objects import as_json, from_json
+from recon.records.solids import from_parameters
 
 RIG = StereoRig(
     width=6, height=4, focal_px=5.0, cx_left_px=2.5, cx_right_px=2.5, cy_px=1.5, baseline=1.0
@@ -68,3 +79,29 @@ def test_checks_say_name_value_and_need():
         check_shape("disparity_px", np.zeros(4), (3,))
     with pytest.raises(InputError, match="depth holds nan at flat index 2"):
         check_finite("depth", np.array([0.0, 1.0, np.nan]))
+
+
+def test_objects_come_back_from_their_json():
+    cone = TruncatedCone(
+        point=np.array([1.0, 8, 3]), axis=np.array([0.0, 1, 0]), radius_bottom=7.0, radius_top=1.0,
+        height=4.0,
+    )  # fmt: skip
+    tip = Cone(apex=np.ones(3), axis=np.array([0.0, -1, 0]), half_angle_rad=np.pi / 4, height=2.0)
+    parts = tuple(
+        Part(role=role, solid=solid, hue_deg=12.5, num_voxels=9, rms=0.1)
+        for role, solid in (("crown", cone), ("body", tip))
+    )
+    found = FoundObject(
+        id=0, label="cottage", probability=0.75, centre=np.array([1.0, 5.5, 3]),
+        size=np.array([14.0, 11, 14]), num_voxels=50, views=9, parts=parts,
+    )  # fmt: skip
+    label = np.zeros(50, np.int32)
+    document = as_json(Recognition(objects=(found,), label=label))
+    again = Recognition(objects=from_json(document), label=label)
+    assert as_json(again) == document
+    assert document["objects"][0]["parts"][1]["parameters"]["half_angle_deg"] == 45.0
+
+
+def test_a_shape_that_is_no_solid_is_refused():
+    with pytest.raises(InputError, match="torus with"):
+        from_parameters("torus", {"radius": 1.0})

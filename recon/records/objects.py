@@ -1,11 +1,13 @@
 """What was recognised."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.records.solids import Solid, parameters
+from recon.errors import InputError
+from recon.records.solids import Solid, from_parameters, parameters
 
 UNKNOWN = "unknown"
 
@@ -84,3 +86,33 @@ def _object_json(found: FoundObject) -> dict[str, object]:
             for part in found.parts
         ],
     }
+
+
+def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
+    """The objects of an `objects.json`.
+
+    Raises
+    ------
+    InputError
+        Where a key is missing or a shape is unknown.
+    """
+    try:
+        return tuple(_object_from_json(found) for found in document["objects"])
+    except (KeyError, TypeError) as error:
+        raise InputError(f"objects.json lacks {error}, which every object needs") from error
+
+
+def _object_from_json(found: dict[str, Any]) -> FoundObject:
+    parts = tuple(
+        Part(
+            role=part["role"],
+            solid=from_parameters(part["shape"], part["parameters"]),
+            hue_deg=part["hue_deg"],
+            num_voxels=part["num_voxels"],
+            rms=part["rms"],
+        )
+        for part in found["parts"]
+    )
+    names = ("id", "label", "probability", "num_voxels", "views")
+    arrays = {name: np.asarray(found[name], dtype=np.float64) for name in ("centre", "size")}
+    return FoundObject(**{name: found[name] for name in names}, **arrays, parts=parts)

@@ -1,10 +1,12 @@
 """The solids that parts of objects are made of, in world coordinates and units."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+
+from recon.errors import InputError
 
 Array = NDArray[np.float64]
 Parameters = dict[str, float | list[float] | list[list[float]]]
@@ -120,3 +122,28 @@ def parameters(solid: Solid) -> Parameters:
         else:
             numbers[name] = np.asarray(value, dtype=np.float64).tolist()
     return numbers
+
+
+def from_parameters(kind: str, numbers: Parameters) -> Solid:
+    """The solid that `parameters` described.
+
+    Raises
+    ------
+    InputError
+        For a shape that is none of the solids, and for parameters that are not its own.
+    """
+    try:
+        solid = next(solid for solid in get_args(Solid) if solid.kind == kind)
+        values = {
+            name: numbers[name]
+            if name in numbers
+            else np.radians(numbers[name.replace("_rad", "_deg")])
+            for name in solid.__slots__
+        }
+    except (StopIteration, KeyError) as error:
+        raise InputError(f"{kind} with {sorted(numbers)} is no solid that recon knows") from error
+    arrays = {
+        name: np.asarray(value) if np.ndim(value) else value for name, value in values.items()
+    }
+    made: Solid = solid(**arrays)
+    return made
