@@ -22,15 +22,12 @@ class VoxelMap:
     ----------
     cell_size : float
         Side of a cell, world units.
-    max_sigma : float, optional
-        Points whose depth is less sure than this many cells stay out of the map.
     """
 
-    def __init__(self, cell_size: float = 1.0, *, max_sigma: float | None = None) -> None:
+    def __init__(self, cell_size: float = 1.0) -> None:
         if not (np.isfinite(cell_size) and cell_size > 0):
             raise InputError(f"cell_size is {cell_size}, but a positive number is needed")
         self.cell_size = float(cell_size)
-        self.max_sigma = max_sigma
         self._hits = CellTable(hits.NARROW)
 
     @property
@@ -56,7 +53,6 @@ class VoxelMap:
         view : int, optional
             Number of the view.
         """
-        cloud = self._sure(cloud)
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
         self._check_reach(points)
         colours = np.ascontiguousarray(cloud.colours)
@@ -99,11 +95,6 @@ class VoxelMap:
         loaded._add_rows(rows)
         return loaded
 
-    def _sure(self, cloud: PointCloud) -> PointCloud:
-        if self.max_sigma is None or cloud.sigma is None:
-            return cloud
-        return cloud.select(cloud.sigma <= self.max_sigma * self.cell_size)
-
     def _check_reach(self, points: NDArray[np.float64]) -> None:
         farthest = np.abs(points).max(initial=0.0)
         # Written so that NaN fails too.
@@ -141,12 +132,11 @@ class VoxelMap:
         counts = rows["count"].astype(np.int64)
         # A position is the middle of its step.
         inside = (rows["position"] / counts[:, None] + 0.5) / hits.STEPS
-        centres: NDArray[np.float64] = (index + 0.5) * self.cell_size
         twice = 2 * counts[:, None]
         colours = (2 * rows["colour"].astype(np.int64) + counts[:, None]) // twice
         return Voxels(
             index=index,
-            centres=centres,
+            centres=(index.astype(np.float64) + 0.5) * self.cell_size,
             means=(index + inside) * self.cell_size,
             counts=counts,
             colours=colours.astype(np.uint8),

@@ -132,13 +132,6 @@ def test_a_cell_without_size_is_refused(cell_size):
         VoxelMap(cell_size)
 
 
-def test_unsure_points_stay_out():
-    points = cloud([[0.5, 0.5, 0.5]] * 3, sigma=np.array([0.4, 0.6, np.nan]))
-    voxel_map = VoxelMap(0.5, max_sigma=1.0)
-    voxel_map.insert(points)
-    assert voxel_map.occupied(1).counts.tolist() == [1]
-
-
 def test_an_empty_map_has_no_cells(tmp_path):
     voxel_map = filled(cloud([]))
     assert voxel_map.num_cells == 0

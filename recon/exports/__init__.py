@@ -1,0 +1,1 @@
+"""Maps and clouds as files of other programs, and back."""
