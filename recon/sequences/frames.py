@@ -1,0 +1,81 @@
+"""Frames of a recording, read one at a time; what cannot be used is skipped and counted."""
+
+import logging
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from recon.errors import InputError
+from recon.records import StereoPair
+
+log = logging.getLogger(__name__)
+
+
+class Skipped(NamedTuple):
+    """A frame that was left out, and why."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """One moment of a recording, its pictures not read yet."""
+
+    name: str
+    stamp_s: float
+    load: Callable[[], StereoPair]
+    """Reads and rectifies; an `InputError` leaves the frame out."""
+
+
+class Recording:
+    """A `PairSource` over frames that are read as they are asked for, never all in memory."""
+
+    def __init__(
+        self,
+        frames: Collection[Frame],
+        *,
+        skipped: Iterable[Skipped] = (),
+        disparity_range: tuple[int, int] | None = None,
+    ) -> None:
+        self.disparity_range = disparity_range
+        """(min, max) in pixels, both included, where the recording tells; else None."""
+        self._frames = frames
+        self._unlisted = tuple(skipped)
+        self.skipped = list(self._unlisted)
+        """What was left out, so far."""
+        for skip in self._unlisted:
+            log.warning("frame %s is skipped: %s", *skip)
+
+    def __len__(self) -> int:
+        """Pairs to be read at most."""
+        return len(self._frames)
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        self.skipped = list(self._unlisted)
+        last: Frame | None = None
+        for frame in self._frames:
+            try:
+                _check_later(frame, last)
+                pair = frame.load()
+            except InputError as error:
+                self._skip(frame.name, str(error))
+                continue
+            last = frame
+            yield pair
+        if last is None:
+            raise InputError(f"no pair could be read; the first fault: {self._first_reason()}")
+
+    def _skip(self, name: str, reason: str) -> None:
+        log.warning("frame %s is skipped: %s", name, reason)
+        self.skipped.append(Skipped(name, reason))
+
+    def _first_reason(self) -> str:
+        return self.skipped[0].reason if self.skipped else "the sequence is empty"
+
+
+def _check_later(frame: Frame, last: Frame | None) -> None:
+    if last is not None and not frame.stamp_s > last.stamp_s:
+        raise InputError(
+            f"its time {frame.stamp_s:g} s is not after the {last.stamp_s:g} s of {last.name}"
+        )

@@ -1,0 +1,70 @@
+"""Which left picture belongs to which right one."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.sequences.images import ENDINGS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Listed:
+    """One row of a recording: at least one of the two pictures is there."""
+
+    name: str
+    left: Path | None
+    right: Path | None
+
+
+def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
+    """The pictures of two folders, paired by name and sorted; a missing partner is None.
+
+    Names are the same on both sides, or hold the same last number (left07.jpg, right07.jpg), or
+    are as many on both sides and go in sorted order.
+
+    Raises
+    ------
+    InputError
+        Where a folder is missing or empty, or where it is not certain what belongs together.
+    """
+    lefts, rights = (_pictures(folder) for folder in (left_dir, right_dir))
+    for key in (_stem, _last_number):
+        left, right = ({key(path): path for path in paths} for paths in (lefts, rights))
+        unique = len(left) == len(lefts) and len(right) == len(rights)
+        if unique and left.keys() & right.keys():
+            names = sorted(left.keys() | right.keys(), key=natural)
+            return [Listed(name=n, left=left.get(n), right=right.get(n)) for n in names]
+    if len(lefts) != len(rights):
+        raise InputError(
+            f"{left_dir} holds {len(lefts)} pictures and {right_dir} {len(rights)} under other "
+            "names, but the names must tell which belong together"
+        )
+    return [
+        Listed(name=left.stem, left=left, right=right)
+        for left, right in zip(lefts, rights, strict=True)
+    ]
+
+
+def natural(name: str) -> tuple[tuple[int, int, str], ...]:
+    """A sorting key under which frame10 comes after frame9."""
+    parts = re.findall(r"\d+|\D+", name)
+    return tuple((0, int(p), "") if p.isdigit() else (1, 0, p) for p in parts)
+
+
+def _pictures(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        raise InputError(f"{folder} is no folder, but one of pictures is needed")
+    found = [p for p in folder.iterdir() if p.suffix.lower() in ENDINGS and p.name[0] != "."]
+    if not found:
+        raise InputError(f"{folder} holds no pictures ({', '.join(sorted(ENDINGS))})")
+    return sorted(found, key=lambda path: natural(path.stem))
+
+
+def _stem(path: Path) -> str:
+    return path.stem
+
+
+def _last_number(path: Path) -> str:
+    numbers = re.findall(r"\d+", path.stem)
+    return numbers[-1] if numbers else path.stem

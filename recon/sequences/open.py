@@ -1,0 +1,57 @@
+"""One door to recordings of every form."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.records import PairSource
+from recon.sequences.folder import is_folder, open_folder
+from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
+from recon.settings import SequenceSettings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reader:
+    """How one form of recording is known and opened.
+
+    Plug-ins name an object of this kind in the entry-point group `recon.sequences`.
+    """
+
+    fits: Callable[[Path], bool]
+    """Whether a path holds this form, told by what is in it."""
+    open: Callable[[Path, SequenceSettings], PairSource]
+
+
+READERS = {
+    "folder": Reader(fits=is_folder, open=open_folder),
+    "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
+}
+
+
+def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
+    """The pairs of a recording, read one at a time as they are asked for.
+
+    What comes back also has `skipped`, the (name, reason) of what was left out so far, and
+    `disparity_range`, (min, max) in pixels where the recording tells, else None.
+
+    Raises
+    ------
+    InputError
+        Where nothing is at `path`, no reader knows it, or nothing of it can be used.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path} does not exist, but a recording is needed")
+    readers = READERS | _plug_ins()
+    if settings.format != "auto":
+        return readers[settings.format].open(path, settings)
+    for reader in readers.values():
+        if reader.fits(path):
+            return reader.open(path, settings)
+    raise InputError(f"{path} is no recording that is known ({', '.join(readers)})")
+
+
+def _plug_ins() -> dict[str, Reader]:
+    return {entry.name: entry.load() for entry in entry_points(group="recon.sequences")}
