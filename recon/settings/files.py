@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from recon.errors import InputError
 from recon.settings.settings import Settings
+from recon.settings.world import FOLLOWERS
 
 Tree = dict[str, dict[str, Any]]
 
@@ -72,6 +73,8 @@ def updated(settings: Settings, changes: Mapping[str, Any], source: str = "setti
         for name, value in values.items():
             _check_known(f"{stage}.{name}", {f"{stage}.{known}" for known in tree[stage]}, source)
             tree[stage][name] = None if value == "none" else value
+            if FOLLOWERS.get(name, name) not in values:
+                tree[stage].pop(FOLLOWERS[name])
     return _checked(tree, source)
 
 

@@ -1,25 +1,38 @@
 """Settings of the simulated world: its eyes and its renderer."""
 
 import math
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
+from pydantic_core import ArgsKwargs
 
 from recon.settings.stage import STRICT, Count, Positive
+
+_FOCAL_LENGTH = 0.1
+_FOV_DEG = 80.0
+SENSOR_WIDTH = 2.0 * _FOCAL_LENGTH * math.tan(math.radians(_FOV_DEG) / 2.0)
+"""Width of the picture on the sensor, world units: what the thesis's two values give together."""
+
+FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
+"""What follows where a setting is changed, unless it is given too."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class EyesSettings:
-    """The two simulated cameras (the thesis's table of parameters)."""
+    """The two simulated cameras (the thesis's table of parameters).
+
+    Of focal length and field of view either follows from the other, by the width of the sensor.
+    """
 
     width: Count = 256
     height: Count = 256
     baseline: Positive = 0.3
     """World units."""
-    focal_length: Positive = 0.1
-    """World units; tied to the field of view by the width of the sensor."""
-    fov_deg: float = Field(default=80.0, gt=0, lt=180)
+    focal_length: Positive = _FOCAL_LENGTH
+    """World units."""
+    fov_deg: float = Field(default=_FOV_DEG, gt=0, lt=180)
+    """Across the width."""
     near: Positive = 0.1
     far: Positive = 100.0
     eye_height: Positive = 5.0
@@ -27,16 +40,32 @@ class EyesSettings:
     gaze: Literal["shift", "toe-in"] = "shift"
     """How both eyes look at the target: by shifted principal points, or by turning inwards."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _one_follows_from_the_other(cls, given: Any) -> Any:
+        values = (given.kwargs or {}) if isinstance(given, ArgsKwargs) else given
+        if not isinstance(values, dict):
+            return given
+        focal_length, fov_deg = values.get("focal_length"), values.get("fov_deg")
+        if isinstance(focal_length, int | float) and fov_deg is None and focal_length > 0:
+            half = math.atan(SENSOR_WIDTH / 2.0 / focal_length)
+            return {**values, "fov_deg": math.degrees(2.0 * half)}
+        if isinstance(fov_deg, int | float) and focal_length is None and 0 < fov_deg < 180:
+            half = math.radians(fov_deg) / 2.0
+            return {**values, "focal_length": SENSOR_WIDTH / 2.0 / math.tan(half)}
+        return values
+
     @model_validator(mode="after")
-    def _near_before_far(self) -> Self:
+    def _values_fit_together(self) -> Self:
         if not self.near < self.far:
             raise ValueError(f"near {self.near} is not nearer than far {self.far}")
+        width = 2.0 * self.focal_length * math.tan(math.radians(self.fov_deg) / 2.0)
+        if not math.isclose(width, SENSOR_WIDTH, rel_tol=1e-6):
+            raise ValueError(
+                f"focal_length {self.focal_length} and fov_deg {self.fov_deg} do not belong "
+                "together; give one of them, the other follows"
+            )
         return self
-
-    @property
-    def sensor_width(self) -> float:
-        """Width of the picture on the sensor, world units."""
-        return 2.0 * self.focal_length * math.tan(math.radians(self.fov_deg) / 2.0)
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

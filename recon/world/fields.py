@@ -1,0 +1,114 @@
+"""The values of a geometry file: their order, what their comments say, and what may stand there."""
+
+import math
+import sys
+from dataclasses import dataclass
+
+from recon.world.visuals import (
+    CylinderVisual,
+    EllipsoidVisual,
+    MeshVisual,
+    PolygonVisual,
+    SphereVisual,
+    Visual,
+)
+
+Value = float | int | str | tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What a value line holds."""
+
+    need: str
+    """For messages: what is needed."""
+    count: int = 1
+    least: float = -math.inf
+    most: float = math.inf
+    is_whole: bool = False
+
+    def parse(self, text: str) -> Value:
+        """The value of a line; a single number stands for itself.
+
+        Raises
+        ------
+        ValueError
+            Where the line holds anything else.
+        """
+        numbers = tuple(int(word) if self.is_whole else float(word) for word in text.split())
+        if len(numbers) != self.count:
+            raise ValueError
+        if not all(math.isfinite(n) and self.least <= n <= self.most for n in numbers):
+            raise ValueError
+        return numbers if self.count > 1 else numbers[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Name(Kind):
+    """A line that is a name."""
+
+    def parse(self, text: str) -> Value:
+        """The line as it stands."""
+        return text
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One value of a record: its attribute, the comment above it, and its kind."""
+
+    attribute: str
+    comment: str
+    kind: Kind
+
+
+def whole(least: int, most: int | None = None) -> Kind:
+    """Whole numbers from `least` to `most`, both included."""
+    need = f"a whole number from {least}" + ("" if most is None else f" to {most}")
+    return Kind(need, least=least, most=math.inf if most is None else most, is_whole=True)
+
+
+_TINY = sys.float_info.min
+NUMBER = Kind("a finite number")
+POSITIVE = Kind("a finite number above 0", least=_TINY)
+NOT_NEGATIVE = Kind("a finite number, 0 or more", least=0.0)
+VECTOR = Kind("three finite numbers", count=3)
+POSITIVE_VECTOR = Kind("three finite numbers above 0", count=3, least=_TINY)
+COLOUR = Kind("four finite numbers", count=4)
+VERTEX = Kind("nine finite numbers (x y z r g b a tu tv)", count=9)
+
+SHADER_FIELDS = (
+    Field("ambient", "Ambient color", COLOUR),
+    Field("diffuse", "Diffuse color", COLOUR),
+    Field("specular", "Specular color", COLOUR),
+    Field("emissive", "Emissive color", COLOUR),
+    Field("shininess", "Shininess [0,128]", Kind("a number from 0 to 128", least=0, most=128)),
+)
+
+# Of each visual, what stands before its shader and texture index; the corners of a polygon follow
+# after them.
+VISUAL_FIELDS: dict[type[Visual], tuple[Field, ...]] = {
+    SphereVisual: (Field("centre", "Center", VECTOR), Field("radius", "Radius", POSITIVE)),
+    EllipsoidVisual: (
+        Field("centre", "Center", VECTOR),
+        Field("radii", "Radii [x,y,z]", POSITIVE_VECTOR),
+    ),
+    CylinderVisual: (
+        Field("radius_base", "RadiusBase", NOT_NEGATIVE),
+        Field("radius_top", "RadiusTop", NOT_NEGATIVE),
+        Field("height", "Height", POSITIVE),
+        Field("slices", "Slices", whole(3)),
+        Field("stacks", "Stacks", whole(1)),
+        Field("translation", "Translation [x,y,z]", VECTOR),
+        Field("rotation", "Rotation [x,y,z]", VECTOR),
+    ),
+    PolygonVisual: (Field("cull_back", "Enable back face culling", whole(0, 1)),),
+    MeshVisual: (Field("file", "File", Name("a PLY or OBJ file")),),
+}
+
+KNOWN_COMMENTS = frozenset(
+    field.comment.lower()
+    for fields in (SHADER_FIELDS, *VISUAL_FIELDS.values())
+    for field in fields
+) | {"shader count", "texture count", "visual count", "visual type"} | {
+    "shader index", "texture index", "vertex count"
+}  # fmt: skip

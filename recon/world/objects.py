@@ -1,0 +1,118 @@
+"""The true objects of a scene: solids that stand on each other on one upright axis."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from recon.geometry import Array
+from recon.records import UNKNOWN
+from recon.world.solids import Triangles
+from recon.world.visuals import (
+    CylinderVisual,
+    EllipsoidVisual,
+    PolygonVisual,
+    SphereVisual,
+    Visual,
+)
+
+TOUCH = 0.5
+"""World units that the axes or the ends of two parts of one object may be apart."""
+
+COTTAGE_SHARE = 0.6
+"""A body at least this share as wide as the cone on it makes a cottage, a thinner one a pine."""
+
+GROUND_SLOPE = 0.1
+"""A polygon that rises less than this share of its extent is ground."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TrueObject:
+    """An object as it stands in the scene; world coordinates and units."""
+
+    id: int
+    label: str
+    """A name of the catalogue, or "unknown"."""
+    centre: Array
+    """(3,) x, z on the axis, y halfway between the ground and the top."""
+    size: Array
+    """(3,) extent along the axes, from the ground up."""
+    visuals: tuple[int, ...]
+    """Numbers of its parts in the scene, from the bottom up."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Part:
+    number: int
+    low: Array
+    high: Array
+
+    @property
+    def middle(self) -> Array:
+        return 0.5 * (self.low + self.high)
+
+
+def is_ground(visual: Visual, triangles: Triangles) -> bool:
+    """Whether a visual is a polygon that lies flat."""
+    extent = np.ptp(triangles.corners.reshape(-1, 3), axis=0)
+    return isinstance(visual, PolygonVisual) and extent[1] <= GROUND_SLOPE * extent.max()
+
+
+def true_objects(visuals: tuple[Visual, ...], triangles: list[Triangles]) -> tuple[TrueObject, ...]:
+    """Objects in the order of their first visual; ground is none."""
+    parts = [
+        _part(number, part)
+        for number, (visual, part) in enumerate(zip(visuals, triangles, strict=True))
+        if len(part.corners) and not is_ground(visual, part)
+    ]
+    return tuple(_object(number, group, visuals) for number, group in enumerate(_groups(parts)))
+
+
+def _part(number: int, part: Triangles) -> _Part:
+    points = part.corners.reshape(-1, 3)
+    return _Part(number=number, low=points.min(axis=0), high=points.max(axis=0))
+
+
+def _groups(parts: list[_Part]) -> list[list[_Part]]:
+    """Parts put together as long as one touches a group on its axis."""
+    groups: list[list[_Part]] = []
+    for part in parts:
+        touching = [g for g in groups if any(_belong(part, other) for other in g)]
+        merged = [part, *(other for group in touching for other in group)]
+        groups = [g for g in groups if g not in touching]
+        groups.append(merged)
+    groups.sort(key=lambda group: min(part.number for part in group))
+    return [sorted(group, key=lambda part: part.middle[1]) for group in groups]
+
+
+def _belong(a: _Part, b: _Part) -> bool:
+    apart = np.hypot(*(a.middle - b.middle)[[0, 2]])
+    gap = max(a.low[1], b.low[1]) - min(a.high[1], b.high[1])
+    return bool(apart <= TOUCH and gap <= TOUCH)
+
+
+def _object(number: int, group: list[_Part], visuals: tuple[Visual, ...]) -> TrueObject:
+    low = np.min([part.low for part in group], axis=0)
+    high = np.max([part.high for part in group], axis=0)
+    low[1] = min(low[1], 0.0)
+    return TrueObject(
+        id=number,
+        label=_label([visuals[part.number] for part in group]),
+        centre=0.5 * (low + high),
+        size=high - low,
+        visuals=tuple(part.number for part in group),
+    )
+
+
+def _label(visuals: list[Visual]) -> str:
+    """The name of a crown on a body (thesis 4.5)."""
+    if len(visuals) != 2:
+        return UNKNOWN
+    body, crown = visuals
+    if not isinstance(body, CylinderVisual) or body.radius_base != body.radius_top:
+        return UNKNOWN
+    if isinstance(crown, SphereVisual | EllipsoidVisual):
+        return "apple tree"
+    if isinstance(crown, CylinderVisual) and crown.radius_base != crown.radius_top:
+        widest = max(crown.radius_base, crown.radius_top)
+        return "cottage" if body.radius_base >= COTTAGE_SHARE * widest else "pine tree"
+    return UNKNOWN

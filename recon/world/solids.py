@@ -1,0 +1,160 @@
+"""Visuals as triangles with texture coordinates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import Array
+from recon.world.visuals import (
+    CylinderVisual,
+    EllipsoidVisual,
+    PolygonVisual,
+    SphereVisual,
+    Vector,
+)
+
+# A file's Slices and Stacks say how coarsely OpenGL drew; here every solid is round to less than
+# a thousandth of its radius.
+SLICES = 96
+SPHERE_STACKS = 48
+CONE_STACKS = 16
+
+TILE = 16.0
+"""World units that a texture covers before it repeats, so that it looks alike on any size."""
+
+SLIVER = 1e-9
+"""Share of its edges' squares that a triangle's area must have."""
+
+WHITE = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Triangles:
+    """Triangles in the world; corners run counter-clockwise seen from the front."""
+
+    corners: Array
+    """(T, 3, 3) triangle, corner, xyz."""
+    normals: Array
+    """(T, 3, 3) unit normals of the surface at the corners."""
+    uv: Array
+    """(T, 3, 2) texture coordinates: 1 is one repeat; v grows downwards."""
+    colours: Array
+    """(T, 3, 3) red, green, blue from 0 to 1, which the texture is multiplied by."""
+
+    def without_slivers(self) -> "Triangles":
+        """The triangles that have an area."""
+        edges = self.corners[:, 1:] - self.corners[:, :1]
+        area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+        keep = area > SLIVER * (edges**2).sum(axis=(1, 2))
+        return Triangles(
+            corners=self.corners[keep],
+            normals=self.normals[keep],
+            uv=self.uv[keep],
+            colours=self.colours[keep],
+        )
+
+
+def sphere_triangles(visual: SphereVisual | EllipsoidVisual) -> Triangles:
+    """Triangles of a sphere or ellipsoid, its poles above and below."""
+    radii = np.zeros(3) + (visual.radius if isinstance(visual, SphereVisual) else visual.radii)
+    polar = np.linspace(0.0, np.pi, SPHERE_STACKS + 1)
+    azimuth = np.linspace(0.0, 2.0 * np.pi, SLICES + 1)
+    ring = np.sin(polar)[:, None]
+    unit = np.stack(
+        [
+            ring * np.sin(azimuth),
+            np.broadcast_to(np.cos(polar)[:, None], (len(polar), len(azimuth))),
+            ring * np.cos(azimuth),
+        ],
+        axis=-1,
+    )
+    around, along = np.pi * (radii[0] + radii[2]), np.pi * np.cbrt(radii.prod())
+    normals = unit / radii
+    return _grid_triangles(
+        unit * radii + np.array(visual.centre),
+        normals / np.linalg.norm(normals, axis=-1, keepdims=True),
+        _grid_uv(unit.shape[:2], around, along),
+    )
+
+
+def cylinder_triangles(visual: CylinderVisual) -> Triangles:
+    """Triangles of an open cylinder or truncated cone."""
+    base, top, height = visual.radius_base, visual.radius_top, visual.height
+    stacks = 1 if base == top else CONE_STACKS
+    share = np.linspace(0.0, 1.0, stacks + 1)[:, None]
+    # Counter-clockwise seen along -z, so that the grid's front is the outside.
+    azimuth = -np.linspace(0.0, 2.0 * np.pi, SLICES + 1)[None, :]
+    radius = base + share * (top - base)
+    points = np.stack(
+        np.broadcast_arrays(radius * np.cos(azimuth), radius * np.sin(azimuth), share * height),
+        axis=-1,
+    )
+    slant = np.hypot(height, top - base)
+    normals = np.stack(
+        np.broadcast_arrays(
+            np.cos(azimuth) * height / slant,
+            np.sin(azimuth) * height / slant,
+            np.full_like(share, (base - top) / slant),
+        ),
+        axis=-1,
+    )
+    R = quarter_turns(visual.rotation)
+    return _grid_triangles(
+        points @ R.T + np.array(visual.translation),
+        normals @ R.T,
+        _grid_uv(points.shape[:2], 2.0 * np.pi * max(base, top), slant),
+    )
+
+
+def polygon_triangles(visual: PolygonVisual) -> Triangles:
+    """A polygon as a fan round its first corner, with its own colours and coordinates."""
+    count = len(visual.vertices)
+    fan = np.array([(0, n, n + 1) for n in range(1, count - 1)])
+    corners = np.array([vertex.position for vertex in visual.vertices])[fan]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    length = np.linalg.norm(normal)
+    normal = normal / length if length > 0 else normal
+    return Triangles(
+        corners=corners,
+        normals=np.broadcast_to(normal, corners.shape),
+        uv=np.array([vertex.uv for vertex in visual.vertices])[fan],
+        colours=np.array([vertex.colour[:3] for vertex in visual.vertices])[fan],
+    )
+
+
+def quarter_turns(rotation: Vector) -> Array:
+    """(3, 3) rotation by quarter turns about x, then y, then z; whole ones exactly."""
+    R = np.eye(3)
+    for axis, turns in enumerate(rotation):
+        angle = turns * np.pi / 2.0
+        c, s = (np.round(w) if turns == round(turns) else w for w in (np.cos(angle), np.sin(angle)))
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        turn = np.eye(3)
+        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = c, -s, s, c
+        R = turn @ R
+    return R
+
+
+def _grid_uv(shape: tuple[int, int], around: float, along: float) -> Array:
+    """Coordinates of a grid that is `around` wide and `along` high, in whole repeats around."""
+    repeats = max(1.0, np.round(around / TILE))
+    v, u = np.meshgrid(
+        np.linspace(0.0, along / TILE, shape[0]), np.linspace(0.0, repeats, shape[1]), indexing="ij"
+    )
+    return np.stack([u, v], axis=-1)
+
+
+def _grid_triangles(points: Array, normals: Array, uv: Array) -> Triangles:
+    """Two triangles a cell of grids (A, B, ...); the outside is to the left of a row's way."""
+    number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
+    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
+    index: NDArray[np.int64] = np.concatenate([np.stack([a, c, d], 1), np.stack([a, d, b], 1)])
+    corners = points.reshape(-1, 3)[index]
+    return Triangles(
+        corners=corners,
+        normals=normals.reshape(-1, 3)[index],
+        uv=uv.reshape(-1, 2)[index],
+        colours=np.broadcast_to(np.array(WHITE), corners.shape),
+    )
