@@ -9,6 +9,7 @@ from recon.errors import InputError
 from recon.records import PairSource
 from recon.sequences.folder import is_folder, open_folder
 from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
+from recon.sequences.ring import is_ring, open_ring
 from recon.settings import SequenceSettings
 
 
@@ -27,6 +28,7 @@ class Reader:
 READERS = {
     "folder": Reader(fits=is_folder, open=open_folder),
     "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
+    "ring": Reader(fits=is_ring, open=open_ring),
 }
 
 
