@@ -1,4 +1,8 @@
-"""The solids that parts of objects are made of, in world coordinates and units."""
+"""The solids that parts of objects are made of, in world coordinates and units.
+
+Cylinders and cones are open: they have no caps. `distances` is the geometric distance of points
+(N, 3) to the surface of the solid as it is, ends included, never negative.
+"""
 
 from dataclasses import dataclass
 from typing import ClassVar, get_args
@@ -11,6 +15,9 @@ from recon.errors import InputError
 Array = NDArray[np.float64]
 Parameters = dict[str, float | list[float] | list[list[float]]]
 
+NUM_HALVINGS = 60
+"""Of an interval of a few units, down to the last bit."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sphere:
@@ -20,6 +27,11 @@ class Sphere:
     centre: Array
     """(3,)"""
     radius: float
+
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        away: Array = np.abs(np.linalg.norm(points - self.centre, axis=1) - self.radius)
+        return away
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,6 +46,13 @@ class Ellipsoid:
     axes: Array
     """(3, 3) unit rows."""
 
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        local = np.abs((points - self.centre) @ self.axes.T)
+        foot = _foot_on_ellipsoid(local, self.radii)
+        away: Array = np.linalg.norm(local - foot, axis=1)
+        return away
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cylinder:
@@ -47,6 +66,11 @@ class Cylinder:
     radius: float
     height: float
 
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        profile = _profile(points, self.point, self.axis)
+        return _to_segment(profile, (0.0, self.radius), (self.height, self.radius))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cone:
@@ -59,6 +83,12 @@ class Cone:
     """(3,) unit, from the apex into the cone."""
     half_angle_rad: float
     height: float
+
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        profile = _profile(points, self.apex, self.axis)
+        radius = self.height * float(np.tan(self.half_angle_rad))
+        return _to_segment(profile, (0.0, 0.0), (self.height, radius))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,6 +104,11 @@ class TruncatedCone:
     radius_top: float
     height: float
 
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        profile = _profile(points, self.point, self.axis)
+        return _to_segment(profile, (0.0, self.radius_bottom), (self.height, self.radius_top))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Plane:
@@ -84,6 +119,11 @@ class Plane:
     """(3,)"""
     normal: Array
     """(3,) unit."""
+
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the plane."""
+        away: Array = np.abs((points - self.point) @ self.normal)
+        return away
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,6 +137,14 @@ class Box:
     """(3, 3) unit rows."""
     sizes: Array
     """(3,) whole edges."""
+
+    def distances(self, points: Array) -> Array:
+        """(N,) distances of points (N, 3) to the surface."""
+        beyond = np.abs((points - self.centre) @ self.axes.T) - self.sizes / 2.0
+        outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+        inside = np.minimum(beyond.max(axis=1), 0.0)
+        away: Array = outside - inside
+        return away
 
 
 Solid = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone | Plane | Box
@@ -147,3 +195,38 @@ def from_parameters(kind: str, numbers: Parameters) -> Solid:
     }
     made: Solid = solid(**arrays)
     return made
+
+
+def _profile(points: Array, origin: Array, axis: Array) -> Array:
+    """Place along an axis and distance from it, (N, 2)."""
+    offset = points - origin
+    along = offset @ axis
+    return np.column_stack([along, np.linalg.norm(offset - along[:, None] * axis, axis=1)])
+
+
+def _to_segment(profile: Array, start: tuple[float, float], end: tuple[float, float]) -> Array:
+    first, along = np.array(start), np.subtract(end, start)
+    share = np.clip((profile - first) @ along / max(float(along @ along), 1e-300), 0.0, 1.0)
+    away: Array = np.linalg.norm(profile - first - share[:, None] * along, axis=1)
+    return away
+
+
+def _foot_on_ellipsoid(local: Array, radii: Array) -> Array:
+    """Nearest surface points of points in the positive octant.
+
+    The foot of p is ``r^2 p / (t + r^2)`` for the one root t > -min(r)^2 of
+    ``sum (r p / (t + r^2))^2 = 1``; it is bracketed, so that halving always ends.
+    """
+    scale = float(radii.max())
+    squares = (radii / scale) ** 2
+    # Points on a plane of symmetry are moved off it a little: their root is then single.
+    points = np.maximum(local / scale, 1e-9)
+    weighted = points * radii / scale
+    low = weighted[:, np.argmin(squares)] - squares.min()
+    high = np.linalg.norm(weighted, axis=1) - squares.min()
+    for _ in range(NUM_HALVINGS):
+        middle = (low + high) / 2.0
+        outside = ((weighted / (middle[:, None] + squares)) ** 2).sum(axis=1) > 1.0
+        low, high = np.where(outside, middle, low), np.where(outside, high, middle)
+    foot: Array = scale * squares * points / (((low + high) / 2.0)[:, None] + squares)
+    return foot
