@@ -52,10 +52,11 @@ def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Namin
         Height it stands on, world.
     """
     shapes = sorted({stack for kind in kinds for stack in kind.stacks})
+    weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
     floor = NOISE_FLOOR * voxels.cell_size
-    fits = {stack: fit_stack(stack, voxels.means, ground, floor) for stack in shapes}
+    fits = {stack: fit_stack(stack, voxels.means, ground, floor, weights) for stack in shapes}
     candidates = [
-        (_criterion(fits[stack]) - 2.0 * _log_ratio_chance(fits[stack], kind), kind, fits[stack])
+        (fits[stack].bic - 2.0 * _log_ratio_chance(fits[stack], kind), kind, fits[stack])
         for kind in kinds
         for stack in kind.stacks
     ]
@@ -82,10 +83,6 @@ def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
     return Naming(
         label=UNKNOWN, probability=0.0, centre=(low + high) / 2.0, size=size, failures=[reason]
     )
-
-
-def _criterion(fit: Estimate[Stack]) -> float:
-    return fit.deviance + fit.num_parameters * float(np.log(len(fit.residuals)))
 
 
 def _log_ratio_chance(fit: Estimate[Stack], kind: Kind) -> float:

@@ -95,7 +95,7 @@ class StackModel:
 
 
 def fit_stack(
-    shapes: tuple[str, ...], points: Array, ground: float, floor: float
+    shapes: tuple[str, ...], points: Array, ground: float, floor: float, weights: Array
 ) -> Estimate[Stack]:
     """The most likely stack of `shapes` that stands on the ground.
 
@@ -110,9 +110,9 @@ def fit_stack(
     """
     model = StackModel(points)
     starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
-    rough = [minimise(model, start, floor=floor, max_steps=6) for start in starts]
+    rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
     best = min(rough, key=lambda estimate: estimate.deviance)
-    fit = minimise(model, best.state, floor=floor)
+    fit = minimise(model, best.state, floor=floor, weights=weights)
     return replace(fit, state=_topped(fit, points))
 
 

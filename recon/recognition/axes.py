@@ -1,0 +1,15 @@
+"""Directions across an axis."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def across_axis(axis: Array) -> Array:
+    """(2, 3) unit rows across an axis (Duff et al. 2017, no branch near a pole)."""
+    x, y, z = axis
+    sign = 1.0 if z >= 0 else -1.0
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    return np.array([[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]])
