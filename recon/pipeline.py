@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.records import Matches, PointCloud, StereoPair, check_images
+from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import Quality, Settings, updated, with_quality
 from recon.stereo.features import detect
 from recon.stereo.matching import match
@@ -64,6 +64,13 @@ def match_images(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Se
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
+    return match_features(features_left, features_right, settings)
+
+
+def match_features(
+    features_left: Features, features_right: Features, settings: Settings
+) -> Matches:
+    """Match and fine tune the features of two rectified images."""
     # Pairs of like phase and magnitude, cross checked (Eqs 15 to 18).
     matches = match(features_left, features_right, settings.matching)
     # Fine tuning by the phase that is left (Eqs 20, 21).

@@ -56,13 +56,9 @@ def path(trajectory: Array, voxels: Voxels, known: Array | None = None, size: Si
     trajectory : (N, 4, 4)
         `T_world_left` of every pair.
     voxels : Voxels
-    known : (K, 2), optional
-        x, z of the floor cells known to be free.
     """
     figure = new_figure(size)
     axes = _axes(figure, f"Trajectory: {len(trajectory)} pairs")
-    if known is not None and len(known):
-        axes.scatter(known[:, 0], known[:, 1], s=4, c="#e9efe2", marker="s", zorder=0)
     _draw_colours(axes, voxels)
     at, gaze = trajectory[:, :3, 3], trajectory[:, :3, 2]
     axes.plot(at[:, 0], at[:, 2], color=INK, lw=0.8, alpha=0.6, zorder=2)
@@ -118,7 +114,7 @@ def _draw_label(axes: Any, found: FoundObject) -> None:
     from matplotlib.patches import Ellipse
 
     x, _, z = found.centre
-    width, _, depth = found.size + 2.0
+    width, _, depth = found.size * 1.15
     axes.add_patch(Ellipse((x, z), width, depth, fill=False, ec=ACCENT, lw=1.2, zorder=4))
     axes.annotate(
         f"{found.label}\n{found.probability:.0%}", (x, z - depth / 2.0), zorder=5, color=INK,

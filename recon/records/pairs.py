@@ -1,6 +1,6 @@
 """What the eyes saw, and from where."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -87,6 +87,14 @@ def check_images(left: NDArray[np.uint8], right: NDArray[np.uint8], name: str = 
 
 class PairSource(Protocol):
     """A sequence of pairs, read one at a time."""
+
+    disparity_range: tuple[int, int] | None
+    """(min, max) in pixels, both included, where the recording tells; else None."""
+
+    @property
+    def skipped(self) -> Sequence[tuple[str, str]]:
+        """Name and reason of what was left out so far."""
+        ...
 
     def __len__(self) -> int: ...
 

@@ -1,0 +1,75 @@
+"""`recon explore`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import (
+    FOLDER,
+    MATCHING,
+    OUTPUT,
+    PATH,
+    SETTINGS,
+    build_settings,
+    print_json,
+    start_logging,
+    with_options,
+)
+from recon.cli.progress import progress_bar
+
+# What a world asks for where nobody says otherwise: with both eyes on the target, disparities lie
+# round zero (thesis, table of parameters).
+BASE = {"matching.min_disparity": -10, "matching.max_disparity": 20}
+
+
+@click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
+@click.argument("scene", type=PATH)
+@click.option("--controller", help="frontier, thesis, or a plug-in's name.")
+@click.option("--recogniser", type=click.Choice(["robust", "thesis"]))
+@click.option("--renderer", type=click.Choice(["raycast", "filament"]))
+@click.option("--max-pairs", type=click.IntRange(min=1), help="Stop after N stereo pairs.")
+@with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
+def explore(scene: Path, **given: Any) -> None:
+    """Explore a simulated world: map it, name its objects."""
+    start_logging(given["quiet"], given["verbose"])
+    settings = build_settings(
+        preset=given["preset"],
+        settings_file=given["settings_file"],
+        overrides=given["overrides"],
+        quality=given["quality"] or "fast",
+        base=BASE,
+        flags={
+            "exploration.controller": given["controller"],
+            "exploration.max_pairs": given["max_pairs"],
+            "recognition.recogniser": given["recogniser"],
+            "render.renderer": given["renderer"],
+            "matching.matcher": given["matcher"],
+            "matching.keep": given["keep"],
+        },
+    )
+    from recon.runs.explore import explore_run
+
+    run_path = given["output"] or Path("runs") / scene.stem
+    with progress_bar("pairs", given["quiet"]) as progress:
+        report = explore_run(
+            scene, run_path, settings, seed=given["seed"], overwrite=given["overwrite"],
+            resume=given["resume"], progress=progress,
+        )  # fmt: skip
+    if given["as_json"]:
+        print_json(report)
+    elif not given["quiet"]:
+        _say(report)
+    if report["stop_reason"] == "interrupted":
+        raise click.Abort
+
+
+def _say(report: dict[str, Any]) -> None:
+    for found in report["objects"]:
+        x, _, z = found["centre"]
+        click.echo(f"{found['label']:12} at x {x:7.2f}, z {z:7.2f}   {found['probability']:.0%}")
+    click.echo(
+        f"{report['num_pairs']} pairs, {report['num_points']} points, "
+        f"{report['coverage']:.0%} of the floor known; stopped: {report['stop_reason']}"
+    )
+    click.echo(report["run"])

@@ -1,0 +1,38 @@
+"""`recon figure`."""
+
+from pathlib import Path
+
+import click
+
+from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+
+
+@click.command(epilog="Example: recon figure runs/village --kind map3d --view top")
+@click.argument("run", type=PATH)
+@click.option("--kind", help="One of the run's kinds; all where not given.")
+@click.option("--view", default="default", help="default, top, front or side, of map3d.")
+@click.option("--size", metavar="WxH", help="Pixels, as 1200x900.")
+@with_options(OUTPUT)
+def figure(
+    run: Path, kind: str | None, view: str, size: str | None, as_json: bool, quiet: bool,
+    verbose: bool,
+) -> None:  # fmt: skip
+    """Draw the figures of a run again."""
+    start_logging(quiet, verbose)
+    from recon.runs.figures import figure_run
+
+    paths = figure_run(run, kind=kind, view=view, size=_parse_size(size))
+    if as_json:
+        print_json({"figures": [str(path) for path in paths]})
+    elif not quiet:
+        for path in paths:
+            click.echo(path)
+
+
+def _parse_size(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise click.BadParameter(f"{text!r} is no size, but WxH such as 1200x900 is needed")
+    return int(width), int(height)

@@ -1,0 +1,61 @@
+"""The program: a group of commands, and what becomes of their errors."""
+
+import sys
+from collections.abc import Sequence
+
+import click
+
+import recon
+from recon.cli.disparity import disparity
+from recon.cli.doctor import doctor
+from recon.cli.explore import explore
+from recon.cli.figure import figure
+from recon.cli.info import info
+from recon.cli.reconstruct import reconstruct
+from recon.errors import InputError, ReconError
+
+DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Example: recon explore scenes/village.scene",
+)
+@click.version_option(recon.__version__, prog_name="recon")
+def program() -> None:
+    """Reconstruct objects from stereo sequences."""
+
+
+for command in (explore, reconstruct, disparity, figure, info, doctor):
+    program.add_command(command)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; a known error is one line on stderr."""
+    try:
+        code = program.main(args=argv, prog_name="recon", standalone_mode=False)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        return WRONG_USE
+    except click.ClickException as error:
+        return _say(f"{error.format_message()}", WRONG_USE)
+    except (click.Abort, KeyboardInterrupt):
+        return _say("interrupted", INTERRUPTED)
+    except InputError as error:
+        return _say(str(error), WRONG_USE)
+    except ReconError as error:
+        return _say(str(error), FAILED)
+    except OSError as error:
+        return _say(f"{error.filename or 'file'}: {error.strerror or error}", WRONG_USE)
+    return code if isinstance(code, int) else DONE
+
+
+def _say(message: str, code: int) -> int:
+    line = " ".join(message.split())
+    click.echo(f"recon: {line}", err=True)
+    return code
+
+
+def entry() -> None:
+    """The console script."""
+    sys.exit(main())

@@ -1,0 +1,106 @@
+"""Two pictures matched, and held against the truth where there is one."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.figures.disparity import disparity as draw_disparity
+from recon.files import atomic_path
+from recon.pipeline import match_features
+from recon.records import Matches, check_images
+from recon.runfolder import RunFolder, RunPlan
+from recon.runs.figures import write_figures
+from recon.runs.products import as_document, write_metrics
+from recon.sequences.calibration import read_calibration
+from recon.sequences.images import read_image
+from recon.sequences.truth import read_truth_file
+from recon.settings import Settings, to_toml
+from recon.stereo.evaluation import evaluate
+from recon.stereo.features import detect
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatchedPair:
+    """Matches of two pictures and what it took."""
+
+    left: NDArray[np.uint8]
+    matches: Matches
+    num_features: int
+    seconds: float
+
+
+def match_files(left_path: Path, right_path: Path, settings: Settings) -> MatchedPair:
+    """Match two picture files as the settings say."""
+    left, right = read_image(left_path), read_image(right_path)
+    check_images(left, right, f"{left_path} and {right_path}")
+    began = time.perf_counter()
+    features = detect(left, settings.features)
+    matches = match_features(features, detect(right, settings.features), settings)
+    seconds = time.perf_counter() - began
+    return MatchedPair(left=left, matches=matches, num_features=len(features), seconds=seconds)
+
+
+def search_range(calib_path: Path) -> dict[str, Any]:
+    """The search range that a calibration states, by "stage.name"; empty where it does not."""
+    stated = read_calibration(calib_path).disparity_range
+    if stated is None:
+        return {}
+    return {"matching.min_disparity": stated[0], "matching.max_disparity": stated[1]}
+
+
+def disparity_run(
+    left_path: Path,
+    right_path: Path,
+    settings: Settings,
+    *,
+    output: Path | None = None,
+    overwrite: bool = False,
+    truth_path: Path | None = None,
+    truth_scale: float | None = None,
+) -> dict[str, Any]:
+    """Match two pictures; leave a run folder where `output` names one.
+
+    Returns
+    -------
+    dict
+        The document of `recon disparity --json`.
+    """
+    plan = RunPlan(
+        command="disparity", settings_toml=to_toml(settings), seed=0,
+        inputs=(left_path, right_path),
+    )  # fmt: skip
+    run = output and RunFolder.prepare(output, plan, overwrite=overwrite, resume=False)
+    pair = match_files(left_path, right_path, settings)
+    metrics = as_document(measure(pair, truth_path, truth_scale))
+    if run:
+        with run.opened():
+            write_matches(run.path / "matches.npz", pair.matches)
+            write_figures(run.path, {"disparity": draw_disparity(pair.left, pair.matches)})
+            write_metrics(run, metrics)
+    return metrics
+
+
+def measure(
+    pair: MatchedPair, truth_path: Path | None, truth_scale: float | None = None
+) -> dict[str, Any]:
+    """The numbers of one pair by their JSON keys."""
+    metrics: dict[str, Any] = {
+        "num_features": pair.num_features,
+        "num_matches": len(pair.matches),
+        "seconds": pair.seconds,
+    }
+    if truth_path is None:
+        return metrics
+    truth = read_truth_file(truth_path, truth_scale)
+    return metrics | evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
+
+
+def write_matches(path: Path, matches: Matches) -> None:
+    """Write `matches.npz`, most confident first."""
+    names = ("points_px", "disparity_px", "sigma_px", "score")
+    with atomic_path(path) as part:
+        np.savez_compressed(part, **{name: getattr(matches, name) for name in names})

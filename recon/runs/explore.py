@@ -1,0 +1,116 @@
+"""An exploration, from a scene file to a run folder."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from recon.explore.agent import Exploration, Step, explore
+from recon.exports.ply import CloudWriter
+from recon.figures.canvas import Image
+from recon.figures.disparity import disparity
+from recon.records import StereoPair, View
+from recon.runfolder import RunFolder, RunPlan
+from recon.runs.contents import RunContents, Trajectory
+from recon.runs.figures import draw_all, write_figures
+from recon.runs.products import Progress, with_views, write_metrics, write_products
+from recon.runs.replay import SavedPairs
+from recon.runs.report import read_report
+from recon.settings import Settings, to_toml
+from recon.world.world import World
+
+
+def explore_run(
+    scene: Path,
+    run_path: Path,
+    settings: Settings,
+    *,
+    seed: int = 0,
+    overwrite: bool = False,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Explore a world and leave its run folder.
+
+    Returns
+    -------
+    dict
+        The document of `recon explore --json`: metrics.json with `run` and `objects`.
+    """
+    world = World.from_file(scene, settings)
+    plan = RunPlan(command="explore", settings_toml=to_toml(settings), seed=seed, inputs=(scene,))
+    run = RunFolder.prepare(run_path, plan, overwrite=overwrite, resume=resume)
+    if not run.is_finished:
+        with run.opened():
+            _explore_into(run, world, settings, progress)
+    return read_report(run.path)
+
+
+def _explore_into(
+    run: RunFolder, world: World, settings: Settings, progress: Progress | None
+) -> None:
+    began = time.perf_counter()
+    recorder = Recorder(run=run, world=world, settings=settings, progress=progress)
+    with CloudWriter(run.path / "cloud.ply") as recorder.cloud:
+        exploration = explore(world, settings, recorder.observe, recorder.take)
+    if exploration.stop_reason == "interrupted":
+        run.interrupt()
+    _write(run, exploration, recorder.clearest, settings, began)
+
+
+class Recorder:
+    """Keeps what the agent saw: every point, every pair until the end, and the clearest pair."""
+
+    cloud: CloudWriter
+
+    def __init__(
+        self, *, run: RunFolder, world: World, settings: Settings, progress: Progress | None
+    ) -> None:
+        self.saved = SavedPairs(folder=run.partial)
+        self.world = world
+        self.max_pairs = settings.exploration.max_pairs
+        self.progress = progress
+        self.num_taken = 0
+        self.clearest: Step | None = None
+
+    def take(self, view: View) -> StereoPair:
+        """The pair of the next view: replayed where a cut run had it, else taken and kept."""
+        pair = self.saved.load(self.num_taken)
+        if pair is None:
+            pair = self.world.take(view)
+            self.saved.save(self.num_taken, pair)
+        self.num_taken += 1
+        return pair
+
+    def observe(self, step: Step) -> None:
+        """Put the points of one step on disk."""
+        self.cloud.append(step.cloud, step.number)
+        if self.clearest is None or len(step.matches) > len(self.clearest.matches):
+            self.clearest = step
+        if self.progress is not None:
+            self.progress(step.number + 1, self.max_pairs)
+
+
+def _write(
+    run: RunFolder,
+    exploration: Exploration,
+    clearest: Step | None,
+    settings: Settings,
+    began: float,
+) -> None:
+    voxels = exploration.voxel_map.occupied(min_count=settings.map.min_count)
+    recognition = with_views(exploration.recognition, voxels, run.path / "cloud.ply")
+    trajectory = Trajectory(stamps_s=exploration.stamps_s, T_world_left=exploration.trajectory)
+    write_products(run, exploration.voxel_map, recognition, trajectory)
+    drawing = time.perf_counter()
+    contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
+    write_figures(run.path, draw_all(contents) | _disparity_picture(clearest))
+    ended = time.perf_counter()
+    seconds = exploration.seconds | {"figures": ended - drawing, "total": ended - began}
+    run.seconds.update(seconds)
+    write_metrics(run, exploration.metrics | {"seconds": seconds})
+
+
+def _disparity_picture(step: Step | None) -> dict[str, Image]:
+    if step is None:
+        return {}
+    return {"disparity": disparity(step.pair.left, step.matches)}

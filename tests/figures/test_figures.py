@@ -1,0 +1,88 @@
+"""Figures: right size, the right colours in the right places, the same bytes twice."""
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.figures import topview
+from recon.figures.canvas import save_png
+from recon.figures.disparity import disparity
+from recon.figures.map3d import map3d
+from recon.records import FoundObject, Matches, Voxels
+
+
+@pytest.fixture
+def voxels():
+    """A red column and a blue one, ten cells apart along x."""
+    index = np.array([[x, y, 0] for x in (0, 10) for y in range(4)])
+    colours = np.where(index[:, :1] == 0, [[220, 20, 20]], [[20, 20, 220]]).astype(np.uint8)
+    return Voxels(
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(8, 9),
+        colours=colours, cell_size=1.0,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def nothing(voxels):
+    return voxels.select(slice(0))
+
+
+def columns_of(image, channel):
+    """Image columns where a channel stands out."""
+    others = image[..., [c for c in range(3) if c != channel]].max(axis=2).astype(int)
+    return np.nonzero((image[..., channel].astype(int) - others > 60).any(axis=0))[0]
+
+
+def test_x_runs_to_the_right_in_both_maps(voxels):
+    for image in (map3d(voxels, size=(400, 300)), topview.labels(voxels, [], size=(400, 380))):
+        assert columns_of(image, 0).mean() < columns_of(image, 2).mean() - 50
+
+
+def test_z_runs_down_the_page():
+    index = np.array([[0, 0, -5], [0, 0, 5]])
+    colours = np.array([[220, 20, 20], [20, 20, 220]], dtype=np.uint8)
+    voxels = Voxels(
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(2, 9),
+        colours=colours, cell_size=1.0,
+    )  # fmt: skip
+    image = topview.labels(voxels, [], size=(400, 380)).transpose(1, 0, 2)
+    assert columns_of(image, 0).mean() < columns_of(image, 2).mean() - 50
+
+
+def test_sizes_are_as_asked_and_nothing_is_drawn_without_cells(nothing):
+    assert map3d(nothing, size=(320, 240)).shape == (240, 320, 3)
+    assert topview.occupancy(nothing, size=(300, 280)).shape == (280, 300, 3)
+    assert map3d(nothing, size=(320, 240)).std(axis=(0, 1)).max() == 0
+
+
+def test_names_are_drawn(voxels):
+    found = FoundObject(
+        id=0, label="pine tree", probability=0.9, centre=np.array([5.0, 2, 0]),
+        size=np.array([4.0, 4, 4]), num_voxels=8,
+    )  # fmt: skip
+    for draw in (lambda o: map3d(voxels, o, size=(400, 300)), lambda o: topview.labels(voxels, o)):
+        assert (draw([found]) != draw([])).any()
+
+
+def test_an_unknown_view_is_refused(voxels):
+    with pytest.raises(InputError, match="'below', but one of default, top"):
+        map3d(voxels, view="below")
+
+
+def test_the_same_figure_is_the_same_bytes(voxels, tmp_path):
+    for name in ("a.png", "b.png"):
+        save_png(map3d(voxels, size=(320, 240)), tmp_path / name)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_disparity_is_drawn_at_u_v(voxels):
+    zeros = np.zeros(1, np.int32)
+    matches = Matches(
+        points_px=np.array([[80.0, 10.0]]), disparity_px=np.ones(1), sigma_px=np.ones(1),
+        score=np.ones(1), index_left=zeros, index_right=zeros,
+    )  # fmt: skip
+    left = np.full((60, 100), 128, np.uint8)
+    with_point = disparity(left, matches, size=(500, 400))
+    without = disparity(left, matches.select(slice(0)), size=(500, 400))
+    assert with_point.shape == without.shape == (400, 500, 3)
+    assert (with_point != without).any()
