@@ -8,14 +8,22 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Features:
-    """Oriented feature points with their complex filter responses."""
+    """Oriented feature points, and the filter responses of the picture they lie in."""
 
     points_px: NDArray[np.float64]
-    """(N, 2) u, v."""
-    orientation_rad: NDArray[np.float64]
+    """(N, 2) u, v; in the order of the rows."""
+    orientation_rad: NDArray[np.float32]
     """(N,) direction across the edge (of its normal), in [0, pi)."""
-    response: NDArray[np.complex64]
-    """(N, S) response at the point's own orientation, one column a scale."""
+    modulus: NDArray[np.float32]
+    """(N,) strength of the response, all scales together."""
+    grey: NDArray[np.uint8]
+    """(H, W) brightness of the picture."""
+    widths_px: tuple[float, ...]
+    """(S,) widths of the filters."""
+    planes: NDArray[np.float32]
+    """(S, O, 2, H, W) real and imaginary response of each pixel at S scales and O orientations."""
+    candidate_mask: NDArray[np.bool_]
+    """(H, W) pixels strong enough to be matched with, or to support a match."""
 
     def __len__(self) -> int:
         return len(self.points_px)
@@ -34,9 +42,9 @@ class Matches:
     score: NDArray[np.float64]
     """(M,) confidence, falling."""
     index_left: NDArray[np.int32]
-    """(M,) row of the left feature."""
+    """(M,) row of the left feature the pair began as."""
     index_right: NDArray[np.int32]
-    """(M,) row of the right feature."""
+    """(M,) row of the right feature at the matched pixel; -1 where it is a candidate only."""
 
     def __len__(self) -> int:
         return len(self.points_px)

@@ -1,11 +1,11 @@
 """Settings of the stereo stages: features, matching, fine tuning, triangulation."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count, Positive, Share
+from recon.settings.stage import STRICT, Count, NonNegative, Positive, Share
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -15,6 +15,12 @@ class FeatureSettings:
     method: Literal["steerable"] = "steerable"
     share: Share = 0.10
     """Wanted number of features, as a share of the pixels; sets the threshold of the modulus."""
+    threshold: NonNegative = 0.5
+    """Smallest modulus of a feature, in grey levels, however few there are."""
+    widths_px: tuple[Annotated[float, Field(ge=1.5, le=64)], ...] = Field(
+        default=(1.5, 3.0, 6.0), min_length=1, max_length=8
+    )
+    """Widths of the filters, fine to coarse; the wavelength is 2.22 times as long."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
