@@ -14,8 +14,14 @@ class ExplorationSettings:
     """A name of the table of controllers, or of a plug-in."""
     max_pairs: Count = 1000
     clearance: Positive = 10.0
-    """Distance kept from the nearest object, world units."""
+    """Distance at which objects are looked at, world units."""
     object_turn_deg: float = Field(default=40.0, gt=0, le=180)
     """Turn round an object at each step."""
     robot_turn_deg: float = Field(default=45.0, gt=0, le=180)
     """Turn on the spot at each step."""
+    walk_clearance: Positive = 2.5
+    """Distance kept from everything while walking, world units."""
+    sight_range: Positive = 60.0
+    """How far off a thing is surely noticed: ground with nothing on it is known free up to here."""
+    viewing_distance: Positive = 20.0
+    """How far off a thing is seen well enough for the map, world units."""

@@ -1,0 +1,116 @@
+"""What the agent knows of the floor, cell by cell: free, occupied, or unknown."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+RAY_SPACING = 0.5
+"""World units between two rays at their far ends, and between two samples along one: half a cell,
+so that no cell slips through."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Lines:
+    """Lines of sight over the floor from C places, sampled outwards."""
+
+    cell: NDArray[np.intp]
+    """(C, A, R) flat number of the cell under each sample; one past the last = off the floor."""
+    radii: Array
+    """(R,) distance of the samples from the place, world units."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Floor:
+    """Cells of one world unit round the origin; the agent's flat memory."""
+
+    size_x: float
+    size_z: float
+    known_free: Mask = field(init=False)
+    """(X, Z) inside some view's field and range with no thing before it."""
+    occupied: Mask = field(init=False)
+    """(X, Z) a mapped thing stands on it or hangs over it."""
+
+    def __post_init__(self) -> None:
+        shape = (math.ceil(self.size_x), math.ceil(self.size_z))
+        self.known_free = np.zeros(shape, dtype=bool)
+        self.occupied = np.zeros(shape, dtype=bool)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of cells along x and z."""
+        return self.known_free.shape[0], self.known_free.shape[1]
+
+    @property
+    def corner(self) -> Array:
+        """(2,) x, z of the floor's lowest corner."""
+        return -np.array([self.size_x, self.size_z]) / 2.0
+
+    def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
+        """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
+        return np.floor(np.asarray(points_xz) - self.corner).astype(np.intp)
+
+    def centres(self, cells: ArrayLike) -> Array:
+        """Middle x, z (..., 2) of cells (..., 2)."""
+        centres: Array = np.asarray(cells) + 0.5 + self.corner
+        return centres
+
+    def holds(self, cells: NDArray[np.intp]) -> Mask:
+        """Which of the cells (..., 2) lie on the floor."""
+        inside: Mask = np.all((cells >= 0) & (cells < np.array(self.shape)), axis=-1)
+        return inside
+
+    def flat(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Number of each cell (..., 2), row by row; one past the last where it is off the floor."""
+        number = cells[..., 0] * self.shape[1] + cells[..., 1]
+        return np.where(self.holds(cells), number, self.known_free.size)
+
+    def mask(self, points_xz: ArrayLike) -> Mask:
+        """(X, Z) the cells that hold at least one of the points (N, 2)."""
+        cells = self.cells(points_xz)
+        marked = np.zeros(self.shape, dtype=bool)
+        marked[tuple(cells[self.holds(cells)].T)] = True
+        return marked
+
+    def disc(self, centre_xz: Array, radius: float) -> Mask:
+        """(X, Z) the cells whose middle lies in a disc."""
+        x, z = (np.arange(n) + 0.5 + low for n, low in zip(self.shape, self.corner, strict=True))
+        near: Mask = np.hypot(x[:, None] - centre_xz[0], z - centre_xz[1]) <= radius
+        return near
+
+    def lines(self, places_xz: ArrayLike, azimuths_rad: Array, radii: Array) -> Lines:
+        """Lines of sight from places (C, 2) along every azimuth (A,)."""
+        directions = np.column_stack([np.cos(azimuths_rad), np.sin(azimuths_rad)])
+        places = np.asarray(places_xz, dtype=np.float64)
+        samples = places[:, None, None] + directions[:, None] * radii[:, None]
+        return Lines(cell=self.flat(self.cells(samples)), radii=radii)
+
+    def open_samples(self, lines: Lines) -> Mask:
+        """(C, A, R) which samples lie on the floor with no mapped thing before them.
+
+        What hangs over the place itself does not hide the floor around it.
+        """
+        blocked = np.append(self.occupied.ravel(), True)[lines.cell]
+        came_out = np.logical_or.accumulate(~blocked, axis=-1)
+        clear: Mask = ~np.logical_or.accumulate(blocked & came_out, axis=-1) & came_out
+        return clear
+
+    def see(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> None:
+        """Mark as free what lies before the mapped things and nearer than `limits` (A,)."""
+        radii = np.arange(0.0, limits.max(initial=0.0), RAY_SPACING)
+        lines = self.lines(place_xz[None], azimuths_rad, radii)
+        seen = self.open_samples(lines)[0] & (radii < limits[:, None])
+        self.known_free.ravel()[lines.cell[0][seen]] = True
+
+
+def azimuths(heading_rad: float, field_rad: float, reach: float) -> Array:
+    """Azimuths of rays over a field of view, close enough to meet every cell within `reach`.
+
+    The azimuth of a direction (x, z) is atan2(z, x): it grows clockwise seen from above.
+    """
+    number = 2 + math.ceil(field_rad * reach / RAY_SPACING)
+    return heading_rad + np.linspace(-field_rad / 2.0, field_rad / 2.0, number)

@@ -1,0 +1,145 @@
+"""What the agent remembers: its map, the floor, and the things it has met."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from recon.explore.floor import Array, Floor, Mask
+from recon.explore.sight import Sight, Sighting, look, sightings, sigma_of
+from recon.explore.things import Thing, Visits, columns, find_things
+from recon.recognition import recognise
+from recon.records import FoundObject, PointCloud, StereoPair, View
+from recon.settings import Settings
+from recon.voxelmap import VoxelMap
+
+SURE_SIGMA = 1.0
+"""A point has seen its thing well when its depth is known to one cell."""
+MARGIN = 3.0
+"""World units round a mapped thing within which a new point is one more of its own."""
+LOOKS = 2
+"""A sighting that is not in the map after so many looks from nearby was noise."""
+NUM_VIEWS = 3
+"""A thing is named first when so many views have seen it well ..."""
+GROWTH = 1.25
+"""... and again when it has grown by this factor since."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Rumour:
+    """A sighting, and how often it was looked for from nearby."""
+
+    sighting: Sighting
+    looks: int = 0
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Memory:
+    """The agent's state; `remember` is all that changes it."""
+
+    settings: Settings
+    voxel_map: VoxelMap
+    floor: Floor = field(init=False)
+    visits: Visits = field(default_factory=Visits)
+    things: tuple[Thing, ...] = ()
+    rumours: list[Rumour] = field(default_factory=list)
+    timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
+    """Number of pairs taken, and the objects named by then, whenever these changed."""
+
+    def __post_init__(self) -> None:
+        world = self.settings.world
+        self.floor = Floor(size_x=world.size_x, size_z=world.size_z)
+
+    @property
+    def sightings(self) -> tuple[Sighting, ...]:
+        """Things seen that are not in the map."""
+        return tuple(rumour.sighting for rumour in self.rumours)
+
+    @property
+    def objects(self) -> tuple[FoundObject, ...]:
+        """Things named so far."""
+        return tuple(thing.found for thing in self.things if thing.found is not None)
+
+    @property
+    def ground(self) -> float:
+        """Height above which something stands on the floor."""
+        recognition = self.settings.recognition
+        return (recognition.ground or 0.0) + recognition.ground_clearance
+
+    def remember(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
+        """Take in one more pair, whose sure points are in the map already."""
+        height = cloud.points[:, 1]
+        standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
+        sure = standing.select(sigma_of(standing) <= SURE_SIGMA)
+        place = view.position[[0, 2]]
+        self.visits.add(place, sure, self.floor)
+        voxels = self.voxel_map.occupied(self.settings.map.min_count)
+        voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
+        self.floor.occupied = self.floor.mask(columns(voxels))
+        min_voxels = self.settings.recognition.min_voxels
+        before = [thing for thing in self.things if thing.found is not None]
+        things = find_things(voxels, self.floor, self.visits, min_voxels)
+        self.things = tuple(_with_name(thing, before) for thing in things)
+        sight = look(view, pair, standing, self.settings.exploration.sight_range)
+        self.floor.see(place, sight.azimuths_rad, sight.limits)
+        self._hear(sight, standing)
+
+    def name_things(self) -> None:
+        """Recognise the things that were seen often enough, and have changed since last time."""
+        self.things = tuple(
+            self._named(thing) if _is_due(thing) else thing for thing in self.things
+        )
+        if not self.timeline or self.objects != self.timeline[-1][1]:
+            self.timeline.append((len(self.visits.places), self.objects))
+
+    def _named(self, thing: Thing) -> Thing:
+        objects = recognise(thing.voxels, self.settings.recognition).objects
+        largest = max(objects, key=lambda found: found.num_voxels, default=None)
+        return replace(thing, found=largest, num_named=len(thing.voxels))
+
+    def _hear(self, sight: Sight, standing: PointCloud) -> None:
+        """Bring the things that are not in the map up to date."""
+        points_xz = standing.points[:, [0, 2]]
+        new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
+        for sighting in sightings(new, sight.place):
+            self._add_rumour(sighting)
+        near = self.settings.exploration.viewing_distance
+        kept = []
+        for rumour in self.rumours:
+            position = rumour.sighting.centre[None]
+            away = float(np.hypot(*(position[0] - sight.place)))
+            rumour.looks += int(away <= near and sight.faces(position)[0])
+            if rumour.looks < LOOKS and not self._is_mapped(position, rumour.sighting.sigma)[0]:
+                kept.append(rumour)
+        self.rumours = kept
+
+    def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
+        """(N,) which points belong, within their errors, to a thing of the map."""
+        mapped = np.zeros(len(points_xz), dtype=bool)
+        for thing in self.things:
+            mapped |= np.hypot(*(points_xz - thing.centre).T) <= thing.radius + MARGIN + sigma
+        return mapped
+
+    def _add_rumour(self, sighting: Sighting) -> None:
+        """Note a sighting; of two that may be of one thing, the surer one stays."""
+        for rumour in self.rumours:
+            other = rumour.sighting
+            apart = float(np.hypot(*(other.centre - sighting.centre)))
+            if apart <= max(MARGIN, other.radius, 2.0 * (other.sigma + sighting.sigma)):
+                if sighting.sigma < other.sigma:
+                    rumour.sighting = sighting
+                return
+        self.rumours.append(Rumour(sighting=sighting))
+
+
+def _is_due(thing: Thing) -> bool:
+    has_grown = len(thing.voxels) > GROWTH * thing.num_named
+    return has_grown and len(thing.bearings_rad) >= NUM_VIEWS
+
+
+def _with_name(thing: Thing, named: list[Thing]) -> Thing:
+    """A thing with the name that it had before, if it had one."""
+    inside = [other for other in named if thing.holds(other.centre[None])[0]]
+    if not inside:
+        return thing
+    same = min(inside, key=lambda other: float(np.hypot(*(other.centre - thing.centre))))
+    return replace(thing, found=same.found, num_named=same.num_named)
