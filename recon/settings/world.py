@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import ArgsKwargs
 
-from recon.settings.stage import STRICT, Count, Positive
+from recon.settings.stage import STRICT, Count, NonNegative, Positive
 
 _FOCAL_LENGTH = 0.1
 _FOV_DEG = 80.0
@@ -74,8 +74,19 @@ class RenderSettings:
 
     renderer: Literal["raycast", "filament"] = "raycast"
     supersampling: int = Field(default=2, ge=1, le=8)
-    """Samples along each side of a pixel."""
+    """Samples along each side of a pixel that shows an edge."""
     mipmaps: bool = True
+    shading: bool = False
+    """Whether the sun shines; else surfaces have their own colour, as features like it."""
+    sky: bool = False
+    """Whether the sky deepens from the horizon up; else it has one colour."""
+    fog: float = Field(default=0.0, ge=0, lt=1)
+    """Share of the light that is lost in each world unit."""
+    blur_px: NonNegative = 0.0
+    """Standard deviation of the lens blur."""
+    noise: NonNegative = 0.0
+    """Standard deviation of the image noise, grey levels of 255."""
+    noise_seed: int = Field(default=0, ge=0)
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -1,12 +1,14 @@
 """The two simulated cameras: where they stand, how they look, and what they are."""
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.errors import InputError, check_finite
-from recon.geometry import Array, look_at
+from recon.geometry import Array, look_at, pose, rotation_about_y
 from recon.records import View
 from recon.settings.world import FOLLOWERS, EyesSettings
 from recon.world.render import Camera
@@ -61,15 +63,61 @@ def left_pose(view: View, baseline: float) -> Array:
     return T_world_left
 
 
-def eye_camera(T_world_eye: Array, focal_px: float, centre_px: Array, eyes: EyesSettings) -> Camera:
-    """Rays of one eye, with the principal point `centre_px` (2,)."""
-    right, down, forward = T_world_eye[:3, :3].T
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Eye:
+    """One eye's rays, and how its picture is brought into the rectified rig."""
+
+    camera: Camera
+    H_rectified_eye: Array | None
+    """(3, 3) motion of image points; None where the picture is rectified as it is."""
+
+
+def eye_of(T_world_eye: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings) -> Eye:
+    """The eye that stands at a pose of the rig, whose principal point there is `cx_px`.
+
+    With gaze "shift" the sensor is shifted; with "toe-in" the eye turns until the target is in
+    the middle, which is where the shifted sensor has it too.
+    """
+    middle_px = (eyes.width - 1) / 2.0
+    K_rig = _intrinsics(rig.focal_px, cx_px, rig.cy_px)
+    if eyes.gaze == "shift":
+        return Eye(camera=_camera(T_world_eye, K_rig, eyes), H_rectified_eye=None)
+    turn = pose(rotation_about_y(np.arctan((middle_px - cx_px) / rig.focal_px)), np.zeros(3))
+    K_eye = _intrinsics(rig.focal_px, middle_px, rig.cy_px)
+    return Eye(
+        camera=_camera(T_world_eye @ turn, K_eye, eyes),
+        H_rectified_eye=K_rig @ turn[:3, :3] @ np.linalg.inv(K_eye),
+    )
+
+
+def rectified(picture: NDArray[np.uint8], H_rectified_eye: Array | None) -> NDArray[np.uint8]:
+    """The picture (H, W, 3) as the rectified rig has it; its border is stretched."""
+    if H_rectified_eye is None:
+        return picture
+    moved: NDArray[np.uint8] = cv2.warpPerspective(
+        picture,
+        H_rectified_eye,
+        picture.shape[1::-1],
+        flags=cv2.INTER_CUBIC,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return moved
+
+
+def _intrinsics(focal_px: float, cx_px: float, cy_px: float) -> Array:
+    return np.array([[focal_px, 0.0, cx_px], [0.0, focal_px, cy_px], [0.0, 0.0, 1.0]])
+
+
+def _camera(T_world_eye: Array, K: Array, eyes: EyesSettings) -> Camera:
+    """Rays of an eye: through (u, v) goes ``R K^-1 (u, v, 1)``, so that depth counts along z."""
+    directions = T_world_eye[:3, :3] @ np.linalg.inv(K)
+    still = np.zeros(3)
     return Camera(
         width=eyes.width,
         height=eyes.height,
         near=eyes.near,
         far=eyes.far,
-        origin=T_world_eye[:3, 3],
-        direction=forward - (centre_px[0] * right + centre_px[1] * down) / focal_px,
-        steps=np.array([np.zeros(3), right / focal_px, np.zeros(3), down / focal_px]),
+        frame=np.array(
+            [T_world_eye[:3, 3], directions[:, 2], still, directions[:, 0], still, directions[:, 1]]
+        ),
     )

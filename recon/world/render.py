@@ -3,59 +3,56 @@
 Textures are read through mipmaps everywhere; edges, where mipmaps do not help, are supersampled.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import Array
-from recon.libraries import load_open3d
 from recon.settings.world import RenderSettings
-from recon.world.sampling import shade
+from recon.world.rays import RayScene
+from recon.world.sampling import cast_rays, shade
 from recon.world.solids import Triangles
 from recon.world.textures import TextureAtlas
+from recon.world.visuals import NONE
 
 SKY_RGB = (196.0, 212.0, 228.0)
 """Pale, so that outlines that mix with it keep the hue of their object."""
 
+ZENITH_RGB = (92.0, 142.0, 206.0)
+"""Overhead, where the sky is to deepen."""
+
+EDGE_STEP = 0.1
+"""Share of its depth by which a pixel's neighbour must be nearer or farther to make an edge."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
-    """Rays of a picture, in the world: one a pixel, affine in the pixel's (u, v).
-
-    A ray starts at ``origin + u origin_u + v origin_v`` and goes along ``direction + u direction_u
-    + v direction_v``; depth counts in the length of its direction.
-    """
+    """Rays of a picture, in the world; depth counts in the length of a ray's direction."""
 
     width: int
     height: int
     near: float
     far: float
-    origin: Array
-    direction: Array
-    steps: Array
-    """(4, 3) origin u, direction u, origin v, direction v."""
+    frame: Array
+    """(6, 3) origin and direction of the ray of pixel (0, 0), then what one pixel further along u
+    adds to each, then along v."""
 
-    def rays(self, points_px: Array) -> tuple[Array, Array]:
-        """Origins and directions (N, 3) through image points (N, 2)."""
-        u, v = points_px[:, :1], points_px[:, 1:]
-        return (
-            self.origin + u * self.steps[0] + v * self.steps[2],
-            self.direction + u * self.steps[1] + v * self.steps[3],
-        )
+    @property
+    def is_parallel(self) -> bool:
+        """Whether all rays have one direction."""
+        return not self.frame[[3, 5]].any()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
-    """What a camera sees."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """How a visual is drawn."""
 
-    rgb: NDArray[np.uint8]
-    """(H, W, 3)."""
-    depth: Array
-    """(H, W) at the middle of each pixel, NaN = nothing within near and far."""
-    visual: NDArray[np.int32]
-    """(H, W) number of the visual, -1 = none."""
+    texture: int = NONE
+    """Its number in the atlas, -1 = none."""
+    one_sided: bool = False
+    """Whether it is not to be seen from behind."""
 
 
 class Raycaster:
@@ -64,93 +61,82 @@ class Raycaster:
     Parameters
     ----------
     parts : triangles of each visual
-    texture : of each visual its place in `atlas`, -1 = none
+    looks : how each visual looks
     atlas : the textures
     settings : the renderer's
     """
 
     def __init__(
         self,
-        parts: list[Triangles],
-        texture: list[int],
+        parts: Sequence[Triangles],
+        looks: Sequence[Look],
         atlas: TextureAtlas,
         settings: RenderSettings,
     ) -> None:
         counts = [len(part.corners) for part in parts]
-        self._visual = np.repeat(np.arange(len(parts), dtype=np.int32), counts)
-        self._texture = np.repeat(np.array(texture, dtype=np.int32), counts)
+        # One longer than the triangles, so that number -1, the sky, reads -1 too.
+        self._visual = np.append(np.repeat(np.arange(len(parts)), counts), -1).astype(np.int32)
+        self._texture = np.repeat(np.array([look.texture for look in looks], np.int32), counts)
+        self._one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
         self._facets = np.concatenate([np.empty((0, 26)), *(_facets(part) for part in parts)])
+        self._scene = RayScene(parts)
         self._atlas = (atlas.texels, atlas.start, atlas.shape)
         self._settings = settings
-        self._scene = cast_scene(parts)
 
-    def look(self, camera: Camera) -> Picture:
-        """The picture of a camera."""
-        height, width = camera.height, camera.width
-        v, u = np.mgrid[:height, :width].astype(np.float64)
-        pixels = np.column_stack([u.ravel(), v.ravel()])
-        triangle, depth, colour = self._cast(camera, pixels, 1)
+    def look(self, camera: Camera) -> NDArray[np.uint8]:
+        """The picture (H, W, 3) of a camera, its edges supersampled."""
+        pixels = _pixels(camera)
+        triangle = self._hits(camera, pixels)
+        depth, colour = self._shade(camera, pixels, 1, triangle)
+        shape = (camera.height, camera.width)
         side = self._settings.supersampling
         if side > 1:
-            edge = np.flatnonzero(_edges(self._surface_id(triangle).reshape(height, width)))
+            visual = self._visual[triangle].reshape(shape)
+            edge = np.flatnonzero(_edges(visual, depth.reshape(shape)))
             samples = (pixels[edge][:, None] + _offsets(side)).reshape(-1, 2)
-            _, _, fine = self._cast(camera, samples, side)
+            _, fine = self._shade(camera, samples, side, self._hits(camera, samples))
             colour[edge] = fine.reshape(len(edge), side * side, 3).mean(axis=1)
-        return Picture(
-            rgb=np.rint(colour).astype(np.uint8).reshape(height, width, 3),
-            depth=depth.reshape(height, width),
-            visual=np.where(triangle < 0, -1, self._visual[triangle]).reshape(height, width),
-        )
+        return np.rint(colour).astype(np.uint8).reshape(*shape, 3)
 
-    def _cast(
-        self, camera: Camera, points_px: Array, side: int
-    ) -> tuple[NDArray[np.int32], Array, Array]:
-        """Triangle (N,), depth (N,) and colour (N, 3) at image points that are 1 / side apart."""
-        origins, directions = camera.rays(points_px)
-        triangle = first_hit(self._scene, origins, directions, camera.near, camera.far)
-        depth, colour = np.empty(len(points_px)), np.empty((len(points_px), 3))
-        shade(
-            (origins, directions, camera.steps / side),
+    def measure(self, camera: Camera) -> tuple[Array, NDArray[np.int32]]:
+        """Depth (H, W), NaN = nothing, and number of the visual (H, W), -1 = none, at pixels."""
+        pixels = _pixels(camera)
+        triangle = self._hits(camera, pixels)
+        depth, _ = self._shade(camera, pixels, 1, triangle)
+        shape = (camera.height, camera.width)
+        return depth.reshape(shape), self._visual[triangle].reshape(shape)
+
+    def _hits(self, camera: Camera, points_px: Array) -> NDArray[np.int32]:
+        """Number (N,) of the triangle seen at each image point (N, 2), -1 = none."""
+        rays = cast_rays(camera.frame, points_px, camera.near)
+        hidden, reach = self._turned_away(camera), camera.far - camera.near
+        if hidden.any():
+            return self._scene.first_hit_without(hidden, rays, reach)
+        return self._scene.first_hit(rays, reach)
+
+    def _turned_away(self, camera: Camera) -> NDArray[np.bool_]:
+        """Triangles (T,) that are not drawn, because they are seen from behind."""
+        turned = self._one_sided.copy()
+        corner, normal = self._facets[turned, :3], self._facets[turned, 3:6]
+        towards = camera.frame[1] if camera.is_parallel else corner - camera.frame[0]
+        turned[turned] = (normal * towards).sum(axis=1) > 0
+        return turned
+
+    def _shade(
+        self, camera: Camera, points_px: Array, side: int, triangle: NDArray[np.int32]
+    ) -> tuple[Array, Array]:
+        """Depth (N,) and colour (N, 3) at image points that are 1 / side apart."""
+        zenith = ZENITH_RGB if self._settings.sky else SKY_RGB
+        depth, colour = shade(
+            camera.frame,
+            points_px,
+            1.0 / side,
             triangle,
             (self._facets, self._texture),
             self._atlas,
-            (np.array(SKY_RGB), 0.0),
-            depth,
-            colour,
+            (np.array(SKY_RGB), np.array(zenith), -np.log1p(-self._settings.fog)),
         )
-        return triangle, depth, colour
-
-    def _surface_id(self, triangle: NDArray[np.int32]) -> NDArray[np.int32]:
-        return np.where(triangle < 0, -1, self._visual[triangle])
-
-
-def cast_scene(parts: list[Triangles]) -> Any:
-    """Open3D's ray casting scene of all parts; None where there is no triangle."""
-    corners = np.concatenate([np.empty((0, 3, 3)), *(part.corners for part in parts)])
-    if not len(corners):
-        return None
-    o3d = load_open3d()
-    scene = o3d.t.geometry.RaycastingScene()
-    scene.add_triangles(
-        o3d.core.Tensor(corners.reshape(-1, 3).astype(np.float32)),
-        o3d.core.Tensor(np.arange(3 * len(corners), dtype=np.uint32).reshape(-1, 3)),
-    )
-    return scene
-
-
-def first_hit(
-    scene: Any, origins: Array, directions: Array, near: float, far: float
-) -> NDArray[np.int32]:
-    """Number of the first triangle each ray meets between `near` and `far`, -1 = none."""
-    if scene is None:
-        return np.full(len(origins), -1, np.int32)
-    o3d = load_open3d()
-    rays = np.empty((len(origins), 6), np.float32)
-    rays[:, :3] = origins + near * directions
-    rays[:, 3:] = directions
-    hits = scene.cast_rays(o3d.core.Tensor.from_numpy(rays))
-    reached = hits["t_hit"].numpy() <= far - near
-    return np.where(reached, hits["primitive_ids"].numpy().astype(np.int32), np.int32(-1))
+        return depth, colour
 
 
 def _facets(part: Triangles) -> Array:
@@ -166,15 +152,21 @@ def _facets(part: Triangles) -> Array:
     return np.concatenate([first, normal, values[:, 0], gradients.reshape(-1, 15)], axis=1)
 
 
-def _edges(surface: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Pixels (H, W) with a neighbour that shows another surface."""
-    edge = np.zeros(surface.shape, bool)
-    across, down = surface[:, 1:] != surface[:, :-1], surface[1:] != surface[:-1]
-    edge[:, 1:] |= across
-    edge[:, :-1] |= across
-    edge[1:] |= down
-    edge[:-1] |= down
+def _edges(visual: NDArray[np.int32], depth: Array) -> NDArray[np.bool_]:
+    """Pixels (H, W) with a neighbour that shows another visual, or one much farther or nearer."""
+    edge = np.zeros(visual.shape, bool)
+    for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
+        # Where nothing is, depth is NaN and the visual tells.
+        differ = (visual[a] != visual[b]) | (np.abs(depth[a] - depth[b]) > EDGE_STEP * depth[a])
+        edge[a] |= differ
+        edge[b] |= differ
     return edge
+
+
+def _pixels(camera: Camera) -> Array:
+    """Image points (H W, 2) of all pixels, row by row."""
+    v, u = np.mgrid[: camera.height, : camera.width].astype(np.float64)
+    return np.column_stack([u.ravel(), v.ravel()])
 
 
 def _offsets(side: int) -> Array:

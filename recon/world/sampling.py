@@ -1,4 +1,4 @@
-"""The one compiled loop: from what a ray hits to its colour."""
+"""The compiled loops: the rays of image points, and the colours of what they hit."""
 
 import numpy as np
 from numba import njit
@@ -6,136 +6,177 @@ from numpy.typing import NDArray
 
 from recon.geometry import Array
 
+Vec = tuple[float, float, float]
+Surface = tuple[Array, NDArray[np.int32]]
+"""Facets (T, 26): a corner, the normal, then u v r g b at that corner, then the gradient (x, y, z)
+of each of those five; and the texture (T,) of each facet, -1 = none."""
+Atlas = tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64]]
+"""Texels, start and shape of a `TextureAtlas`."""
+Backdrop = tuple[Array, Array, float]
+"""Red, green, blue of the sky at the horizon and overhead, and the density of the fog."""
+
+
+@njit(cache=True, nogil=True)
+def cast_rays(frame: Array, points_px: Array, near: float) -> NDArray[np.float32]:
+    """Rays (N, 6) of image points (N, 2), from the near plane on; `frame` is a `Camera`'s."""
+    rays = np.empty((len(points_px), 6), np.float32)
+    for n in range(len(points_px)):
+        origin, direction = _ray(frame, points_px[n, 0], points_px[n, 1])
+        for k in range(3):
+            rays[n, k] = origin[k] + near * direction[k]
+            rays[n, 3 + k] = direction[k]
+    return rays
+
 
 @njit(cache=True, nogil=True)
 def shade(
-    rays: tuple[Array, Array, Array],
+    frame: Array,
+    points_px: Array,
+    step_px: float,
     triangle: NDArray[np.int32],
-    surface: tuple[Array, NDArray[np.int32]],
-    atlas: tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64]],
-    backdrop: tuple[Array, float],
-    depth: Array,
-    colour: Array,
-) -> None:
-    """Colours and depths of rays, from the triangles they hit.
+    surface: Surface,
+    atlas: Atlas,
+    backdrop: Backdrop,
+) -> tuple[Array, Array]:
+    """Depths (N,) and colours (N, 3), 0 to 255, of image points (N, 2).
 
     Parameters
     ----------
-    rays : origins (N, 3), directions (N, 3), and steps (4, 3)
-        The steps are the change of origin and direction from one sample to the next along u and
-        along v: origin u, direction u, origin v, direction v.
-    triangle : (N,) what each ray hits, -1 = nothing
-    surface : see `Surface`: facets (T, 22), texture (T,) of each, -1 = none
-    atlas : texels, start, shape of a `TextureAtlas`
-    backdrop : red, green, blue of what is not there, and the density of the fog before it
-    depth : (N,) out, along a direction's own length, NaN = nothing
-    colour : (N, 3) out, 0 to 255
+    frame : (6, 3) of a `Camera`
+    step_px : distance of the points in the picture, which is the side of a point's footprint
+    triangle : (N,) the facet that each point's ray hits, -1 = none; its depth is NaN
     """
-    origins, directions, steps = rays
     facets, texture = surface
-    sky, fog = backdrop
-    value = np.empty(5)
-    texel = np.empty(3)
-    for n in range(len(triangle)):
+    depth, colour = np.empty(len(points_px)), np.empty((len(points_px), 3))
+    for n in range(len(points_px)):
         facet = triangle[n]
-        if facet < 0:
-            depth[n] = np.nan
-            colour[n] = sky
-            continue
-        area, depth[n] = _surface_values(origins[n], directions[n], steps, facets[facet], value)
-        _texture_colour(value, area, texture[facet], atlas, texel)
-        clear = np.exp(-fog * depth[n]) if fog > 0 else 1.0
+        origin, direction = _ray(frame, points_px[n, 0], points_px[n, 1])
+        sky = _sky(backdrop, direction)
+        depth[n], rgb, clear = np.nan, sky, 0.0
+        if facet >= 0:
+            slope = _dot(_row(facets, facet, 3), direction)
+            offset = _sub(_row(facets, facet, 0), origin)
+            depth[n] = _dot(_row(facets, facet, 3), offset) / slope
+            hit = _add(_scaled(direction, depth[n]), _scaled(offset, -1.0))
+            u, v = _value(facets, facet, 0, hit), _value(facets, facet, 1, hit)
+            rgb = (255.0, 255.0, 255.0)
+            if texture[facet] >= 0:
+                area = _footprint(frame, direction, depth[n], facets, facet) * step_px * step_px
+                rgb = _texel(u, v, area, texture[facet], atlas)
+            clear = np.exp(-backdrop[2] * depth[n])
+            rgb = (
+                min(255.0, rgb[0] * _value(facets, facet, 2, hit)),
+                min(255.0, rgb[1] * _value(facets, facet, 3, hit)),
+                min(255.0, rgb[2] * _value(facets, facet, 4, hit)),
+            )
         for c in range(3):
-            lit = min(255.0, texel[c] * value[2 + c])
-            colour[n, c] = clear * lit + (1.0 - clear) * sky[c]
+            colour[n, c] = clear * rgb[c] + (1.0 - clear) * sky[c]
+    return depth, colour
 
 
 @njit(cache=True, nogil=True)
-def _surface_values(
-    origin: Array, direction: Array, steps: Array, facet: Array, value: Array
-) -> tuple[float, float]:
-    """Fill in u, v, red, green, blue at the hit; return the footprint's area in uv, and depth."""
-    normal = facet[3:6]
-    slope = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2]
-    depth = 0.0
-    for k in range(3):
-        depth += normal[k] * (facet[k] - origin[k]) / slope
-    for i in range(5):
-        value[i] = facet[6 + i]
-        for k in range(3):
-            at = origin[k] + depth * direction[k] - facet[k]
-            value[i] += facet[11 + 3 * i + k] * at
-    u_u, v_u = _uv_step(steps[0], steps[1], direction, depth, slope, facet)
-    u_v, v_v = _uv_step(steps[2], steps[3], direction, depth, slope, facet)
-    return abs(u_u * v_v - u_v * v_u), depth
+def _ray(frame: Array, u: float, v: float) -> tuple[Vec, Vec]:
+    """Origin and direction through an image point."""
+    origin = _add(
+        _row(frame, 0, 0), _add(_scaled(_row(frame, 2, 0), u), _scaled(_row(frame, 4, 0), v))
+    )
+    direction = _add(
+        _row(frame, 1, 0), _add(_scaled(_row(frame, 3, 0), u), _scaled(_row(frame, 5, 0), v))
+    )
+    return origin, direction
 
 
 @njit(cache=True, nogil=True)
-def _uv_step(
-    origin_step: Array,
-    direction_step: Array,
-    direction: Array,
-    depth: float,
-    slope: float,
-    facet: Array,
-) -> tuple[float, float]:
-    """Change of u and v at the hit from one sample to the next (Igehy 1999, ray differentials)."""
-    along = 0.0
-    for k in range(3):
-        along -= facet[3 + k] * (origin_step[k] + depth * direction_step[k]) / slope
-    u, v = 0.0, 0.0
-    for k in range(3):
-        move = origin_step[k] + depth * direction_step[k] + along * direction[k]
-        u += facet[11 + k] * move
-        v += facet[14 + k] * move
-    return u, v
+def _row(table: Array, row: int, column: int) -> Vec:
+    return table[row, column], table[row, column + 1], table[row, column + 2]
 
 
 @njit(cache=True, nogil=True)
-def _texture_colour(
-    value: Array,
-    area: float,
-    texture: int,
-    atlas: tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64]],
-    texel: Array,
-) -> None:
+def _dot(a: Vec, b: Vec) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, nogil=True)
+def _add(a: Vec, b: Vec) -> Vec:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@njit(cache=True, nogil=True)
+def _sub(a: Vec, b: Vec) -> Vec:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@njit(cache=True, nogil=True)
+def _scaled(a: Vec, by: float) -> Vec:
+    return a[0] * by, a[1] * by, a[2] * by
+
+
+@njit(cache=True, nogil=True)
+def _sky(backdrop: Backdrop, direction: Vec) -> Vec:
+    """Colour of the sky: from the horizon's to the zenith's, by the sine of the elevation."""
+    horizon, zenith, _ = backdrop
+    share = max(0.0, direction[1]) / np.sqrt(_dot(direction, direction))
+    return (
+        horizon[0] + share * (zenith[0] - horizon[0]),
+        horizon[1] + share * (zenith[1] - horizon[1]),
+        horizon[2] + share * (zenith[2] - horizon[2]),
+    )
+
+
+@njit(cache=True, nogil=True)
+def _value(facets: Array, facet: int, number: int, hit: Vec) -> float:
+    """u, v, red, green or blue (number 0 to 4) at a place relative to the facet's corner."""
+    value: float = facets[facet, 6 + number] + _dot(_row(facets, facet, 11 + 3 * number), hit)
+    return value
+
+
+@njit(cache=True, nogil=True)
+def _footprint(frame: Array, direction: Vec, depth: float, facets: Array, facet: int) -> float:
+    """Area in uv of one pixel (ray differentials, Igehy 1999)."""
+    normal = _row(facets, facet, 3)
+    u, v = _row(facets, facet, 11), _row(facets, facet, 14)
+    slope = _dot(normal, direction)
+    across = _add(_row(frame, 2, 0), _scaled(_row(frame, 3, 0), depth))
+    down = _add(_row(frame, 4, 0), _scaled(_row(frame, 5, 0), depth))
+    across = _add(across, _scaled(direction, -_dot(normal, across) / slope))
+    down = _add(down, _scaled(direction, -_dot(normal, down) / slope))
+    area: float = abs(_dot(u, across) * _dot(v, down) - _dot(u, down) * _dot(v, across))
+    return area
+
+
+@njit(cache=True, nogil=True)
+def _texel(u: float, v: float, area: float, texture: int, atlas: Atlas) -> Vec:
     """Trilinear colour; the level is the one whose texels have the footprint's area."""
-    texels, start, shape = atlas
-    texel[:] = 0.0
-    if texture < 0:
-        texel[:] = 255.0
-        return
-    height, width = shape[texture, 0]
-    num_levels = start.shape[1]
-    exact = 0.5 * np.log2(max(1e-30, area * height * width))
-    exact = min(max(exact, 0.0), num_levels - 1.0)
+    _, start, shape = atlas
+    exact = 0.5 * np.log2(max(1e-30, area * shape[texture, 0, 0] * shape[texture, 0, 1]))
+    exact = min(max(exact, 0.0), start.shape[1] - 1.0)
     level = int(exact)
     part = exact - level
-    _add_bilinear(value, 1.0 - part, texels, start[texture, level], shape[texture, level], texel)
+    colour: Vec = _bilinear(u, v, texture, level, atlas)
     if part > 0.0:
-        level += 1
-        _add_bilinear(value, part, texels, start[texture, level], shape[texture, level], texel)
+        coarse = _bilinear(u, v, texture, level + 1, atlas)
+        colour = _add(_scaled(colour, 1.0 - part), _scaled(coarse, part))
+    return colour
 
 
 @njit(cache=True, nogil=True)
-def _add_bilinear(
-    value: Array,
-    weight: float,
-    texels: NDArray[np.uint8],
-    start: int,
-    shape: NDArray[np.int64],
-    texel: Array,
-) -> None:
-    """Add `weight` times the colour between the four nearest texels of one level."""
-    height, width = shape
-    column = (value[0] - np.floor(value[0])) * width - 0.5
-    row = (value[1] - np.floor(value[1])) * height - 0.5
+def _bilinear(u: float, v: float, texture: int, level: int, atlas: Atlas) -> Vec:
+    """Colour between the four nearest texels of one level; textures repeat."""
+    texels, start, shape = atlas
+    height, width = shape[texture, level, 0], shape[texture, level, 1]
+    column = (u - np.floor(u)) * width - 0.5
+    row = (v - np.floor(v)) * height - 0.5
     left, upper = int(np.floor(column)), int(np.floor(row))
     x, y = column - left, row - upper
-    right, lower = (left + 1) % width, (upper + 1) % height
-    left, upper = left % width, upper % height
-    first, second = start + upper * width, start + lower * width
-    for c in range(3):
-        above = (1.0 - x) * texels[first + left, c] + x * texels[first + right, c]
-        below = (1.0 - x) * texels[second + left, c] + x * texels[second + right, c]
-        texel[c] += weight * ((1.0 - y) * above + y * below)
+    first = start[texture, level] + (upper % height) * width
+    second = start[texture, level] + ((upper + 1) % height) * width
+    left, right = left % width, (left + 1) % width
+    above = _add(
+        _scaled(_row(texels, first + left, 0), 1.0 - x), _scaled(_row(texels, first + right, 0), x)
+    )
+    below = _add(
+        _scaled(_row(texels, second + left, 0), 1.0 - x),
+        _scaled(_row(texels, second + right, 0), x),
+    )
+    colour: Vec = _add(_scaled(above, 1.0 - y), _scaled(below, y))
+    return colour

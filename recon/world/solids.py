@@ -12,6 +12,7 @@ from recon.world.visuals import (
     PolygonVisual,
     SphereVisual,
     Vector,
+    Visual,
 )
 
 # A file's Slices and Stacks say how coarsely OpenGL drew; here every solid is round to less than
@@ -121,6 +122,21 @@ def polygon_triangles(visual: PolygonVisual) -> Triangles:
         uv=np.array([vertex.uv for vertex in visual.vertices])[fan],
         colours=np.array([vertex.colour[:3] for vertex in visual.vertices])[fan],
     )
+
+
+def contains(visual: Visual, points: Array) -> NDArray[np.bool_]:
+    """Which points (N, 3) lie inside a sphere, an ellipsoid, or a cylinder closed at its ends."""
+    if isinstance(visual, SphereVisual | EllipsoidVisual):
+        reach = visual.radius if isinstance(visual, SphereVisual) else np.array(visual.radii)
+        inside: NDArray[np.bool_] = np.linalg.norm((points - visual.centre) / reach, axis=1) <= 1.0
+        return inside
+    if not isinstance(visual, CylinderVisual):
+        return np.zeros(len(points), bool)
+    own = (points - np.array(visual.translation)) @ quarter_turns(visual.rotation)
+    share = own[:, 2] / visual.height
+    radius = visual.radius_base + share * (visual.radius_top - visual.radius_base)
+    within: NDArray[np.bool_] = np.hypot(own[:, 0], own[:, 1]) <= radius
+    return within & (share >= 0) & (share <= 1)
 
 
 def quarter_turns(rotation: Vector) -> Array:

@@ -1,0 +1,45 @@
+"""One view as a folder of files that every stereo program reads."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from recon.camera import StereoRig
+from recon.geometry import Array
+from recon.records import StereoPair
+
+
+def export_frame(pair: StereoPair, depth: Array, folder: str | Path) -> None:
+    """Write left.png, right.png, disp_left.pfm (infinite = unknown) and calib.txt (Middlebury)."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    disparity_px = np.where(np.isnan(depth), np.inf, pair.rig.disparity(depth))
+    _write_image(folder / "left.png", pair.left[..., ::-1])
+    _write_image(folder / "right.png", pair.right[..., ::-1])
+    _write_image(folder / "disp_left.pfm", disparity_px.astype(np.float32))
+    _whole(folder / "calib.txt", lambda path: path.write_text(_calibration(pair.rig)))
+
+
+def _calibration(rig: StereoRig) -> str:
+    left, right = (
+        f"[{rig.focal_px!r} 0 {cx!r}; 0 {rig.focal_px!r} {rig.cy_px!r}; 0 0 1]"
+        for cx in (rig.cx_left_px, rig.cx_right_px)
+    )
+    return (
+        f"cam0={left}\ncam1={right}\ndoffs={rig.cx_right_px - rig.cx_left_px!r}\n"
+        f"baseline={rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
+    )
+
+
+def _write_image(path: Path, image: np.ndarray) -> None:
+    _whole(path, lambda beside: cv2.imwrite(str(beside), image))
+
+
+def _whole(path: Path, write: Callable[[Path], object]) -> None:
+    """Write beside and rename, so that the file appears whole or not at all."""
+    beside = path.with_name(f".{path.stem}.part{path.suffix}")
+    write(beside)
+    os.replace(beside, path)

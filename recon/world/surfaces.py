@@ -1,0 +1,54 @@
+"""A scene's surfaces: their triangles, and how they look."""
+
+from pathlib import Path
+
+from recon.settings.world import RenderSettings
+from recon.world.lighting import lit
+from recon.world.meshes import read_mesh
+from recon.world.render import Look, Raycaster
+from recon.world.solids import (
+    Triangles,
+    cylinder_triangles,
+    polygon_triangles,
+    sphere_triangles,
+)
+from recon.world.textures import build_atlas, read_texture
+from recon.world.visuals import (
+    NONE,
+    CylinderVisual,
+    MeshVisual,
+    PolygonVisual,
+    Scene,
+    Visual,
+)
+
+
+def visual_triangles(visual: Visual, folder: Path | None) -> Triangles:
+    """The triangles of any visual of a scene in `folder`."""
+    if isinstance(visual, CylinderVisual):
+        triangles = cylinder_triangles(visual)
+    elif isinstance(visual, PolygonVisual):
+        triangles = polygon_triangles(visual)
+    elif isinstance(visual, MeshVisual):
+        triangles = read_mesh((folder or Path()) / visual.file)
+    else:
+        triangles = sphere_triangles(visual)
+    return triangles.without_slivers()
+
+
+def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettings) -> Raycaster:
+    """The renderer of a scene, with each texture that a visual uses read once."""
+    names = [scene.texture_of(visual) for visual in scene.visuals]
+    used = sorted({name for name in names if name is not None})
+    atlas = build_atlas([read_texture(name, scene.folder) for name in used], settings.mipmaps)
+    looks = [
+        Look(
+            texture=NONE if name is None else used.index(name),
+            one_sided=isinstance(visual, PolygonVisual) and visual.cull_back,
+        )
+        for name, visual in zip(names, scene.visuals, strict=True)
+    ]
+    if settings.shading:
+        shaders = [None if v.shader == NONE else scene.shaders[v.shader] for v in scene.visuals]
+        parts = [lit(part, shader) for part, shader in zip(parts, shaders, strict=True)]
+    return Raycaster(parts, looks, atlas, settings)
