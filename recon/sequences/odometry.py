@@ -1,0 +1,126 @@
+"""Poses of a recording that has none: stereo visual odometry, scale from the baseline."""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from recon.camera import StereoRig
+from recon.errors import InputError
+from recon.geometry import invert
+from recon.records import PairSource, StereoPair
+from recon.sequences.motion import estimate_motion
+from recon.sequences.poses import T_up_recorded
+from recon.sequences.selfcalibration import estimate_residual
+from recon.sequences.tracking import Tracks, track
+
+Array = NDArray[np.float64]
+
+log = logging.getLogger(__name__)
+
+MAX_CALIBRATION_PAIRS = 60
+"""From which the residual is estimated, evenly spread over the recording."""
+
+
+class EstimatedPoses:
+    """A `PairSource` whose pairs carry estimated poses and are freed of what rectification left.
+
+    The world is the first left camera's frame turned so that y is up. A first pass over the
+    recording estimates the residual; the second gives the pairs, one at a time.
+    """
+
+    def __init__(self, source: PairSource) -> None:
+        self._source = source
+        rig, tracks = _sample(source)
+        self.residual = estimate_residual(tracks, rig)
+        """Of rows and disparities, estimated from the pictures and taken out of the pairs."""
+        self._maps = self.residual.maps(rig)
+        self.carried: list[str] = []
+        """Names of the frames, so far, that could not be tracked: they got the last motion."""
+
+    def __len__(self) -> int:
+        return len(self._source)
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        self.carried = []
+        T_world_left = T_up_recorded(np.eye(4))
+        T_first_second = np.eye(4)
+        last: StereoPair | None = None
+        for pair in self._source:
+            if last is not None:
+                T_first_second = self._motion(last, pair, T_first_second)
+                T_world_left = T_world_left @ T_first_second
+            yield replace(self._straight(pair), T_world_left=T_world_left)
+            last = pair
+
+    def _straight(self, pair: StereoPair) -> StereoPair:
+        if self._maps is None:
+            return pair
+        return replace(pair, right=cv2.remap(pair.right, *self._maps, cv2.INTER_CUBIC))
+
+    def _motion(self, first: StereoPair, second: StereoPair, usual: Array) -> Array:
+        """`T_first_second` (4, 4); the usual one where too little can be tracked."""
+        tracks = self.residual.corrected(track(first, second), first.rig)
+        T_second_first = estimate_motion(tracks, first.rig)
+        if T_second_first is not None:
+            return invert(T_second_first)
+        log.warning("frame %s could not be tracked: the last motion goes on", second.name)
+        self.carried.append(second.name)
+        return usual
+
+
+def with_estimated_poses(source: PairSource) -> EstimatedPoses:
+    """The same pairs with poses estimated from the pictures.
+
+    Raises
+    ------
+    InputError
+        Where the pairs are not all of one rig, as those of a ring.
+    """
+    return EstimatedPoses(source)
+
+
+def _sample(source: PairSource) -> tuple[StereoRig, list[Tracks]]:
+    """The rig, and tracks between pairs spread evenly over the recording."""
+    pairs = iter(source)
+    first = next(pairs)
+    rig, tracks = first.rig, []
+    stride = -(-len(source) // MAX_CALIBRATION_PAIRS)
+    for number, second in enumerate(pairs):
+        if second.rig != rig:
+            raise InputError(
+                f"{second.name} has another rig than {first.name}, but poses are estimated "
+                "for one moving rig"
+            )
+        if number % stride == 0:
+            tracks.append(track(first, second))
+        first = second
+    return rig, tracks
+
+
+def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:
+    """Root mean square distance of rigidly aligned positions, percent of the true path's length.
+
+    Parameters
+    ----------
+    estimated, true : (N, 4, 4) array_like
+        Poses of the same frames, each in a world of its own.
+
+    Raises
+    ------
+    InputError
+        Where the true path has no length.
+    """
+    from evo.core.metrics import APE, PoseRelation
+    from evo.core.trajectory import PosePath3D
+
+    path, reference = (PosePath3D(poses_se3=[*np.asarray(p)]) for p in (estimated, true))
+    if not reference.path_length > 0:
+        raise InputError("the true path has no length, but drift is a share of it")
+    path.align(reference)
+    error = APE(PoseRelation.translation_part)
+    error.process_data((reference, path))
+    return float(100.0 * np.sqrt(np.mean(error.error**2)) / reference.path_length)

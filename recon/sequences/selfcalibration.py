@@ -1,0 +1,162 @@
+"""The residual of a rectification from the pictures alone, chosen by pictures held out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.sequences.motion import (
+    agreeing_tracks,
+    are_near,
+    estimate_motion,
+    linearise,
+    moved,
+    refine_motion,
+)
+from recon.sequences.residual import Field, Residual, terms
+from recon.sequences.tracking import Tracks
+
+Array = NDArray[np.float64]
+
+NUM_TERMS = (1, 6)
+"""Fields that are tried beside none: constant, and quadratic in the image position."""
+MIN_GAIN = 0.01
+"""Share of the held-out cost that a richer field must save."""
+NUM_PASSES, NUM_ROUNDS = 2, 10
+SMALL_STEP_PX = 1e-4
+ROW_SIGMA_PX = 0.15
+"""Of the row offset of one corner."""
+
+
+def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
+    """What the tracks between pairs of one rig say is left of rows and disparities.
+
+    A field is fitted to every other pair of pairs and judged by its robust cost on the rest;
+    the best is then fitted to all.
+    """
+    row = _chosen(tracks, rig, _fit_row, _row_cost)
+    return Residual(row=row, disparity=_chosen(tracks, rig, _fit_disparity, _disparity_cost))
+
+
+def _chosen(
+    tracks: Sequence[Tracks],
+    rig: StereoRig,
+    fit: Callable[[Sequence[Tracks], StereoRig, int], Field],
+    cost: Callable[[Sequence[Tracks], StereoRig, Field], float],
+) -> Field:
+    fitted, held_out = tracks[::2], tracks[1::2]
+    if not held_out:
+        return Field()
+    best, least = 0, cost(held_out, rig, Field())
+    for number in NUM_TERMS:
+        now = cost(held_out, rig, fit(fitted, rig, number))
+        if now < (1.0 - MIN_GAIN) * least:
+            best, least = number, now
+    return fit(tracks, rig, best) if best else Field()
+
+
+def _fit_row(tracks: Sequence[Tracks], rig: StereoRig, number: int) -> Field:
+    points = np.concatenate([t.first.right_points_px for t in tracks])
+    offset = np.concatenate([t.first.row_offset_px for t in tracks])
+    design = terms(points, rig, number)
+    coefficients = np.zeros(number)
+    for _ in range(NUM_ROUNDS):
+        error = (offset - design @ coefficients) / ROW_SIGMA_PX
+        weight = np.sqrt(1.0 / (1.0 + error**2))
+        coefficients = np.linalg.lstsq(design * weight[:, None], offset * weight, rcond=None)[0]
+    return Field(coefficients=coefficients)
+
+
+def _row_cost(tracks: Sequence[Tracks], rig: StereoRig, row: Field) -> float:
+    offsets = [t.first.row_offset_px - row.at(t.first.right_points_px, rig) for t in tracks]
+    return float(np.log1p((np.concatenate(offsets) / ROW_SIGMA_PX) ** 2).sum())
+
+
+def _disparity_cost(tracks: Sequence[Tracks], rig: StereoRig, disparity: Field) -> float:
+    """How badly the tracks between two pairs fit one motion, outliers and all: the mean."""
+    costs = [np.zeros(0)]
+    for seen in tracks:
+        corrected = Residual(disparity=disparity).corrected(seen, rig)
+        motion = estimate_motion(corrected, rig)
+        if motion is not None:
+            near = corrected.select(are_near(corrected, rig))
+            costs.append(linearise(motion, near, rig).costs)
+    return float(np.mean(np.concatenate(costs)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Motion:
+    """A motion and the tracks, as they were measured, that agree on it."""
+
+    T_second_first: Array
+    tracks: Tracks
+
+
+def _fit_disparity(tracks: Sequence[Tracks], rig: StereoRig, number: int) -> Field:
+    """All motions and the field together: Gauss-Newton with the motions eliminated."""
+    field = Field(coefficients=np.zeros(number))
+    for _ in range(NUM_PASSES):
+        starts = (_start(seen, rig, field) for seen in tracks)
+        motions = [motion for motion in starts if motion is not None]
+        for _ in range(NUM_ROUNDS if motions else 0):
+            change, motions = _step(motions, rig, field)
+            field = Field(coefficients=field.coefficients + change)
+            if np.abs(change).max() < SMALL_STEP_PX:
+                break
+    return field
+
+
+def _start(seen: Tracks, rig: StereoRig, disparity: Field) -> _Motion | None:
+    corrected = Residual(disparity=disparity).corrected(seen, rig)
+    agreeing = agreeing_tracks(corrected, rig)
+    if agreeing is None:
+        return None
+    T_second_first, rows = agreeing
+    refined = refine_motion(T_second_first, corrected.select(rows), rig)
+    return _Motion(T_second_first=refined, tracks=seen.select(rows))
+
+
+def _step(motions: Sequence[_Motion], rig: StereoRig, field: Field) -> tuple[Array, list[_Motion]]:
+    """The change of the field (K,), and the motions moved along with it."""
+    blocks = [_block(motion, rig, field) for motion in motions]
+    normal = np.sum([block.normal for block in blocks], axis=0)
+    gradient = np.sum([block.gradient for block in blocks], axis=0)
+    change: Array = -np.linalg.solve(normal, gradient)
+    return change, [
+        replace(motion, T_second_first=moved(motion.T_second_first, block.motion_change(change)))
+        for motion, block in zip(motions, blocks, strict=True)
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Block:
+    """Normal equations of the field, one motion eliminated (Schur complement)."""
+
+    normal: Array
+    """(K, K)"""
+    gradient: Array
+    """(K,)"""
+    back: Array
+    """(6, K + 1) what the field's change and 1 make of the motion, negative."""
+
+    def motion_change(self, change: Array) -> Array:
+        """(6,) turn and step that go with a change of the field (K,)."""
+        moved_by: Array = -self.back @ np.append(change, 1.0)
+        return moved_by
+
+
+def _block(motion: _Motion, rig: StereoRig, field: Field) -> _Block:
+    corrected = Residual(disparity=field).corrected(motion.tracks, rig)
+    at = linearise(motion.T_second_first, corrected, rig)
+    number = len(field.coefficients)
+    by_field = sum(
+        at.by_shift[:, :, eye, None] * terms(seen.right_points_px, rig, number)[:, None]
+        for eye, seen in enumerate((motion.tracks.first, motion.tracks.second))
+    )
+    both = np.concatenate([at.by_motion, by_field, at.residual[:, :, None]], axis=2)
+    product = np.einsum("n,nij,nik->jk", at.weight, both, both, optimize=True)
+    back = np.linalg.solve(product[:6, :6], product[:6, 6:])
+    reduced = product[6:, 6:] - product[6:, :6] @ back
+    return _Block(normal=reduced[:-1, :-1], gradient=reduced[:-1, -1], back=back)
