@@ -21,7 +21,7 @@ def overview(pictures: Mapping[str, Image], size: Size = SIZE) -> Image:
     for number, (title, image) in enumerate(pictures.items()):
         place = grid[:, 0] if number == 0 else grid[number - 1, 1]
         axes = figure.add_subplot(place)
-        axes.imshow(image)
+        axes.imshow(image, cmap="gray" if image.ndim == 2 else None)
         axes.set_axis_off()
         axes.set_title(title, color=INK, fontsize=11, loc="left")
     return to_image(figure)

@@ -6,12 +6,10 @@ from typing import Any
 
 from recon.explore.agent import Exploration, Step, explore
 from recon.exports.ply import CloudWriter
-from recon.figures.canvas import Image
-from recon.figures.disparity import disparity
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder, RunPlan
 from recon.runs.contents import RunContents, Trajectory
-from recon.runs.figures import draw_all, write_figures
+from recon.runs.figures import add_pair, draw_all, write_figures
 from recon.runs.products import Progress, with_views, write_metrics, write_products
 from recon.runs.replay import SavedPairs
 from recon.runs.report import read_report
@@ -103,14 +101,11 @@ def _write(
     write_products(run, exploration.voxel_map, recognition, trajectory)
     drawing = time.perf_counter()
     contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
-    write_figures(run.path, draw_all(contents) | _disparity_picture(clearest))
+    pictures = draw_all(contents)
+    if clearest is not None:
+        pictures = add_pair(pictures, clearest.pair.left, clearest.matches)
+    write_figures(run.path, pictures)
     ended = time.perf_counter()
     seconds = exploration.seconds | {"figures": ended - drawing, "total": ended - began}
     run.seconds.update(seconds)
     write_metrics(run, exploration.metrics | {"seconds": seconds})
-
-
-def _disparity_picture(step: Step | None) -> dict[str, Image]:
-    if step is None:
-        return {}
-    return {"disparity": disparity(step.pair.left, step.matches)}

@@ -7,6 +7,9 @@ from pathlib import Path
 from recon.errors import InputError
 from recon.figures import map3d, topview
 from recon.figures.canvas import Image, Size, save_png
+from recon.figures.disparity import disparity
+from recon.figures.overview import overview
+from recon.records import Matches
 from recon.runfolder import read_manifest
 from recon.runs.contents import RunContents, read_contents
 
@@ -43,6 +46,18 @@ KINDS = {
 def draw_all(contents: RunContents) -> dict[str, Image]:
     """Every kind, by name, as a run leaves it."""
     return {name: kind.draw(contents, "default", kind.size) for name, kind in KINDS.items()}
+
+
+def add_pair(pictures: dict[str, Image], left: Image, matches: Matches) -> dict[str, Image]:
+    """The pictures, with the disparity of the clearest pair and a sheet of them all."""
+    drawn = disparity(left, matches)
+    sheet = {
+        "The map, with what was found": pictures["map3d"],
+        "What the left eye saw": left,
+        "What was matched": drawn,
+        "The floor, with names": pictures["labels"],
+    }
+    return pictures | {"disparity": drawn, "overview": overview(sheet)}
 
 
 def write_figures(run_path: Path, pictures: dict[str, Image]) -> list[Path]:

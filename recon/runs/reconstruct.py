@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.exports.ply import CloudWriter
-from recon.figures.disparity import disparity
 from recon.geometry import transform
 from recon.pipeline import PairResult, process_sequence
 from recon.recognition import recognise
 from recon.records import PairSource, StereoPair
 from recon.runfolder import RunFolder, RunPlan
 from recon.runs.contents import RunContents, Trajectory
-from recon.runs.figures import draw_all, write_figures
+from recon.runs.figures import add_pair, draw_all, write_figures
 from recon.runs.products import Progress, with_views, write_metrics, write_products
 from recon.runs.report import read_report
 from recon.sequences.open import open_sequence
@@ -154,7 +153,7 @@ def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
     pictures = draw_all(contents)
     if tally.clearest is not None:
         pair, result = tally.clearest
-        pictures["disparity"] = disparity(pair.left, result.matches)
+        pictures = add_pair(pictures, pair.left, result.matches)
     write_figures(run.path, pictures)
 
 

@@ -1,0 +1,143 @@
+"""An exploration through the command line: what it leaves, and that it leaves the same twice."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.cli import main
+from recon.exports.ply import read_cloud_chunks
+from recon.runs import explore as explore_module
+from recon.voxelmap import VoxelMap
+
+SCENES = Path(__file__).parents[2] / "scenes"
+PAIRS = 4
+FILES = {
+    "manifest.json", "settings.toml", "trajectory.txt", "cloud.ply", "map.npz", "objects.json",
+    "metrics.json", "figures/map3d.png", "figures/occupancy.png", "figures/labels.png",
+    "figures/trajectory.png", "figures/disparity.png", "figures/overview.png",
+}  # fmt: skip
+
+
+def explore(folder, *flags, scene="three_apples"):
+    argv = ["explore", str(SCENES / f"{scene}.scene"), "-o", str(folder), "--quiet"]
+    return main([*argv, "--max-pairs", str(PAIRS), *flags])
+
+
+def comparable(folder):
+    """Every file but the manifest, and the metrics without their seconds."""
+    found = {}
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path.name not in ("manifest.json", "metrics.json"):
+            found[path.relative_to(folder).as_posix()] = path.read_bytes()
+    metrics = json.loads((folder / "metrics.json").read_text())
+    metrics.pop("seconds")
+    return found | {"metrics.json": metrics}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "walk"
+    assert explore(folder) == 0
+    return folder
+
+
+def test_the_run_folder_holds_what_the_contract_promises(run):
+    files = {p.relative_to(run).as_posix() for p in run.rglob("*") if p.is_file()}
+    assert files == FILES
+    assert json.loads((run / "manifest.json").read_text())["state"] == "finished"
+
+
+def test_the_files_agree_with_each_other(run):
+    metrics = json.loads((run / "metrics.json").read_text())
+    trajectory = np.loadtxt(run / "trajectory.txt")
+    clouds = list(read_cloud_chunks(run / "cloud.ply"))
+    assert metrics["num_pairs"] == PAIRS == len(trajectory)
+    assert metrics["stop_reason"] == "limit"
+    assert metrics["num_points"] == sum(len(cloud) for cloud, _ in clouds)
+    assert set(np.unique(np.concatenate([pair for _, pair in clouds]))) <= set(range(PAIRS))
+    assert VoxelMap.load(run / "map.npz").num_cells > 0
+    np.testing.assert_allclose(np.linalg.norm(trajectory[:, 4:], axis=1), 1, atol=1e-8)
+    np.testing.assert_allclose(trajectory[:, 2], 5.0, atol=1e-8)
+
+
+def test_the_same_command_gives_the_same_bytes(run, tmp_path):
+    assert explore(tmp_path / "again") == 0
+    assert comparable(tmp_path / "again") == comparable(run)
+
+
+def test_a_cut_run_is_resumed_to_the_same_bytes(run, tmp_path, monkeypatch):
+    folder = tmp_path / "cut"
+    take = explore_module.Recorder.take
+
+    def cut_short(self, view):
+        if self.num_taken == 2:
+            raise KeyboardInterrupt
+        return take(self, view)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(explore_module.Recorder, "take", cut_short)
+        assert explore(folder) == 130
+    assert json.loads((folder / "manifest.json").read_text())["state"] == "interrupted"
+    assert json.loads((folder / "metrics.json").read_text())["stop_reason"] == "interrupted"
+    assert explore(folder, "--resume") == 0
+    assert comparable(folder) == comparable(run)
+
+
+def test_a_finished_run_is_left_alone(run):
+    before = (run / "manifest.json").stat().st_mtime_ns
+    assert explore(run, "--resume") == 0
+    assert (run / "manifest.json").stat().st_mtime_ns == before
+    assert explore(run) == 2
+    assert explore(run, "--resume", "--seed", "1") == 2
+
+
+def test_json_is_the_metrics_with_run_and_objects(run, capsys):
+    scene = str(SCENES / "three_apples.scene")
+    code = main(["explore", scene, "-o", str(run), "--resume", "--max-pairs", str(PAIRS), "--json"])
+    report = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert report["run"] == str(run)
+    assert {"num_pairs", "coverage", "curve", "seconds", "objects", "path_bound"} <= set(report)
+
+
+def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
+    assert main(["figure", str(run), "--kind", "occupancy", "--size", "320x300", "--json"]) == 0
+    (path,) = json.loads(capsys.readouterr().out)["figures"]
+    header = Path(path).read_bytes()[16:24]
+    assert (int.from_bytes(header[:4]), int.from_bytes(header[4:])) == (320, 300)
+    assert main(["figure", str(run), "--kind", "portrait"]) == 2
+    assert main(["figure", str(run), "--size", "bigxbig"]) == 2
+
+
+def test_info_knows_runs_maps_clouds_scenes_and_pictures(run, capsys):
+    for name, kind in {
+        ".": "run", "map.npz": "map", "cloud.ply": "cloud", "figures/map3d.png": "picture",
+    }.items():  # fmt: skip
+        assert main(["info", str(run / name), "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["kind"] == kind
+    assert main(["info", str(SCENES / "village.scene"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["num_visuals"] == 13
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("# Radius\n4", "# Radius\n-4", "-4"),
+        ("# Radius\n4", "# Radius\nnan", "nan"),
+        ("SPHERE", "PYRAMID", "PYRAMID"),
+        ("textures/grass.tga", "textures/moss.tga", "moss"),
+        ("# Radius\n4\n", "", "line"),
+    ],
+)
+def test_a_broken_scene_is_one_line_and_no_folder(tmp_path, capsys, old, new, message):
+    text = (SCENES / "village.scene").read_text()
+    assert old in text
+    broken = tmp_path / "broken.scene"
+    broken.write_text(text.replace(old, new, 1))
+    assert main(["explore", str(broken), "-o", str(tmp_path / "run")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "broken.scene:" in error
+    assert not (tmp_path / "run").exists()
