@@ -1,11 +1,11 @@
 """One view as a folder of files that every stereo program reads."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.geometry import Array
@@ -24,17 +24,18 @@ def export_frame(pair: StereoPair, depth: Array, folder: str | Path) -> None:
 
 
 def _calibration(rig: StereoRig) -> str:
+    # Middlebury counts the baseline in thousandths.
     left, right = (
         f"[{rig.focal_px!r} 0 {cx!r}; 0 {rig.focal_px!r} {rig.cy_px!r}; 0 0 1]"
         for cx in (rig.cx_left_px, rig.cx_right_px)
     )
     return (
         f"cam0={left}\ncam1={right}\ndoffs={rig.cx_right_px - rig.cx_left_px!r}\n"
-        f"baseline={rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
+        f"baseline={1000.0 * rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
     )
 
 
-def _write_image(path: Path, image: np.ndarray) -> None:
+def _write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.float32]) -> None:
     _whole(path, lambda beside: cv2.imwrite(str(beside), image))
 
 
@@ -42,4 +43,4 @@ def _whole(path: Path, write: Callable[[Path], object]) -> None:
     """Write beside and rename, so that the file appears whole or not at all."""
     beside = path.with_name(f".{path.stem}.part{path.suffix}")
     write(beside)
-    os.replace(beside, path)
+    Path(beside).replace(path)

@@ -1,5 +1,6 @@
 """Visuals as triangles with texture coordinates."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,6 +109,14 @@ def cylinder_triangles(visual: CylinderVisual) -> Triangles:
     )
 
 
+def lid_triangles(visual: CylinderVisual) -> tuple[Triangles, Triangles]:
+    """Cones inside an open cylinder that close its ends, for those who look along its axis."""
+    return (
+        cylinder_triangles(dataclasses.replace(visual, radius_base=0.0)),
+        cylinder_triangles(dataclasses.replace(visual, radius_top=0.0)),
+    )
+
+
 def polygon_triangles(visual: PolygonVisual) -> Triangles:
     """A polygon as a fan round its first corner, with its own colours and coordinates."""
     count = len(visual.vertices)
@@ -135,8 +144,10 @@ def contains(visual: Visual, points: Array) -> NDArray[np.bool_]:
     own = (points - np.array(visual.translation)) @ quarter_turns(visual.rotation)
     share = own[:, 2] / visual.height
     radius = visual.radius_base + share * (visual.radius_top - visual.radius_base)
-    within: NDArray[np.bool_] = np.hypot(own[:, 0], own[:, 1]) <= radius
-    return within & (share >= 0) & (share <= 1)
+    within: NDArray[np.bool_] = (
+        (share >= 0) & (share <= 1) & (np.hypot(own[:, 0], own[:, 1]) <= radius)
+    )
+    return within
 
 
 def quarter_turns(rotation: Vector) -> Array:

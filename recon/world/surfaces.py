@@ -9,6 +9,7 @@ from recon.world.render import Look, Raycaster
 from recon.world.solids import (
     Triangles,
     cylinder_triangles,
+    lid_triangles,
     polygon_triangles,
     sphere_triangles,
 )
@@ -34,6 +35,12 @@ def visual_triangles(visual: Visual, folder: Path | None) -> Triangles:
     else:
         triangles = sphere_triangles(visual)
     return triangles.without_slivers()
+
+
+def lids(scene: Scene) -> list[Triangles]:
+    """What closes the ends of a scene's open cylinders."""
+    cylinders = (visual for visual in scene.visuals if isinstance(visual, CylinderVisual))
+    return [lid.without_slivers() for visual in cylinders for lid in lid_triangles(visual)]
 
 
 def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettings) -> Raycaster:

@@ -14,12 +14,14 @@ from recon.records import StereoPair, View
 from recon.settings.settings import Settings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 from recon.world.eyes import Eye, eye_of, eyes_of, left_pose, rectified, rig_of
+from recon.world.frames import export_frame
 from recon.world.objects import TrueObject, is_ground, true_objects
+from recon.world.panes import front_camera, top_camera
 from recon.world.rays import RayScene
 from recon.world.scene import read_scene
 from recon.world.sensor import exposed
 from recon.world.solids import contains
-from recon.world.surfaces import build_raycaster, visual_triangles
+from recon.world.surfaces import build_raycaster, lids, visual_triangles
 from recon.world.visuals import Scene
 
 START_DISTANCE = 10.0
@@ -65,6 +67,7 @@ class World:
         solid = [p for v, p in zip(scene.visuals, parts, strict=True) if not is_ground(v, p)]
         self._renderer = build_raycaster(scene, parts, render)
         self._solids, self._surfaces = RayScene(solid), RayScene(parts)
+        self._closed = RayScene([*solid, *lids(scene)])
         self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts)
         # One longer than the visuals, so that number -1, the sky, reads -1 too.
         self._object_of = np.full(len(parts) + 1, -1, np.int32)
@@ -119,6 +122,18 @@ class World:
         picture = self._renderer.look(eye.camera)
         return rectified(exposed(picture, eye.camera.frame, self.render), eye.H_rectified_eye)
 
+    def top_view(self, size: int = 512) -> NDArray[np.uint8]:
+        """The floor from above (H, W, 3): x to the right, z down, the longer side `size` pixels."""
+        return self._renderer.look(top_camera(self.floor, size))
+
+    def front_view(self, size: int = 512) -> NDArray[np.uint8]:
+        """The world from its front (H, W, 3), along -z: x to the right over `size` pixels, y up."""
+        return self._renderer.look(front_camera(self.floor, size))
+
+    def export_frame(self, view: View, folder: str | Path) -> None:
+        """Write a view's pictures, true disparity and calibration to a folder."""
+        export_frame(self.take(view), self.truth(view).depth, folder)
+
     def clearance(self, positions: ArrayLike) -> Array:
         """(N,) distance of points (N, 3) to the nearest object's surface, ground excluded.
 
@@ -156,7 +171,7 @@ class World:
                 "units can be mapped: make world.size_x and world.size_z smaller"
             )
         index = np.stack(np.meshgrid(np.arange(num_x), np.arange(num_z), indexing="ij"), axis=-1)
-        covered = self._solids.covers(index.reshape(-1, 2) + 0.5 - size / 2)
+        covered = self._closed.covers(index.reshape(-1, 2) + 0.5 - size / 2)
         return ~covered.reshape(num_x, num_z)
 
 

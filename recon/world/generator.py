@@ -1,0 +1,155 @@
+"""Random worlds: apple trees, pine trees and cottages of many sizes and looks."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.geometry import Array
+from recon.world.visuals import (
+    CylinderVisual,
+    EllipsoidVisual,
+    PolygonVisual,
+    Scene,
+    SphereVisual,
+    Vector,
+    Vertex,
+    Visual,
+)
+
+TEXTURES = ("grass", "leaves", "wood", "bubinga", "earth", "brick", "marble", "roof", "cobra")
+CROWNS, TRUNKS = ("grass", "leaves"), ("wood", "bubinga", "earth")
+WALLS, ROOFS = ("brick", "marble", "earth"), ("roof", "cobra")
+
+START_ROOM = 12.0
+"""World units round the start that stay free, so that the agent can turn and walk."""
+
+TIP_RADIUS = 1.0
+"""Of the upper end of a cone, as in the thesis's worlds."""
+
+GROUND_REACH = 500.0
+GROUND_RGBA = (0.5, 0.5, 0.0, 0.0)
+
+_TRIES = 2000
+
+
+def random_scene(
+    rng: np.random.Generator, num_objects: int, gap: float, *, floor_size: float = 200.0
+) -> Scene:
+    """A world of objects that stand at least `gap` apart, on plain ground.
+
+    Parameters
+    ----------
+    rng : where all chance comes from
+    num_objects : how many objects
+    gap : least free ground between two objects, and to the floor's border, world units
+    floor_size : side of the floor round the origin, world units
+
+    Raises
+    ------
+    InputError
+        Where so many objects do not fit so far apart.
+    """
+    circles = [np.array([0.0, 0.0, START_ROOM - gap])]
+    visuals: list[Visual] = []
+    for _ in range(num_objects):
+        grow, least, most = KINDS[rng.integers(len(KINDS))]
+        radius = rng.uniform(least, most)
+        reach = floor_size / 2.0 - radius - gap
+        place = _free_place(rng, np.array(circles), radius + gap, reach)
+        if place is None:
+            raise InputError(
+                f"num_objects is {num_objects} and gap is {gap}, but only {len(circles) - 1} fit "
+                f"on a floor of side {floor_size}: fewer objects or a smaller gap are needed"
+            )
+        circles.append(np.append(place, radius))
+        visuals.extend(grow(rng, radius, float(place[0]), float(place[1])))
+    names = tuple(f"textures/{name}.tga" for name in TEXTURES)
+    return Scene(textures=names, visuals=(*visuals, plain_ground()))
+
+
+def plain_ground() -> PolygonVisual:
+    """The thesis's ground: olive, without a texture, far wider than the floor."""
+    corners = ((-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0))
+    return PolygonVisual(
+        cull_back=True,
+        vertices=tuple(
+            Vertex(
+                position=(GROUND_REACH * x, 0.0, GROUND_REACH * z),
+                colour=GROUND_RGBA,
+                uv=(0.0, 0.0),
+            )
+            for x, z in corners
+        ),
+    )
+
+
+def _free_place(
+    rng: np.random.Generator, circles: Array, distance: float, reach: float
+) -> Array | None:
+    """A random x, z at least `distance` from all circles (x, z, radius); None where none is."""
+    if reach <= 0:
+        return None
+    for place in rng.uniform(-reach, reach, size=(_TRIES, 2)):
+        apart = np.hypot(*(circles[:, :2] - place).T) - circles[:, 2]
+        if apart.min() >= distance:
+            return place
+    return None
+
+
+def _apple_tree(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
+    height = rng.uniform(5.0, 10.0)
+    trunk = _cylinder((x, height, z), radius * rng.uniform(0.3, 0.5), height, _pick(rng, TRUNKS))
+    texture = _pick(rng, CROWNS)
+    if rng.random() < 0.7:
+        centre = (x, height + radius, z)
+        return SphereVisual(centre=centre, radius=radius, texture=texture), trunk
+    upright = radius * rng.uniform(0.75, 1.3)
+    centre = (x, height + upright, z)
+    return EllipsoidVisual(centre=centre, radii=(radius, upright, radius), texture=texture), trunk
+
+
+def _pine_tree(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
+    height, crown = rng.uniform(4.0, 9.0), rng.uniform(6.0, 11.0)
+    trunk = _cylinder((x, height, z), radius * rng.uniform(0.2, 0.4), height, _pick(rng, TRUNKS))
+    return _cone((x, height + crown, z), radius, crown, _pick(rng, CROWNS)), trunk
+
+
+def _cottage(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
+    height, roof = rng.uniform(5.0, 9.0), rng.uniform(3.0, 5.0)
+    walls = _cylinder((x, height, z), radius * rng.uniform(0.85, 1.0), height, _pick(rng, WALLS))
+    return _cone((x, height + roof, z), radius, roof, _pick(rng, ROOFS)), walls
+
+
+def _cylinder(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:
+    return CylinderVisual(
+        radius_base=radius,
+        radius_top=radius,
+        height=height,
+        translation=upper_end,
+        texture=texture,
+    )
+
+
+def _cone(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:
+    return CylinderVisual(
+        radius_base=TIP_RADIUS,
+        radius_top=radius,
+        height=height,
+        translation=upper_end,
+        texture=texture,
+    )
+
+
+def _pick(rng: np.random.Generator, names: Sequence[str]) -> int:
+    return TEXTURES.index(names[rng.integers(len(names))])
+
+
+Grow = Callable[[np.random.Generator, float, float, float], tuple[Visual, ...]]
+
+KINDS: tuple[tuple[Grow, float, float], ...] = (
+    (_apple_tree, 3.0, 6.0),
+    (_pine_tree, 4.0, 8.0),
+    (_cottage, 4.0, 8.0),
+)
+"""What grows, and its least and greatest radius, world units."""
