@@ -2,15 +2,18 @@
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 from recon.errors import InputError
 from recon.records import StereoPair
-from recon.sequences.calibration import Calibration, read_calibration
+from recon.sequences.calibration import read_calibration
+from recon.sequences.cameras import Calibration
 from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.images import read_image
-from recon.sequences.listing import Listed, list_pairs
-from recon.sequences.moments import Moment, list_moments
+from recon.sequences.listing import Listed, gaps, list_pairs
+from recon.sequences.moments import Moment, list_moments, read_times
+from recon.sequences.poses import Trajectory, read_trajectory
 from recon.sequences.rectification import Rectifier, rectifier
 from recon.settings import SequenceSettings
 
@@ -23,33 +26,45 @@ def is_folder(path: Path) -> bool:
 def open_folder(path: Path, settings: SequenceSettings) -> Recording:
     """The recording in `path`."""
     listed = list_pairs(path / "left", path / "right")
-    return file_recording(path, listed, read_calibration(find_calibration(path)), settings)
+    moments = list_moments(
+        [entry.name for entry in listed],
+        read_times(path / "times.txt"),
+        given_trajectory(path / "poses.txt", settings),
+    )
+    return file_recording(listed, moments, read_calibration(find_calibration(path)), settings)
 
 
 def find_calibration(path: Path) -> Path:
-    """The one calibration file of a folder.
+    """The calibration file of a folder: calib.txt, or the first YAML file.
 
     Raises
     ------
     InputError
         Where there is none.
     """
-    found = [path / "calib.txt", *sorted(path.glob("*.y*ml"))]
-    for file in found:
+    for file in [path / "calib.txt", *sorted(path.glob("*.yaml")), *sorted(path.glob("*.yml"))]:
         if file.is_file():
             return file
     raise InputError(f"{path} holds no calibration: calib.txt or a YAML file is needed")
 
 
+def given_trajectory(path: Path, settings: SequenceSettings) -> Trajectory | None:
+    """The poses of a file where they are wanted and there are some."""
+    return read_trajectory(path) if settings.poses == "given" and path.is_file() else None
+
+
 def file_recording(
-    path: Path, listed: Sequence[Listed], calibration: Calibration, settings: SequenceSettings
+    listed: Sequence[Listed],
+    moments: Sequence[Moment],
+    calibration: Calibration,
+    settings: SequenceSettings,
 ) -> Recording:
-    """Pictures in files, each with its row of poses.txt and times.txt where `path` holds them."""
+    """Pictures in files, each with its moment."""
     rectify = rectifier(calibration, first_size(listed))
-    moments = list_moments(path, [entry.name for entry in listed], settings.poses)
-    frames, skipped = [], []
-    for entry, moment in [*zip(listed, moments, strict=True)][:: settings.every]:
-        fault = _fault(entry, moment)
+    skipped = [Skipped(name, "it is in neither folder") for name in gaps(listed)]
+    frames = []
+    for entry, moment in islice(zip(listed, moments, strict=True), 0, None, settings.every):
+        fault = _fault(entry) or moment.fault
         if fault:
             skipped.append(Skipped(entry.name, fault))
             continue
@@ -59,23 +74,28 @@ def file_recording(
 
 
 def first_size(listed: Sequence[Listed]) -> tuple[int, int]:
-    """(width, height) of the first picture that can be read."""
+    """(width, height) of the first picture that can be read.
+
+    Raises
+    ------
+    InputError
+        Where none can.
+    """
     faults = []
-    for entry in listed:
-        for path in filter(None, (entry.left, entry.right)):
-            try:
-                height, width = read_image(path).shape[:2]
-            except InputError as error:
-                faults.append(str(error))
-            else:
-                return width, height
+    for path in (path for entry in listed for path in (entry.left, entry.right) if path):
+        try:
+            height, width = read_image(path).shape[:2]
+        except InputError as error:
+            faults.append(str(error))
+        else:
+            return width, height
     raise InputError(f"no picture can be read; the first fault: {faults[0]}")
 
 
-def _fault(entry: Listed, moment: Moment) -> str | None:
+def _fault(entry: Listed) -> str | None:
     if entry.left is None or entry.right is None:
         return f"it has no {'left' if entry.left is None else 'right'} picture"
-    return moment.fault
+    return None
 
 
 def _load(entry: Listed, moment: Moment, rectify: Rectifier) -> StereoPair:

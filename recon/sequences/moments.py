@@ -1,18 +1,17 @@
-"""When each frame of a folder was taken and from where: rows of times.txt and poses.txt."""
+"""When each frame was taken and from where: which row of times and poses belongs to it."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.sequences.poses import T_up_recorded, Trajectory, read_lines, read_trajectory
+from recon.sequences.poses import T_up_recorded, Trajectory, read_lines
 
 Array = NDArray[np.float64]
-Poses = Literal["given", "estimated", "none"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,61 +25,77 @@ class Moment:
     """Why the frame cannot be used."""
 
 
-def list_moments(folder: Path, names: Sequence[str], poses: Poses) -> list[Moment]:
-    """The moment of each named frame; without times.txt the number of its row is its time.
+def list_moments(
+    names: Sequence[str], times: Array | None, trajectory: Trajectory | None
+) -> list[Moment]:
+    """The moment of each named frame; where nothing is timed, the number of its row is its time.
 
-    As many rows as names go in order. Otherwise names that are numbers count from frame 0 in the
-    first row, so that a frame that is missing on both sides does not shift the rest.
+    Rows that are as many as names go in order. Otherwise the numbers in the names count the rows,
+    so that a frame that is missing does not shift the rest: from the first frame where the
+    numbers span as many rows as there are, else from frame 0.
+
+    Parameters
+    ----------
+    names : sequence of str
+    times : (R,) or None
+        Seconds, one a row.
+    trajectory : Trajectory or None
+        Of the left camera, timed or one pose a row.
 
     Raises
     ------
     InputError
-        Where poses are to be given and are not.
+        Where there are more rows than frames and the names have no numbers.
     """
-    times = _read_times(folder / "times.txt")
-    trajectory = given_trajectory(folder / "poses.txt", len(names)) if poses == "given" else None
     if trajectory is not None and times is None:
         times = trajectory.stamps_s
-    num_rows = len(trajectory or times if times is not None else names)
-    rows = _rows(names, num_rows)
-    return [_moment(row, times, trajectory) for row in rows]
-
-
-def given_trajectory(path: Path, num_frames: int) -> Trajectory:
-    """The poses of a file; a single frame without one stands at the origin."""
-    if path.is_file():
-        return read_trajectory(path)
-    if num_frames == 1:
-        return Trajectory(poses=np.eye(4)[None], stamps_s=None)
-    raise InputError(
-        f"{path} is missing, but {num_frames} frames need poses: give them, or take "
-        "--poses estimated or --poses none"
-    )
+    num_rows = next((len(rows) for rows in (times, trajectory) if rows is not None), len(names))
+    return [_moment(row, times, trajectory) for row in _rows(names, num_rows)]
 
 
 def _rows(names: Sequence[str], num_rows: int) -> list[int]:
-    numbered = len(names) != num_rows and all(name.isdigit() for name in names)
-    return [int(name) for name in names] if numbered else [*range(len(names))]
+    numbers = [last_number(name) for name in names]
+    if len(names) == num_rows:
+        return [*range(num_rows)]
+    if None in numbers and len(names) < num_rows:
+        raise InputError(
+            f"there are {num_rows} times or poses for {len(names)} frames, whose names "
+            f"({names[0]}, ...) have no numbers to tell which is whose"
+        )
+    known = [number if number is not None else row for row, number in enumerate(numbers)]
+    start = known[0] if known[-1] - known[0] + 1 == num_rows else 0
+    return [number - start for number in known]
+
+
+def last_number(name: str) -> int | None:
+    """The last whole number in a name, None where there is none."""
+    numbers = re.findall(r"\d+", name)
+    return int(numbers[-1]) if numbers else None
 
 
 def _moment(row: int, times: Array | None, trajectory: Trajectory | None) -> Moment:
     if times is not None and row >= len(times):
-        return Moment(stamp_s=float(row), fault=f"times.txt has no row {row + 1} for it")
+        return Moment(stamp_s=float(row), fault=f"there is no time in row {row + 1} for it")
     stamp = float(row) if times is None else float(times[row])
     if trajectory is None:
         return Moment(stamp_s=stamp)
-    timed = trajectory.stamps_s is not None
-    T_recorded_left = trajectory.at(stamp if timed else row)
+    T_recorded_left = trajectory.at(float(row) if trajectory.stamps_s is None else stamp)
     if T_recorded_left is None:
-        return Moment(stamp_s=stamp, fault="poses.txt has no pose for it")
-    T_world_recorded = T_up_recorded(trajectory.poses[0])
-    return Moment(stamp_s=stamp, T_world_left=T_world_recorded @ T_recorded_left)
+        return Moment(stamp_s=stamp, fault="there is no pose for it")
+    return Moment(stamp_s=stamp, T_world_left=T_up_recorded(trajectory.poses[0]) @ T_recorded_left)
 
 
-def _read_times(path: Path) -> Array | None:
+def read_times(path: Path) -> Array | None:
+    """The first number of each line of a file, seconds; None where there is no file.
+
+    Raises
+    ------
+    InputError
+        With the line that has none.
+    """
     if not path.is_file():
         return None
-    times = []
+    times: list[float] = []
     for number, line in enumerate(read_lines(path), start=1):
         try:
             times += [float(line.split()[0])] if line.strip() else []

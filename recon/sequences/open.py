@@ -7,7 +7,9 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.records import PairSource
+from recon.sequences.euroc import is_euroc, open_euroc
 from recon.sequences.folder import is_folder, open_folder
+from recon.sequences.kitti import is_kitti, open_kitti
 from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
 from recon.sequences.ring import is_ring, open_ring
 from recon.settings import SequenceSettings
@@ -27,6 +29,8 @@ class Reader:
 
 READERS = {
     "folder": Reader(fits=is_folder, open=open_folder),
+    "kitti": Reader(fits=is_kitti, open=open_kitti),
+    "euroc": Reader(fits=is_euroc, open=open_euroc),
     "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
     "ring": Reader(fits=is_ring, open=open_ring),
 }

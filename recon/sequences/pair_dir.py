@@ -1,6 +1,8 @@
-"""A single pair: left.*, right.*, where known a calibration and the truth (Middlebury)."""
+"""A single pair: left.*, right.*, a calibration, where known the truth (Middlebury)."""
 
 from pathlib import Path
+
+import numpy as np
 
 from recon.errors import InputError
 from recon.sequences.calibration import read_calibration
@@ -8,29 +10,31 @@ from recon.sequences.folder import file_recording, find_calibration
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
+from recon.sequences.moments import Moment
+from recon.sequences.poses import T_up_recorded
 from recon.settings import SequenceSettings
 
-MIDDLEBURY_NAMES = {
+NAMES = {
     "left": ("left", "im0", "view1", "im2"),
     "right": ("right", "im1", "view5", "im6"),
 }
-"""What a side is called: here, and in Middlebury's sets of 2014, 2005/6 and 2001/3."""
+"""What a side is called: here, and in Middlebury's sets of 2014, 2005 and 2006, 2001 and 2003."""
 
 
 def is_pair_dir(path: Path) -> bool:
     """Whether `path` holds one left and one right picture."""
-    try:
-        return bool(find_picture(path, "left") and find_picture(path, "right"))
-    except InputError:
-        return False
+    return all(_picture(path, side) for side in NAMES)
 
 
 def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
-    """The one pair in `path`; the world's origin is its left eye."""
+    """The one pair in `path`; its left eye is the origin of the world, and level."""
     pair = Listed(
-        name=path.name, left=find_picture(path, "left"), right=find_picture(path, "right")
+        name=path.resolve().name, left=find_picture(path, "left"), right=find_picture(path, "right")
     )
-    return file_recording(path, [pair], read_calibration(find_calibration(path)), settings)
+    T_world_left = T_up_recorded(np.eye(4)) if settings.poses != "none" else None
+    moment = Moment(stamp_s=0.0, T_world_left=T_world_left)
+    calibration = read_calibration(find_calibration(path))
+    return file_recording([pair], [moment], calibration, settings)
 
 
 def find_picture(path: Path, side: str) -> Path:
@@ -41,8 +45,12 @@ def find_picture(path: Path, side: str) -> Path:
     InputError
         Where there is none.
     """
-    for stem in MIDDLEBURY_NAMES[side]:
-        for file in sorted(path.glob(f"{stem}.*")):
-            if file.suffix.lower() in ENDINGS:
-                return file
-    raise InputError(f"{path} holds no {side} picture ({side}.png or the like)")
+    found = _picture(path, side)
+    if found is None:
+        raise InputError(f"{path} holds no {side} picture ({side}.png or the like)")
+    return found
+
+
+def _picture(path: Path, side: str) -> Path | None:
+    files = (file for stem in NAMES[side] for file in sorted(path.glob(f"{stem}.*")))
+    return next((file for file in files if file.suffix.lower() in ENDINGS), None)

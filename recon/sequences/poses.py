@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 MAX_GAP_S = 0.5
 """Between two poses further apart nothing is interpolated."""
+MAX_ROTATION_ERROR = 1e-2
+"""Of R R^T: what three digits leave."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,6 +30,10 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.poses)
+
+    def of(self, T_body_part: Array) -> "Trajectory":
+        """The poses of a part that is fixed to the body."""
+        return Trajectory(poses=self.poses @ T_body_part, stamps_s=self.stamps_s)
 
     def at(self, stamp_s: float) -> Array | None:
         """The pose at a time, moved and turned evenly between its neighbours; None outside."""
@@ -80,7 +86,11 @@ def read_trajectory(path: Path) -> Trajectory:
             f"{path}, line {lines[int(np.argmax(np.diff(stamps) <= 0)) + 1]}: the time is not "
             "after the one before"
         )
-    return Trajectory(poses=_rigid(path, lines, np.stack(recorded.poses_se3)), stamps_s=stamps)
+    poses = [
+        exact(f"{path}, line {line}: the pose", T)
+        for line, T in zip(lines, recorded.poses_se3, strict=True)
+    ]
+    return Trajectory(poses=np.stack(poses), stamps_s=stamps)
 
 
 def _number_rows(path: Path) -> tuple[list[int], list[list[str]], bool]:
@@ -126,16 +136,19 @@ def _text(rows: list[list[str]], separator: str) -> io.StringIO:
     return io.StringIO("\n".join(separator.join(row) for row in rows))
 
 
-def _rigid(path: Path, lines: list[int], poses: Array) -> Array:
-    """Poses whose rotations, rounded by the file's digits, are made exact."""
-    rotation = poses[:, :3, :3]
-    error = np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    bad = np.flatnonzero((error > 1e-2) | (np.linalg.det(rotation) < 0))
-    if bad.size:
-        raise InputError(f"{path}, line {lines[bad[0]]}: the rotation is none")
-    exact = poses.copy()
-    exact[:, :3, :3] = Rotation.from_matrix(rotation).as_matrix()
-    return exact
+def exact(name: str, T: Array) -> Array:
+    """The motion `T` (4, 4) with its rotation, rounded by a file's digits, made exact.
+
+    Raises
+    ------
+    InputError
+        Where it is further from a rotation than rounding explains.
+    """
+    rotation = T[:3, :3]
+    error = np.abs(rotation @ rotation.T - np.eye(3)).max()
+    if error > MAX_ROTATION_ERROR or np.linalg.det(rotation) < 0:
+        raise InputError(f"{name} is no rotation and step (R R^T is off by {error:.2g})")
+    return pose(Rotation.from_matrix(rotation).as_matrix(), T[:3, 3])
 
 
 def T_up_recorded(T_recorded_first: ArrayLike) -> Array:

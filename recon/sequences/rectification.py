@@ -10,7 +10,7 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import StereoPair
-from recon.sequences.calibration import Calibration, Camera
+from recon.sequences.cameras import Calibration, Camera
 from recon.sequences.images import Image
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import invert, pose, transform
 from recon.records import StereoPair
-from recon.sequences.calibration import Calibration, Camera
+from recon.sequences.cameras import Calibration, Camera
 from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.images import read_image
 from recon.sequences.poses import read_lines

@@ -1,0 +1,82 @@
+"""What is known of the two cameras of a rig, as it was measured, rectified or not."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError, check_finite, check_shape
+from recon.geometry import check_rigid
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Camera:
+    """Intrinsics of one camera; pixel (0, 0) is the CENTRE of the top-left pixel."""
+
+    matrix: Array
+    """(3, 3) focal lengths and principal point, pixels."""
+    distortion: Array
+    """(n,) in OpenCV's order; none, 4, 5, 8, 12 or 14 (4 where `is_fisheye`)."""
+    is_fisheye: bool = False
+    """Equidistant (Kannala-Brandt) rather than radial-tangential."""
+    size: tuple[int, int] | None = None
+    """(width, height) in pixels, None where the file does not say."""
+
+    def __post_init__(self) -> None:
+        check_shape("camera matrix", self.matrix, (3, 3))
+        check_finite("camera matrix", self.matrix)
+        check_finite("distortion", self.distortion)
+        if not (np.diag(self.matrix) > 0).all():
+            raise InputError(
+                f"focal lengths are {self.matrix[0, 0]:g} and {self.matrix[1, 1]:g}, "
+                "but positive numbers are needed"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Calibration:
+    """Two cameras and how they stand to each other."""
+
+    left: Camera
+    right: Camera
+    T_right_left: Array
+    """(4, 4) brings points of the left camera into the right one's frame; world units."""
+    disparity_range: tuple[int, int] | None = None
+    """(min, max) that occur, both included, where the file says (Middlebury's ndisp)."""
+
+    def __post_init__(self) -> None:
+        check_rigid("T_right_left", self.T_right_left)
+        if not self.baseline > 0:
+            raise InputError("the two cameras stand at one place, but a baseline is needed")
+
+    @property
+    def baseline(self) -> float:
+        """Distance of the two eyes, world units."""
+        return float(np.linalg.norm(self.T_right_left[:3, 3]))
+
+    @property
+    def size(self) -> tuple[int, int] | None:
+        """(width, height) that the calibration is for, None where it does not say."""
+        return self.left.size or self.right.size
+
+    @property
+    def is_rectified(self) -> bool:
+        """Whether rows correspond as they are.
+
+        Published rigs that are rectified (KITTI's colour cameras) still state some millimetres
+        of offset along y and z, which nobody applies: a hundredth of the baseline is let pass.
+        """
+        across = np.abs(self.T_right_left[1:3, 3]).max() <= 0.01 * self.baseline
+        aligned = np.abs(self.T_right_left[:3, :3] - np.eye(3)).max() < 1e-9
+        straight = not self.left.distortion.any() and not self.right.distortion.any()
+        return bool(
+            across and aligned and straight and _same_rows(self.left.matrix, self.right.matrix)
+        )
+
+
+def _same_rows(left: Array, right: Array) -> bool:
+    """Square pixels of one size, principal points in one row."""
+    focal = np.array([left[0, 0], left[1, 1], right[0, 0], right[1, 1]])
+    return bool(np.ptp(focal) <= 1e-6 * focal[0] and abs(left[1, 2] - right[1, 2]) <= 1e-6)
