@@ -34,9 +34,10 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AxialModel:
-    """Distances to a cylinder or cone without ends; steps are point, axis (2 each), offset, angle."""
+    """Distances to a cylinder or cone without ends; steps: point, axis (2 each), offset, angle."""
 
     points: Array
+    normals: Array
     is_cone: bool
 
     @property
@@ -44,9 +45,9 @@ class AxialModel:
         """Of the surface."""
         return 6 if self.is_cone else 5
 
-    def starts(self, normals: Array) -> list[Line]:
+    def starts(self) -> list[Line]:
         """The algebraic fits round the most promising axes."""
-        fits = [self._algebraic(axis) for axis in _axes(self.points, normals)]
+        fits = [self._algebraic(axis) for axis in _axes(self.points, self.normals)]
         fits.sort(key=lambda line: float(np.median(np.abs(self.residuals(line)[0]))))
         return fits[:NUM_STARTS]
 
@@ -135,7 +136,8 @@ def _within(t: Array) -> Array:
     """Places along the axis without stray ones: a tenth of the bulk's length is allowed beyond."""
     low, high = np.quantile(t, [0.02, 0.98])
     margin = 0.1 * (high - low)
-    return t[(t >= low - margin) & (t <= high + margin)]
+    inside: Array = t[(t >= low - margin) & (t <= high + margin)]
+    return inside
 
 
 def _axes(points: Array, normals: Array) -> list[Array]:

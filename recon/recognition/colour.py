@@ -9,6 +9,10 @@ GREY = 0.15
 """Below this saturation a hue is noise."""
 DARK = 0.1
 """Below this value too."""
+VIVID_SHARE = 0.25
+"""Share of cells that must have a hue for their part to have one."""
+AGREEMENT = 0.5
+"""Length of the mean direction of hues under which they point everywhere."""
 
 
 def rgb_to_hsv(colours: NDArray[np.uint8]) -> Array:
@@ -36,13 +40,19 @@ def rgb_to_hsv(colours: NDArray[np.uint8]) -> Array:
     return np.column_stack([hue, saturation, value])
 
 
+def is_vivid(hsv: Array) -> NDArray[np.bool_]:
+    """(N,) where a colour is bright and pure enough for its hue to mean something."""
+    vivid: NDArray[np.bool_] = (hsv[:, 1] >= GREY) & (hsv[:, 2] >= DARK)
+    return vivid
+
+
 def mean_hue_deg(colours: NDArray[np.uint8]) -> float | None:
-    """Circular mean hue of the cells that have one; None where they do not agree on any."""
-    hue, saturation, value = rgb_to_hsv(colours).T
-    vivid = (saturation >= GREY) & (value >= DARK)
-    if vivid.sum() < max(1, len(colours) // 4):
+    """Circular mean hue of colours (N, 3); None where most are grey or they do not agree."""
+    hsv = rgb_to_hsv(colours)
+    vivid = is_vivid(hsv)
+    if not vivid.any() or vivid.mean() < VIVID_SHARE:
         return None
-    direction = np.exp(1j * np.radians(hue[vivid])).mean()
-    if abs(direction) < 0.5:
+    direction = np.exp(1j * np.radians(hsv[vivid, 0])).mean()
+    if abs(direction) < AGREEMENT:
         return None
     return float(np.degrees(np.angle(direction)) % 360.0)

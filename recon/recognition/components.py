@@ -23,11 +23,20 @@ def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
     label : (K,) int32
         0, 1, ... in the order of each component's first cell.
     """
-    if not len(index):
-        return np.empty(0, dtype=np.int32)
-    pairs = cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
+    return joined(neighbours(index, reach), len(index))
+
+
+def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
+    """Pairs (E, 2) of rows whose cells lie at most `reach` apart along every axis."""
+    if len(index) < 2:
+        return np.empty((0, 2), dtype=np.intp)
+    return cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
+
+
+def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:
+    """Number of the component of each node of a graph, in the order of their first nodes."""
     ones = np.ones(len(pairs), dtype=np.int8)
-    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(index), len(index)))
+    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(num_nodes, num_nodes))
     _, label = connected_components(graph, directed=False)
     return in_order_of_appearance(label)
 

@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 THINNEST = 6.0
 """Thickness, in scales of the noise, below which two sheets only share the noise of one."""
 
+ALIGNED, ALIGNED_SHARE = 0.9, 0.5
+"""Cosine of a point's normal and its face's, and the share of points that must reach it: on a
+sphere 0.3 do, whatever the axes."""
 SECOND_FACE = 0.05
 """Share of its points that a box must have on a second, not parallel face."""
 
@@ -25,9 +28,10 @@ class PlaneModel:
     """Distances of points to a plane; steps are a shift and two turns."""
 
     points: Array
+    normals: Array
     num_parameters = 3
 
-    def starts(self, normals: Array) -> list[Plane]:
+    def starts(self) -> list[Plane]:
         """The plane of least squares."""
         middle = self.points.mean(axis=0)
         vectors = np.linalg.eigh(np.cov((self.points - middle).T))[1]
@@ -58,12 +62,13 @@ class BoxModel:
     """Distances of points to a box; steps are centre, turn, half edges."""
 
     points: Array
+    normals: Array
     num_parameters = 9
 
-    def starts(self, normals: Array) -> list[Box]:
+    def starts(self) -> list[Box]:
         """Boxes along the points' moments and along the commonest normals."""
         moments = np.linalg.eigh(np.cov(self.points.T))[1].T
-        return [self._around(axes) for axes in (moments, _commonest(normals))]
+        return [self._around(axes) for axes in (moments, _commonest(self.normals))]
 
     def _around(self, axes: Array) -> Box:
         local = self.points @ axes.T
@@ -97,13 +102,24 @@ class BoxModel:
         if state.sizes.min() < THINNEST * sigma:
             return FitFailure("the box is too thin for the noise")
         local = (inliers - state.centre) @ state.axes.T
-        faces = np.argmax(np.abs(local) - state.sizes / 2.0, axis=1)
-        if np.sort(np.bincount(faces, minlength=3))[1] < SECOND_FACE * len(faces):
-            return FitFailure("the points lie on one face of the box")
+        fault = self._faceless(state)
+        if fault:
+            return FitFailure(fault)
         low = np.maximum(local.min(axis=0), -state.sizes / 2.0)
         high = np.minimum(local.max(axis=0), state.sizes / 2.0)
         middle = state.centre + (low + high) / 2.0 @ state.axes
         return replace(state, centre=middle, sizes=high - low)
+
+    def _faceless(self, state: Box) -> str:
+        """Why the points do not show the faces of a box; empty where they do."""
+        local = np.abs((self.points - state.centre) @ state.axes.T)
+        face = np.argmax(local - state.sizes / 2.0, axis=1)
+        along = np.abs(self.normals @ state.axes.T)[np.arange(len(face)), face]
+        if (along > ALIGNED).mean() < ALIGNED_SHARE:
+            return "the surface does not run along the faces of a box"
+        if np.sort(np.bincount(face, minlength=3))[1] < SECOND_FACE * len(face):
+            return "the points lie on one face of a box"
+        return ""
 
 
 def _commonest(normals: Array) -> Array:

@@ -103,11 +103,12 @@ def minimise(
         if 0 <= gain < CONVERGED or damping > MAX_DAMPING:
             break
     information = (jacobian * _weights(residuals, sigma, share)[:, None]).T @ jacobian
+    covariance = sigma**2 * np.linalg.pinv(information, hermitian=True)
     return Estimate(
         state=state,
         residuals=residuals,
         sigma=sigma,
-        covariance=sigma**2 * np.linalg.pinv(information, hermitian=True),
+        covariance=covariance.astype(np.float64),
         deviance=_deviance(residuals, sigma, share),
     )
 

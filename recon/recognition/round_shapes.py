@@ -21,9 +21,10 @@ class SphereModel:
     """Distances of points to a sphere; steps are centre, radius."""
 
     points: Array
+    normals: Array
     num_parameters = 4
 
-    def starts(self, normals: Array) -> list[Sphere]:
+    def starts(self) -> list[Sphere]:
         """The algebraic fit: ``|p|^2 = 2 c p + (r^2 - |c|^2)`` is linear in c and the rest."""
         middle = self.points.mean(axis=0)
         local = self.points - middle
@@ -67,15 +68,16 @@ class EllipsoidModel:
     """Distances of points to an ellipsoid; steps are centre, then the matrix's six numbers."""
 
     points: Array
+    normals: Array
     num_parameters = 9
 
-    def starts(self, normals: Array) -> list[Stretch]:
+    def starts(self) -> list[Stretch]:
         """The ellipsoids of the points' moments and of the algebraic sphere."""
         middle = self.points.mean(axis=0)
         values, vectors = np.linalg.eigh(np.cov((self.points - middle).T))
         radii = np.sqrt(3.0 * np.maximum(values, 1e-6 * values[-1]))
         moments = Stretch(centre=middle, matrix=vectors @ np.diag(1.0 / radii) @ vectors.T)
-        ball = SphereModel(self.points).starts(normals)[0]
+        ball = SphereModel(self.points, self.normals).starts()[0]
         return [moments, Stretch(centre=ball.centre, matrix=np.eye(3) / ball.radius)]
 
     def residuals(self, state: Stretch) -> tuple[Array, Array]:

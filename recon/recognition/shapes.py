@@ -24,6 +24,9 @@ LARGE_SAMPLE = 10_000
 """Points the chosen solid is refined on."""
 RELATIVE_FLOOR = 1e-4
 """No cloud is truer than this share of its size: facets, rounding."""
+AS_GOOD = 0.1
+"""Fits are equally good that differ by less in BIC a point (5 percent of noise), however many
+points say so: cells and facets err together, which no criterion over single points knows."""
 INLIER_SIGMAS = 4.0
 """Points nearer than so many scales lie on a fit, and set its ends."""
 
@@ -43,75 +46,99 @@ class Candidate:
     """(P, P) of the surface's parameters, in the order of its model's steps."""
 
 
-def fit(points: ArrayLike) -> Solid | FitFailure:
+def fit(points: ArrayLike, weights: ArrayLike | None = None) -> Solid | FitFailure:
     """The solid that points lie on.
 
     Parameters
     ----------
     points : (N, 3) array_like
         In any frame and unit; neither changes the shape found.
+    weights : (N,) array_like, optional
+        How much each point counts, such as the number of points a cell's mean is made of.
 
     Returns
     -------
     Solid or FitFailure
         The candidate of smallest BIC; a falsy reason where the points show no solid.
     """
-    found = candidates(points)
+    found = candidates(points, weights)
     return found if isinstance(found, FitFailure) else found[0].solid
 
 
-def candidates(points: ArrayLike) -> tuple[Candidate, ...] | FitFailure:
+def candidates(
+    points: ArrayLike, weights: ArrayLike | None = None
+) -> tuple[Candidate, ...] | FitFailure:
     """Every solid that could be fitted to points (N, 3), the best first."""
-    cloud = _usable(np.asarray(points, dtype=np.float64))
-    if isinstance(cloud, FitFailure):
-        return cloud
-    sample = _sampled(cloud, SAMPLE)
-    normals = estimate_normals(sample)
-    fits = [_fitted(make, sample, normals) for make in MODELS.values()]
-    found = sorted((c for c in fits if isinstance(c, Candidate)), key=lambda one: one.bic)
-    return tuple(found) or FitFailure("no solid fits the points")
+    sample = _sample(points, weights, SAMPLE)
+    if isinstance(sample, FitFailure):
+        return sample
+    fits = [_fitted(make, sample) for make in MODELS.values()]
+    found = [one for one in fits if isinstance(one, Candidate)]
+    if not found:
+        return FitFailure("no solid fits the points")
+    ranked = sorted(found, key=lambda one: one.bic)
+    limit = ranked[0].bic + AS_GOOD * len(sample.points)
+    chosen = next(one for one in found if one.bic <= limit)
+    return (chosen, *(one for one in ranked if one is not chosen))
 
 
-def from_points(shape: str, points: ArrayLike) -> Candidate | FitFailure:
+def from_points(
+    shape: str, points: ArrayLike, weights: ArrayLike | None = None
+) -> Candidate | FitFailure:
     """Fit one shape, a key of `MODELS`, to points (N, 3); a cone may come out truncated."""
     if shape not in MODELS:
         raise InputError(f"shape is {shape!r}, but one of {', '.join(MODELS)} is needed")
-    cloud = _usable(np.asarray(points, dtype=np.float64))
-    if isinstance(cloud, FitFailure):
-        return cloud
-    sample = _sampled(cloud, LARGE_SAMPLE)
-    return _fitted(MODELS[shape], sample, estimate_normals(sample))
+    sample = _sample(points, weights, LARGE_SAMPLE)
+    return sample if isinstance(sample, FitFailure) else _fitted(MODELS[shape], sample)
 
 
-def _usable(points: Array) -> Array | FitFailure:
-    check_shape("points", points, (None, 3))
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Sample:
+    """What a fit is made on."""
+
+    points: Array
+    normals: Array
+    weights: Array
+
+
+def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample | FitFailure:
+    cloud = np.asarray(points, dtype=np.float64)
+    check_shape("points", cloud, (None, 3))
+    share = np.ones(len(cloud)) if weights is None else np.asarray(weights, dtype=np.float64)
+    check_shape("weights", share, (len(cloud),))
+    fault = _fault(cloud)
+    if fault:
+        return FitFailure(fault)
+    if len(cloud) > most:
+        rows = np.random.default_rng(0).choice(len(cloud), most, replace=False)
+        cloud, share = cloud[rows], share[rows]
+    return _Sample(points=cloud, normals=estimate_normals(cloud), weights=share)
+
+
+def _fault(points: Array) -> str:
+    """Why no solid can lie on the points; empty where one can."""
     num_bad = int((~np.isfinite(points).all(axis=1)).sum())
     if num_bad:
-        return FitFailure(f"{num_bad} of {len(points)} points are not finite")
+        return f"{num_bad} of {len(points)} points are not finite"
     distinct = np.unique(points, axis=0)
     if len(distinct) < 4:
-        return FitFailure(f"{len(distinct)} distinct points are too few; 4 are needed")
+        return f"{len(distinct)} distinct points are too few; 4 are needed"
     spread = np.linalg.svd(distinct - distinct.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-6 * spread[0]:
-        return FitFailure("the points lie on one line")
-    return points
+        return "the points lie on one line"
+    return ""
 
 
-def _sampled(points: Array, most: int) -> Array:
-    if len(points) <= most:
-        return points
-    return points[np.random.default_rng(0).choice(len(points), most, replace=False)]
-
-
-def _fitted(make: Callable[[Array], Any], points: Array, normals: Array) -> Candidate | FitFailure:
-    model = make(points)
+def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate | FitFailure:
+    points, weights = sample.points, sample.weights
+    model = make(points, sample.normals)
     spare = len(points) - model.num_parameters - 1
     if spare < 1:
         return FitFailure("too few points for the shape")
     floor = RELATIVE_FLOOR * float(np.sqrt(points.var(axis=0).sum()))
-    rough = [minimise(model, start, floor=floor, max_steps=5) for start in model.starts(normals)]
-    best = min(rough, key=lambda estimate: estimate.deviance)
-    estimate = minimise(model, best.state, floor=floor)
+    search = partial(minimise, model, floor=floor, weights=weights)
+    rough = [search(start, max_steps=5) for start in model.starts()]
+    estimate = search(min(rough, key=lambda one: one.deviance).state)
     inliers = points[np.abs(estimate.residuals) <= INLIER_SIGMAS * estimate.sigma]
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):
@@ -127,11 +154,12 @@ def _fitted(make: Callable[[Array], Any], points: Array, normals: Array) -> Cand
     )
 
 
-MODELS: dict[str, Callable[[Array], Any]] = {
-    "sphere": SphereModel,
-    "ellipsoid": EllipsoidModel,
-    "cylinder": partial(AxialModel, is_cone=False),
-    "cone": partial(AxialModel, is_cone=True),
+# Of fits that are equally good the first is taken.
+MODELS: dict[str, Callable[[Array, Array], Any]] = {
     "plane": PlaneModel,
+    "cylinder": partial(AxialModel, is_cone=False),
+    "sphere": SphereModel,
+    "cone": partial(AxialModel, is_cone=True),
+    "ellipsoid": EllipsoidModel,
     "box": BoxModel,
 }

@@ -14,8 +14,11 @@ from recon.records import PointCloud, Voxels
 
 Array = NDArray[np.float64]
 
+FOCAL_PX = 152.55
 FOCAL_BASELINE = 45.76
 """Pixels times world units of the thesis's eyes: sigma_z = z^2 / (f b) sigma_d."""
+SURFACE_POINTS = 6000
+"""Places on an object that an eye chooses among."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,29 +32,33 @@ class Orbit:
     sigma_px: float = 0.05
     """Of the disparity; a tenth of the points has three times as much, 2 percent are far off."""
     arc_rad: float = 2.0 * np.pi
-    points_per_view: int = 1500
+    points_per_pixel: float = 0.11
+    """Features kept on a pixel of the object: the village's apple tree has as many."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
-    """Points on an object with their outward normals and the part they lie on."""
+    """Points on an object with their outward normals, the part they lie on, and all its area."""
 
     points: Array
     normals: Array
     part: NDArray[np.intp]
+    area: float
 
 
 def surface(stack: Stack, num_points: int, rng: np.random.Generator) -> Surface:
     """Points spread evenly over the parts of a stack."""
+    areas = _areas(stack)
     pieces = [
         _revolved(stack, part, int(num_points * share), rng)
-        for part, share in enumerate(_areas(stack))
+        for part, share in enumerate(areas / areas.sum())
     ]
     part = np.repeat(np.arange(len(pieces)), [len(points) for points, _ in pieces])
     return Surface(
         points=np.concatenate([points for points, _ in pieces]),
         normals=np.concatenate([normals for _, normals in pieces]),
         part=part,
+        area=float(areas.sum()),
     )
 
 
@@ -70,14 +77,12 @@ def _outline(stack: Stack, part: int) -> Array:
 def _bands(outline: Array) -> Array:
     """Area of each band between two corners of an outline."""
     steps = np.hypot(*np.diff(outline, axis=0).T)
-    areas: Array = steps * (outline[:-1, 0] + outline[1:, 0])
+    areas: Array = np.pi * steps * (outline[:-1, 0] + outline[1:, 0])
     return areas
 
 
 def _areas(stack: Stack) -> Array:
-    areas = np.array([_bands(_outline(stack, part)).sum() for part in range(len(stack.shapes))])
-    shares: Array = areas / areas.sum()
-    return shares
+    return np.array([_bands(_outline(stack, part)).sum() for part in range(len(stack.shapes))])
 
 
 def _revolved(
@@ -131,13 +136,15 @@ def observe(stack: Stack, colours: Array, orbit: Orbit, rng: np.random.Generator
 def _seen(
     stack: Stack, colours: Array, eye: Array, orbit: Orbit, rng: np.random.Generator
 ) -> PointCloud:
-    whole = surface(stack, 8 * orbit.points_per_view, rng)
+    whole = surface(stack, SURFACE_POINTS, rng)
     ray = whole.points - eye
-    # Points per area fall with the square of the distance, and with the slant.
+    # Pixels per area fall with the square of the distance, and with the slant.
     length = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ij,ij->i", whole.normals, ray) / length
     chance = np.maximum(facing, 0.0) / length**2
-    rows = rng.choice(len(ray), size=orbit.points_per_view, p=chance / chance.sum())
+    num_pixels = FOCAL_PX**2 * whole.area * float(chance.mean())
+    size = int(orbit.points_per_pixel * num_pixels)
+    rows = rng.choice(len(ray), size=size, p=chance / chance.sum())
     sigma = length[rows] ** 2 / FOCAL_BASELINE * orbit.sigma_px
     sigma = sigma * np.where(rng.uniform(size=len(rows)) < 0.1, 3.0, 1.0)
     error = sigma * rng.standard_normal(len(rows))
