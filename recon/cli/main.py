@@ -8,6 +8,7 @@ import click
 import recon
 from recon.cli.disparity import disparity
 from recon.cli.doctor import doctor
+from recon.cli.evaluate import evaluate
 from recon.cli.explore import explore
 from recon.cli.figure import figure
 from recon.cli.info import info
@@ -26,7 +27,7 @@ def program() -> None:
     """Reconstruct objects from stereo sequences."""
 
 
-for command in (explore, reconstruct, disparity, figure, info, doctor):
+for command in (explore, reconstruct, disparity, evaluate, figure, info, doctor):
     program.add_command(command)
 
 

@@ -17,7 +17,7 @@ from recon.runs.figures import write_figures
 from recon.runs.products import as_document, write_metrics
 from recon.sequences.calibration import read_calibration
 from recon.sequences.images import read_image
-from recon.sequences.truth import read_truth_file
+from recon.sequences.truth import DisparityTruth, read_truth_file
 from recon.settings import Settings, to_toml
 from recon.stereo.evaluation import evaluate
 from recon.stereo.features import detect
@@ -75,7 +75,8 @@ def disparity_run(
     )  # fmt: skip
     run = output and RunFolder.prepare(output, plan, overwrite=overwrite, resume=False)
     pair = match_files(left_path, right_path, settings)
-    metrics = as_document(measure(pair, truth_path, truth_scale))
+    truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
+    metrics = as_document(measure(pair, truth))
     if run:
         with run.opened():
             write_matches(run.path / "matches.npz", pair.matches)
@@ -84,19 +85,17 @@ def disparity_run(
     return metrics
 
 
-def measure(
-    pair: MatchedPair, truth_path: Path | None, truth_scale: float | None = None
-) -> dict[str, Any]:
+def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
     """The numbers of one pair by their JSON keys."""
     metrics: dict[str, Any] = {
         "num_features": pair.num_features,
         "num_matches": len(pair.matches),
         "seconds": pair.seconds,
     }
-    if truth_path is None:
+    if truth is None:
         return metrics
-    truth = read_truth_file(truth_path, truth_scale)
-    return metrics | evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
+    judged = evaluate(pair.matches, truth.disparity_px, truth.quantisation_px)
+    return metrics | judged.as_metrics()
 
 
 def write_matches(path: Path, matches: Matches) -> None:

@@ -1,0 +1,69 @@
+"""`recon evaluate`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import (
+    OUTPUT,
+    PATH,
+    SETTINGS,
+    build_settings,
+    print_json,
+    start_logging,
+    with_options,
+)
+from recon.cli.progress import progress_bar
+
+COLUMNS = {
+    "num_matches": "d",
+    "num_mismatches": "d",
+    "success_all": ".2f",
+    "success_nonocc": ".2f",
+    "rms_px": ".3f",
+    "bad_share": ".4f",
+    "subpixel_median_px": ".3f",
+    "subpixel_rms_px": ".3f",
+    "coverage": ".2f",
+    "seconds": ".2f",
+}
+
+
+@click.command(epilog="Example: recon evaluate data/motorcycle --matcher phase --matcher sgbm")
+@click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
+@click.option("--matcher", "matchers", multiple=True, default=["phase"], help="May be repeated.")
+@click.option("--quality", type=click.Choice(["best", "fast"]))
+@click.option("--keep", type=click.IntRange(min=1), help="Keep the K most confident pairs.")
+@click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
+@with_options(SETTINGS, OUTPUT)
+def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
+    """Judge matchers on pairs whose disparity is known."""
+    start_logging(given["quiet"], given["verbose"])
+    from recon.runs.evaluate import evaluate_run
+
+    settings = build_settings(
+        preset=given["preset"],
+        settings_file=given["settings_file"],
+        overrides=given["overrides"],
+        quality=given["quality"],
+        flags={"matching.keep": given["keep"]},
+    )
+    with progress_bar("pairs", given["quiet"]) as progress:
+        report = evaluate_run(
+            pair_dirs, settings, given["matchers"], truth_scale=given["truth_scale"],
+            progress=progress,
+        )  # fmt: skip
+    if given["as_json"]:
+        print_json(report)
+    elif not given["quiet"]:
+        _print_table(report["pairs"])
+
+
+def _print_table(rows: list[dict[str, Any]]) -> None:
+    click.echo(f"{'pair':14}{'matcher':10}" + "".join(f"{name:>19}" for name in COLUMNS))
+    for row in rows:
+        cells = (
+            "-" if row[name] is None else f"{row[name]:{how}}" for name, how in COLUMNS.items()
+        )
+        click.echo(f"{row['name']:14}{row['matcher']:10}" + "".join(f"{c:>19}" for c in cells))

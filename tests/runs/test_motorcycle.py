@@ -1,0 +1,70 @@
+"""The golden real pair, through the command line: pictures in, numbers within their bands."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.cli import main
+from recon.exports.ply import read_cloud_chunks
+
+PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
+
+
+@pytest.fixture(scope="module")
+def expected():
+    """The bands, with the command that made them."""
+    return json.loads((PAIR / "expected.json").read_text())
+
+
+def assert_within(document, bands):
+    for name, (low, high) in bands.items():
+        assert low <= document[name] <= high, f"{name} is {document[name]}"
+
+
+def test_disparity_is_right(expected, tmp_path, capsys):
+    argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png")]
+    argv += ["--calib", str(PAIR / "calib.txt"), "--truth", str(PAIR / "disp_left.pfm")]
+    assert main([*argv, "-o", str(tmp_path / "out"), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert_within(report, expected["disparity"])
+    with np.load(tmp_path / "out" / "matches.npz", allow_pickle=False) as saved:
+        assert len(saved["points_px"]) == report["num_matches"]
+        assert (np.diff(saved["score"]) <= 0).all()
+        assert len(np.unique(saved["points_px"], axis=0)) == report["num_matches"]
+
+
+def test_the_wrong_way_round_is_wrong(tmp_path, capsys):
+    argv = ["disparity", str(PAIR / "right.png"), str(PAIR / "left.png"), "--max-disparity", "70"]
+    assert main([*argv, "--truth", str(PAIR / "disp_left.pfm"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["success_all"] < 30
+
+
+def test_the_pair_is_rebuilt(expected, tmp_path, capsys):
+    run = tmp_path / "run"
+    assert main(["reconstruct", str(PAIR), "-o", str(run), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert_within(report, expected["reconstruct"])
+    (cloud, _), *_ = read_cloud_chunks(run / "cloud.ply")
+    # The eye looks along -z of a world whose y is up, and the floor is grey.
+    assert np.median(cloud.points[:, 2]) < -2
+    low = cloud.colours[cloud.points[:, 1] < np.quantile(cloud.points[:, 1], 0.1)]
+    assert np.ptp(low.astype(float).mean(axis=0)) < 25
+    assert (cloud.sigma > 0).all()
+
+
+def test_pictures_of_different_size_are_one_line(tmp_path, capsys):
+    argv = ["disparity", str(PAIR / "left.png"), str(PAIR.parents[1] / "docs/images/village.png")]
+    assert main(argv) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_picture_that_is_none_is_one_line(tmp_path, capsys):
+    fake = tmp_path / "left.png"
+    fake.write_text("no picture")
+    assert main(["disparity", str(fake), str(PAIR / "right.png"), "-o", str(tmp_path / "o")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "left.png" in error
+    assert not (tmp_path / "o").exists()
