@@ -171,7 +171,8 @@ class Agent:
                 view = controller.next_view(state)
             if view is None:
                 said = controller.result()
-                self.stop(said if said in STOP_REASONS else "all known", said)
+                reason = said.partition(";")[0]
+                self.stop(reason if reason in STOP_REASONS else "all known", said)
                 return None
             check_view(view)
         # A plug-in may raise anything; what was explored till then is kept.

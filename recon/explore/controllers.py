@@ -33,7 +33,7 @@ class Controller(Protocol):
         ...
 
     def result(self) -> str:
-        """What came of it; a stop reason, if it is one, is the exploration's."""
+        """What came of it; a stop reason at its beginning, before a ";", is the exploration's."""
         ...
 
 

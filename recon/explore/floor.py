@@ -30,20 +30,25 @@ class Floor:
 
     size_x: float
     size_z: float
-    known_free: Mask = field(init=False)
-    """(X, Z) inside some view's field and range with no thing before it."""
+    seen_from: Array = field(init=False)
+    """(X, Z) smallest distance from which a view saw the cell free; infinite = never."""
     occupied: Mask = field(init=False)
     """(X, Z) a mapped thing stands on it or hangs over it."""
 
     def __post_init__(self) -> None:
         shape = (math.ceil(self.size_x), math.ceil(self.size_z))
-        self.known_free = np.zeros(shape, dtype=bool)
+        self.seen_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Number of cells along x and z."""
-        return self.known_free.shape[0], self.known_free.shape[1]
+        return self.occupied.shape[0], self.occupied.shape[1]
+
+    @property
+    def known_free(self) -> Mask:
+        """(X, Z) inside some view's field and range with no thing before it."""
+        return np.isfinite(self.seen_from)
 
     @property
     def corner(self) -> Array:
@@ -67,7 +72,7 @@ class Floor:
     def flat(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:
         """Number of each cell (..., 2), row by row; one past the last where it is off the floor."""
         number = cells[..., 0] * self.shape[1] + cells[..., 1]
-        return np.where(self.holds(cells), number, self.known_free.size)
+        return np.where(self.holds(cells), number, self.occupied.size)
 
     def mask(self, points_xz: ArrayLike) -> Mask:
         """(X, Z) the cells that hold at least one of the points (N, 2)."""
@@ -104,7 +109,8 @@ class Floor:
         radii = np.arange(0.0, limits.max(initial=0.0), RAY_SPACING)
         lines = self.lines(place_xz[None], azimuths_rad, radii)
         seen = self.open_samples(lines)[0] & (radii < limits[:, None])
-        self.known_free.ravel()[lines.cell[0][seen]] = True
+        distance = np.broadcast_to(radii, seen.shape)[seen]
+        np.minimum.at(self.seen_from.ravel(), lines.cell[0][seen], distance)
 
 
 def azimuths(heading_rad: float, field_rad: float, reach: float) -> Array:

@@ -16,20 +16,10 @@ SURE_SIGMA = 1.0
 """A point has seen its thing well when its depth is known to one cell."""
 MARGIN = 3.0
 """World units round a mapped thing within which a new point is one more of its own."""
-LOOKS = 2
-"""A sighting that is not in the map after so many looks from nearby was noise."""
 NUM_VIEWS = 3
 """A thing is named first when so many views have seen it well ..."""
 GROWTH = 1.25
 """... and again when it has grown by this factor since."""
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class Rumour:
-    """A sighting, and how often it was looked for from nearby."""
-
-    sighting: Sighting
-    looks: int = 0
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -41,18 +31,14 @@ class Memory:
     floor: Floor = field(init=False)
     visits: Visits = field(default_factory=Visits)
     things: tuple[Thing, ...] = ()
-    rumours: list[Rumour] = field(default_factory=list)
+    sightings: tuple[Sighting, ...] = ()
+    """Things seen that are not in the map."""
     timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
     """Number of pairs taken, and the objects named by then, whenever these changed."""
 
     def __post_init__(self) -> None:
         world = self.settings.world
         self.floor = Floor(size_x=world.size_x, size_z=world.size_z)
-
-    @property
-    def sightings(self) -> tuple[Sighting, ...]:
-        """Things seen that are not in the map."""
-        return tuple(rumour.sighting for rumour in self.rumours)
 
     @property
     def objects(self) -> tuple[FoundObject, ...]:
@@ -101,16 +87,18 @@ class Memory:
         points_xz = standing.points[:, [0, 2]]
         new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
         for sighting in sightings(new, sight.place):
-            self._add_rumour(sighting)
-        near = self.settings.exploration.viewing_distance
-        kept = []
-        for rumour in self.rumours:
-            position = rumour.sighting.centre[None]
-            away = float(np.hypot(*(position[0] - sight.place)))
-            rumour.looks += int(away <= near and sight.faces(position)[0])
-            if rumour.looks < LOOKS and not self._is_mapped(position, rumour.sighting.sigma)[0]:
-                kept.append(rumour)
-        self.rumours = kept
+            self._note(sighting)
+        self.sightings = tuple(s for s in self.sightings if not self._is_settled(s))
+
+    def _is_settled(self, sighting: Sighting) -> bool:
+        """Whether a sighting is in the map by now, or was noise.
+
+        It was noise if somebody who stood nearer saw the ground there free.
+        """
+        seen_from = self.floor.seen_from[self.floor.disc(sighting.centre, sighting.radius)]
+        if not len(seen_from) or np.median(seen_from) < sighting.distance - sighting.radius:
+            return True
+        return bool(self._is_mapped(sighting.centre[None], sighting.sigma)[0])
 
     def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
         """(N,) which points belong, within their errors, to a thing of the map."""
@@ -119,16 +107,16 @@ class Memory:
             mapped |= np.hypot(*(points_xz - thing.centre).T) <= thing.radius + MARGIN + sigma
         return mapped
 
-    def _add_rumour(self, sighting: Sighting) -> None:
-        """Note a sighting; of two that may be of one thing, the surer one stays."""
-        for rumour in self.rumours:
-            other = rumour.sighting
-            apart = float(np.hypot(*(other.centre - sighting.centre)))
-            if apart <= max(MARGIN, other.radius, 2.0 * (other.sigma + sighting.sigma)):
-                if sighting.sigma < other.sigma:
-                    rumour.sighting = sighting
-                return
-        self.rumours.append(Rumour(sighting=sighting))
+    def _note(self, new: Sighting) -> None:
+        """Keep a sighting; of two that may be of one thing, the surer one."""
+        same = [old for old in self.sightings if _may_be_one(old, new)]
+        others = tuple(old for old in self.sightings if not _may_be_one(old, new))
+        self.sightings = (*others, min([*same, new], key=lambda sighting: sighting.sigma))
+
+
+def _may_be_one(a: Sighting, b: Sighting) -> bool:
+    apart = float(np.hypot(*(a.centre - b.centre)))
+    return apart <= max(MARGIN, a.radius, b.radius, 2.0 * (a.sigma + b.sigma))
 
 
 def _is_due(thing: Thing) -> bool:

@@ -23,6 +23,10 @@ GAZE = 20.0
 """How far ahead the eyes meet when they look at nothing, world units."""
 CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
 """Factors of the distance that is tried round a thing."""
+BLOCK = 8
+"""Frontier cells are tried one a square of so many cells."""
+BORDER = 4
+"""Cells between the unknown and a place to look at it from: the clearance, in cells."""
 MIN_POCKET = 10
 """Unknown patches of fewer cells are chinks between rays, not places to go and see."""
 
@@ -154,23 +158,29 @@ def lifted(points_xz: Array, height: float) -> Array:
 def look_along(ways: Ways, place: Array, azimuth_rad: float, state: State) -> Walk:
     """The view from a place (2,) that can be reached, level into a direction."""
     ahead = place + GAZE * np.array([math.cos(azimuth_rad), math.sin(azimuth_rad)])
-    return _walk(ways, place, lifted(ahead, state.settings.eyes.eye_height), state)
+    return look_to(ways, place, lifted(ahead, state.settings.eyes.eye_height), state)
 
 
 def look_at(ways: Ways, place: Array, thing: Thing | Sighting, state: State) -> Walk:
     """The view from a place (2,) that can be reached on the middle of a thing."""
-    height = state.settings.eyes.eye_height
-    middle = max(height, thing.top / 2.0) if isinstance(thing, Thing) else height
-    return _walk(ways, place, lifted(thing.centre, middle), state)
+    return look_to(ways, place, middle_of(thing, state), state)
 
 
-def _walk(ways: Ways, place: Array, target: Array, state: State) -> Walk:
+def look_to(ways: Ways, place: Array, target: Array, state: State) -> Walk:
+    """The view from a place (2,) that can be reached on a target (3,)."""
     height = state.settings.eyes.eye_height
     return Walk(
         position=lifted(place, height),
         target=target,
         via=lifted(ways.corners(place), height),
     )
+
+
+def middle_of(thing: Thing | Sighting, state: State) -> Array:
+    """The point (3,) to look at of a thing; not below the eyes, so that the gaze stays level."""
+    height = state.settings.eyes.eye_height
+    middle = max(height, thing.top / 2.0) if isinstance(thing, Thing) else height
+    return lifted(thing.centre, middle)
 
 
 def unexplored(floor: Floor, things: Iterable[Thing]) -> Mask:
@@ -197,9 +207,16 @@ def _inside(floor: Floor, cells: NDArray[np.intp]) -> Mask:
 
 
 def frontier(ways: Ways, unknown: Mask) -> Array:
-    """Middles (N, 2) of the cells that can be reached and border on unknown ones."""
-    edge = np.isfinite(ways.distance) & binary_dilation(unknown, np.ones((3, 3), dtype=bool))
-    return ways.floor.centres(np.argwhere(edge))
+    """Places (N, 2) from which the agent can look over the edge of what it knows.
+
+    Cells that can be reached and border on unknown ones, but for the ground along things, on
+    which it does not walk; one cell, the nearest, stands for each square of BLOCK cells.
+    """
+    border = binary_dilation(unknown, np.ones((3, 3), dtype=bool), iterations=BORDER)
+    cells = np.argwhere(np.isfinite(ways.distance) & border)
+    nearest_first = cells[np.argsort(ways.distance[tuple(cells.T)], kind="stable")]
+    _, first = np.unique(nearest_first // BLOCK, axis=0, return_index=True)
+    return ways.floor.centres(nearest_first[np.sort(first)])
 
 
 def stand(

@@ -15,7 +15,10 @@ BLUR_RAD = math.radians(1.5)
 MARGIN = 1.0
 """World units before a thing that are left unknown: half a cell and the thickness of an edge."""
 MIN_POINTS = 8
-"""Fewer points than this are noise, not a thing."""
+"""Fewer points than this are noise, not a thing ..."""
+MIN_POINTS_DISTANCE = 120.0
+"""... nor are fewer than the square of this over the distance: a tree of two units' radius and
+eight units' height, of which a quarter of the usual features are found."""
 RANGE_RATIO = 1.15
 """Points of one direction whose distances differ by more than this factor are of two things."""
 
@@ -30,11 +33,6 @@ class Sight:
     """(A,) of the rays over the field of view, evenly spaced."""
     limits: Array
     """(A,) how far each ray goes before it meets a thing or ends."""
-
-    def faces(self, points_xz: Array) -> NDArray[np.bool_]:
-        """(N,) which points (N, 2) lie in the field, however far."""
-        azimuth, _ = polar(points_xz, self.place)
-        return self._inside(self._ray(azimuth))
 
     def _inside(self, ray: NDArray[np.intp]) -> NDArray[np.bool_]:
         return (ray >= 0) & (ray < len(self.limits))
@@ -55,8 +53,10 @@ class Sighting:
     """(2,) x, z of the middle of its visible points."""
     radius: float
     """Half its width, world units."""
+    distance: float
+    """How far off it was seen, world units."""
     sigma: float
-    """Standard deviation of its distance, world units."""
+    """Standard deviation of that distance."""
 
 
 def polar(points_xz: Array, place: Array) -> tuple[Array, Array]:
@@ -88,7 +88,7 @@ def look(view: View, pair: StereoPair, things: PointCloud, reach: float) -> Sigh
     nearest = sight.limits.copy()
     ray = sight._ray(azimuth)
     inside = sight._inside(ray)
-    ends = np.maximum(distance - MARGIN - 2.0 * sigma_of(things), 0.0)
+    ends = np.maximum(distance - MARGIN - sigma_of(things), 0.0)
     np.minimum.at(nearest, ray[inside], ends[inside])
     blur = 1 + 2 * round(BLUR_RAD / 2.0 / (rays[1] - rays[0]))
     limits = minimum_filter1d(nearest, blur, mode="nearest")
@@ -112,8 +112,9 @@ def sightings(cloud: PointCloud, place: Array) -> list[Sighting]:
     found = []
     for number in range(group.max(initial=-1) + 1):
         rows = group == number
-        if rows.sum() >= MIN_POINTS:
-            found.append(_sighting(cloud.select(rows), side[rows], place, ahead))
+        sighting = _sighting(cloud.select(rows), side[rows], place, ahead)
+        if rows.sum() >= max(MIN_POINTS, (MIN_POINTS_DISTANCE / sighting.distance) ** 2):
+            found.append(sighting)
     return found
 
 
@@ -139,6 +140,7 @@ def _sighting(cloud: PointCloud, side: Array, place: Array, ahead: float) -> Sig
     # Errors of one thing's points are not independent: their mean gains less than sqrt(N).
     return Sighting(
         centre=place + away * np.array([math.cos(middle), math.sin(middle)]),
+        distance=away,
         radius=max(1.0, away * math.tan(float(np.ptp(side)) / 2.0)),
         sigma=float(np.median(sigma_of(cloud))) / 2.0,
     )

@@ -81,7 +81,9 @@ def columns(voxels: Voxels) -> Array:
 
 def patches(occupied: Mask) -> NDArray[np.intp]:
     """(X, Z) number of the patch of each occupied cell, gaps of one cell closed; -1 = none."""
-    number, _ = label(binary_dilation(occupied, np.ones((2, 2), dtype=bool)), np.ones((3, 3), dtype=bool))
+    number, _ = label(
+        binary_dilation(occupied, np.ones((2, 2), dtype=bool)), np.ones((3, 3), dtype=bool)
+    )
     return np.where(occupied, number.astype(np.intp) - 1, -1)
 
 

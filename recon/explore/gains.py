@@ -1,0 +1,117 @@
+"""What views would add: ground nobody has seen, and sides of things nobody has looked at."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from recon.explore.floor import Array, Floor, Mask
+from recon.explore.sight import Sighting, polar
+from recon.explore.things import Thing
+
+NUM_RAYS = 90
+SPACING_RAD = 2.0 * np.pi / NUM_RAYS
+AZIMUTHS_RAD: Array = np.arange(NUM_RAYS) * SPACING_RAD
+SAMPLE = 2.0
+"""World units between two samples along a ray; less than half a thing's width."""
+NEW_SIDE_RAD = np.radians(90.0)
+"""A bearing this far from all earlier ones shows a wholly new side of a thing."""
+MIN_NOVELTY = 0.25
+"""Less of a new side than this is the old one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidates:
+    """Views that could be taken next."""
+
+    places: Array
+    """(C, 2) x, z."""
+    targets: Array
+    """(C, 3) points to look at."""
+
+    @property
+    def azimuths_rad(self) -> Array:
+        """(C,) of the gaze."""
+        gaze = self.targets[:, [0, 2]] - self.places
+        return np.arctan2(gaze[:, 1], gaze[:, 0])
+
+    def joined(self, other: "Candidates") -> "Candidates":
+        """These, then others."""
+        return Candidates(
+            places=np.vstack([self.places, other.places]),
+            targets=np.vstack([self.targets, other.targets]),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outlook:
+    """How much unknown ground lies open round some places."""
+
+    cells: Array
+    """(C, NUM_RAYS) number of unknown cells in the field of a view along each azimuth."""
+
+    def best(self) -> Array:
+        """(C,) azimuth of the view from each place that shows most."""
+        best: Array = AZIMUTHS_RAD[self.cells.argmax(axis=1)]
+        return best
+
+    def along(self, azimuths_rad: Array) -> Array:
+        """(C,) what the view from each place along an azimuth would show."""
+        ray = np.rint(azimuths_rad / SPACING_RAD).astype(np.intp) % NUM_RAYS
+        shown: Array = self.cells[np.arange(len(ray)), ray]
+        return shown
+
+
+def look_out(floor: Floor, unknown: Mask, places: Array, field_rad: float, reach: float) -> Outlook:
+    """Count the unknown cells that lie open round every place (C, 2)."""
+    radii: Array = np.arange(SAMPLE / 2.0, reach, SAMPLE)
+    lines = floor.lines(places, AZIMUTHS_RAD, radii)
+    new = np.append(unknown.ravel(), False)[lines.cell] & floor.open_samples(lines)
+    of_ray = new @ (radii * SAMPLE * SPACING_RAD)
+    half = round(field_rad / SPACING_RAD / 2.0)
+    wrapped = np.concatenate([of_ray[:, -half:], of_ray, of_ray[:, :half]], axis=1)
+    window = np.lib.stride_tricks.sliding_window_view(wrapped, 2 * half + 1, axis=1)
+    return Outlook(cells=window.sum(axis=-1))
+
+
+def new_sides(
+    candidates: Candidates,
+    things: Iterable[Thing | Sighting],
+    floor: Floor,
+    field_rad: float,
+    reach: float,
+) -> Array:
+    """(C,) how many new sides of things each view would show; 1 is a wholly new one."""
+    gain = np.zeros(len(candidates.places))
+    for thing in things:
+        azimuth, distance = polar(thing.centre, candidates.places)
+        is_near = distance - thing.radius <= reach
+        is_ahead = turn(azimuth, candidates.azimuths_rad) <= field_rad / 2.0
+        is_seen = is_near & is_ahead & _is_open(candidates.places, thing, floor)
+        gain += np.where(is_seen, novelty(azimuth + np.pi, thing), 0.0)
+    return gain
+
+
+def turn(a_rad: Array, b_rad: Array) -> Array:
+    """Smallest angle between directions, radians."""
+    between: Array = np.abs(np.angle(np.exp(1j * (a_rad - b_rad))))
+    return between
+
+
+def novelty(bearings_rad: Array, thing: Thing | Sighting) -> Array:
+    """(C,) how new the sides are that a thing shows to some bearings, 0 to 1."""
+    seen = thing.bearings_rad if isinstance(thing, Thing) else np.empty(0)
+    if not len(seen):
+        return np.ones(len(bearings_rad))
+    nearest = turn(bearings_rad[:, None], seen).min(axis=1) / NEW_SIDE_RAD
+    return np.where(nearest < MIN_NOVELTY, 0.0, np.minimum(nearest, 1.0))
+
+
+def _is_open(places: Array, thing: Thing | Sighting, floor: Floor) -> Mask:
+    """(C,) from which places nothing stands between the eyes and a thing."""
+    share = np.linspace(0.0, 1.0, 24)[:, None, None]
+    points = places + share * (thing.centre - places)
+    occupied = np.append(floor.occupied.ravel(), False)[floor.flat(floor.cells(points))]
+    own = np.hypot(*np.moveaxis(points - thing.centre, -1, 0)) <= thing.radius + 1.0
+    free: Mask = ~(occupied & ~own).any(axis=0)
+    return free
