@@ -1,6 +1,6 @@
 """Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
 
-from recon.records.clouds import PointCloud, Segments, Voxels
+from recon.records.clouds import GroundGrid, PointCloud, Segments, Voxels
 from recon.records.matches import Features, Matches
 from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
 from recon.records.pairs import PairSource, StereoPair, View, check_images
@@ -25,6 +25,7 @@ __all__ = [
     "Features",
     "FitFailure",
     "FoundObject",
+    "GroundGrid",
     "Matches",
     "PairSource",
     "Part",

@@ -62,16 +62,40 @@ class Voxels:
     """(K, 3) mean RGB."""
     cell_size: float
     """World units."""
+    weights: NDArray[np.float64] | None = None
+    """(K,) sum of the points' weights by sigma; this and what follows None where not kept."""
+    num_views: NDArray[np.int64] | None = None
+    """(K,) number of distinct views with a point in the cell."""
+    hues: NDArray[np.int64] | None = None
+    """(K, 13) points by hue: 12 bins of 30 degrees from red on, then the grey ones."""
+    hits: NDArray[np.int64] | None = None
+    """(K,) scans with a point in the cell."""
+    passes: NDArray[np.int64] | None = None
+    """(K,) scans that looked through the cell to a point behind."""
 
     def __len__(self) -> int:
         return len(self.index)
 
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_] | slice) -> "Voxels":
         """The cells of `rows`, in that order."""
-        names = ("index", "centres", "means", "counts", "colours")
-        return Voxels(
-            **{name: getattr(self, name)[rows] for name in names}, cell_size=self.cell_size
-        )
+        columns = {
+            name: column[rows]
+            for name in Voxels.__slots__
+            if isinstance(column := getattr(self, name), np.ndarray)
+        }
+        return Voxels(**columns, cell_size=self.cell_size)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GroundGrid:
+    """The floor as square cells, seen from above."""
+
+    cells: NDArray[np.generic]
+    """(NX, NZ) one value a cell, along x, then z."""
+    origin_xz: NDArray[np.float64]
+    """(2,) world x and z of the outer corner of cell [0, 0]."""
+    cell_size: float
+    """World units."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

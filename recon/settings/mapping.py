@@ -1,8 +1,12 @@
 """Settings of the voxel map."""
 
+from typing import Literal
+
 from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count, Positive
+from recon.settings.stage import STRICT, Count, NonNegative, Positive, Share
+
+OccupancyRule = Literal["count", "weight", "carving", "log-odds", "views"]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -11,7 +15,17 @@ class MapSettings:
 
     cell_size: Positive = 1.0
     """World units."""
-    min_count: Count = 5
-    """Points that make a cell occupied; the thesis's CountThreshold."""
     max_sigma: Positive | None = 1.0
     """Points less sure than this many cells are used to detect things, but not for the map."""
+    occupancy: tuple[OccupancyRule, ...] = ("count",)
+    """A cell is occupied where all of these rules hold."""
+    min_count: Count = 5
+    """Points that make a cell occupied; the thesis's CountThreshold."""
+    min_weight: Positive = 2.0
+    """Sum of the points' weights, 1 for a sure point, that makes a cell occupied."""
+    min_hit_share: Share = 0.15
+    """Carving: scans with a point in the cell for each that looked through it."""
+    min_views: Count = 2
+    """Distinct views with a point in the cell."""
+    ray_margin: NonNegative = 1.5
+    """Space is free up to so many cells before a point, or two sigma of it if that is more."""

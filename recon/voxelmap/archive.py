@@ -1,10 +1,18 @@
-"""The map's file: columns of the cells in the order of their index, in an npz archive."""
+"""The map's file: columns of the cells, in the order of their index, in an npz archive.
+
+Any numpy reads it: `numpy.load(path)` gives the columns by name. Nothing in it is ever unpickled.
+"""
 
 import os
 import zipfile
-from typing import Any
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.files import atomic_path
@@ -13,24 +21,130 @@ from recon.voxelmap.table import Rows
 
 VERSION = 1
 
+Columns = Mapping[str, NDArray[Any]]
 
-def save(path: str | os.PathLike[str], rows: Rows, cell_size: float) -> None:
-    """Write ordered rows, whole or not at all."""
-    columns: dict[str, Any] = {name: rows[name] for name in hits.NARROW.names or ()}
-    with atomic_path(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, version=VERSION, cell_size=cell_size, **columns)
+# What the zip and npy readers say of a file that is cut or changed.
+_BROKEN = (
+    zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, OSError, RuntimeError,
+    OverflowError, SyntaxError,
+)  # fmt: skip
 
 
-def load(path: str | os.PathLike[str]) -> tuple[Rows, float]:
-    """The rows of a file, and the size of its cells."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Content:
+    """What a map's file holds."""
+
+    cell_size: float
+    ray_margin: float
+    channels: tuple[str, ...]
+    rows: Rows
+    """Hits, places and colours of the cells."""
+    columns: Columns
+    """All arrays by name, for the channels."""
+
+
+def hit_columns(rows: Rows, *, lean: bool) -> dict[str, NDArray[Any]]:
+    """The arrays of ordered rows: what differs from cell to cell packs best column by column."""
+    # Differences wrap round in 32 bits, and so do the sums that undo them.
+    index = rows["index"].view(np.uint32).T
+    columns = {"index": np.diff(index, axis=1, prepend=np.uint32(0)), "count": rows["count"]}
+    if lean:
+        return columns | {"colour": hits.mean_colours(rows).T}
+    return columns | {"position": rows["position"].T, "colour": rows["colour"].T}
+
+
+def save(path: str | os.PathLike[str], columns: Columns) -> None:
+    """Write arrays, whole or not at all; the same arrays give the same bytes."""
+    with (
+        atomic_path(path) as temporary,
+        zipfile.ZipFile(temporary, "w") as archive,
+    ):
+        for name, column in columns.items():
+            entry = zipfile.ZipInfo(f"{name}.npy")
+            entry.compress_type = zipfile.ZIP_BZIP2
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(
+                    member, np.asarray(column, order="C"), version=(1, 0), allow_pickle=False
+                )
+
+
+def load(path: str | os.PathLike[str]) -> Content:
+    """The content of a map's file.
+
+    Raises
+    ------
+    InputError
+        For a file that is cut short, is of another version or claims what it does not hold.
+    """
+    columns = read_columns(path)
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            if int(archive["version"]) != VERSION:
-                raise InputError(f"{path}: version {archive['version']}, but {VERSION} is needed")
-            wide = archive["position"].dtype.itemsize == 8
-            rows = np.zeros(len(archive["index"]), hits.WIDE if wide else hits.NARROW)
-            for name in rows.dtype.names or ():
-                rows[name] = archive[name]
-            return rows, float(archive["cell_size"])
-    except (KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: not a whole voxel map ({error})") from error
+        return _content(columns)
+    except (KeyError, ValueError, TypeError) as error:
+        raise InputError(f"{path}: not a voxel map ({_one_line(error)})") from error
+
+
+def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+    """All arrays of an npz archive; memory is taken only for what the file really holds."""
+    with Path(path).open("rb") as file:
+        try:
+            with zipfile.ZipFile(file) as archive:
+                return {
+                    name.removesuffix(".npy"): _read_column(archive, name)
+                    for name in archive.namelist()
+                }
+        except _BROKEN as error:
+            raise InputError(f"{path}: not a whole npz archive ({_one_line(error)})") from error
+
+
+def _read_column(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(name) as member:
+        shape, dtype = _read_header(member)
+        # read() takes what is there, and no memory for what is not.
+        data = member.read()
+    claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
+    if len(data) != claimed:
+        raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
+    return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _read_header(member: BinaryIO | Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    if np.lib.format.read_magic(member) != (1, 0):
+        raise InputError("an array is not of npy version 1.0")
+    shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(member)
+    if is_fortran or dtype.hasobject:
+        raise InputError(f"an array of {dtype} is not plain numbers in C order")
+    return shape, dtype
+
+
+def _content(columns: Columns) -> Content:
+    version = int(columns["version"])
+    if version != VERSION:
+        raise InputError(f"version {version}, but {VERSION} is needed")
+    return Content(
+        cell_size=float(columns["cell_size"]),
+        ray_margin=float(columns["ray_margin"]),
+        channels=tuple(columns["channels"].tolist()),
+        rows=_rows(columns),
+        columns=columns,
+    )
+
+
+def _rows(columns: Columns) -> Rows:
+    count, colour = columns["count"].astype(np.uint64), columns["colour"]
+    position = columns.get("position")
+    if position is None:
+        # A lean file: the middle of the cell, the mean colour.
+        position = np.broadcast_to(count * np.uint64(hits.STEPS // 2), (3, len(count)))
+        colour = colour * count
+    is_wide = (count > hits.CAPACITY[hits.NARROW]).any()
+    rows = np.zeros(len(count), hits.WIDE if is_wide else hits.NARROW)
+    rows["index"] = np.cumsum(columns["index"], axis=1, dtype=np.uint32).T.view(np.int32)
+    rows["count"] = count
+    rows["position"] = position.T
+    rows["colour"] = colour.T
+    hits.check_sums(rows)
+    return rows
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

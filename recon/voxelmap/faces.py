@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import Voxels
+from recon.voxelmap.table import CellTable
 
 # Corners of the six faces of a unit cell, counter-clockwise seen from outside.
 _DIRECTIONS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]])
@@ -38,32 +39,11 @@ class Faces:
 
 def exposed_faces(voxels: Voxels) -> Faces:
     """The outside of the occupied cells, direction by direction in the order of the cells."""
-    keys = _Keys(voxels.index)
+    table = CellTable.of(voxels.index)
     cells, corners = [], []
     for direction, square in zip(_DIRECTIONS, _CORNERS, strict=True):
-        exposed = np.flatnonzero(~keys.holds(voxels.index + direction))
+        exposed = np.flatnonzero(table.find(voxels.index + direction) < 0)
         cells.append(exposed)
         corners.append((voxels.index[exposed, None] + square) * voxels.cell_size)
     cell = np.concatenate(cells)
     return Faces(vertices=np.concatenate(corners), colours=voxels.colours[cell], cell=cell)
-
-
-class _Keys:
-    """A set of cells, asked by index; numbers grow with x, then y, then z."""
-
-    def __init__(self, index: NDArray[np.int64]) -> None:
-        # One cell of margin: the neighbours of the outermost have numbers of their own.
-        self.low = index.min(axis=0, initial=0) - 1
-        self.extent = index.max(axis=0, initial=0) - self.low + 2
-        self.keys = np.sort(self.numbers(index))
-
-    def numbers(self, index: NDArray[np.int64]) -> NDArray[np.int64]:
-        x, y, z = (index - self.low).T
-        numbers: NDArray[np.int64] = (x * self.extent[1] + y) * self.extent[2] + z
-        return numbers
-
-    def holds(self, index: NDArray[np.int64]) -> NDArray[np.bool_]:
-        numbers = self.numbers(index)
-        at = np.minimum(np.searchsorted(self.keys, numbers), len(self.keys) - 1)
-        held: NDArray[np.bool_] = self.keys[at] == numbers
-        return held

@@ -4,6 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.voxelmap.table import Rows, Slots, find_or_add
 
 STEPS = 1 << 20
@@ -20,21 +21,32 @@ CAPACITY = {NARROW: 2**32 // STEPS, WIDE: 2**32 - 1}
 
 @njit(cache=True)
 def insert(
-    points: NDArray[np.float64],
-    colours: NDArray[np.uint8],
-    cell_size: float,
+    cloud: tuple[NDArray[np.float64], NDArray[np.uint8], float],
     capacity: int,
     table: tuple[Slots, Rows, int],
+    rows_of: NDArray[np.int64],
     start: int,
 ) -> tuple[int, int]:
     """Add points from `start` on; stop at the first that finds no room.
+
+    Parameters
+    ----------
+    cloud
+        Points (N, 3), their colours (N, 3), and the size of a cell.
+    capacity
+        Points that a row can hold.
+    table
+        The arrays of the `CellTable`.
+    rows_of
+        (N,) is filled with the row of each point.
 
     Returns
     -------
     stop, num_rows
         The point that found no room: for a new row where `num_rows == len(rows)`, otherwise in a
-        row that holds `capacity` points. `len(points)` when all are in.
+        row that is full. `len(points)` when all are in.
     """
+    points, colours, cell_size = cloud
     slots, rows, num_rows = table
     place = np.empty(3)
     cell = np.empty(3)
@@ -49,6 +61,7 @@ def insert(
         sums = rows[row]
         if sums.count >= capacity:
             return n, num_rows
+        rows_of[n] = row
         sums.count += 1
         for a in range(3):
             # Just below 0 the difference rounds to a whole cell.
@@ -60,9 +73,13 @@ def insert(
 
 @njit(cache=True)
 def merge(
-    other: Rows, capacity: int, table: tuple[Slots, Rows, int], start: int
+    other: Rows,
+    capacity: int,
+    table: tuple[Slots, Rows, int],
+    rows_of: NDArray[np.int64],
+    start: int,
 ) -> tuple[int, int]:
-    """Add the sums of another map's rows from `start` on; stops as `insert` does."""
+    """Add the sums of another map's rows from `start` on; as `insert` does for points."""
     slots, rows, num_rows = table
     for n in range(start, len(other)):
         if num_rows == len(rows):
@@ -73,8 +90,35 @@ def merge(
         sums = rows[row]
         if np.int64(sums.count) + np.int64(added.count) > capacity:
             return n, num_rows
+        rows_of[n] = row
         sums.count += added.count
         for a in range(3):
             sums.position[a] += added.position[a]
             sums.colour[a] += added.colour[a]
     return len(other), num_rows
+
+
+def means(rows: Rows) -> NDArray[np.float64]:
+    """Mean position (K, 3) as a share of the cell; a position is the middle of its step."""
+    counts = rows["count"][:, None].astype(np.float64)
+    return (rows["position"] / counts + 0.5) / STEPS
+
+
+def mean_colours(rows: Rows) -> NDArray[np.uint8]:
+    """Mean RGB (K, 3), rounded in whole numbers."""
+    counts = rows["count"][:, None].astype(np.uint64)
+    rounded = (2 * rows["colour"].astype(np.uint64) + counts) // (2 * counts)
+    return rounded.astype(np.uint8)
+
+
+def check_sums(rows: Rows) -> None:
+    """Raise `InputError` where sums cannot come from points, as in a file that was changed."""
+    counts = rows["count"][:, None].astype(np.uint64)
+    is_possible = (
+        (counts > 0)
+        & (rows["position"] <= counts * np.uint64(STEPS - 1))
+        & (rows["colour"] <= counts * np.uint64(255))
+    ).all(axis=1)
+    if not is_possible.all():
+        index = rows["index"][np.argmin(is_possible)].tolist()
+        raise InputError(f"the sums of cell {index} cannot come from points")

@@ -45,9 +45,31 @@ def _hash(x: int, y: int, z: int) -> np.uint64:
 
 
 @njit(cache=True)
+def _row(entry: np.uint64) -> np.int64:
+    """The row that a slot names, -1 where it is empty."""
+    return np.int64(entry & _LOWER) - 1
+
+
+@njit(cache=True)
 def _next(slot: np.uint64, size: np.uint64) -> np.uint64:
     following = slot + _ONE
     return following if following < size else _EMPTY
+
+
+@njit(cache=True)
+def _search(
+    slots: Slots, rows: Rows, fingerprint: np.uint64, index: tuple[int, int, int]
+) -> np.uint64:
+    """The slot of a cell, or the empty one where it would be."""
+    size = np.uint64(slots.size)
+    slot = (fingerprint * size) >> _HALF
+    while slots[slot] != _EMPTY:
+        if slots[slot] >> _HALF == fingerprint:
+            key = rows[_row(slots[slot])].index
+            if key[0] == index[0] and key[1] == index[1] and key[2] == index[2]:
+                return slot
+        slot = _next(slot, size)
+    return slot
 
 
 @njit(cache=True)
@@ -58,21 +80,33 @@ def find_or_add(
 
     There must be room for a new row: `num_rows < len(rows)`.
     """
-    x, y, z = index
-    fingerprint = _hash(x, y, z)
-    size = np.uint64(slots.size)
-    slot = (fingerprint * size) >> _HALF
-    while slots[slot] != _EMPTY:
-        if slots[slot] >> _HALF == fingerprint:
-            row = int(slots[slot] & _LOWER) - 1
-            key = rows[row].index
-            if key[0] == x and key[1] == y and key[2] == z:
-                return row, num_rows
-        slot = _next(slot, size)
+    fingerprint = _hash(*index)
+    slot = _search(slots, rows, fingerprint, index)
+    if slots[slot] != _EMPTY:
+        return _row(slots[slot]), num_rows
     slots[slot] = (fingerprint << _HALF) | np.uint64(num_rows + 1)
     key = rows[num_rows].index
-    key[0], key[1], key[2] = x, y, z
+    key[0], key[1], key[2] = index
     return num_rows, num_rows + 1
+
+
+@njit(cache=True)
+def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.int64]:
+    """The row of each cell (K, 3), -1 where there is none."""
+    found = np.empty(len(index), np.int64)
+    for k in range(len(index)):
+        cell = (index[k, 0], index[k, 1], index[k, 2])
+        found[k] = _row(slots[_search(slots, rows, _hash(*cell), cell)])
+    return found
+
+
+@njit(cache=True)
+def _add_all(index: NDArray[np.int32], table: tuple[Slots, Rows, int]) -> int:
+    slots, rows, num_rows = table
+    for k in range(len(index)):
+        cell = (index[k, 0], index[k, 1], index[k, 2])
+        _, num_rows = find_or_add(slots, rows, num_rows, cell)
+    return num_rows
 
 
 @njit(cache=True)
@@ -94,6 +128,19 @@ class CellTable:
         self.rows: Rows = np.zeros(max(num_rows, _FIRST_ROWS), dtype)
         self.slots: Slots = np.zeros(int(len(self.rows) / _MAX_LOAD) + 1, np.uint64)
         self.num_rows = 0
+
+    @classmethod
+    def of(cls, index: NDArray[np.integer]) -> "CellTable":
+        """A table of the cells (K, 3), each once, whose row k is cell k."""
+        table = cls(np.dtype([("index", "i4", 3)]), len(index) + 1)
+        table.num_rows = _add_all(np.ascontiguousarray(index, np.int32), table.arrays)
+        return table
+
+    def find(self, index: NDArray[np.integer]) -> NDArray[np.int64]:
+        """The row of each cell (K, 3), -1 where there is none."""
+        cells = np.ascontiguousarray(index, np.int32)
+        rows: NDArray[np.int64] = _lookup(self.slots, self.rows, cells)
+        return rows
 
     @property
     def is_full(self) -> bool:
@@ -127,3 +174,14 @@ class CellTable:
     def widen(self, dtype: np.dtype[np.void]) -> None:
         """Give the fields of the rows the wider types of `dtype`."""
         self.rows = self.rows.astype(dtype)
+
+
+def order_of(index: NDArray[np.integer]) -> NDArray[np.int64]:
+    """The rows (K,) of cells (K, 3) sorted by x, then y, then z."""
+    x, y, z = index.T
+    return np.lexsort((z, y, x))
+
+
+def in_order(rows: Rows) -> Rows:
+    """Rows sorted by their index."""
+    return rows[order_of(rows["index"])]

@@ -1,14 +1,24 @@
 """The voxel map: whatever the order of its points, the same bits."""
 
 import os
+from collections.abc import Iterable
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_finite, check_shape
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits
-from recon.voxelmap.table import MAX_INDEX, CellTable, Rows
+from recon.voxelmap.channels import Channel, Scan
+from recon.voxelmap.hues import Hues
+from recon.voxelmap.rays import Rays, Sightings
+from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, order_of
+from recon.voxelmap.views import ViewSets
+from recon.voxelmap.weights import Weights
+
+CHANNELS = ("weight", "views", "hues", "rays")
+"""What a map keeps besides hits, place and colour, where asked to."""
 
 
 class VoxelMap:
@@ -22,13 +32,40 @@ class VoxelMap:
     ----------
     cell_size : float
         Side of a cell, world units.
+    channels : iterable of {"weight", "views", "hues", "rays"}
+        What cells keep besides: the sum of weights by sigma; which views saw them; a histogram of
+        hue; how many scans hit and passed them. A scan is one call of `insert`.
+    ray_margin : float
+        Free space ends so many cells, or two sigma if that is more, before a point; at 0 it goes
+        up to the point's own cell, as in OctoMap.
     """
 
-    def __init__(self, cell_size: float = 1.0) -> None:
+    def __init__(
+        self, cell_size: float = 1.0, *, channels: Iterable[str] = (), ray_margin: float = 0.0
+    ) -> None:
         if not (np.isfinite(cell_size) and cell_size > 0):
             raise InputError(f"cell_size is {cell_size}, but a positive number is needed")
         self.cell_size = float(cell_size)
+        self.ray_margin = float(ray_margin)
         self._hits = CellTable(hits.NARROW)
+        self._channels = {name: self._channel(name) for name in sorted(set(channels))}
+
+    def _channel(self, name: str) -> Channel:
+        match name:
+            case "weight":
+                return Weights(self.cell_size)
+            case "views":
+                return ViewSets()
+            case "hues":
+                return Hues()
+            case "rays":
+                return Rays(self.cell_size, self.ray_margin)
+        raise InputError(f"channel is {name!r}, but one of {', '.join(CHANNELS)} is needed")
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What the cells keep besides hits, place and colour."""
+        return tuple(self._channels)
 
     @property
     def num_cells(self) -> int:
@@ -37,7 +74,7 @@ class VoxelMap:
 
     @property
     def nbytes(self) -> int:
-        """Memory that the cells take."""
+        """Memory that hits, places and colours take."""
         return self._hits.nbytes
 
     def insert(
@@ -49,37 +86,84 @@ class VoxelMap:
         ----------
         cloud : PointCloud
         origin : (3,) array_like, optional
-            Where the points were seen from; the space between is free. World.
+            Where the points were seen from; needed by a map that keeps rays. World.
         view : int, optional
-            Number of the view.
+            Number of the view; needed by a map that keeps views.
+
+        Raises
+        ------
+        InputError
+            For points that are not finite or out of reach, and where a channel lacks what it
+            needs; the map is then as before.
         """
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
         self._check_reach(points)
-        colours = np.ascontiguousarray(cloud.colours)
-        stop = 0
-        while stop < len(points):
-            stop, self._hits.num_rows = hits.insert(
-                points, colours, self.cell_size, self._capacity, self._hits.arrays, stop
-            )
-            self._make_room(stop < len(points))
+        scan = Scan(cloud=cloud, origin=_eye(origin), view=view)
+        for channel in self._channels.values():
+            channel.check(scan)
+        inside = (points, np.ascontiguousarray(cloud.colours), self.cell_size)
+        rows = self._add(hits.insert, inside, len(points))
+        for channel in self._channels.values():
+            channel.add(scan, rows)
 
     def merge(self, other: "VoxelMap") -> None:
-        """Add all that another map of the same cells holds; it stays as it is."""
-        if other.cell_size != self.cell_size:
-            raise InputError(
-                f"the other map's cell_size is {other.cell_size}, but {self.cell_size} is needed"
-            )
-        # A copy, as the map may be merged with itself.
-        self._add_rows(other._hits.used.copy())
+        """Add all that another map of the same cells and channels holds; it stays as it is."""
+        for name in ("cell_size", "channels"):
+            theirs, ours = getattr(other, name), getattr(self, name)
+            if theirs != ours:
+                raise InputError(f"the other map's {name} is {theirs}, but {ours} is needed")
+        # A copy, as a map may be merged with itself.
+        rows = self._add_rows(other._hits.used.copy())
+        for name, channel in self._channels.items():
+            channel.merge(other._channels[name], rows)
 
     def occupied(self, min_count: int = 5) -> Voxels:
         """The cells with at least `min_count` points, ordered by x, then y, then z."""
-        rows = self._hits.used
-        return self._voxels(in_order(rows[rows["count"] >= min_count]))
+        chosen = np.flatnonzero(self._hits.used["count"] >= min_count)
+        return self._voxels(chosen[order_of(self._hits.rows["index"][chosen])])
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the map, whole or not at all."""
-        archive.save(path, in_order(self._hits.used), self.cell_size)
+    def sightings(self) -> Sightings:
+        """Every cell that a scan hit or passed; of a map that keeps rays.
+
+        Raises
+        ------
+        InputError
+            Where the map keeps no rays.
+        """
+        self.check_channels(["rays"])
+        rays = self._channels["rays"]
+        assert isinstance(rays, Rays)
+        return rays.sightings()
+
+    def check_channels(self, names: Iterable[str]) -> None:
+        """Raise `InputError` unless the map keeps all of these channels."""
+        for name in names:
+            if name not in self._channels:
+                kept = ", ".join(self._channels) or "no channels"
+                raise InputError(f"the map keeps {kept}, but {name} is needed")
+
+    def save(self, path: str | os.PathLike[str], *, lean: bool = False) -> None:
+        """Write the map, whole or not at all; the same map gives the same bytes.
+
+        Parameters
+        ----------
+        path : path of an .npz file
+        lean : bool
+            Only index, count and mean colour of the cells, in a third of the room; once loaded,
+            the mean position of a cell is its middle.
+        """
+        order = order_of(self._hits.used["index"])
+        channels = {} if lean else self._channels
+        columns: dict[str, Any] = {
+            "version": np.array(archive.VERSION),
+            "cell_size": np.array(self.cell_size),
+            "ray_margin": np.array(self.ray_margin),
+            "channels": np.array(list(channels), dtype="U16"),
+        }
+        columns |= archive.hit_columns(self._hits.used[order], lean=lean)
+        for channel in channels.values():
+            columns |= channel.columns(order)
+        archive.save(path, columns)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "VoxelMap":
@@ -90,9 +174,18 @@ class VoxelMap:
         InputError
             For a file that is cut short, is of another version or claims what it does not hold.
         """
-        rows, cell_size = archive.load(path)
-        loaded = cls(cell_size)
-        loaded._add_rows(rows)
+        content = archive.load(path)
+        try:
+            return cls._of(content)
+        except (InputError, KeyError, ValueError, IndexError) as error:
+            raise InputError(f"{path}: not a voxel map ({error})") from error
+
+    @classmethod
+    def _of(cls, content: archive.Content) -> Self:
+        loaded = cls(content.cell_size, channels=content.channels, ray_margin=content.ray_margin)
+        loaded._add_rows(content.rows)
+        for channel in loaded._channels.values():
+            channel.restore(content.columns, len(content.rows))
         return loaded
 
     def _check_reach(self, points: NDArray[np.float64]) -> None:
@@ -104,47 +197,50 @@ class VoxelMap:
                 f"{MAX_INDEX * self.cell_size:g} are needed"
             )
 
-    @property
-    def _capacity(self) -> int:
-        return hits.CAPACITY[self._hits.rows.dtype]
-
-    def _make_room(self, is_stopped: bool) -> None:
-        if self._hits.is_full:
-            self._hits.grow()
-        elif is_stopped:
+    def _add_rows(self, rows: Rows) -> NDArray[np.int64]:
+        if rows.dtype == hits.WIDE and self._hits.rows.dtype != hits.WIDE:
             self._widen()
+        return self._add(hits.merge, rows, len(rows))
+
+    def _add(self, kernel: Any, things: Any, num: int) -> NDArray[np.int64]:
+        """Run a kernel over points or rows, making room where it stops; the row of each."""
+        rows = np.empty(num, np.int64)
+        stop = 0
+        while stop < num:
+            capacity = hits.CAPACITY[self._hits.rows.dtype]
+            stop, self._hits.num_rows = kernel(things, capacity, self._hits.arrays, rows, stop)
+            if self._hits.is_full:
+                self._hits.grow()
+            elif stop < num:
+                self._widen()
+        return rows
 
     def _widen(self) -> None:
         if self._hits.rows.dtype == hits.WIDE:
-            raise InputError(f"a cell holds more than {self._capacity} points, which is its limit")
+            raise InputError(f"a cell holds more than {hits.CAPACITY[hits.WIDE]} points")
         self._hits.widen(hits.WIDE)
 
-    def _add_rows(self, rows: Rows) -> None:
-        if rows.dtype == hits.WIDE and self._hits.rows.dtype != hits.WIDE:
-            self._widen()
-        stop = 0
-        while stop < len(rows):
-            stop, self._hits.num_rows = hits.merge(rows, self._capacity, self._hits.arrays, stop)
-            self._make_room(stop < len(rows))
-
-    def _voxels(self, rows: Rows) -> Voxels:
+    def _voxels(self, order: NDArray[np.int64]) -> Voxels:
+        rows = self._hits.rows[order]
         index = rows["index"].astype(np.int64)
-        counts = rows["count"].astype(np.int64)
-        # A position is the middle of its step.
-        inside = (rows["position"] / counts[:, None] + 0.5) / hits.STEPS
-        twice = 2 * counts[:, None]
-        colours = (2 * rows["colour"].astype(np.int64) + counts[:, None]) // twice
+        kept: dict[str, Any] = {}
+        for channel in self._channels.values():
+            kept |= channel.fields(order, index)
         return Voxels(
             index=index,
             centres=(index.astype(np.float64) + 0.5) * self.cell_size,
-            means=(index + inside) * self.cell_size,
-            counts=counts,
-            colours=colours.astype(np.uint8),
+            means=(index + hits.means(rows)) * self.cell_size,
+            counts=rows["count"].astype(np.int64),
+            colours=hits.mean_colours(rows),
             cell_size=self.cell_size,
+            **kept,
         )
 
 
-def in_order(rows: Rows) -> Rows:
-    """Rows sorted by their index: x, then y, then z."""
-    x, y, z = rows["index"].T
-    return rows[np.lexsort((z, y, x))]
+def _eye(origin: ArrayLike | None) -> NDArray[np.float64] | None:
+    if origin is None:
+        return None
+    eye = np.asarray(origin, dtype=np.float64)
+    check_shape("origin", eye, (3,))
+    check_finite("origin", eye)
+    return eye

@@ -6,26 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.errors import InputError
-from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
-
-
-def cloud(points, colours=None, sigma=None):
-    points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
-    if colours is None:
-        colours = np.zeros((len(points), 3), np.uint8)
-    return PointCloud(points=points, colours=np.asarray(colours, np.uint8), sigma=sigma)
-
-
-def random_cloud(rng, num=2000, spread=4.0):
-    return cloud(rng.normal(scale=spread, size=(num, 3)), rng.integers(0, 256, (num, 3)))
-
-
-def filled(*clouds, cell_size=1.0):
-    voxel_map = VoxelMap(cell_size)
-    for each in clouds:
-        voxel_map.insert(each)
-    return voxel_map
+from tests.voxelmap.clouds import cloud, filled, random_cloud
 
 
 def same(a, b):

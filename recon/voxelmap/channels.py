@@ -1,0 +1,99 @@
+"""What a map can keep of its cells beside hits, place and colour, where asked to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import check_shape
+from recon.records import PointCloud
+
+Columns = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scan:
+    """What one call of `VoxelMap.insert` brings."""
+
+    cloud: PointCloud
+    """World."""
+    origin: NDArray[np.float64] | None
+    """(3,) where the points were seen from, world."""
+    view: int | None
+    """Number of the view."""
+
+
+class Channel(Protocol):
+    """Something additive, kept for the cells of a map."""
+
+    def check(self, scan: Scan) -> None:
+        """Raise `InputError` where the scan lacks what the channel keeps."""
+
+    def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
+        """Add a scan, `rows` (N,) being the row of each of its points."""
+
+    def merge(self, other: Any, rows: NDArray[np.int64]) -> None:
+        """Add another map's channel, whose row k is row `rows[k]` here."""
+
+    def columns(self, order: NDArray[np.int64]) -> Columns:
+        """The arrays of a file, for the rows of the map in this order."""
+
+    def restore(self, columns: Columns, num_rows: int) -> None:
+        """Take over the arrays of a file, for the rows of the map as they are in it."""
+
+    def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
+        """The fields of `Voxels` that it fills, for rows of the map and their cells."""
+
+
+class RowSums:
+    """Whole numbers that add up, some for each row of the map."""
+
+    name: str
+    """Of the column in a file."""
+    width: int
+    """Numbers a row."""
+
+    def __init__(self) -> None:
+        self.sums = np.zeros((0, self.width), np.uint64)
+
+    def check(self, scan: Scan) -> None:
+        """Raise `InputError` where the scan lacks what the channel keeps."""
+
+    def amounts(self, scan: Scan) -> NDArray[np.uint64]:
+        """What each point adds (N, width)."""
+        raise NotImplementedError
+
+    def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
+        """Add what each point brings to the row of its cell."""
+        self._add(rows, self.amounts(scan))
+
+    def merge(self, other: "RowSums", rows: NDArray[np.int64]) -> None:
+        """Add the sums of another map."""
+        num = min(len(rows), len(other.sums))
+        # A copy, as a map may be merged with itself.
+        self._add(rows[:num], other.sums[:num].copy())
+
+    def columns(self, order: NDArray[np.int64]) -> Columns:
+        """The sums, in the order of the file."""
+        return {self.name: self.of(order)}
+
+    def restore(self, columns: Columns, num_rows: int) -> None:
+        """Take over the sums of a file."""
+        self.sums = columns[self.name].astype(np.uint64)
+        check_shape(self.name, self.sums, (num_rows, self.width))
+
+    def of(self, rows: NDArray[np.int64]) -> NDArray[np.uint64]:
+        """The sums of some rows."""
+        self._reserve(int(rows.max(initial=-1)) + 1)
+        return self.sums[rows]
+
+    def _add(self, rows: NDArray[np.int64], amounts: NDArray[np.uint64]) -> None:
+        self._reserve(int(rows.max(initial=-1)) + 1)
+        np.add.at(self.sums, rows, amounts)
+
+    def _reserve(self, num_rows: int) -> None:
+        if num_rows > len(self.sums):
+            # A quarter more than needed, so that growing by single cells stays cheap.
+            self.sums.resize((num_rows + num_rows // 4, self.width), refcheck=False)

@@ -1,0 +1,128 @@
+"""Free space: the cells between the eye and the points, counted once a scan (OctoMap's rule).
+
+Hornung et al., OctoMap, Autonomous Robots 2013, section 5: in one scan a cell that holds a point
+is hit, whatever rays go through it; another that a ray goes through is passed; either counts once.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.voxelmap.channels import Columns, Scan
+from recon.voxelmap.table import CellTable, Rows, in_order
+from recon.voxelmap.traversal import MAX_CELLS, hit_cells, merge_cells, new_memory, pass_cells
+
+_DTYPE = np.dtype([("index", "i4", 3), ("hits", "u4"), ("passes", "u4"), ("scan", "u4")])
+
+
+_LOG_ODDS_HIT = float(np.log(0.7 / 0.3))
+_LOG_ODDS_MISS = float(np.log(0.4 / 0.6))
+"""OctoMap's default sensor: a hit is right in 7 of 10, a pass in 6 of 10."""
+
+
+def log_odds(hits: NDArray[np.int64], passes: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Log-odds (K,) of being occupied, by OctoMap's default sensor; not clamped, as order
+    would then matter.
+    """
+    return _LOG_ODDS_HIT * hits + _LOG_ODDS_MISS * passes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sightings:
+    """Cells that scans hit or passed, ordered by x, then y, then z."""
+
+    index: NDArray[np.int64]
+    """(K, 3)"""
+    hits: NDArray[np.int64]
+    """(K,) scans with a point in the cell."""
+    passes: NDArray[np.int64]
+    """(K,) scans that looked through it and had no point in it."""
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+
+class Rays:
+    """Hits and passes of every cell that a scan touched."""
+
+    def __init__(self, cell_size: float, margin: float) -> None:
+        self.cell_size = cell_size
+        self.margin = margin
+        self.table = CellTable(_DTYPE)
+        self._num_scans = 0
+
+    def check(self, scan: Scan) -> None:
+        """Raise `InputError` where there is no eye, or a ray is too long."""
+        if scan.origin is None:
+            raise InputError("origin is None, but a map that keeps rays needs the eye's place")
+        reach = np.abs(scan.cloud.points - scan.origin).max(initial=0.0) / self.cell_size
+        if not reach < MAX_CELLS:
+            raise InputError(f"a ray is {reach:g} cells long, but {MAX_CELLS} is the most")
+
+    def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
+        """Count the cells of one scan."""
+        assert scan.origin is not None
+        self._num_scans += 1
+        seen = new_memory()
+        points = np.ascontiguousarray(scan.cloud.points)
+        ends = self._free_ends(points, scan)
+        for walk, targets in ((hit_cells, points), (pass_cells, ends)):
+            stop = 0
+            while stop < len(targets):
+                stop, self.table.num_rows = walk(
+                    scan.origin, targets, self.cell_size,
+                    self._num_scans, seen, self.table.arrays, stop,
+                )  # fmt: skip
+                if stop < len(targets):
+                    self.table.grow()
+
+    def _free_ends(self, points: NDArray[np.float64], scan: Scan) -> NDArray[np.float64]:
+        """Where the free part of each ray ends (N, 3)."""
+        assert scan.origin is not None
+        if self.margin == 0.0:
+            return points
+        towards = scan.origin - points
+        distance = np.linalg.norm(towards, axis=1)
+        margin = np.full(len(points), self.margin * self.cell_size)
+        if scan.cloud.sigma is not None:
+            margin = np.fmax(margin, 2.0 * scan.cloud.sigma)
+        share = np.minimum(margin / np.maximum(distance, 1e-300), 1.0)
+        ends: NDArray[np.float64] = points + towards * share[:, None]
+        return ends
+
+    def merge(self, other: "Rays", rows: NDArray[np.int64]) -> None:
+        """Add the scans of another map."""
+        self._add_rows(other.table.used.copy())
+
+    def columns(self, order: NDArray[np.int64]) -> Columns:
+        """The cells in the order of their index."""
+        rows = in_order(self.table.used)
+        names = ("index", "hits", "passes")
+        return {f"ray_{name}": rows[name] for name in names}
+
+    def restore(self, columns: Columns, num_rows: int) -> None:
+        """Take over the cells of a file."""
+        rows = np.zeros(len(columns["ray_index"]), _DTYPE)
+        for name in ("index", "hits", "passes"):
+            rows[name] = columns[f"ray_{name}"]
+        self._add_rows(rows)
+
+    def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
+        """`Voxels.hits` and `Voxels.passes`; a cell with a point was hit, so it has a row."""
+        rows = self.table.rows[self.table.find(index)]
+        return {name: rows[name].astype(np.int64) for name in ("hits", "passes")}
+
+    def sightings(self) -> Sightings:
+        """All cells that were hit or passed."""
+        rows = in_order(self.table.used)
+        index, hits, passes = (rows[n].astype(np.int64) for n in ("index", "hits", "passes"))
+        return Sightings(index=index, hits=hits, passes=passes)
+
+    def _add_rows(self, rows: Rows) -> None:
+        stop = 0
+        while stop < len(rows):
+            stop, self.table.num_rows = merge_cells(rows, self.table.arrays, stop)
+            if stop < len(rows):
+                self.table.grow()

@@ -1,0 +1,151 @@
+"""The map's file: exact, the same bytes, and refused in one line where it is not whole."""
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.voxelmap import VoxelMap
+from tests.voxelmap.clouds import cloud, filled, observed, random_cloud, random_scans, saved_bytes
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "map.npz"
+    observed(random_scans(1)).save(path)
+    return path
+
+
+def changed(path, **columns):
+    """The file with some arrays replaced."""
+    content = dict(np.load(path)) | columns
+    np.savez_compressed(path, **content)
+    return path
+
+
+def refused(path, message):
+    with pytest.raises(InputError, match=message) as error:
+        VoxelMap.load(path)
+    assert str(error.value).startswith(f"{path}: ")
+    assert "\n" not in str(error.value)
+
+
+def test_any_numpy_reads_the_columns(path):
+    with np.load(path, allow_pickle=False) as columns:
+        index = np.cumsum(columns["index"], axis=1, dtype=np.uint32).view(np.int32).T
+        voxels = VoxelMap.load(path).occupied(1)
+        assert np.array_equal(index, voxels.index)
+        assert np.array_equal(columns["count"], voxels.counts)
+
+
+@pytest.mark.parametrize("index", [[0, 0, 0], [2**31 - 3, -(2**31) + 2, 5]])
+def test_cells_at_the_ends_of_the_grid_come_back(tmp_path, index):
+    voxel_map = filled(cloud([np.add(index, 0.5), [0.5, 0.5, 0.5], np.add(index, 1.5)]))
+    voxel_map.save(tmp_path / "map.npz")
+    loaded = VoxelMap.load(tmp_path / "map.npz").occupied(1)
+    assert np.array_equal(loaded.index, voxel_map.occupied(1).index)
+
+
+def test_a_wide_map_comes_back(tmp_path):
+    voxel_map = filled(cloud([[0.5, 0.5, 0.5]] * 9000, [[255, 254, 253]] * 9000))
+    whole = saved_bytes(voxel_map, tmp_path)
+    assert saved_bytes(VoxelMap.load(tmp_path / "map.npz"), tmp_path) == whole
+
+
+def test_a_lean_file_keeps_index_count_and_mean_colour(tmp_path):
+    voxel_map = filled(random_cloud(np.random.default_rng(3)))
+    exact = len(saved_bytes(voxel_map, tmp_path))
+    lean = len(saved_bytes(voxel_map, tmp_path, lean=True))
+    before, after = voxel_map.occupied(1), VoxelMap.load(tmp_path / "map.npz").occupied(1)
+    assert lean < 0.5 * exact
+    for name in ("index", "counts", "colours"):
+        assert np.array_equal(getattr(before, name), getattr(after, name))
+    assert np.abs(after.means - after.centres).max() < 1e-6
+
+
+def test_a_file_that_is_cut_short_is_refused(path):
+    whole = path.read_bytes()
+    for length in (0, 10, 500, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        refused(path, "not a whole npz archive")
+
+
+def loaded_or_none(path):
+    try:
+        return VoxelMap.load(path).occupied(1)
+    except InputError:
+        return None
+
+
+def test_a_changed_byte_is_refused_or_harmless(path):
+    whole = path.read_bytes()
+    before = loaded_or_none(path)
+    outcomes = []
+    for place in np.random.default_rng(5).integers(0, len(whole), 40):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0x55]) + whole[place + 1 :])
+        outcomes.append(loaded_or_none(path))
+    assert outcomes.count(None) > 30
+    assert all(np.array_equal(each.means, before.means) for each in outcomes if each is not None)
+
+
+def test_another_version_is_refused(path):
+    refused(changed(path, version=np.array(2)), "version 2, but 1 is needed")
+
+
+def test_a_missing_column_is_refused(path):
+    content = dict(np.load(path))
+    del content["colour"]
+    np.savez_compressed(path, **content)
+    refused(path, "not a voxel map .*colour")
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        ("cell_size", np.array(-1.0), "cell_size is -1.0"),
+        ("channels", np.array(["pickle"]), "channel is 'pickle'"),
+        ("view_cell", np.array([10**6]), "view_cell"),
+        ("hue", np.zeros((3, 13), np.uint64), "hue has shape"),
+        ("version", np.array("one"), "not a voxel map"),
+        ("count", np.zeros(4, np.uint32), "not a voxel map"),
+    ],
+)
+def test_columns_that_do_not_fit_are_refused(path, column, value, message):
+    refused(changed(path, **{column: value}), message)
+
+
+def test_sums_that_no_points_give_are_refused(path):
+    content = dict(np.load(path))
+    refused(changed(path, position=content["position"] + 2**30), "cannot come from points")
+    refused(changed(path, **content | {"count": 0 * content["count"]}), "cannot come from points")
+
+
+def test_a_lying_size_takes_no_memory(tmp_path, path):
+    """An array header that claims 8 TB, in an otherwise whole archive."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<u4", "fortran_order": False, "shape": (2 * 10**12,)}
+    )
+    with zipfile.ZipFile(path) as whole, zipfile.ZipFile(tmp_path / "liar.npz", "w") as liar:
+        for name in whole.namelist():
+            data = header.getvalue() + b"\0" * 100 if name == "count.npy" else whole.read(name)
+            liar.writestr(name, data)
+    refused(tmp_path / "liar.npz", "count.npy claims 8000000000000 bytes, but holds 100")
+
+
+def test_objects_are_never_unpickled(tmp_path):
+    np.savez(tmp_path / "evil.npz", version=np.array([print], dtype=object))
+    refused(tmp_path / "evil.npz", "not plain numbers")
+
+
+def test_what_is_no_archive_is_refused(tmp_path):
+    path = tmp_path / "map.npz"
+    path.write_bytes(b"\x93NUMPY" + b"\0" * 100)
+    refused(path, "not a whole npz archive")
+
+
+def test_a_missing_file_is_a_file_error(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        VoxelMap.load(tmp_path / "none.npz")

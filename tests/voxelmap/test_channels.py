@@ -1,0 +1,129 @@
+"""What a map keeps besides: right in value, and free of order, chunks and merging."""
+
+import colorsys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from recon.errors import InputError
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.hues import Hues, dominant_hue_deg
+from tests.voxelmap.clouds import ALL_CHANNELS, cloud, observed, random_scans, saved_bytes
+
+
+@settings(deadline=None, max_examples=15)
+@given(seed=st.integers(0, 2**32 - 1), margin=st.sampled_from([0.0, 1.5]))
+def test_order_and_merging_do_not_change_a_bit(seed, margin, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("maps")
+    scans = random_scans(seed)
+    whole = saved_bytes(observed(scans, ray_margin=margin), folder)
+    assert saved_bytes(observed(scans[::-1], ray_margin=margin), folder) == whole
+    merged = observed(scans[:2], ray_margin=margin)
+    merged.merge(observed(scans[2:], ray_margin=margin))
+    assert saved_bytes(merged, folder) == whole
+    assert saved_bytes(VoxelMap.load(folder / "map.npz"), folder) == whole
+
+
+def test_chunks_of_one_view_do_not_change_what_is_kept_of_its_points(tmp_path):
+    channels = ("weight", "views", "hues")
+    scans = random_scans(1)
+    chunks = [
+        (points.select(part), origin, view)
+        for points, origin, view in scans
+        for part in np.array_split(np.arange(len(points)), 4)
+    ]
+    whole = saved_bytes(observed(scans, channels=channels), tmp_path)
+    assert saved_bytes(observed(chunks, channels=channels), tmp_path) == whole
+
+
+def test_a_map_merged_with_itself_doubles_its_sums_and_not_its_views():
+    voxel_map = observed(random_scans(2))
+    before = voxel_map.occupied(1)
+    voxel_map.merge(voxel_map)
+    after = voxel_map.occupied(1)
+    for name in ("counts", "hues", "hits", "passes", "weights"):
+        assert np.array_equal(getattr(after, name), 2 * getattr(before, name)), name
+    assert np.array_equal(after.num_views, before.num_views)
+
+
+def test_weights_fall_with_sigma():
+    sigma = np.array([0.0, 0.15, 0.3, 1.5])
+    points = cloud([[0.1, 0.1, 0.1], [0.6, 0, 0], [1.1, 0, 0], [1.6, 0, 0]], sigma=sigma)
+    voxels = observed([(points, None, None)], cell_size=0.5, channels=["weight"]).occupied(1)
+    # Half of the weight is left at a sigma of 0.3 cells.
+    assert np.abs(voxels.weights - [1.0, 0.5, 0.2, 1 / 101]).max() < 1e-6
+
+
+def test_views_are_counted_once_each():
+    here, there = cloud([[0, 0, 0]] * 3), cloud([[5, 0, 0]])
+    scans = [(here, None, 7), (here, None, 7), (there, None, 7), (here, None, 2**31 - 1)]
+    assert observed(scans, channels=["views"]).occupied(1).num_views.tolist() == [2, 1]
+
+
+def test_many_chunks_of_one_view_stay_small():
+    voxel_map = VoxelMap(channels=["views"])
+    points = cloud(np.random.default_rng(3).uniform(0, 30, (5000, 3)))
+    for _ in range(40):
+        voxel_map.insert(points, view=1)
+    sets = voxel_map._channels["views"]
+    assert len(sets._pairs) + sets._num_new < 4 * voxel_map.num_cells + (1 << 17)
+    assert (voxel_map.occupied(1).num_views == 1).all()
+
+
+@pytest.mark.parametrize("hue_deg", range(3, 360, 17))
+def test_the_hue_of_a_cell_is_that_of_most_points(hue_deg):
+    rng = np.random.default_rng(hue_deg)
+    hues = np.mod(hue_deg + rng.normal(scale=8, size=200), 360) / 360
+    sky = [colorsys.hsv_to_rgb((hue_deg / 360 + 0.5) % 1, 0.6, 0.9)] * 60
+    leaf = [colorsys.hsv_to_rgb(hue, 0.7, 0.5) for hue in hues]
+    colours = np.rint(255 * np.array(leaf + sky)).astype(np.uint8)
+    points = cloud(np.full((260, 3), 0.5), colours)
+    voxels = observed([(points, None, None)], channels=["hues"]).occupied(1)
+    error = np.mod(dominant_hue_deg(voxels.hues) - hue_deg + 180, 360) - 180
+    assert np.abs(error).max() < 6
+
+
+def test_grey_has_no_hue():
+    colours = np.array([[90, 90, 92], [5, 0, 0], [200, 190, 195], [255, 0, 0]], np.uint8)
+    assert Hues.bins(colours).tolist() == [12, 12, 12, 0]
+    histogram = np.zeros((1, 13), np.int64)
+    histogram[0, [0, 12]] = 1, 3
+    assert np.isnan(dominant_hue_deg(histogram)).all()
+
+
+def test_hue_bins_are_those_of_colorsys():
+    colours = np.random.default_rng(5).integers(0, 256, (2000, 3)).astype(np.uint8)
+    bins = Hues.bins(colours)
+    for colour, found in zip(colours, bins, strict=True):
+        hue, saturation, value = colorsys.rgb_to_hsv(*(colour / 255.0))
+        if found == 12:
+            assert saturation < 0.15 + 1e-9 or value < 0.1 + 1e-9
+        else:
+            assert abs((hue * 12 - found - 0.5 + 6) % 12 - 6) <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("channel", "message"),
+    [
+        ("weight", "no sigma, but a map that keeps weights needs it"),
+        ("views", "view is None, but a map that keeps views needs its number"),
+        ("rays", "origin is None, but a map that keeps rays needs"),
+    ],
+)
+def test_what_a_channel_needs_is_asked_for_before_the_map_changes(channel, message):
+    voxel_map = VoxelMap(channels=[channel])
+    with pytest.raises(InputError, match=message):
+        voxel_map.insert(cloud([[0, 0, 0]]))
+    assert voxel_map.num_cells == 0
+
+
+def test_an_unknown_channel_is_refused():
+    with pytest.raises(InputError, match="channel is 'colour', but one of weight, views"):
+        VoxelMap(channels=["colour"])
+
+
+def test_maps_of_other_channels_do_not_merge():
+    with pytest.raises(InputError, match="the other map's channels is"):
+        VoxelMap(channels=ALL_CHANNELS).merge(VoxelMap())
