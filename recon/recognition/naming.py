@@ -1,4 +1,4 @@
-"""Which kind of the catalogue an object is: whole-object fits compared by BIC."""
+"""Which kind of the catalogue an object is: whole-object fits compared by their evidence."""
 
 from dataclasses import dataclass, field
 
@@ -15,8 +15,17 @@ Array = NDArray[np.float64]
 
 NOISE_FLOOR = 0.05
 """Smallest noise believed of a cell's mean, in cells."""
-WIDEST_NOISE = 0.5
-"""Scale of the residuals, in cells, over which no kind is believed to fit."""
+UNKNOWN_NOISE = 0.5
+"""Scale of the residuals, in cells, that a thing of no known kind would leave."""
+MOST_CELLS = 2000
+"""Cells a fit is made on: more do not change it."""
+INDEPENDENT_CELLS = 60.0
+"""Cells of an object err together: all of them weigh no more than so many that do not. Set where
+probabilities come true over simulated orbits."""
+RATIO_SPREAD = 0.05
+"""Standard deviation of the ratio of two radii over which a bound of the catalogue blurs."""
+SMALLEST_PART = 0.03
+"""Share of an object's cells that a part must hold to be believed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,6 +38,8 @@ class Naming:
     size: Array
     parts: tuple[Part, ...] = ()
     failures: list[str] = field(default_factory=list)
+    deviance: float = np.inf
+    """Minus twice the log likelihood of the cells."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
         """The record of it."""
@@ -43,6 +54,16 @@ class Naming:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Hypothesis:
+    """One kind in one combination of shapes."""
+
+    kind: Kind
+    fit: Estimate[Stack]
+    evidence: float
+    """Log of it, up to a constant of the object."""
+
+
 def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Naming:
     """Name the object that `voxels` are the cells of.
 
@@ -51,61 +72,114 @@ def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Namin
     ground : float
         Height it stands on, world.
     """
-    shapes = sorted({stack for kind in kinds for stack in kind.stacks})
-    weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
-    floor = NOISE_FLOOR * voxels.cell_size
-    fits = {stack: fit_stack(stack, voxels.means, ground, floor, weights) for stack in shapes}
-    candidates = [
-        (fits[stack].bic - 2.0 * _log_ratio_chance(fits[stack], kind), kind, fits[stack])
-        for kind in kinds
-        for stack in kind.stacks
-    ]
-    criterion, kind, fit = min(candidates, key=lambda candidate: candidate[0])
-    if fit.sigma > WIDEST_NOISE * voxels.cell_size:
-        return unknown(voxels, ground, "no kind of the catalogue fits")
-    evidence = np.array([np.exp(-0.5 * (value - criterion)) for value, _, _ in candidates])
-    own = np.array([other is kind for _, other, _ in candidates])
-    centre, size = _box(fit.state)
-    return Naming(
-        label=kind.name,
-        probability=float(evidence[own].sum() / evidence.sum()),
-        centre=centre,
-        size=size,
-        parts=_parts(voxels, kind, fit),
-    )
+    cells = _thinned(voxels)
+    hypotheses = _hypotheses(cells, ground, kinds)
+    if not hypotheses:
+        return unknown(voxels, ground, "an object shows only one part")
+    best = max(hypotheses, key=lambda one: one.evidence)
+    nothing = _evidence(_unknown_deviance(cells), len(cells))
+    logs = np.array([one.evidence for one in hypotheses] + [nothing])
+    shares = np.exp(logs - logs.max())
+    own = np.array([one.kind is best.kind for one in hypotheses] + [False])
+    probability = float(shares[own].sum() / shares.sum())
+    if nothing > best.evidence:
+        return unknown(voxels, ground, "no kind of the catalogue fits", probability)
+    return _named(voxels, best, probability)
 
 
-def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
-    """An object without a name, in the box of its cell means."""
+def unknown(voxels: Voxels, ground: float, reason: str, chance: float = 0.0) -> Naming:
+    """An object without a name, in the box of its cell means.
+
+    Parameters
+    ----------
+    chance : float
+        That it is of a kind of the catalogue after all.
+    """
     low, high = voxels.means.min(axis=0), voxels.means.max(axis=0)
     size = high - low
     size[1] = high[1] - ground
     return Naming(
-        label=UNKNOWN, probability=0.0, centre=(low + high) / 2.0, size=size, failures=[reason]
+        label=UNKNOWN,
+        probability=1.0 - chance,
+        centre=(low + high) / 2.0,
+        size=size,
+        failures=[reason],
+        deviance=_unknown_deviance(voxels),
     )
 
 
-def _log_ratio_chance(fit: Estimate[Stack], kind: Kind) -> float:
+def _thinned(voxels: Voxels) -> Voxels:
+    if len(voxels) <= MOST_CELLS:
+        return voxels
+    rows = np.random.default_rng(0).choice(len(voxels), MOST_CELLS, replace=False)
+    return voxels.select(np.sort(rows))
+
+
+def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
+    # Cells of few points lie off the surface more often than on it.
+    weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
+    floor = NOISE_FLOOR * voxels.cell_size
+    shapes = sorted({stack for kind in kinds for stack in kind.stacks})
+    fits = {stack: fit_stack(stack, voxels.means, ground, floor, weights) for stack in shapes}
+    whole = {stack: fit for stack, fit in fits.items() if _is_whole(fit, voxels)}
+    return [
+        Hypothesis(
+            kind=kind,
+            fit=whole[stack],
+            evidence=_evidence(whole[stack].bic, len(voxels)) + _log_chance(whole[stack], kind),
+        )
+        for kind in kinds
+        for stack in kind.stacks
+        if stack in whole
+    ]
+
+
+def _is_whole(fit: Estimate[Stack], voxels: Voxels) -> bool:
+    """Whether every part of the stack holds cells of its own."""
+    _, _, nearest = StackModel(voxels.means).nearest(fit.state)
+    cells = np.bincount(nearest, minlength=len(fit.state.shapes))
+    return bool(cells.min() >= max(3.0, SMALLEST_PART * len(voxels)))
+
+
+def _evidence(criterion: float, num_cells: int) -> float:
+    return -0.5 * criterion * min(1.0, INDEPENDENT_CELLS / num_cells)
+
+
+def _unknown_deviance(voxels: Voxels) -> float:
+    """That of Student-t residuals of the scale `UNKNOWN_NOISE`, as they fall on average."""
+    # (nu + 1) E[log(1 + t^2 / nu)] of nu = 3 degrees of freedom is 2.27.
+    scale = UNKNOWN_NOISE * voxels.cell_size
+    return len(voxels) * (2.27 + 2.0 * float(np.log(scale)))
+
+
+def _log_chance(fit: Estimate[Stack], kind: Kind) -> float:
     """Log of the chance that the ratio of radii lies within the kind's bounds."""
     if kind.ratio is None or len(kind.parts) < 2:
         return 0.0
-    ratio = fit.state.widest[0] / max(fit.state.widest[1], 1e-9)
-    low, high = kind.ratio
-    excess = max(low - ratio, ratio - high, 0.0)
-    return -20.0 * float(excess)
+    widths = fit.state.widest
+    ratio = widths[0] / max(widths[1], 1e-9)
+    excess = max(kind.ratio[0] - ratio, ratio - kind.ratio[1]) / RATIO_SPREAD
+    return -float(np.logaddexp(0.0, 2.0 * excess))
 
 
-def _box(stack: Stack) -> tuple[Array, Array]:
+def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
+    stack = best.fit.state
     width = 2.0 * float(stack.widest.max())
     bottom, top = stack.heights[0], stack.heights[-1]
-    centre = np.array([stack.axis[0], (bottom + top) / 2.0, stack.axis[1]])
-    return centre, np.array([width, top - bottom, width])
+    return Naming(
+        label=best.kind.name,
+        probability=probability,
+        centre=np.array([stack.axis[0], (bottom + top) / 2.0, stack.axis[1]]),
+        size=np.array([width, top - bottom, width]),
+        parts=_parts(voxels, best.kind, stack),
+        deviance=best.fit.bic,
+    )
 
 
-def _parts(voxels: Voxels, kind: Kind, fit: Estimate[Stack]) -> tuple[Part, ...]:
-    residuals, _, nearest = StackModel(voxels.means).nearest(fit.state)
+def _parts(voxels: Voxels, kind: Kind, stack: Stack) -> tuple[Part, ...]:
+    residuals, _, nearest = StackModel(voxels.means).nearest(stack)
     parts = []
-    for number, (rule, solid) in enumerate(zip(kind.parts, solids(fit.state), strict=True)):
+    for number, (rule, solid) in enumerate(zip(kind.parts, solids(stack), strict=True)):
         own = nearest == number
         rms = float(np.sqrt(np.mean(residuals[own] ** 2))) if own.any() else 0.0
         hue = mean_hue_deg(voxels.colours[own])

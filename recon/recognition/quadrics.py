@@ -106,7 +106,8 @@ def _moved_back(coefficients: Array, T: Array) -> Array:
         np.array([0, 1, 2, 0, 0, 1, 0, 1, 2, 3]),
         np.array([0, 1, 2, 1, 2, 2, 3, 3, 3, 3]),
     )
-    return matrix[rows, columns]
+    moved: Array = matrix[rows, columns]
+    return moved
 
 
 def _matrix(coefficients: Array) -> Array:

@@ -1,16 +1,21 @@
 """From occupied cells to named objects (thesis 4.5)."""
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.catalogue import read_catalogue
-from recon.recognition.components import connected, in_order_of_appearance
+from recon.recognition.catalogue import Kind, read_catalogue
+from recon.recognition.components import connected, stacked
 from recon.recognition.ground import ground_height
 from recon.recognition.naming import Naming, name_object
+from recon.recognition.separation import separate
+from recon.recognition.thesis import name_by_quadrics
 from recon.records import Recognition, Voxels
 from recon.settings import RecognitionSettings
+
+Named = tuple[Naming, NDArray[np.intp]]
 
 GAP_REACH = 2
 """Cells of one object lie at most so many apart: gaps of one cell are closed."""
@@ -29,20 +34,25 @@ def recognise(voxels: Voxels, settings: RecognitionSettings) -> Recognition:
     Recognition
         Objects numbered by their place (x, then z), a label for each cell handed in, and failures
         counted by reason.
+
+    Raises
+    ------
+    InputError
+        Where the catalogue cannot be read.
     """
-    instance = components(voxels, settings)
+    kinds = read_catalogue(None if settings.catalogue is None else Path(settings.catalogue))
     ground = ground_height(voxels, settings)
-    kinds = read_catalogue()
+    instance = components(voxels, settings)
     failures: Counter[str] = Counter()
-    named: list[tuple[Naming, NDArray[np.bool_]]] = []
+    named: list[Named] = []
     for number in range(int(instance.max(initial=-1)) + 1):
-        rows = instance == number
-        if rows.sum() < settings.min_voxels:
+        rows = np.flatnonzero(instance == number)
+        if len(rows) < settings.min_voxels:
             failures[f"fewer than {settings.min_voxels} cells"] += 1
-            continue
-        naming = name_object(voxels.select(rows), ground, kinds)
+        else:
+            named.extend(_name(voxels, rows, ground, kinds, settings))
+    for naming, _ in named:
         failures.update(naming.failures)
-        named.append((naming, rows))
     return _numbered(named, len(voxels), failures)
 
 
@@ -56,18 +66,37 @@ def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int3
     """
     ground = ground_height(voxels, settings)
     above = voxels.centres[:, 1] >= ground + settings.ground_clearance
+    label = connected(voxels.index[above], GAP_REACH)
     instance = np.full(len(voxels), -1, dtype=np.int32)
-    instance[above] = connected(voxels.index[above], GAP_REACH)
-    return in_order_of_appearance(instance)
+    instance[above] = stacked(voxels.means[above], label, settings.min_voxels)
+    return instance
 
 
-def _numbered(
-    named: list[tuple[Naming, NDArray[np.bool_]]], num_cells: int, failures: Counter[str]
-) -> Recognition:
+def _name(
+    voxels: Voxels,
+    rows: NDArray[np.intp],
+    ground: float,
+    kinds: tuple[Kind, ...],
+    settings: RecognitionSettings,
+) -> list[Named]:
+    """The objects of one component, each with its rows."""
+    cells = voxels.select(rows)
+    if settings.recogniser == "thesis":
+        return [(name_by_quadrics(cells, ground, kinds, settings.hue_tolerance_deg), rows)]
+    whole = name_object(cells, ground, kinds)
+    pieces = separate(
+        cells, whole, settings.min_voxels, lambda part: name_object(part, ground, kinds)
+    )
+    return [(naming, rows[own]) for naming, own in pieces]
+
+
+def _numbered(named: list[Named], num_cells: int, failures: Counter[str]) -> Recognition:
     named = sorted(named, key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
     label = np.full(num_cells, -1, dtype=np.int32)
-    objects = []
-    for number, (naming, rows) in enumerate(named):
+    for number, (_, rows) in enumerate(named):
         label[rows] = number
-        objects.append(naming.found(number, int(rows.sum())))
-    return Recognition(objects=tuple(objects), label=label, failures=dict(failures))
+    return Recognition(
+        objects=tuple(n.found(number, len(rows)) for number, (n, rows) in enumerate(named)),
+        label=label,
+        failures=dict(failures),
+    )

@@ -13,6 +13,8 @@ class RecognitionSettings:
     """From cells to named objects (thesis 4.5)."""
 
     recogniser: Literal["robust", "thesis"] = "robust"
+    catalogue: str | None = None
+    """TOML file of the names and their rules; None = the shipped one."""
     ground: float | None = 0.0
     """Height of the ground; None = found as the largest plane."""
     ground_clearance: Positive = 1.0
