@@ -13,6 +13,9 @@ from recon.voxelmap.faces import exposed_faces
 
 SIZE: Size = (1200, 900)
 
+# The sphere round the map fits the picture; the map itself, flat as worlds are, may be larger.
+ZOOM = 1.45
+
 # Directions from which the camera looks at the middle of the map.
 VIEWS = {
     "default": (0.55, 0.75, 1.0),
@@ -76,11 +79,10 @@ def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
 
 
 def _look(plotter: Any, voxels: Voxels, direction: tuple[float, float, float]) -> None:
-    low, high = voxels.centres.min(axis=0), voxels.centres.max(axis=0)
-    centre, reach = (low + high) / 2.0, float(np.linalg.norm(high - low)) + voxels.cell_size
-    away = np.asarray(direction) / np.linalg.norm(direction)
-    plotter.camera.position = tuple(centre + away * reach * 1.9)
+    centre = (voxels.centres.min(axis=0) + voxels.centres.max(axis=0)) / 2.0
     plotter.camera.focal_point = tuple(centre)
+    plotter.camera.position = tuple(centre + np.asarray(direction))
     plotter.camera.up = (0.0, 1.0, 0.0)
     plotter.camera.view_angle = 28.0
-    plotter.camera.clipping_range = (reach * 0.05, reach * 10.0)
+    plotter.reset_camera(render=False)
+    plotter.camera.zoom(ZOOM)

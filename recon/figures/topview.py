@@ -31,6 +31,8 @@ def labels(
 ) -> Image:
     """Occupancy in the map's own colours, with every object's outline, name and probability.
 
+    The sheet holds the map and its objects; the trajectory may leave it.
+
     Parameters
     ----------
     voxels : Voxels
@@ -41,10 +43,11 @@ def labels(
     figure = new_figure(size)
     axes = _axes(figure, f"Occupancy with labels: {len(objects)} objects")
     _draw_colours(axes, voxels)
-    if trajectory is not None:
-        axes.plot(trajectory[:, 0], trajectory[:, 2], color=FAINT, lw=0.8, zorder=1)
     for found in objects:
         _draw_label(axes, found)
+    axes.autoscale(enable=False)
+    if trajectory is not None:
+        axes.plot(trajectory[:, 0], trajectory[:, 2], color=FAINT, lw=0.8, zorder=1)
     return to_image(figure)
 
 
@@ -75,6 +78,7 @@ def path(trajectory: Array, voxels: Voxels, known: Array | None = None, size: Si
 def _axes(figure: Any, title: str) -> Any:
     axes = new_axes(figure, title, "x [world units]", "z [world units]")
     axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
     axes.invert_yaxis()
     return axes
 

@@ -1,0 +1,57 @@
+"""The README's commands, run as written, and what the village's run must show."""
+
+import json
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.cli import main
+from recon.settings import Settings
+from recon.world.world import World
+
+ROOT = Path(__file__).parents[1]
+PROGRAM = ".venv/bin/recon"
+
+
+def commands():
+    lines = (ROOT / "README.md").read_text().splitlines()
+    return [line.strip() for line in lines if line.strip().startswith(PROGRAM)]
+
+
+@pytest.fixture(scope="module")
+def readme(tmp_path_factory):
+    """A folder like the project's, in which every command of the README has run, in order."""
+    folder = tmp_path_factory.mktemp("readme")
+    for name in ("data", "scenes"):
+        (folder / name).symlink_to(ROOT / name)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        codes = {line: main(shlex.split(line, comments=True)[1:]) for line in commands()}
+    return folder, codes
+
+
+def test_every_command_of_the_readme_works(readme):
+    _, codes = readme
+    assert len(codes) >= 5
+    assert set(codes.values()) == {0}, codes
+
+
+def test_the_village_is_known(readme):
+    folder, _ = readme
+    found = json.loads((folder / "runs/walk/objects.json").read_text())["objects"]
+    truth = World.from_file(ROOT / "scenes" / "village.scene", Settings()).objects
+    assert sorted(o["label"] for o in found) == sorted(o.label for o in truth)
+    for true in truth:
+        nearest = min(found, key=lambda o: np.linalg.norm(np.array(o["centre"]) - true.centre))
+        assert nearest["label"] == true.label
+        assert np.linalg.norm(np.array(nearest["centre"]) - true.centre) < 1.0
+        assert nearest["views"] >= 2
+
+
+def test_the_pictures_of_the_readme_are_there():
+    text = (ROOT / "README.md").read_text()
+    assert text.startswith("![")
+    picture = text[text.index("(") + 1 : text.index(")")]
+    assert (ROOT / picture).stat().st_size > 10_000
