@@ -53,7 +53,7 @@ def random_scene(
     circles = [np.array([0.0, 0.0, START_ROOM - gap])]
     visuals: list[Visual] = []
     for _ in range(num_objects):
-        grow, least, most = KINDS[rng.integers(len(KINDS))]
+        grow, least, most = KINDS[int(rng.integers(len(KINDS)))]
         radius = rng.uniform(least, most)
         reach = floor_size / 2.0 - radius - gap
         place = _free_place(rng, np.array(circles), radius + gap, reach)
@@ -90,6 +90,7 @@ def _free_place(
     """A random x, z at least `distance` from all circles (x, z, radius); None where none is."""
     if reach <= 0:
         return None
+    place: Array
     for place in rng.uniform(-reach, reach, size=(_TRIES, 2)):
         apart = np.hypot(*(circles[:, :2] - place).T) - circles[:, 2]
         if apart.min() >= distance:
@@ -142,7 +143,7 @@ def _cone(upper_end: Vector, radius: float, height: float, texture: int) -> Cyli
 
 
 def _pick(rng: np.random.Generator, names: Sequence[str]) -> int:
-    return TEXTURES.index(names[rng.integers(len(names))])
+    return TEXTURES.index(names[int(rng.integers(len(names)))])
 
 
 Grow = Callable[[np.random.Generator, float, float, float], tuple[Visual, ...]]

@@ -20,6 +20,15 @@ PLAIN = Shader(
 """The material of a visual that has no shader: it keeps its own colour."""
 
 
+def painted(part: Triangles, shader: Shader | None) -> Triangles:
+    """The part in its shader's colours, for a renderer that makes the light itself."""
+    if shader is None:
+        return part
+    colour = np.add(np.add(shader.ambient, shader.diffuse), shader.emissive)[:3]
+    paint = np.broadcast_to(np.clip(colour, 0.0, 1.0), part.colours.shape)
+    return dataclasses.replace(part, colours=paint)
+
+
 def lit(part: Triangles, shader: Shader | None) -> Triangles:
     """The part with its corners' colours under the sun.
 

@@ -14,7 +14,7 @@ from recon.settings.world import RenderSettings
 from recon.world.rays import RayScene
 from recon.world.sampling import cast_rays, shade
 from recon.world.solids import Triangles
-from recon.world.textures import TextureAtlas
+from recon.world.textures import build_atlas
 from recon.world.visuals import NONE
 
 SKY_RGB = (196.0, 212.0, 228.0)
@@ -50,7 +50,7 @@ class Look:
     """How a visual is drawn."""
 
     texture: int = NONE
-    """Its number in the atlas, -1 = none."""
+    """Its number among the pictures, -1 = none."""
     one_sided: bool = False
     """Whether it is not to be seen from behind."""
 
@@ -62,7 +62,7 @@ class Raycaster:
     ----------
     parts : triangles of each visual
     looks : how each visual looks
-    atlas : the textures
+    pictures : the textures (H, W, 3)
     settings : the renderer's
     """
 
@@ -70,7 +70,7 @@ class Raycaster:
         self,
         parts: Sequence[Triangles],
         looks: Sequence[Look],
-        atlas: TextureAtlas,
+        pictures: Sequence[NDArray[np.uint8]],
         settings: RenderSettings,
     ) -> None:
         counts = [len(part.corners) for part in parts]
@@ -80,6 +80,7 @@ class Raycaster:
         self._one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
         self._facets = np.concatenate([np.empty((0, 26)), *(_facets(part) for part in parts)])
         self._scene = RayScene(parts)
+        atlas = build_atlas(pictures, settings.mipmaps)
         self._atlas = (atlas.texels, atlas.start, atlas.shape)
         self._settings = settings
 
@@ -93,7 +94,7 @@ class Raycaster:
         if side > 1:
             visual = self._visual[triangle].reshape(shape)
             edge = np.flatnonzero(_edges(visual, depth.reshape(shape)))
-            samples = (pixels[edge][:, None] + _offsets(side)).reshape(-1, 2)
+            samples = (pixels[edge][:, None] + pixel_offsets(side)).reshape(-1, 2)
             _, fine = self._shade(camera, samples, side, self._hits(camera, samples))
             colour[edge] = fine.reshape(len(edge), side * side, 3).mean(axis=1)
         return np.rint(colour).astype(np.uint8).reshape(*shape, 3)
@@ -169,7 +170,7 @@ def _pixels(camera: Camera) -> Array:
     return np.column_stack([u.ravel(), v.ravel()])
 
 
-def _offsets(side: int) -> Array:
+def pixel_offsets(side: int) -> Array:
     """(side^2, 2) places inside a pixel, round its middle."""
     steps = (np.arange(side) + 0.5) / side - 0.5
     v, u = np.meshgrid(steps, steps, indexing="ij")

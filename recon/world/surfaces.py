@@ -2,8 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from recon.settings.world import RenderSettings
-from recon.world.lighting import lit
+from recon.world.filament import Filament
+from recon.world.lighting import lit, painted
 from recon.world.meshes import read_mesh
 from recon.world.render import Look, Raycaster
 from recon.world.solids import (
@@ -13,13 +17,14 @@ from recon.world.solids import (
     polygon_triangles,
     sphere_triangles,
 )
-from recon.world.textures import build_atlas, read_texture
+from recon.world.textures import read_texture
 from recon.world.visuals import (
     NONE,
     CylinderVisual,
     MeshVisual,
     PolygonVisual,
     Scene,
+    Shader,
     Visual,
 )
 
@@ -44,10 +49,29 @@ def lids(scene: Scene) -> list[Triangles]:
 
 
 def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettings) -> Raycaster:
-    """The renderer of a scene, with each texture that a visual uses read once."""
+    """The renderer of a scene."""
+    if settings.shading:
+        parts = [lit(part, shader) for part, shader in zip(parts, _shaders(scene), strict=True)]
+    return Raycaster(parts, *_looks(scene), settings)
+
+
+def build_filament(
+    scene: Scene, parts: list[Triangles], size: tuple[int, int], settings: RenderSettings
+) -> Filament:
+    """The renderer with light and shadows, for pictures of one size."""
+    if settings.shading:
+        parts = [painted(part, shader) for part, shader in zip(parts, _shaders(scene), strict=True)]
+    return Filament(parts, *_looks(scene), size, settings)
+
+
+def _shaders(scene: Scene) -> list[Shader | None]:
+    return [None if v.shader == NONE else scene.shaders[v.shader] for v in scene.visuals]
+
+
+def _looks(scene: Scene) -> tuple[list[Look], list[NDArray[np.uint8]]]:
+    """How each visual looks, and the textures that any of them uses."""
     names = [scene.texture_of(visual) for visual in scene.visuals]
     used = sorted({name for name in names if name is not None})
-    atlas = build_atlas([read_texture(name, scene.folder) for name in used], settings.mipmaps)
     looks = [
         Look(
             texture=NONE if name is None else used.index(name),
@@ -55,7 +79,4 @@ def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettin
         )
         for name, visual in zip(names, scene.visuals, strict=True)
     ]
-    if settings.shading:
-        shaders = [None if v.shader == NONE else scene.shaders[v.shader] for v in scene.visuals]
-        parts = [lit(part, shader) for part, shader in zip(parts, shaders, strict=True)]
-    return Raycaster(parts, looks, atlas, settings)
+    return looks, [read_texture(name, scene.folder) for name in used]

@@ -1,5 +1,6 @@
 """Pictures that cover visuals: looked up by name, and laid out with their mipmaps for sampling."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,7 +63,7 @@ class TextureAtlas:
     """(N, L, 2) height and width of the levels."""
 
 
-def build_atlas(pictures: list[NDArray[np.uint8]], mipmaps: bool) -> TextureAtlas:
+def build_atlas(pictures: Sequence[NDArray[np.uint8]], mipmaps: bool) -> TextureAtlas:
     """Lay out pictures (H, W, 3); without mipmaps each has only its own size."""
     pyramids = [_pyramid(picture) if mipmaps else [picture] for picture in pictures]
     num_levels = max((len(pyramid) for pyramid in pyramids), default=1)

@@ -21,7 +21,7 @@ from recon.world.rays import RayScene
 from recon.world.scene import read_scene
 from recon.world.sensor import exposed
 from recon.world.solids import contains
-from recon.world.surfaces import build_raycaster, lids, visual_triangles
+from recon.world.surfaces import build_filament, build_raycaster, lids, visual_triangles
 from recon.world.visuals import Scene
 
 START_DISTANCE = 10.0
@@ -65,7 +65,12 @@ class World:
         self.floor = world
         parts = [visual_triangles(visual, scene.folder) for visual in scene.visuals]
         solid = [p for v, p in zip(scene.visuals, parts, strict=True) if not is_ground(v, p)]
-        self._renderer = build_raycaster(scene, parts, render)
+        self._caster = build_raycaster(scene, parts, render)
+        self._renderer = (
+            build_filament(scene, parts, (eyes.width, eyes.height), render)
+            if render.renderer == "filament"
+            else self._caster
+        )
         self._solids, self._surfaces = RayScene(solid), RayScene(parts)
         self._closed = RayScene([*solid, *lids(scene)])
         self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts)
@@ -106,7 +111,7 @@ class World:
         rig, T_world_left, eyes = self._stand(view)
         straight = dataclasses.replace(eyes, gaze="shift")
         eye = eye_of(T_world_left, rig, rig.cx_left_px, straight)
-        depth, visual = self._renderer.measure(eye.camera)
+        depth, visual = self._caster.measure(eye.camera)
         object_id = self._object_of[visual]
         return Truth(
             depth=depth,
@@ -124,11 +129,11 @@ class World:
 
     def top_view(self, size: int = 512) -> NDArray[np.uint8]:
         """The floor from above (H, W, 3): x to the right, z down, the longer side `size` pixels."""
-        return self._renderer.look(top_camera(self.floor, size))
+        return self._caster.look(top_camera(self.floor, size))
 
     def front_view(self, size: int = 512) -> NDArray[np.uint8]:
         """The world from its front (H, W, 3), along -z: x to the right over `size` pixels, y up."""
-        return self._renderer.look(front_camera(self.floor, size))
+        return self._caster.look(front_camera(self.floor, size))
 
     def export_frame(self, view: View, folder: str | Path) -> None:
         """Write a view's pictures, true disparity and calibration to a folder."""
