@@ -11,21 +11,14 @@ Timings are ratios to a peer that ran beside them, so that they hold on other ma
 import importlib
 import json
 import os
-import sys
 from pathlib import Path
 
-# Before any numerical library is loaded: everything is measured on one thread.
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ.setdefault(variable, "1")
-
 import click
+from benchmarks import Measurement
 
 TOOLS = Path(__file__).parent
 BASELINE = TOOLS / "benchmark.json"
-sys.path.insert(0, str(TOOLS))
-
-from benchmarks import Measurement  # noqa: E402 -- after the path is set
-
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 ROOMS = sorted(path.stem for path in (TOOLS / "benchmarks").glob("[!_]*.py"))
 
 
@@ -38,6 +31,8 @@ def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool)
     """Print every number with its unit and its baseline."""
     if quick and (gate or update_baseline):
         raise click.UsageError("--quick is not comparable with the baseline")
+    # Before a numerical library is loaded: everything is measured on one thread.
+    os.environ.update(dict.fromkeys(THREADS, "1"))
     baseline = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
     found = [number for room in rooms or ROOMS for number in measure(room, quick)]
     late = [number.name for number in found if is_behind(number, baseline.get(number.name))]
