@@ -1,6 +1,6 @@
 """Which kind of the catalogue an object is: whole-object fits compared by their evidence."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,12 @@ INDEPENDENT_CELLS = 60.0
 probabilities come true over simulated orbits."""
 RATIO_SPREAD = 0.05
 """Standard deviation of the ratio of two radii over which a bound of the catalogue blurs."""
-SMALLEST_PART = 0.03
-"""Share of an object's cells that a part must hold to be believed."""
+UNSEEN = 0.1
+"""A part is unseen that has less of its surface in cells than this share of the best seen one."""
+TRUNK = 0.3
+"""Radius of a body that is not seen, as a share of its crown's."""
+LARGEST_TO_EXTENT = 2.0
+"""A fit larger than so many times the extent of its cells is none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -126,7 +130,8 @@ def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[
         Hypothesis(
             kind=kind,
             fit=whole[stack],
-            evidence=_evidence(whole[stack].bic, len(voxels)) + _log_chance(whole[stack], kind),
+            evidence=_evidence(whole[stack].bic, len(voxels))
+            + _log_chance(whole[stack], kind, voxels),
         )
         for kind in kinds
         for stack in kind.stacks
@@ -135,10 +140,20 @@ def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[
 
 
 def _is_whole(fit: Estimate[Stack], voxels: Voxels) -> bool:
-    """Whether every part of the stack holds cells of its own."""
-    _, _, nearest = StackModel(voxels.means).nearest(fit.state)
-    cells = np.bincount(nearest, minlength=len(fit.state.shapes))
-    return bool(cells.min() >= max(3.0, SMALLEST_PART * len(voxels)))
+    """Whether the stack is of the cells' size and all parts above the lowest are seen."""
+    stack = fit.state
+    extent = float(np.ptp(voxels.means, axis=0).max())
+    within = max(2.0 * stack.widest.max(), stack.heights[-1] - voxels.means[:, 1].min())
+    return bool(within < LARGEST_TO_EXTENT * extent and not _is_unseen(stack, voxels)[1:].any())
+
+
+def _is_unseen(stack: Stack, voxels: Voxels) -> NDArray[np.bool_]:
+    """(parts,) which parts have next to no cells for their surface."""
+    _, _, nearest = StackModel(voxels.means).nearest(stack)
+    cells = np.bincount(nearest, minlength=len(stack.shapes))
+    density = cells / np.maximum(stack.areas, voxels.cell_size**2)
+    unseen: NDArray[np.bool_] = density < UNSEEN * density.max()
+    return unseen
 
 
 def _evidence(criterion: float, num_cells: int) -> float:
@@ -152,18 +167,19 @@ def _unknown_deviance(voxels: Voxels) -> float:
     return len(voxels) * (2.27 + 2.0 * float(np.log(scale)))
 
 
-def _log_chance(fit: Estimate[Stack], kind: Kind) -> float:
+def _log_chance(fit: Estimate[Stack], kind: Kind, voxels: Voxels) -> float:
     """Log of the chance that the ratio of radii lies within the kind's bounds."""
     if kind.ratio is None or len(kind.parts) < 2:
         return 0.0
     widths = fit.state.widest
-    ratio = widths[0] / max(widths[1], 1e-9)
+    # What holds up a crown and is not seen itself is thin.
+    ratio = 0.0 if _is_unseen(fit.state, voxels)[0] else widths[0] / max(widths[1], 1e-9)
     excess = max(kind.ratio[0] - ratio, ratio - kind.ratio[1]) / RATIO_SPREAD
     return -float(np.logaddexp(0.0, 2.0 * excess))
 
 
 def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
-    stack = best.fit.state
+    stack = _with_thin_body(best.fit.state, voxels)
     width = 2.0 * float(stack.widest.max())
     bottom, top = stack.heights[0], stack.heights[-1]
     return Naming(
@@ -174,6 +190,14 @@ def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
         parts=_parts(voxels, best.kind, stack),
         deviance=best.fit.bic,
     )
+
+
+def _with_thin_body(stack: Stack, voxels: Voxels) -> Stack:
+    """The stack, its lowest part no wider than a trunk where it is not seen."""
+    if not _is_unseen(stack, voxels)[0] or not len(stack.radii[0]):
+        return stack
+    radius = np.minimum(stack.radii[0], TRUNK * stack.widest[1:].max(initial=0.0))
+    return replace(stack, radii=(radius, *stack.radii[1:]))
 
 
 def _parts(voxels: Voxels, kind: Kind, stack: Stack) -> tuple[Part, ...]:

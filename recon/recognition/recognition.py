@@ -1,21 +1,20 @@
 """From occupied cells to named objects (thesis 4.5)."""
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.catalogue import Kind, read_catalogue
+from recon.recognition.catalogue import read_catalogue
 from recon.recognition.components import connected, stacked
 from recon.recognition.ground import ground_height
 from recon.recognition.naming import Naming, name_object
-from recon.recognition.separation import separate
+from recon.recognition.separation import Piece, Rows, reunite, separate
 from recon.recognition.thesis import name_by_quadrics
 from recon.records import Recognition, Voxels
 from recon.settings import RecognitionSettings
-
-Named = tuple[Naming, NDArray[np.intp]]
 
 GAP_REACH = 2
 """Cells of one object lie at most so many apart: gaps of one cell are closed."""
@@ -40,20 +39,32 @@ def recognise(voxels: Voxels, settings: RecognitionSettings) -> Recognition:
     InputError
         Where the catalogue cannot be read.
     """
-    kinds = read_catalogue(None if settings.catalogue is None else Path(settings.catalogue))
-    ground = ground_height(voxels, settings)
+    namer = _namer(voxels, settings)
     instance = components(voxels, settings)
     failures: Counter[str] = Counter()
-    named: list[Named] = []
+    pieces: list[Piece] = []
     for number in range(int(instance.max(initial=-1)) + 1):
         rows = np.flatnonzero(instance == number)
         if len(rows) < settings.min_voxels:
             failures[f"fewer than {settings.min_voxels} cells"] += 1
         else:
-            named.extend(_name(voxels, rows, ground, kinds, settings))
-    for naming, _ in named:
+            pieces.append((namer(rows), rows))
+    if settings.recogniser == "robust":
+        pieces = reunite(pieces, namer)
+        pieces = [part for piece in pieces for part in separate(piece, voxels, settings, namer)]
+    for naming, _ in pieces:
         failures.update(naming.failures)
-    return _numbered(named, len(voxels), failures)
+    return _numbered(pieces, len(voxels), failures)
+
+
+def _namer(voxels: Voxels, settings: RecognitionSettings) -> Callable[[Rows], Naming]:
+    """What names the object that rows of the map are."""
+    kinds = read_catalogue(None if settings.catalogue is None else Path(settings.catalogue))
+    ground = ground_height(voxels, settings)
+    if settings.recogniser == "thesis":
+        tolerance_deg = settings.hue_tolerance_deg
+        return lambda rows: name_by_quadrics(voxels.select(rows), ground, kinds, tolerance_deg)
+    return lambda rows: name_object(voxels.select(rows), ground, kinds)
 
 
 def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int32]:
@@ -72,31 +83,13 @@ def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int3
     return instance
 
 
-def _name(
-    voxels: Voxels,
-    rows: NDArray[np.intp],
-    ground: float,
-    kinds: tuple[Kind, ...],
-    settings: RecognitionSettings,
-) -> list[Named]:
-    """The objects of one component, each with its rows."""
-    cells = voxels.select(rows)
-    if settings.recogniser == "thesis":
-        return [(name_by_quadrics(cells, ground, kinds, settings.hue_tolerance_deg), rows)]
-    whole = name_object(cells, ground, kinds)
-    pieces = separate(
-        cells, whole, settings.min_voxels, lambda part: name_object(part, ground, kinds)
-    )
-    return [(naming, rows[own]) for naming, own in pieces]
-
-
-def _numbered(named: list[Named], num_cells: int, failures: Counter[str]) -> Recognition:
-    named = sorted(named, key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
+def _numbered(pieces: list[Piece], num_cells: int, failures: Counter[str]) -> Recognition:
+    pieces = sorted(pieces, key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
     label = np.full(num_cells, -1, dtype=np.int32)
-    for number, (_, rows) in enumerate(named):
+    for number, (_, rows) in enumerate(pieces):
         label[rows] = number
     return Recognition(
-        objects=tuple(n.found(number, len(rows)) for number, (n, rows) in enumerate(named)),
+        objects=tuple(n.found(number, len(rows)) for number, (n, rows) in enumerate(pieces)),
         label=label,
         failures=dict(failures),
     )

@@ -1,4 +1,4 @@
-"""Two objects in one component: parted where two fits explain it better than one."""
+"""Components that are two objects, and objects that are two components."""
 
 from collections.abc import Callable
 
@@ -7,60 +7,89 @@ from numpy.typing import NDArray
 
 from recon.recognition.naming import Naming
 from recon.records import UNKNOWN, Voxels
+from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
-Piece = tuple[Naming, NDArray[np.intp]]
+Rows = NDArray[np.intp]
+Piece = tuple[Naming, Rows]
 
 LONG = 1.5
 """Length over width of a footprint, in standard deviations, from which it may be two objects."""
+INSIDE = 0.7
+"""Two fits whose axes are nearer than this share of the wider one's radius are one object."""
 MOST_OBJECTS = 8
 """Of one component: bounds the work on the cells of a street or a wall."""
 
 
 def separate(
-    voxels: Voxels, whole: Naming, min_voxels: int, name: Callable[[Voxels], Naming]
+    whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Callable[[Rows], Naming]
 ) -> list[Piece]:
-    """The objects of a component with their rows: one, or more where more fit better.
+    """The objects that a piece of the map is: itself, or more where more fit better.
 
     Parameters
     ----------
-    whole : Naming
-        What the component is as one object.
-    min_voxels : int
-        Smallest object.
     name : Callable
-        Names the cells of one object.
+        Names the object that some rows of `voxels` are.
     """
-    waiting: list[Piece] = [(whole, np.arange(len(voxels)))]
+    waiting: list[Piece] = [whole]
     done: list[Piece] = []
     while waiting:
-        naming, rows = waiting.pop()
-        halves = None
-        if len(waiting) + len(done) + 2 <= MOST_OBJECTS:
-            halves = _halves(voxels.select(rows), naming, min_voxels, name)
-        if halves is None:
-            done.append((naming, rows))
-        else:
-            waiting.extend((half, rows[own]) for half, own in halves)
+        piece = waiting.pop()
+        room = len(waiting) + len(done) + 2 <= MOST_OBJECTS
+        halves = _halves(piece, voxels, settings.min_voxels, name) if room else []
+        waiting.extend(halves)
+        if not halves:
+            done.append(piece)
     return done
 
 
+def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
+    """Pieces that stand in one place as one object: a crown seen from two sides is one.
+
+    Parameters
+    ----------
+    pieces : list of (Naming, rows)
+    name : Callable
+        Names the cells of some rows.
+    """
+    pieces = list(pieces)
+    first = 0
+    while first < len(pieces):
+        naming, rows = pieces[first]
+        others = [other for other in pieces[first + 1 :] if _in_one_place(naming, other[0])]
+        if not others:
+            first += 1
+            continue
+        pieces = [piece for piece in pieces if all(piece is not other for other in others)]
+        together = np.sort(np.concatenate([rows, *(own for _, own in others)]))
+        pieces.pop(first)
+        pieces.insert(0, (name(together), together))
+        first = 0
+    return pieces
+
+
+def _in_one_place(first: Naming, second: Naming) -> bool:
+    apart = float(np.hypot(*(first.centre - second.centre)[::2]))
+    widest = float(max(first.size[::2].max(), second.size[::2].max()))
+    return apart < INSIDE * widest / 2.0
+
+
 def _halves(
-    voxels: Voxels, whole: Naming, min_voxels: int, name: Callable[[Voxels], Naming]
-) -> list[Piece] | None:
-    """Two objects that explain the cells better than `whole`; None where none do."""
-    floor = voxels.means[:, ::2]
-    if whole.label != UNKNOWN and _elongation(floor) < LONG:
-        return None
+    whole: Piece, voxels: Voxels, min_voxels: int, name: Callable[[Rows], Naming]
+) -> list[Piece]:
+    """Two objects that explain the cells better than one; empty where none do."""
+    naming, rows = whole
+    floor = voxels.means[rows][:, ::2]
+    if naming.label != UNKNOWN and _elongation(floor) < LONG:
+        return []
     second = _two_means(floor)
-    pieces = [np.flatnonzero(second == side) for side in (False, True)]
-    if min(map(len, pieces)) < min_voxels:
-        return None
-    halves = [(name(voxels.select(own)), own) for own in pieces]
-    if all(half.label == UNKNOWN for half, _ in halves):
-        return None
-    better = sum(half.deviance for half, _ in halves) < whole.deviance
-    return halves if better else None
+    if min(second.sum(), (~second).sum()) < min_voxels:
+        return []
+    halves = [(name(part), part) for part in (rows[~second], rows[second])]
+    if any(half.label == UNKNOWN for half, _ in halves):
+        return []
+    better = sum(half.deviance for half, _ in halves) < naming.deviance
+    return halves if better else []
 
 
 def _elongation(floor: Array) -> float:

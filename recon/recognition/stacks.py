@@ -19,8 +19,8 @@ SPLITS = (0.2, 0.4, 0.6, 0.8)
 """Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
 INLIER_SIGMAS = 3.0
 """Points nearer than so many scales lie on the fit."""
-TOP_QUANTILE = 0.99
-"""A part ends where so many of its points lie below."""
+ENDS = (0.005, 0.99)
+"""A part ends where this share of its points lies below; its narrow end has few."""
 POINTED = 0.05
 """A truncated cone whose top is narrower than this share of its bottom is a cone."""
 
@@ -43,6 +43,15 @@ class Stack:
         """(parts,) largest radius of each part."""
         pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
         return np.array([r.max() if len(r) else span / 2.0 for _, r, span in pairs])
+
+    @property
+    def areas(self) -> Array:
+        """(parts,) surface of each part, roughly: that of the cylinder or cone of its radii."""
+        pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
+        rims = [(r[0], r[-1]) if len(r) else (span / 2.0, span / 2.0) for _, r, span in pairs]
+        slants = np.hypot(np.diff(self.heights), [a - b for a, b in rims])
+        areas: Array = np.pi * slants * np.array([a + b for a, b in rims])
+        return areas
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,22 +122,25 @@ def fit_stack(
     rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
     best = min(rough, key=lambda estimate: estimate.deviance)
     fit = minimise(model, best.state, floor=floor, weights=weights)
-    return replace(fit, state=_topped(fit, points))
+    return replace(fit, state=_trimmed(fit, model))
 
 
-def _topped(fit: Estimate[Stack], points: Array) -> Stack:
-    """The stack cut where its points end: a part too long costs a fit nothing."""
+def _trimmed(fit: Estimate[Stack], model: StackModel) -> Stack:
+    """The stack with its last part cut where its points end: too long a part costs a fit nothing."""
     stack = fit.state
-    low, high = stack.heights[-2:]
-    inliers = points[np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma, 1]
-    inliers = inliers[inliers > low]
-    if stack.shapes[-1] in ("sphere", "ellipsoid") or not len(inliers):
+    if stack.shapes[-1] in ("sphere", "ellipsoid"):
         return stack
-    top = min(high, float(np.quantile(inliers, TOP_QUANTILE)))
-    radii = stack.radii[-1].copy()
-    radii[-1] += (radii[0] - radii[-1]) * (high - top) / max(high - low, 1e-12)
-    heights = np.append(stack.heights[:-1], top)
-    return replace(stack, heights=heights, radii=(*stack.radii[:-1], radii))
+    _, _, nearest = model.nearest(stack)
+    own = (nearest == len(stack.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
+    if not own.any():
+        return stack
+    ends = np.clip(np.quantile(model.points[own, 1], ENDS), *stack.heights[-2:])
+    if len(stack.shapes) == 1:
+        ends[0] = stack.heights[0]
+    radii = np.interp(ends, stack.heights[-2:], stack.radii[-1][[0, -1]])[-len(stack.radii[-1]) :]
+    return replace(
+        stack, heights=np.append(stack.heights[:-2], ends), radii=(*stack.radii[:-1], radii)
+    )
 
 
 def _splits(num_parts: int) -> list[tuple[float, ...]]:
