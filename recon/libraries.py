@@ -60,6 +60,15 @@ def load_extra(module: str, extra: str) -> ModuleType:
         ) from error
 
 
+def open3d_fault() -> str | None:
+    """Why Open3D does not load, with the line that cures it; None where it does."""
+    try:
+        load_open3d()
+    except MissingLibraryError as error:
+        return str(error)
+    return None
+
+
 @functools.cache
 def rendering_fault() -> str | None:
     """Why no picture can be rendered, with the line that cures it; None where one can."""

@@ -8,7 +8,7 @@ import click
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
 
 
-@click.command(epilog="Example: recon calibrate left right --board 9x6 --square 0.025 -o calib.yaml")
+@click.command(epilog="Example: recon calibrate left right --board 9x6 --square 0.025")
 @click.argument("left_dir", type=PATH)
 @click.argument("right_dir", type=PATH)
 @click.option("--board", required=True, metavar="CxR", help="Inner corners, as 9x6.")

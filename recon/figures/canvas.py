@@ -56,4 +56,6 @@ def save_png(image: Image, path: Path) -> None:
     from matplotlib.image import imsave
 
     with atomic_path(path) as part:
-        imsave(part, image, format="png", metadata={"Software": None})
+        # None takes the entry out; the stubs know strings only.
+        nameless = {"Software": None}
+        imsave(part, image, format="png", metadata=nameless)  # type: ignore[arg-type]

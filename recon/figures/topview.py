@@ -51,7 +51,7 @@ def labels(
     return to_image(figure)
 
 
-def path(trajectory: Array, voxels: Voxels, known: Array | None = None, size: Size = SIZE) -> Image:
+def path(trajectory: Array, voxels: Voxels, size: Size = SIZE) -> Image:
     """The way the eyes took, over what they mapped.
 
     Parameters
@@ -107,7 +107,7 @@ def _draw_cells(
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     squares = PolyCollection((columns[:, None] + corners) * cell, linewidths=0, zorder=2)
     if cmap is None:
-        squares.set_facecolor(values)
+        squares.set_facecolor([(r, g, b) for r, g, b in values.tolist()])
     else:
         squares.set(array=values, cmap=cmap)
     axes.add_collection(squares)

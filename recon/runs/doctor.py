@@ -5,8 +5,7 @@ import importlib.util
 import platform
 from dataclasses import dataclass
 
-from recon.errors import MissingLibraryError
-from recon.libraries import load_open3d, rendering_fault
+from recon.libraries import open3d_fault, rendering_fault
 
 EXTRAS = {
     "laspy": "las",
@@ -40,23 +39,16 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look at everything; a library that could kill the process is tried in a child."""
-    python = Finding(name="python", is_well=True, is_needed=True, word=platform.python_version())
-    return [python, _open3d(), _rendering(), *(_extra(*item) for item in EXTRAS.items())]
+    return [
+        _needed("python", None, platform.python_version()),
+        _needed("open3d", open3d_fault(), importlib.metadata.version("open3d")),
+        _needed("rendering", rendering_fault(), "without a screen"),
+        *(_extra(*item) for item in EXTRAS.items()),
+    ]
 
 
-def _open3d() -> Finding:
-    try:
-        word = str(load_open3d().__version__)
-    except MissingLibraryError as error:
-        return Finding(name="open3d", is_well=False, is_needed=True, word=str(error))
-    return Finding(name="open3d", is_well=True, is_needed=True, word=word)
-
-
-def _rendering() -> Finding:
-    fault = rendering_fault()
-    return Finding(
-        name="rendering", is_well=fault is None, is_needed=True, word=fault or "without a screen"
-    )
+def _needed(name: str, fault: str | None, word: str) -> Finding:
+    return Finding(name=name, is_well=fault is None, is_needed=True, word=fault or word)
 
 
 def _extra(module: str, extra: str) -> Finding:

@@ -21,7 +21,7 @@ from recon.runs.products import Progress, with_views, write_metrics, write_produ
 from recon.runs.report import read_report
 from recon.sequences.open import open_sequence
 from recon.sequences.truth import read_truth
-from recon.settings import SequenceSettings, Settings, to_toml
+from recon.settings import Settings, to_toml, updated
 from recon.voxelmap import VoxelMap
 
 # Of the smallest depth that the search range reaches: fine enough to show the shape of things,
@@ -37,7 +37,8 @@ def base_values(path: Path, format_: str = "auto") -> dict[str, Any]:
 
     Its search range, and a cell size that goes with the depths it can see.
     """
-    source = open_sequence(path, SequenceSettings(format=format_))
+    chosen = updated(Settings(), {"sequence": {"format": format_}})
+    source = open_sequence(path, chosen.sequence)
     low, high = source.disparity_range or DISPARITY_RANGE
     nearest = float(next(iter(source)).rig.depth(high))
     return {

@@ -24,10 +24,11 @@ class SavedPairs:
 
     def save(self, number: int, pair: StereoPair) -> None:
         """Keep one pair, whole."""
+        pose = np.eye(4) if pair.T_world_left is None else pair.T_world_left
         rig = np.array([getattr(pair.rig, name) for name in RIG_FIELDS], dtype=np.float64)
         with atomic_path(self.path(number)) as part, part.open("wb") as stream:
             np.savez(
-                stream, left=pair.left, right=pair.right, T_world_left=pair.T_world_left,
+                stream, left=pair.left, right=pair.right, T_world_left=pose,
                 rig=rig, stamp_s=pair.stamp_s, name=pair.name,
             )  # fmt: skip
 

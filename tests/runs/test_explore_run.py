@@ -126,7 +126,7 @@ def test_info_knows_runs_maps_clouds_scenes_and_pictures(run, capsys):
     [
         ("# Radius\n4", "# Radius\n-4", "-4"),
         ("# Radius\n4", "# Radius\nnan", "nan"),
-        ("SPHERE", "PYRAMID", "PYRAMID"),
+        ("# Visual type\nSPHERE", "# Visual type\nPYRAMID", "PYRAMID"),
         ("textures/grass.tga", "textures/moss.tga", "moss"),
         ("# Radius\n4\n", "", "line"),
     ],
