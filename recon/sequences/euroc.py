@@ -36,6 +36,7 @@ def open_euroc(path: Path, settings: SequenceSettings) -> Recording:
         [entry.name for entry in listed],
         NANOSECONDS * np.array(stamps),
         truth and truth.of(T_body_left),
+        needs_pose=settings.poses == "given",
     )
     return file_recording(listed, moments, calibration, settings)
 

@@ -30,6 +30,7 @@ def open_folder(path: Path, settings: SequenceSettings) -> Recording:
         [entry.name for entry in listed],
         read_times(path / "times.txt"),
         given_trajectory(path / "poses.txt", settings),
+        needs_pose=settings.poses == "given",
     )
     return file_recording(listed, moments, read_calibration(find_calibration(path)), settings)
 
@@ -49,8 +50,8 @@ def find_calibration(path: Path) -> Path:
 
 
 def given_trajectory(path: Path, settings: SequenceSettings) -> Trajectory | None:
-    """The poses of a file where they are wanted and there are some."""
-    return read_trajectory(path) if settings.poses == "given" and path.is_file() else None
+    """The poses of a file where there is one: to be used, or to judge estimated ones by."""
+    return read_trajectory(path) if settings.poses != "none" and path.is_file() else None
 
 
 def file_recording(

@@ -1,12 +1,12 @@
 """Frames of a recording, read one at a time; what cannot be used is skipped and counted."""
 
 import logging
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from recon.errors import InputError
-from recon.records import StereoPair
+from recon.records import PairSource, StereoPair
 
 log = logging.getLogger(__name__)
 
@@ -28,12 +28,20 @@ class Frame:
     """Reads and rectifies; an `InputError` leaves the frame out."""
 
 
+class Frames(Protocol):
+    """Frames in order; each pass begins anew."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[Frame]: ...
+
+
 class Recording:
     """A `PairSource` over frames that are read as they are asked for, never all in memory."""
 
     def __init__(
         self,
-        frames: Collection[Frame],
+        frames: Frames,
         *,
         skipped: Iterable[Skipped] = (),
         disparity_range: tuple[int, int] | None = None,
@@ -42,17 +50,17 @@ class Recording:
         """(min, max) in pixels, both included, where the recording tells; else None."""
         self._frames = frames
         self._unlisted = tuple(skipped)
-        self.skipped = list(self._unlisted)
+        self._told: set[str] = set()
+        self.skipped: list[Skipped] = []
         """What was left out, so far."""
-        for skip in self._unlisted:
-            log.warning("frame %s is skipped: %s", *skip)
+        self._begin()
 
     def __len__(self) -> int:
         """Pairs to be read at most."""
         return len(self._frames)
 
     def __iter__(self) -> Iterator[StereoPair]:
-        self.skipped = list(self._unlisted)
+        self._begin()
         last: Frame | None = None
         for frame in self._frames:
             try:
@@ -66,12 +74,36 @@ class Recording:
         if last is None:
             raise InputError(f"no pair could be read; the first fault: {self._first_reason()}")
 
+    def _begin(self) -> None:
+        self.skipped = []
+        for name, reason in self._unlisted:
+            self._skip(name, reason)
+
     def _skip(self, name: str, reason: str) -> None:
-        log.warning("frame %s is skipped: %s", name, reason)
         self.skipped.append(Skipped(name, reason))
+        if name not in self._told:
+            self._told.add(name)
+            log.warning("frame %s is skipped: %s", name, reason)
 
     def _first_reason(self) -> str:
         return self.skipped[0].reason if self.skipped else "the sequence is empty"
+
+
+class DerivedSource:
+    """A `PairSource` that changes the pairs of another one as they come."""
+
+    def __init__(self, source: PairSource) -> None:
+        self.source = source
+        self.disparity_range = source.disparity_range
+        """(min, max) in pixels, both included, where the recording tells; else None."""
+
+    @property
+    def skipped(self) -> Sequence[tuple[str, str]]:
+        """What was left out, so far."""
+        return self.source.skipped
+
+    def __len__(self) -> int:
+        return len(self.source)
 
 
 def _check_later(frame: Frame, last: Frame | None) -> None:

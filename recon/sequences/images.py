@@ -33,12 +33,17 @@ def read_image(path: Path) -> Image:
         raise InputError(
             f"{path} cannot be read ({error.strerror}), but a picture is needed"
         ) from error
+    return decode(data, str(path))
+
+
+def decode(data: bytes, name: str) -> Image:
+    """The picture in the bytes of a file; messages call it `name`."""
     fault = _fault(data)
     if fault:
-        raise InputError(f"{path} is {fault}, but a whole picture is needed")
+        raise InputError(f"{name} is {fault}, but a whole picture is needed")
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
     if image is None:
-        raise InputError(f"{path} is no picture that OpenCV can read")
+        raise InputError(f"{name} is no picture that OpenCV can read")
     rgb: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
     return rgb
 

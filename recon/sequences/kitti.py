@@ -35,6 +35,7 @@ def open_kitti(path: Path, settings: SequenceSettings) -> Recording:
         [entry.name for entry in listed],
         read_times(path / "times.txt"),
         trajectory and trajectory.of(_T_camera0_left(P_left)),
+        needs_pose=settings.poses == "given",
     )
     return file_recording(listed, moments, from_projections(P_left, P_right), settings)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.sequences.poses import T_up_recorded, Trajectory, read_lines
+from recon.sequences.poses import Trajectory, read_lines
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,11 @@ class Moment:
 
 
 def list_moments(
-    names: Sequence[str], times: Array | None, trajectory: Trajectory | None
+    names: Sequence[str],
+    times: Array | None,
+    trajectory: Trajectory | None,
+    *,
+    needs_pose: bool = True,
 ) -> list[Moment]:
     """The moment of each named frame; where nothing is timed, the number of its row is its time.
 
@@ -41,6 +45,8 @@ def list_moments(
         Seconds, one a row.
     trajectory : Trajectory or None
         Of the left camera, timed or one pose a row.
+    needs_pose : bool
+        Whether a frame for which the trajectory has no pose is at fault.
 
     Raises
     ------
@@ -50,7 +56,7 @@ def list_moments(
     if trajectory is not None and times is None:
         times = trajectory.stamps_s
     num_rows = next((len(rows) for rows in (times, trajectory) if rows is not None), len(names))
-    return [_moment(row, times, trajectory) for row in _rows(names, num_rows)]
+    return [_moment(row, times, trajectory, needs_pose) for row in _rows(names, num_rows)]
 
 
 def _rows(names: Sequence[str], num_rows: int) -> list[int]:
@@ -73,16 +79,17 @@ def last_number(name: str) -> int | None:
     return int(numbers[-1]) if numbers else None
 
 
-def _moment(row: int, times: Array | None, trajectory: Trajectory | None) -> Moment:
+def _moment(
+    row: int, times: Array | None, trajectory: Trajectory | None, needs_pose: bool
+) -> Moment:
     if times is not None and row >= len(times):
         return Moment(stamp_s=float(row), fault=f"there is no time in row {row + 1} for it")
     stamp = float(row) if times is None else float(times[row])
     if trajectory is None:
         return Moment(stamp_s=stamp)
-    T_recorded_left = trajectory.at(float(row) if trajectory.stamps_s is None else stamp)
-    if T_recorded_left is None:
-        return Moment(stamp_s=stamp, fault="there is no pose for it")
-    return Moment(stamp_s=stamp, T_world_left=T_up_recorded(trajectory.poses[0]) @ T_recorded_left)
+    T_world_left = trajectory.in_world(float(row) if trajectory.stamps_s is None else stamp)
+    fault = "there is no pose for it" if needs_pose and T_world_left is None else None
+    return Moment(stamp_s=stamp, T_world_left=T_world_left, fault=fault)
 
 
 def read_times(path: Path) -> Array | None:

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -12,8 +13,10 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import invert
 from recon.records import PairSource, StereoPair
+from recon.sequences.frames import DerivedSource
 from recon.sequences.motion import estimate_motion
 from recon.sequences.poses import T_up_recorded
+from recon.sequences.residual import Maps, Residual
 from recon.sequences.selfcalibration import estimate_residual
 from recon.sequences.tracking import Tracks, track
 
@@ -25,36 +28,53 @@ MAX_CALIBRATION_PAIRS = 60
 """From which the residual is estimated, evenly spread over the recording."""
 
 
-class EstimatedPoses:
+class EstimatedPoses(DerivedSource):
     """A `PairSource` whose pairs carry estimated poses and are freed of what rectification left.
 
     The world is the first left camera's frame turned so that y is up. A first pass over the
-    recording estimates the residual; the second gives the pairs, one at a time.
+    recording, when the first pair is asked for, estimates the residual; the second gives the
+    pairs, one at a time. Poses that the source itself has are what the drift is told by.
     """
 
     def __init__(self, source: PairSource) -> None:
-        self._source = source
-        rig, tracks = _sample(source)
-        self.residual = estimate_residual(tracks, rig)
-        """Of rows and disparities, estimated from the pictures and taken out of the pairs."""
-        self._maps = self.residual.maps(rig)
+        super().__init__(source)
         self.carried: list[str] = []
         """Names of the frames, so far, that could not be tracked: they got the last motion."""
+        self._estimated: list[Array] = []
+        self._true: list[Array | None] = []
 
-    def __len__(self) -> int:
-        return len(self._source)
+    @cached_property
+    def residual(self) -> Residual:
+        """Of rows and disparities, estimated from the pictures and taken out of the pairs."""
+        return estimate_residual(*_sample(self.source))
 
     def __iter__(self) -> Iterator[StereoPair]:
-        self.carried = []
+        self.carried, self._estimated, self._true = [], [], []
         T_world_left = T_up_recorded(np.eye(4))
         T_first_second = np.eye(4)
         last: StereoPair | None = None
-        for pair in self._source:
+        for pair in self.source:
             if last is not None:
                 T_first_second = self._motion(last, pair, T_first_second)
                 T_world_left = T_world_left @ T_first_second
+            self._estimated.append(T_world_left)
+            self._true.append(pair.T_world_left)
             yield replace(self._straight(pair), T_world_left=T_world_left)
             last = pair
+
+    @property
+    def metrics(self) -> dict[str, float]:
+        """Numbers about the poses given so far: frames carried, drift where the truth is known."""
+        numbers: dict[str, float] = {"num_carried": len(self.carried)}
+        both = [(e, t) for e, t in zip(self._estimated, self._true, strict=True) if t is not None]
+        if len(both) > 1:
+            estimated, true = np.array(both).swapaxes(0, 1)
+            numbers["drift_percent"] = drift_percent(estimated, true)
+        return numbers
+
+    @cached_property
+    def _maps(self) -> Maps | None:
+        return self.residual.maps(next(iter(self.source)).rig)
 
     def _straight(self, pair: StereoPair) -> StereoPair:
         if self._maps is None:
@@ -72,19 +92,8 @@ class EstimatedPoses:
         return usual
 
 
-def with_estimated_poses(source: PairSource) -> EstimatedPoses:
-    """The same pairs with poses estimated from the pictures.
-
-    Raises
-    ------
-    InputError
-        Where the pairs are not all of one rig, as those of a ring.
-    """
-    return EstimatedPoses(source)
-
-
-def _sample(source: PairSource) -> tuple[StereoRig, list[Tracks]]:
-    """The rig, and tracks between pairs spread evenly over the recording."""
+def _sample(source: PairSource) -> tuple[list[Tracks], StereoRig]:
+    """Tracks between pairs spread evenly over a recording, and its rig."""
     pairs = iter(source)
     first = next(pairs)
     rig, tracks = first.rig, []
@@ -98,7 +107,7 @@ def _sample(source: PairSource) -> tuple[StereoRig, list[Tracks]]:
         if number % stride == 0:
             tracks.append(track(first, second))
         first = second
-    return rig, tracks
+    return tracks, rig
 
 
 def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:

@@ -1,17 +1,23 @@
 """One door to recordings of every form."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
 
 from recon.errors import InputError
-from recon.records import PairSource
+from recon.records import PairSource, StereoPair
+from recon.sequences.bag import is_bag, open_bag
 from recon.sequences.euroc import is_euroc, open_euroc
 from recon.sequences.folder import is_folder, open_folder
+from recon.sequences.frames import DerivedSource
 from recon.sequences.kitti import is_kitti, open_kitti
+from recon.sequences.odometry import EstimatedPoses
 from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
+from recon.sequences.region import RegionSource
 from recon.sequences.ring import is_ring, open_ring
+from recon.sequences.simulated import is_simulated, open_simulated
+from recon.sequences.video import is_video, open_video
 from recon.settings import SequenceSettings
 
 
@@ -33,21 +39,44 @@ READERS = {
     "euroc": Reader(fits=is_euroc, open=open_euroc),
     "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
     "ring": Reader(fits=is_ring, open=open_ring),
+    "video": Reader(fits=is_video, open=open_video),
+    "bag": Reader(fits=is_bag, open=open_bag),
+    "simulated": Reader(fits=is_simulated, open=open_simulated),
 }
 
 
 def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
     """The pairs of a recording, read one at a time as they are asked for.
 
-    What comes back also has `skipped`, the (name, reason) of what was left out so far, and
-    `disparity_range`, (min, max) in pixels where the recording tells, else None.
+    They are rectified, cut to the region and posed as the settings say, in recon's world (y up).
 
     Raises
     ------
     InputError
         Where nothing is at `path`, no reader knows it, or nothing of it can be used.
     """
-    path = Path(path)
+    source = _recording(Path(path), settings)
+    if settings.roi is not None:
+        source = RegionSource(source, settings.roi)
+    if settings.poses == "estimated":
+        return EstimatedPoses(source)
+    return PosedPairs(source) if settings.poses == "given" else source
+
+
+class PosedPairs(DerivedSource):
+    """The pairs of a recording that has poses; without, a single pair needs none."""
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        for number, pair in enumerate(self.source):
+            if number and pair.T_world_left is None:
+                raise InputError(
+                    f"{pair.name} has no pose, but all pairs need one to be put together: add "
+                    "poses.txt, or take --poses estimated or --poses none"
+                )
+            yield pair
+
+
+def _recording(path: Path, settings: SequenceSettings) -> PairSource:
     if not path.exists():
         raise InputError(f"{path} does not exist, but a recording is needed")
     readers = READERS | _plug_ins()

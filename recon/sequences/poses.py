@@ -35,6 +35,13 @@ class Trajectory:
         """The poses of a part that is fixed to the body."""
         return Trajectory(poses=self.poses @ T_body_part, stamps_s=self.stamps_s)
 
+    def in_world(self, stamp_s: float) -> Array | None:
+        """The pose at a time in recon's world, y up (`T_up_recorded`); None outside."""
+        T_recorded_body = self.at(stamp_s)
+        if T_recorded_body is None:
+            return None
+        return T_up_recorded(self.poses[0]) @ T_recorded_body
+
     def at(self, stamp_s: float) -> Array | None:
         """The pose at a time, moved and turned evenly between its neighbours; None outside."""
         stamps = np.arange(len(self)) if self.stamps_s is None else self.stamps_s

@@ -60,7 +60,7 @@ def open_ring(path: Path, settings: SequenceSettings) -> Recording:
         Frame(
             name=pair.name,
             stamp_s=float(number),
-            load=partial(pair.load, float(number), settings.poses == "given"),
+            load=partial(pair.load, float(number), settings.poses != "none"),
         )
         for number, pair in [*enumerate(pairs)][:: settings.every]
     ]

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count
+from recon.settings.stage import STRICT, Count, Positive
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -16,3 +16,7 @@ class SequenceSettings:
     )
     poses: Literal["given", "estimated", "none"] = "given"
     every: Count = 1
+    roi: tuple[int, int, int, int] | None = None
+    """x, y, width, height in pixels of the rectified pictures: the rest is cut off both."""
+    max_confirmed_depth: Positive = 30.0
+    """Only points nearer than this many world units count for the share that other pairs confirm."""
