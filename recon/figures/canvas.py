@@ -33,7 +33,7 @@ def new_figure(size: Size) -> Any:
 
 def new_axes(figure: Any, title: str, xlabel: str = "", ylabel: str = "", at: Any = 111) -> Any:
     """Axes with a title and quiet lines."""
-    axes = figure.add_subplot(at)
+    axes = figure.add_subplot(*np.atleast_1d(at).tolist())
     axes.set_facecolor(PAPER)
     axes.set_title(title, color=INK, fontsize=11, loc="left")
     axes.set_xlabel(xlabel, color=INK, fontsize=9)

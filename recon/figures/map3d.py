@@ -1,12 +1,16 @@
 """The map in space (thesis figure 27): the exposed faces of its cells in their colours."""
 
+import colorsys
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.figures.canvas import INK, PAPER, Image, Size
+from recon.figures.solids import mesh as solid_mesh
 from recon.libraries import load_pyvista
 from recon.records import FoundObject, Voxels
 from recon.voxelmap.faces import exposed_faces
@@ -30,8 +34,24 @@ def map3d(
     objects: Sequence[FoundObject] = (),
     view: str = "default",
     size: Size = SIZE,
+    *,
+    colours: NDArray[np.uint8] | None = None,
+    with_solids: bool = False,
 ) -> Image:
     """Draw the occupied cells, with the names of the objects above them.
+
+    Parameters
+    ----------
+    voxels : Voxels
+    objects : sequence of FoundObject
+    view : str
+        A key of VIEWS.
+    size : (width, height)
+        Pixels.
+    colours : (K, 3) uint8, optional
+        Of the cells; their own where not given.
+    with_solids : bool
+        Draw the objects' fitted solids over pale cells.
 
     Raises
     ------
@@ -45,7 +65,10 @@ def map3d(
     try:
         plotter.set_background(PAPER)
         if len(voxels):
-            _add_cells(pyvista, plotter, voxels)
+            painted = voxels if colours is None else replace(voxels, colours=colours)
+            _add_cells(pyvista, plotter, painted, 0.25 if with_solids else 1.0)
+            if with_solids:
+                _add_solids(plotter, objects)
             _add_names(plotter, objects)
             _look(plotter, voxels, VIEWS[view])
         plotter.render()
@@ -54,7 +77,17 @@ def map3d(
         plotter.close()
 
 
-def _add_cells(pyvista: Any, plotter: Any, voxels: Voxels) -> None:
+def by_value(values: NDArray[np.floating], cmap: str = "viridis") -> NDArray[np.uint8]:
+    """Colours (K, 3) of numbers (K,), from the smallest to the largest."""
+    from matplotlib import colormaps
+
+    low, high = (values.min(), values.max()) if len(values) else (0.0, 0.0)
+    share = (values - low) / (high - low if high > low else 1.0)
+    colours: NDArray[np.uint8] = colormaps[cmap](share, bytes=True)[:, :3]
+    return colours
+
+
+def _add_cells(pyvista: Any, plotter: Any, voxels: Voxels, opacity: float) -> None:
     faces = exposed_faces(voxels)
     quads = np.arange(4 * len(faces.vertices)).reshape(-1, 4)
     cells = np.column_stack([np.full(len(quads), 4), quads]).ravel()
@@ -62,8 +95,17 @@ def _add_cells(pyvista: Any, plotter: Any, voxels: Voxels) -> None:
     mesh.cell_data["colour"] = faces.colours
     plotter.add_mesh(
         mesh, scalars="colour", rgb=True, ambient=0.45, diffuse=0.6, specular=0.0,
-        show_edges=False,
+        show_edges=False, opacity=opacity,
     )  # fmt: skip
+
+
+def _add_solids(plotter: Any, objects: Sequence[FoundObject]) -> None:
+    for part in [part for found in objects for part in found.parts]:
+        hue = part.hue_deg
+        colour = "#8a8a8a" if hue is None else colorsys.hsv_to_rgb(hue / 360.0, 0.7, 0.75)
+        surface = solid_mesh(part.solid)
+        plotter.add_mesh(surface, color=colour, opacity=0.75, ambient=0.35, smooth_shading=False)
+        plotter.add_mesh(surface, color=INK, style="wireframe", opacity=0.15, line_width=1)
 
 
 def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:

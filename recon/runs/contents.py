@@ -14,6 +14,7 @@ from recon.records.objects import from_json
 from recon.runs.report import read_json
 from recon.settings import Settings, read_toml, updated
 from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
 
 Array = NDArray[np.float64]
 
@@ -74,7 +75,7 @@ def read_contents(run_path: Path) -> RunContents:
     settings_path = run_path / "settings.toml"
     settings = updated(Settings(), read_toml(settings_path), str(settings_path))
     return RunContents(
-        voxels=VoxelMap.load(run_path / "map.npz").occupied(settings.map.min_count),
+        voxels=occupied(VoxelMap.load(run_path / "map.npz"), settings.map),
         objects=from_json(read_json(run_path / "objects.json")),
         trajectory=read_tum(run_path / "trajectory.txt"),
     )

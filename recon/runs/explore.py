@@ -9,11 +9,12 @@ from recon.exports.ply import CloudWriter
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder, RunPlan
 from recon.runs.contents import RunContents, Trajectory
-from recon.runs.figures import add_pair, draw_all, write_figures
+from recon.runs.figures import add_pair, draw_always, write_figures
 from recon.runs.products import Progress, with_views, write_metrics, write_products
 from recon.runs.replay import SavedPairs
 from recon.runs.report import read_report
 from recon.settings import Settings, to_toml
+from recon.voxelmap.occupancy import occupied
 from recon.world.world import World
 
 
@@ -95,13 +96,13 @@ def _write(
     settings: Settings,
     began: float,
 ) -> None:
-    voxels = exploration.voxel_map.occupied(min_count=settings.map.min_count)
+    voxels = occupied(exploration.voxel_map, settings.map)
     recognition = with_views(exploration.recognition, voxels, run.path / "cloud.ply")
     trajectory = Trajectory(stamps_s=exploration.stamps_s, T_world_left=exploration.trajectory)
     write_products(run, exploration.voxel_map, recognition, trajectory)
     drawing = time.perf_counter()
     contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
-    pictures = draw_all(contents)
+    pictures = draw_always(contents)
     if clearest is not None:
         pictures = add_pair(pictures, clearest.pair.left, clearest.matches)
     write_figures(run.path, pictures)

@@ -4,11 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from recon.errors import InputError
 from recon.figures import map3d, topview
 from recon.figures.canvas import Image, Size, save_png
 from recon.figures.disparity import disparity
 from recon.figures.overview import overview
+from recon.figures.slices import SIZE as SLICES_SIZE
+from recon.figures.slices import slices
 from recon.records import Matches
 from recon.runfolder import read_manifest
 from recon.runs.contents import RunContents, read_contents
@@ -27,6 +31,19 @@ KINDS = {
         draw=lambda run, view, size: map3d.map3d(run.voxels, run.objects, view, size),
         size=map3d.SIZE,
     ),
+    "solids": Kind(
+        draw=lambda run, view, size: map3d.map3d(
+            run.voxels, run.objects, view, size, with_solids=True
+        ),
+        size=map3d.SIZE,
+    ),
+    "counts": Kind(
+        draw=lambda run, view, size: map3d.map3d(
+            run.voxels, (), view, size, colours=map3d.by_value(np.log10(run.voxels.counts))
+        ),
+        size=map3d.SIZE,
+    ),
+    "slices": Kind(draw=lambda run, _, size: slices(run.voxels, size), size=SLICES_SIZE),
     "occupancy": Kind(
         draw=lambda run, _, size: topview.occupancy(run.voxels, size), size=topview.SIZE
     ),
@@ -43,9 +60,13 @@ KINDS = {
 }
 
 
-def draw_all(contents: RunContents) -> dict[str, Image]:
-    """Every kind, by name, as a run leaves it."""
-    return {name: kind.draw(contents, "default", kind.size) for name, kind in KINDS.items()}
+ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
+"""What every run leaves without being asked."""
+
+
+def draw_always(contents: RunContents) -> dict[str, Image]:
+    """The figures that every run leaves, by name."""
+    return {name: KINDS[name].draw(contents, "default", KINDS[name].size) for name in ALWAYS}
 
 
 def add_pair(pictures: dict[str, Image], left: Image, matches: Matches) -> dict[str, Image]:

@@ -16,13 +16,14 @@ from recon.recognition import recognise
 from recon.records import PairSource, StereoPair
 from recon.runfolder import RunFolder, RunPlan
 from recon.runs.contents import RunContents, Trajectory
-from recon.runs.figures import add_pair, draw_all, write_figures
+from recon.runs.figures import add_pair, draw_always, write_figures
 from recon.runs.products import Progress, with_views, write_metrics, write_products
 from recon.runs.report import read_report
 from recon.sequences.open import open_sequence
 from recon.sequences.truth import read_truth
 from recon.settings import Settings, to_toml, updated
 from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import new_map, occupied
 
 # Of the smallest depth that the search range reaches: fine enough to show the shape of things,
 # coarse enough that several points meet in a cell.
@@ -88,7 +89,7 @@ def _reconstruct_into(
     run: RunFolder, path: Path, source: PairSource, settings: Settings, progress: Progress | None
 ) -> None:
     began = time.perf_counter()
-    tally = Tally(voxel_map=VoxelMap(settings.map.cell_size))
+    tally = Tally(voxel_map=new_map(settings.map))
     with CloudWriter(run.path / "cloud.ply") as writer:
         for pair, result in process_sequence(source, settings, tally.voxel_map):
             writer.append(result.cloud, tally.num_pairs)
@@ -141,7 +142,7 @@ class Tally:
 
 
 def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
-    voxels = tally.voxel_map.occupied(settings.map.min_count)
+    voxels = occupied(tally.voxel_map, settings.map)
     tally.num_voxels = len(voxels)
     recognition = with_views(
         recognise(voxels, settings.recognition), voxels, run.path / "cloud.ply"
@@ -151,7 +152,7 @@ def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
     )
     write_products(run, tally.voxel_map, recognition, trajectory)
     contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
-    pictures = draw_all(contents)
+    pictures = draw_always(contents)
     if tally.clearest is not None:
         pair, result = tally.clearest
         pictures = add_pair(pictures, pair.left, result.matches)

@@ -1,0 +1,58 @@
+"""Fitted solids as meshes, to be drawn over the cells they were fitted to."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import pose
+from recon.libraries import load_pyvista
+from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Solid, Sphere, TruncatedCone
+
+Array = NDArray[np.float64]
+
+AROUND = 48
+"""Corners of a circle."""
+PLANE_SIZE = 10.0
+"""Edge of the square that stands for a plane, world units."""
+
+
+def mesh(solid: Solid) -> Any:
+    """The surface of a solid as pyvista's PolyData, world."""
+    pyvista = load_pyvista()
+    match solid:
+        case Sphere():
+            return pyvista.Sphere(radius=solid.radius, center=solid.centre)
+        case Ellipsoid():
+            ball = pyvista.ParametricEllipsoid(*solid.radii)
+            return ball.transform(pose(solid.axes.T, solid.centre), inplace=False)
+        case Cylinder():
+            return _frustum(solid.point, solid.axis, solid.height, solid.radius, solid.radius)
+        case Cone():
+            end = solid.height * np.tan(solid.half_angle_rad)
+            return _frustum(solid.apex, solid.axis, solid.height, 0.0, float(end))
+        case TruncatedCone():
+            radii = solid.radius_bottom, solid.radius_top
+            return _frustum(solid.point, solid.axis, solid.height, *radii)
+        case Plane():
+            size = {"i_size": PLANE_SIZE, "j_size": PLANE_SIZE}
+            return pyvista.Plane(center=solid.point, direction=solid.normal, **size)
+        case Box():
+            cube = pyvista.Cube(
+                x_length=solid.sizes[0], y_length=solid.sizes[1], z_length=solid.sizes[2]
+            )
+            return cube.transform(pose(solid.axes.T, solid.centre), inplace=False)
+
+
+def _frustum(point: Array, axis: Array, height: float, bottom: float, top: float) -> Any:
+    """The open side between two circles."""
+    pyvista = load_pyvista()
+    across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
+    ring = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(axis, across))
+    corners = np.vstack([point + bottom * ring, point + height * axis + top * ring])
+    here = np.arange(AROUND)
+    then = (here + 1) % AROUND
+    quads = np.column_stack([np.full(AROUND, 4), here, then, then + AROUND, here + AROUND])
+    return pyvista.PolyData(corners, faces=quads.ravel())
