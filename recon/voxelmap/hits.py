@@ -20,6 +20,21 @@ CAPACITY = {NARROW: 2**32 // STEPS, WIDE: 2**32 - 1}
 
 
 @njit(cache=True)
+def _steps(place: float) -> np.uint32:
+    """Steps from the lower border of the cell; just below 0 the difference rounds to a whole."""
+    return np.uint32(min((place - np.floor(place)) * STEPS, STEPS - 1.0))
+
+
+@njit(cache=True)
+def _add(rows: Rows, row: int, steps: tuple[int, int, int], colour: NDArray[np.uint8]) -> None:
+    sums = rows[row]
+    sums.count += 1
+    for a in range(3):
+        sums.position[a] += steps[a]
+        sums.colour[a] += colour[a]
+
+
+@njit(cache=True)
 def insert(
     cloud: tuple[NDArray[np.float64], NDArray[np.uint8], float],
     capacity: int,
@@ -48,26 +63,16 @@ def insert(
     """
     points, colours, cell_size = cloud
     slots, rows, num_rows = table
-    place = np.empty(3)
-    cell = np.empty(3)
     for n in range(start, len(points)):
         if num_rows == len(rows):
             return n, num_rows
-        for a in range(3):
-            place[a] = points[n, a] / cell_size
-            cell[a] = np.floor(place[a])
-        index = (np.int32(cell[0]), np.int32(cell[1]), np.int32(cell[2]))
+        x, y, z = points[n, 0] / cell_size, points[n, 1] / cell_size, points[n, 2] / cell_size
+        index = (np.int32(np.floor(x)), np.int32(np.floor(y)), np.int32(np.floor(z)))
         row, num_rows = find_or_add(slots, rows, num_rows, index)
-        sums = rows[row]
-        if sums.count >= capacity:
+        if rows[row].count >= capacity:
             return n, num_rows
         rows_of[n] = row
-        sums.count += 1
-        for a in range(3):
-            # Just below 0 the difference rounds to a whole cell.
-            step = min((place[a] - cell[a]) * STEPS, STEPS - 1.0)
-            sums.position[a] += np.uint32(step)
-            sums.colour[a] += colours[n, a]
+        _add(rows, row, (_steps(x), _steps(y), _steps(z)), colours[n])
     return len(points), num_rows
 
 

@@ -1,8 +1,8 @@
 """A hash table of cells: rows in the order of arrival, found by their index along x, y, z.
 
-A row is one structured element, so that a point touches one or two cache lines. The slots hold
-(hash << 32 | row + 1), 0 = empty, placed by the hash's share of their number: a larger table has
-them in the same order, so growing reads and writes straight through memory.
+A row is one structured element, so that a point touches one or two cache lines. A slot holds the
+number of a row, from 1 on, 0 = empty; it is searched for in linear order from the hash's share of
+the number of slots on.
 """
 
 import numpy as np
@@ -10,13 +10,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 Rows = NDArray[np.void]
-Slots = NDArray[np.uint64]
+Slots = NDArray[np.uint32]
 
 MAX_INDEX = 2**31 - 1
 """Largest number of a cell along an axis, on either side of 0."""
 
-# At 0.7 a search in linear order looks at two slots; 1.25 keeps the unused end of the rows short.
-_MAX_LOAD = 0.7
+# Few slots are taken, as one costs 4 bytes and a wrong row a cache line; 1.25 keeps the unused
+# end of the rows short.
+_MAX_LOAD = 0.35
 _GROWTH = 1.25
 _FIRST_ROWS = 64
 
@@ -26,68 +27,52 @@ _SPREAD_Y = np.uint64(0xC2B2AE3D27D4EB4F)
 _SPREAD_Z = np.uint64(0x165667B19E3779F9)
 _SPREAD_ALL = np.uint64(0xD6E8FEB86659FD93)
 _HALF = np.uint64(32)
-_LOWER = np.uint64(0xFFFFFFFF)
-_EMPTY = np.uint64(0)
-_ONE = np.uint64(1)
 
 
 @njit(cache=True)
-def _hash(x: int, y: int, z: int) -> np.uint64:
-    """32 well-mixed bits of a cell's index."""
+def _home(slots: Slots, index: tuple[int, int, int]) -> np.int64:
+    """Where the search for a cell begins."""
     mixed = (
-        np.uint64(np.uint32(x)) * _SPREAD_X
-        ^ np.uint64(np.uint32(y)) * _SPREAD_Y
-        ^ np.uint64(np.uint32(z)) * _SPREAD_Z
+        np.uint64(np.uint32(index[0])) * _SPREAD_X
+        ^ np.uint64(np.uint32(index[1])) * _SPREAD_Y
+        ^ np.uint64(np.uint32(index[2])) * _SPREAD_Z
     )
-    mixed ^= mixed >> _HALF
-    mixed *= _SPREAD_ALL
-    return mixed >> _HALF
+    mixed = (mixed ^ (mixed >> _HALF)) * _SPREAD_ALL
+    return np.int64(((mixed >> _HALF) * np.uint64(slots.size)) >> _HALF)
 
 
 @njit(cache=True)
-def _row(entry: np.uint64) -> np.int64:
-    """The row that a slot names, -1 where it is empty."""
-    return np.int64(entry & _LOWER) - 1
-
-
-@njit(cache=True)
-def _next(slot: np.uint64, size: np.uint64) -> np.uint64:
-    following = slot + _ONE
-    return following if following < size else _EMPTY
-
-
-@njit(cache=True)
-def _search(
-    slots: Slots, rows: Rows, fingerprint: np.uint64, index: tuple[int, int, int]
-) -> np.uint64:
+def _search(slots: Slots, rows: Rows, index: tuple[int, int, int]) -> np.int64:
     """The slot of a cell, or the empty one where it would be."""
-    size = np.uint64(slots.size)
-    slot = (fingerprint * size) >> _HALF
-    while slots[slot] != _EMPTY:
-        if slots[slot] >> _HALF == fingerprint:
-            key = rows[_row(slots[slot])].index
-            if key[0] == index[0] and key[1] == index[1] and key[2] == index[2]:
-                return slot
-        slot = _next(slot, size)
-    return slot
+    slot = _home(slots, index)
+    while slots[slot] != 0 and not _is_at(rows, np.int64(slots[slot]) - 1, index):
+        slot += 1
+        if slot == slots.size:
+            slot = np.int64(0)
+    return slot  # type: ignore[no-any-return]
+
+
+@njit(cache=True)
+def _is_at(rows: Rows, row: int, index: tuple[int, int, int]) -> bool:
+    key = rows[row].index
+    return bool(key[0] == index[0] and key[1] == index[1] and key[2] == index[2])
 
 
 @njit(cache=True)
 def find_or_add(
     slots: Slots, rows: Rows, num_rows: int, index: tuple[int, int, int]
-) -> tuple[int, int]:
+) -> tuple[np.int64, np.int64]:
     """The row of a cell, and the number of rows: one more where the cell is new.
 
     There must be room for a new row: `num_rows < len(rows)`.
     """
-    fingerprint = _hash(*index)
-    slot = _search(slots, rows, fingerprint, index)
-    if slots[slot] != _EMPTY:
-        return _row(slots[slot]), num_rows
-    slots[slot] = (fingerprint << _HALF) | np.uint64(num_rows + 1)
+    slot = _search(slots, rows, index)
+    if slots[slot] != 0:
+        return np.int64(slots[slot]) - 1, np.int64(num_rows)
+    slots[slot] = num_rows + 1
     key = rows[num_rows].index
     key[0], key[1], key[2] = index
-    return num_rows, num_rows + 1
+    return np.int64(num_rows), np.int64(num_rows) + 1
 
 
 @njit(cache=True)
@@ -96,7 +81,7 @@ def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.in
     found = np.empty(len(index), np.int64)
     for k in range(len(index)):
         cell = (index[k, 0], index[k, 1], index[k, 2])
-        found[k] = _row(slots[_search(slots, rows, _hash(*cell), cell)])
+        found[k] = np.int64(slots[_search(slots, rows, cell)]) - 1
     return found
 
 
@@ -110,15 +95,11 @@ def _add_all(index: NDArray[np.int32], table: tuple[Slots, Rows, int]) -> int:
 
 
 @njit(cache=True)
-def _refill(slots: Slots, larger: Slots) -> None:
-    size = np.uint64(larger.size)
-    for entry in slots:
-        if entry == _EMPTY:
-            continue
-        slot = ((entry >> _HALF) * size) >> _HALF
-        while larger[slot] != _EMPTY:
-            slot = _next(slot, size)
-        larger[slot] = entry
+def _refill(slots: Slots, rows: Rows, num_rows: int) -> None:
+    """Enter all rows, which are different cells, into empty slots."""
+    for row in range(num_rows):
+        key = rows[row].index
+        slots[_search(slots, rows, (key[0], key[1], key[2]))] = row + 1
 
 
 class CellTable:
@@ -126,7 +107,7 @@ class CellTable:
 
     def __init__(self, dtype: np.dtype[np.void], num_rows: int = _FIRST_ROWS) -> None:
         self.rows: Rows = np.zeros(max(num_rows, _FIRST_ROWS), dtype)
-        self.slots: Slots = np.zeros(int(len(self.rows) / _MAX_LOAD) + 1, np.uint64)
+        self.slots: Slots = np.zeros(int(len(self.rows) / _MAX_LOAD) + 1, np.uint32)
         self.num_rows = 0
 
     @classmethod
@@ -167,9 +148,8 @@ class CellTable:
         # resize() may move the block without a copy; nobody else holds the array.
         self.rows.resize(int(len(self.rows) * _GROWTH), refcheck=False)
         if len(self.rows) > _MAX_LOAD * len(self.slots):
-            larger = np.zeros(int(len(self.rows) * _GROWTH / _MAX_LOAD), np.uint64)
-            _refill(self.slots, larger)
-            self.slots = larger
+            self.slots = np.zeros(int(len(self.rows) * _GROWTH / _MAX_LOAD), np.uint32)
+            _refill(*self.arrays)
 
     def widen(self, dtype: np.dtype[np.void]) -> None:
         """Give the fields of the rows the wider types of `dtype`."""
