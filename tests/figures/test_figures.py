@@ -8,6 +8,7 @@ from recon.figures import topview
 from recon.figures.canvas import save_png
 from recon.figures.disparity import disparity
 from recon.figures.map3d import map3d
+from recon.figures.matching import error_map
 from recon.records import FoundObject, Matches, Voxels
 
 
@@ -86,3 +87,18 @@ def test_disparity_is_drawn_at_u_v(voxels):
     without = disparity(left, matches.select(slice(0)), size=(500, 400))
     assert with_point.shape == without.shape == (400, 500, 3)
     assert (with_point != without).any()
+
+
+def test_errors_stand_out_where_they_are():
+    zeros = np.zeros(2, np.int32)
+    matches = Matches(
+        points_px=np.array([[20.0, 30.0], [80.0, 30.0]]), disparity_px=np.array([3.0, 9.0]),
+        sigma_px=np.ones(2), score=np.ones(2), index_left=zeros, index_right=zeros,
+    )  # fmt: skip
+    left = np.full((60, 100), 128, np.uint8)
+    right_everywhere = error_map(left, matches, np.where(np.arange(100) < 50, 3.0, 9.0) + left * 0)
+    wrong_once = error_map(left, matches, np.full((60, 100), 3.0))
+    assert right_everywhere.shape == wrong_once.shape
+    assert (right_everywhere != wrong_once).any()
+    unknown = error_map(left, matches, np.full((60, 100), np.nan))
+    assert (unknown != wrong_once).any()

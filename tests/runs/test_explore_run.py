@@ -15,7 +15,8 @@ SCENES = Path(__file__).parents[2] / "scenes"
 PAIRS = 4
 FILES = {
     "manifest.json", "settings.toml", "trajectory.txt", "cloud.ply", "map.npz", "objects.json",
-    "metrics.json", "figures/map3d.png", "figures/solids.png", "figures/occupancy.png", "figures/labels.png",
+    "metrics.json", "figures/map3d.png", "figures/solids.png", "figures/occupancy.png",
+    "figures/labels.png",
     "figures/trajectory.png", "figures/disparity.png", "figures/overview.png",
 }  # fmt: skip
 
