@@ -36,11 +36,13 @@ COLUMNS = {
 @click.option("--quality", type=click.Choice(["best", "fast"]))
 @click.option("--keep", type=click.IntRange(min=1), help="Keep the K most confident pairs.")
 @click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
+@click.option("-o", "--output", type=PATH, help="Folder for figures and metrics.json.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing run.")
 @with_options(SETTINGS, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Judge matchers on pairs whose disparity is known."""
     start_logging(given["quiet"], given["verbose"])
-    from recon.runs.evaluate import evaluate_run
+    from recon.runs.evaluate import evaluate_run, evaluation_folder
 
     settings = build_settings(
         preset=given["preset"],
@@ -49,10 +51,13 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
         quality=given["quality"],
         flags={"matching.keep": given["keep"]},
     )
+    output = given["output"] and evaluation_folder(
+        given["output"], pair_dirs, settings, overwrite=given["overwrite"]
+    )
     with progress_bar("pairs", given["quiet"]) as progress:
         report = evaluate_run(
             pair_dirs, settings, given["matchers"], truth_scale=given["truth_scale"],
-            progress=progress,
+            run=output, progress=progress,
         )  # fmt: skip
     if given["as_json"]:
         print_json(report)

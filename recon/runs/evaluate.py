@@ -1,24 +1,59 @@
 """Many pairs with known truth, matched and judged side by side (Tables 1 and 3)."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from recon.errors import InputError
+from recon.figures.canvas import Image
+from recon.figures.matching import error_map, side_by_side, tuning
+from recon.pipeline import match_images
+from recon.runfolder import RunFolder, RunPlan
 from recon.runs.disparity import match_files, measure
+from recon.runs.figures import write_figures
 from recon.runs.products import Progress, as_document
 from recon.sequences.calibration import read_calibration
 from recon.sequences.folder import find_calibration
+from recon.sequences.images import read_image
 from recon.sequences.pair_dir import find_picture
 from recon.sequences.truth import DisparityTruth, read_truth
-from recon.settings import Settings, updated
+from recon.settings import Settings, to_toml, updated
 from recon.stereo.evaluation import coverage
+from recon.stereo.features import detect
+from recon.stereo.matching import match
+from recon.stereo.subpixel import refine
 
 # Searched beyond the largest true disparity where no calibration states a range.
 MARGIN_PX = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trial:
+    """One matcher on one pair with known truth."""
+
+    pair_dir: Path
+    settings: Settings
+    truth: DisparityTruth
+
+    @property
+    def name(self) -> str:
+        """What tables call the pair."""
+        return self.pair_dir.resolve().name
+
+    def picture(self, side: str) -> Path:
+        """The file of one side."""
+        return find_picture(self.pair_dir, side)
+
+    def row(self) -> dict[str, Any]:
+        """Its numbers, by their JSON keys."""
+        pair = match_files(self.picture("left"), self.picture("right"), self.settings)
+        names = {"name": self.name, "matcher": self.settings.matching.matcher}
+        shares = {"coverage": coverage(pair.matches, pair.left.shape[:2])}
+        return as_document(names | measure(pair, self.truth) | shares)
 
 
 def evaluate_run(
@@ -26,8 +61,8 @@ def evaluate_run(
     settings: Settings,
     matchers: Iterable[str],
     *,
-    search: dict[str, Any] | None = None,
     truth_scale: float | None = None,
+    run: RunFolder | None = None,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Judge every matcher on every pair.
@@ -38,25 +73,50 @@ def evaluate_run(
         Folders with left.*, right.* and disp_left.*.
     settings : Settings
     matchers : iterable of str
-    search : dict, optional
-        `min_disparity` and `max_disparity`; each pair's own where not given.
     truth_scale : float, optional
         Stored truth / this = disparity; each pair's own where not given.
+    run : RunFolder, optional
+        Where figures and numbers are left.
 
     Returns
     -------
     dict
         The document of `recon evaluate --json`.
     """
-    jobs = [(pair_dir, matcher) for pair_dir in pair_dirs for matcher in matchers]
+    names = list(matchers)
+    trials = [t for path in pair_dirs for t in _trials(path, settings, names, truth_scale)]
     rows = []
-    for pair_dir, matcher in jobs:
-        truth = read_truth(pair_dir, truth_scale)
-        changes = (search or own_range(pair_dir, truth)) | {"matcher": matcher}
-        rows.append(_row(pair_dir, truth, updated(settings, {"matching": changes})))
+    for trial in trials:
+        rows.append(trial.row())
         if progress is not None:
-            progress(len(rows), len(jobs))
-    return {"pairs": rows}
+            progress(len(rows), len(trials))
+    report = {"pairs": rows}
+    if run is not None:
+        with run.opened():
+            run.write_json("metrics.json", report)
+            for trial in trials:
+                write_figures(run.path, trial_pictures(trial))
+    return report
+
+
+def evaluation_folder(
+    path: Path, pair_dirs: Iterable[Path], settings: Settings, *, overwrite: bool
+) -> RunFolder:
+    """The run folder of an evaluation."""
+    plan = RunPlan(
+        command="evaluate", settings_toml=to_toml(settings), seed=0, inputs=tuple(pair_dirs)
+    )
+    return RunFolder.prepare(path, plan, overwrite=overwrite, resume=False)
+
+
+def _trials(
+    pair_dir: Path, settings: Settings, matchers: list[str], truth_scale: float | None
+) -> Iterator[Trial]:
+    truth = read_truth(pair_dir, truth_scale)
+    search = own_range(pair_dir, truth)
+    for matcher in matchers:
+        chosen = updated(settings, {"matching": search | {"matcher": matcher}})
+        yield Trial(pair_dir=pair_dir, settings=chosen, truth=truth)
 
 
 def own_range(pair_dir: Path, truth: DisparityTruth) -> dict[str, Any]:
@@ -69,9 +129,21 @@ def own_range(pair_dir: Path, truth: DisparityTruth) -> dict[str, Any]:
     return {"min_disparity": low, "max_disparity": high}
 
 
-def _row(pair_dir: Path, truth: DisparityTruth, settings: Settings) -> dict[str, Any]:
-    left, right = (find_picture(pair_dir, side) for side in ("left", "right"))
-    pair = match_files(left, right, settings)
-    names = {"name": pair_dir.resolve().name, "matcher": settings.matching.matcher}
-    shares = {"coverage": coverage(pair.matches, pair.left.shape[:2])}
-    return as_document(names | measure(pair, truth) | shares)
+def trial_pictures(trial: Trial) -> dict[str, Image]:
+    """Error map, one scale against all (thesis figure 16), fine tuning (figures 10, 15)."""
+    settings, truth = trial.settings, trial.truth.disparity_px
+    left, right = (read_image(trial.picture(side)) for side in ("left", "right"))
+    features_left = detect(left, settings.features)
+    features_right = detect(right, settings.features)
+    whole = match(features_left, features_right, settings.matching)
+    tuned = refine(whole, features_left, features_right)
+    finest = updated(settings, {"features": {"widths_px": settings.features.widths_px[:1]}})
+    scales = {"one scale": match_images(left, right, finest), "all scales": tuned}
+    rows = np.rint(whole.points_px[:, 1]).astype(np.int64)
+    fullest = int(np.bincount(rows, minlength=1).argmax())
+    title = f"{trial.name}_{settings.matching.matcher}"
+    return {
+        f"{title}_errors": error_map(left, tuned, truth),
+        f"{title}_scales": side_by_side(left, scales),
+        f"{title}_tuning": tuning(whole, tuned, truth, fullest),
+    }
