@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from recon.camera import StereoRig
 from recon.errors import InputError, check_finite
@@ -29,8 +30,8 @@ def eyes_of(view: View, eyes: EyesSettings) -> EyesSettings:
     values = {name: value for name, value in asdict(eyes).items() if stay({name})}
     try:
         return EyesSettings(**values | changes)
-    except ValueError as error:
-        raise InputError(f"view with {changes}: {error}") from error
+    except ValidationError as error:
+        raise InputError(f"view with {changes}: {error.errors()[0]['msg']}") from error
 
 
 def rig_of(view: View, eyes: EyesSettings) -> StereoRig:
@@ -39,8 +40,6 @@ def rig_of(view: View, eyes: EyesSettings) -> StereoRig:
     Principal points are shifted by half the disparity that the target would have: left by -s / 2,
     right by +s / 2, with s = f b / D and D the distance of the target.
     """
-    check_finite("view position", view.position)
-    check_finite("view target", view.target)
     focal_px = eyes.width / 2.0 / np.tan(np.radians(eyes.fov_deg) / 2.0)
     distance = np.linalg.norm(view.target - view.position)
     shift_px = focal_px * eyes.baseline / distance
@@ -58,6 +57,8 @@ def rig_of(view: View, eyes: EyesSettings) -> StereoRig:
 
 def left_pose(view: View, baseline: float) -> Array:
     """`T_world_left` (4, 4): the left eye, half the baseline beside the view's position."""
+    check_finite("view position", view.position)
+    check_finite("view target", view.target)
     T_world_left = look_at(view.position, view.target)
     T_world_left[:3, 3] -= 0.5 * baseline * T_world_left[:3, 0]
     return T_world_left

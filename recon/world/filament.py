@@ -40,7 +40,7 @@ renderer.render_to_image()
 def filament_fault() -> str | None:
     """Why Filament cannot draw here, with what cures it; None where it can."""
     result = subprocess.run(
-        [sys.executable, "-c", _PROBE], capture_output=True, text=True, check=False, timeout=120
+        [sys.executable, "-c", _PROBE], capture_output=True, text=True, check=False
     )
     if result.returncode == 0:
         return None
@@ -120,7 +120,7 @@ class Filament:
         """Take the stage, should another world be on it."""
         scene = self._stage.scene
         names = [f"{self._name} visual {number}" for number in range(len(self._visuals))]
-        if names and not scene.has_geometry(names[0]):
+        if not (names and scene.has_geometry(names[0])):
             scene.clear_geometry()
             for name, visual in zip(names, self._visuals, strict=True):
                 scene.add_geometry(name, *visual)

@@ -121,7 +121,8 @@ class World:
 
     def _stand(self, view: View) -> tuple[StereoRig, Array, EyesSettings]:
         eyes = eyes_of(view, self.eyes)
-        return rig_of(view, eyes), left_pose(view, eyes.baseline), eyes
+        T_world_left = left_pose(view, eyes.baseline)
+        return rig_of(view, eyes), T_world_left, eyes
 
     def _see(self, eye: Eye) -> NDArray[np.uint8]:
         picture = self._renderer.look(eye.camera)

@@ -1,0 +1,189 @@
+import numpy as np
+import pytest
+
+from recon.geometry import invert, transform
+from recon.records import View
+from recon.world.render import SKY_RGB
+from recon.world.visuals import (
+    CylinderVisual,
+    PolygonVisual,
+    Shader,
+    SphereVisual,
+    Vertex,
+)
+
+AHEAD = View(position=[0.0, 5.0, 0.0], target=[0.0, 5.0, -10.0])
+BALL = SphereVisual(centre=(0, 5, -20), radius=4, texture=0)
+RED = (1.0, 0.0, 0.0, 1.0)
+
+
+def wall(z, size=9.0, cull=False, colour=RED):
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return PolygonVisual(
+        cull_back=cull,
+        vertices=tuple(
+            Vertex(position=(size * x, 5 + size * y, z), colour=colour, uv=(x, y))
+            for x, y in corners
+        ),
+    )
+
+
+def sphere_depth(pair, centre, radius):
+    """Depth of a sphere, by the formula."""
+    u, v = np.meshgrid(np.arange(256.0), np.arange(256.0))
+    rays = pair.rig.rays(np.column_stack([u.ravel(), v.ravel()]))
+    middle = np.asarray(centre) - pair.T_world_left[:3, 3]
+    middle = pair.T_world_left[:3, :3].T @ middle
+    a, b, c = (rays**2).sum(1), rays @ middle, middle @ middle - radius**2
+    with np.errstate(invalid="ignore"):
+        return ((b - np.sqrt(b**2 - a * c)) / a).reshape(256, 256)
+
+
+def test_depth_of_a_sphere_is_that_of_the_formula(world_of):
+    world = world_of(BALL, textures=("leaves",))
+    depth = world.truth(AHEAD).depth
+    wanted = sphere_depth(world.take(AHEAD), BALL.centre, BALL.radius)
+    assert (np.isfinite(depth) != np.isfinite(wanted)).mean() < 0.001
+    error = np.abs(depth - wanted)[np.isfinite(depth) & np.isfinite(wanted)]
+    assert np.median(error) < 0.006
+    assert np.percentile(error, 99) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "seen"), [(0.1, 100, True), (0.1, 9, False), (11, 100, False)]
+)
+def test_nothing_is_seen_nearer_than_near_and_farther_than_far(world_of, near, far, seen):
+    world = world_of(wall(-10.0), eyes={"near": near, "far": far})
+    depth = world.truth(AHEAD).depth
+    assert np.isfinite(depth[128, 128]) == seen
+    assert (world.take(AHEAD).left[128, 128].tolist() == [255, 0, 0]) == seen
+    if seen:
+        np.testing.assert_allclose(depth[np.isfinite(depth)], 10, atol=1e-9)
+
+
+def test_the_same_view_gives_the_same_bytes(village, world_of):
+    noisy = world_of(BALL, textures=("leaves",), render={"noise": 5.0})
+    for world in (village, noisy):
+        first, second = world.take(AHEAD), world.take(AHEAD)
+        np.testing.assert_array_equal(first.left, second.left)
+        np.testing.assert_array_equal(first.right, second.right)
+
+
+def test_a_polygon_with_culling_is_not_seen_from_behind(world_of):
+    far = wall(-20.0, size=30.0, colour=(0.0, 0.0, 1.0, 1.0))
+    back = View(position=[0.0, 5.0, -19.0], target=[0.0, 5.0, 0.0])
+    for cull, colour in ((True, [round(c) for c in SKY_RGB]), (False, [255, 0, 0])):
+        world = world_of(wall(-10.0, cull=cull), far)
+        assert world.take(AHEAD).left[128, 128].tolist() == [255, 0, 0]
+        assert world.take(back).left[128, 128].tolist() == colour
+        assert np.isnan(world.truth(back).depth[128, 128]) == cull
+
+
+@pytest.mark.parametrize("side", [1, 2, 4, 8])
+def test_an_edge_pixel_shows_the_share_that_is_covered(world_of, side):
+    world = world_of(wall(-10.0, size=4.03), render={"supersampling": side})
+    pair = world.take(AHEAD)
+    T_left_world = invert(pair.T_world_left)
+    edge = pair.rig.project_left(transform(T_left_world, [[4.03, 5.0, -10.0]]))[0, 0]
+    column = round(edge)
+    covered = edge - (column - 0.5)
+    red, sky = 0.0, SKY_RGB[2]
+    shown = (sky - pair.left[128, column, 2]) / (sky - red)
+    assert 0.2 < covered < 0.8
+    assert abs(shown - covered) <= 0.5 / side + 0.01
+    assert shown * side == pytest.approx(round(shown * side), abs=0.02 * side)
+
+
+def test_mipmaps_take_the_glitter_out_of_distance(world_of):
+    def roughness(mipmaps):
+        far = wall(-90.0, size=60.0)
+        visual = PolygonVisual(
+            cull_back=False,
+            texture=0,
+            vertices=tuple(
+                Vertex(position=v.position, colour=(1, 1, 1, 1), uv=(32 * v.uv[0], 32 * v.uv[1]))
+                for v in far.vertices
+            ),
+        )
+        world = world_of(visual, textures=("leaves",), render={"mipmaps": mipmaps})
+        return world.take(AHEAD).left[100:156, 100:156][..., 1].astype(float).std()
+
+    assert roughness(True) < 0.2 * roughness(False)
+    assert roughness(True) > 0.1
+
+
+def test_noise_and_blur_come_out_as_they_went_in(world_of):
+    grey = wall(-10.0, size=30.0, colour=(0.5, 0.5, 0.5, 1.0))
+    noise = world_of(grey, render={"noise": 6.0}).take(AHEAD)
+    assert 5.9 < noise.left.astype(float).std() < 6.1
+    together = np.corrcoef(noise.left.ravel(), noise.right.ravel())[0, 1]
+    assert abs(together) < 0.02
+    other = world_of(grey, render={"noise": 6.0, "noise_seed": 1}).take(AHEAD)
+    assert (other.left != noise.left).mean() > 0.8
+
+    edge = wall(-10.0, size=5.0)
+    row = {
+        blur: world_of(edge, render={"blur_px": blur}).take(AHEAD).left[128, :, 2].astype(float)
+        for blur in (0.0, 3.0)
+    }
+    slope = np.abs(np.diff(row[3.0])).max() / np.ptp(row[3.0])
+    assert 0.9 / (3 * np.sqrt(2 * np.pi)) < slope < 1.1 / (3 * np.sqrt(2 * np.pi))
+    assert np.abs(np.diff(row[0.0])).max() > 100
+
+
+def test_fog_takes_its_share_of_every_unit(world_of):
+    picture = world_of(wall(-10.0), render={"fog": 0.05}).take(AHEAD).left
+    clear = 0.95**10
+    wanted = clear * np.array([255, 0, 0]) + (1 - clear) * np.array(SKY_RGB)
+    np.testing.assert_allclose(picture[128, 128], wanted, atol=0.51)
+
+
+def test_the_sky_deepens_upwards_when_asked(world_of):
+    plain, deep = (world_of(render={"sky": sky}).take(AHEAD).left[:, 128] for sky in (False, True))
+    assert (plain == plain[0]).all()
+    assert deep[0, 0] < deep[64, 0] < deep[127, 0]
+    np.testing.assert_array_equal(deep[128:], plain[128:])
+
+
+def test_the_sun_lights_one_side_and_a_shader_takes_the_place_of_colour(world_of):
+    ball = SphereVisual(centre=(0, 5, -20), radius=4)
+    lit = world_of(ball, render={"shading": True}).take(AHEAD).left.astype(int)
+    assert lit[110, 140, 0] > lit[150, 110, 0] + 20
+    green = Shader(
+        ambient=(0, 0.2, 0, 1), diffuse=(0, 0.8, 0, 1), specular=(1, 1, 1, 1),
+        emissive=(0, 0, 0, 1), shininess=50,
+    )  # fmt: skip
+    shaded = SphereVisual(centre=(0, 5, -20), radius=4, shader=0)
+    for shading, channels in ((True, [0, 2]), (False, [])):
+        world = world_of(shaded, shaders=(green,), render={"shading": shading})
+        middle = world.take(AHEAD).left[128, 128]
+        assert np.flatnonzero(middle == 0).tolist() == channels
+
+
+def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
+    """A picture whose upper left is red comes out so on a polygon and on an upright cylinder."""
+    import dataclasses
+
+    from PIL import Image
+
+    from recon.settings.settings import Settings
+    from recon.world.visuals import Scene
+    from recon.world.world import World
+
+    pixels = np.zeros((64, 64, 3), np.uint8)
+    pixels[:32, :, 2] = 255  # the upper half blue
+    Image.fromarray(pixels).save(tmp_path / "flag.png")
+    mast = CylinderVisual(
+        radius_base=2, radius_top=2, height=16, translation=(0, 13, -12), texture=0
+    )
+    scene = Scene(textures=("flag",), visuals=(mast,), folder=tmp_path)
+    settings = Settings()
+    world = World(scene, settings.eyes, settings.render, settings.world)
+    picture = world.take(AHEAD).left
+    assert picture[60, 128, 2] > 200 > 50 > picture[190, 128, 2]
+    lying = dataclasses.replace(mast, rotation=(0, 1, 0), translation=(-8, 5, -12))
+    world = World(
+        dataclasses.replace(scene, visuals=(lying,)), settings.eyes, settings.render, settings.world
+    )
+    picture = world.take(AHEAD).left
+    assert picture[128, 70, 2] > 200 > 50 > picture[128, 190, 2]

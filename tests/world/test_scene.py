@@ -1,0 +1,253 @@
+import dataclasses
+import math
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given, settings
+
+from recon.errors import InputError
+from recon.world.scene import read_scene, write_scene
+from recon.world.visuals import (
+    CylinderVisual,
+    EllipsoidVisual,
+    MeshVisual,
+    PolygonVisual,
+    Scene,
+    Shader,
+    SphereVisual,
+    Vertex,
+)
+
+from .conftest import SCENES
+
+SMALL = """\
+# Shader count
+1
+# Texture count
+2
+# Visual count
+2
+# SHADER 0
+# Ambient color
+1.0 1.0 1.0 1.0
+# Diffuse color
+1.0 0.0 0.0 0.0
+# Specular color
+1.0 0.0 1.0 0.0
+# Emissive color
+0.0 0.0 0.0 0.0
+# Shininess [0,128]
+50
+textures/wood.tga
+textures/nowhere.tga
+# VISUAL 0 - TREE TOP
+# Visual type
+SPHERE
+# Center
+10 12 20
+# Radius
+4
+# Shader index
+-1
+# Texture index
+0
+# VISUAL 1 - TREE BODY
+# Visual type
+CYLINDER
+# RadiusBase
+2
+# RadiusTop
+2
+# Height
+8
+# Slices
+50
+# Stacks
+30
+# Translation [x,y,z]
+10 8 20
+# Rotation [x,y,z]
+1 0 0
+# Shader index
+0
+# Texture index
+-1
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "small.scene"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def line_of(text, row):
+    return text.splitlines().index(row) + 1
+
+
+def test_appendix_b_is_read_as_it_stands():
+    scene = read_scene(SCENES / "village.scene")
+    assert [len(part) for part in (scene.shaders, scene.textures, scene.visuals)] == [3, 9, 13]
+    assert scene.shaders[1].diffuse == (0.0, 0.0, 1.0, 0.0)
+    assert scene.textures[3] == "textures/grass.tga"
+    assert scene.visuals[0] == SphereVisual(centre=(10, 12, 20), radius=4, texture=3)
+    assert scene.visuals[3] == CylinderVisual(
+        radius_base=1, radius_top=7, height=4, slices=36, stacks=50, translation=(20, 11, -5),
+        texture=4,
+    )  # fmt: skip
+    ground = scene.visuals[12]
+    assert ground.cull_back
+    assert ground.shader == 1
+    assert ground.vertices[2].position == (500, 0, 500)
+    assert ground.vertices[2].uv == (3, 3)
+
+
+@pytest.mark.parametrize("name", ["village", "three_kinds", "three_apples"])
+def test_a_scene_is_written_without_loss(name, tmp_path):
+    scene = read_scene(SCENES / f"{name}.scene")
+    write_scene(scene, tmp_path / "again.scene")
+    again = read_scene(tmp_path / "again.scene")
+    assert dataclasses.replace(again, folder=scene.folder) == scene
+
+
+reals = st.floats(-1e6, 1e6)
+sizes = st.floats(1e-6, 1e6)
+vectors = st.tuples(reals, reals, reals)
+colours = st.tuples(reals, reals, reals, reals)
+shader = st.integers(-1, 0)
+texture = st.sampled_from([-1, 1])
+vertices = st.builds(Vertex, position=vectors, colour=colours, uv=st.tuples(reals, reals))
+visuals = st.one_of(
+    st.builds(SphereVisual, centre=vectors, radius=sizes, shader=shader, texture=texture),
+    st.builds(
+        EllipsoidVisual,
+        centre=vectors,
+        radii=st.tuples(sizes, sizes, sizes),
+        shader=shader,
+        texture=texture,
+    ),
+    st.builds(
+        CylinderVisual,
+        radius_base=st.just(0.0) | sizes,
+        radius_top=sizes,
+        height=sizes,
+        slices=st.integers(3, 500),
+        stacks=st.integers(1, 500),
+        translation=vectors,
+        rotation=vectors,
+        shader=shader,
+        texture=texture,
+    ),
+    st.builds(
+        PolygonVisual,
+        cull_back=st.booleans(),
+        vertices=st.lists(vertices, min_size=3, max_size=5).map(tuple),
+        shader=shader,
+        texture=texture,
+    ),
+    st.builds(MeshVisual, file=st.just("tetra hedron.ply"), shader=shader, texture=texture),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(visuals=st.lists(visuals, max_size=4).map(tuple), ambient=colours)
+def test_any_scene_survives_its_file(visuals, ambient, tmp_path_factory):
+    folder = tmp_path_factory.getbasetemp()
+    (folder / "tetra hedron.ply").touch()
+    material = Shader(
+        ambient=ambient, diffuse=ambient, specular=ambient, emissive=ambient, shininess=128.0
+    )
+    scene = Scene(
+        shaders=(material,), textures=("nowhere.tga", "a/wood.tga"), visuals=visuals, folder=folder
+    )
+    write_scene(scene, folder / "any.scene")
+    assert read_scene(folder / "any.scene") == scene
+
+
+def test_comments_are_free(written):
+    rows = ["# whatever" if row.startswith("#") else row for row in SMALL.splitlines()]
+    free = read_scene(written("\n\n".join(rows)))
+    assert free == read_scene(written(SMALL))
+
+
+def test_a_texture_that_no_visual_uses_is_not_looked_up(written):
+    assert read_scene(written(SMALL)).textures[1] == "textures/nowhere.tga"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "row", "message"),
+    [
+        ("\n4\n", "\n-4\n", "-4", "visual 0 (SPHERE) Radius is '-4', but a finite number above 0"),
+        ("\n4\n", "\nnan\n", "nan", "Radius is 'nan', but a finite number above 0 is needed"),
+        ("10 12 20", "10 inf 20", "10 inf 20", "Center is '10 inf 20', but three finite numbers"),
+        ("10 12 20", "10820", "10820", "Center is '10820', but three finite numbers"),
+        ("\n50\n# Stacks", "\n2.5\n# Stacks", "2.5", "Slices is '2.5', but a whole number from 3"),
+        ("SPHERE", "CUBE", "CUBE", "visual 0 type is 'CUBE', but one of SPHERE, ELLIPSOID, CYL"),
+        ("# Radius\n4\n", "", "-1", "Radius is missing: the value is one of 'shader index'"),
+        ("# Radius\n4\n", "# Radius\n", "-1", "Radius is missing: the value is one of"),
+        ("index\n0\n# VISUAL", "index\n1\n# VISUAL", "1", "texture 'textures/nowhere.tga', but a"),
+        ("index\n0\n# VISUAL", "index\n7\n# VISUAL", "7", "texture index is '7', but a whole num"),
+        ("index\n0\n# Tex", "index\n9\n# Tex", "9", "shader index is '9', but a whole number fro"),
+        ("count\n1\n", "count\n-1\n", "-1", "shader count is '-1', but a whole number from 0"),
+        ("count\n1\n", "count\n2\n", "textures/wood.tga", "shader 1 Ambient color is 'textures/w"),
+        (
+            "Texture count\n2",
+            "Texture count\n3",
+            "SPHERE",
+            "texture 2 is missing: the value is one of 'vi",
+        ),
+        ("Texture count\n2", "Texture count\n1", "textures/nowhere.tga", "visual 0 type is 'text"),
+        ("Visual count\n2", "Visual count\n1", "CYLINDER", "visual count is 1, but 'CYLINDER' fo"),
+        ("# RadiusBase\n2\n# RadiusTop\n2", "#\n0\n#\n0", None, "has radius 0 at both ends, but"),
+    ],
+)
+def test_a_fault_is_one_line_with_file_and_line(written, old, new, row, message):
+    text = SMALL.replace(old, new, 1)
+    assert text != SMALL
+    path = written(text)
+    with pytest.raises(InputError) as caught:
+        read_scene(path)
+    told = str(caught.value)
+    assert message in told
+    assert "\n" not in told
+    number = int(told.removeprefix(f"{path}:").partition(":")[0])
+    if row is not None:
+        assert text.splitlines()[number - 1] == row
+
+
+def test_a_file_cut_anywhere_is_refused_in_one_line(written):
+    rows = SMALL.splitlines()
+    for count in range(len(rows)):
+        path = written("\n".join(rows[:count]))
+        with pytest.raises(InputError, match=r"small\.scene:\d+: .*(needed|both ends)"):
+            read_scene(path)
+
+
+def test_a_mesh_that_is_nowhere_is_named(written):
+    text = SMALL.replace("SPHERE\n# Center\n10 12 20\n# Radius\n4", "MESH\n# File\nrock.ply")
+    with pytest.raises(InputError, match=r":\d+: visual 0 \(MESH\) File is 'rock.ply', but a file"):
+        read_scene(written(text))
+
+
+def test_what_is_no_text_is_refused(tmp_path):
+    path = tmp_path / "picture.scene"
+    path.write_bytes(bytes(range(128, 256)))
+    with pytest.raises(InputError, match="a geometry file is needed"):
+        read_scene(path)
+
+
+def test_numbers_are_written_so_that_they_read_the_same(tmp_path):
+    scene = Scene(visuals=(SphereVisual(centre=(0.1, -0.0, math.pi), radius=1e300),))
+    write_scene(scene, tmp_path / "a.scene")
+    assert read_scene(tmp_path / "a.scene").visuals == scene.visuals
+
+
+def test_a_texture_count_too_high_is_seen_without_comments_too(written):
+    rows = [row for row in SMALL.splitlines() if not row.startswith("#")]
+    path = written("\n".join(rows).replace("1\n2\n2", "1\n3\n2", 1))
+    with pytest.raises(InputError, match="texture 2 is 'SPHERE', but the name of a picture is"):
+        read_scene(path)
