@@ -139,8 +139,9 @@ def trial_pictures(trial: Trial) -> dict[str, Image]:
     tuned = refine(whole, features_left, features_right)
     finest = updated(settings, {"features": {"widths_px": settings.features.widths_px[:1]}})
     scales = {"one scale": match_images(left, right, finest), "all scales": tuned}
-    rows = np.rint(whole.points_px[:, 1]).astype(np.int64)
-    fullest = int(np.bincount(rows, minlength=1).argmax())
+    # The row whose points are spread the widest: one along a horizontal edge shows nothing.
+    spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
+    fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())
     title = f"{trial.name}_{settings.matching.matcher}"
     return {
         f"{title}_errors": error_map(left, tuned, truth),

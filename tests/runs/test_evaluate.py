@@ -1,0 +1,37 @@
+"""Matchers judged side by side through the command line."""
+
+import json
+from pathlib import Path
+
+from recon.cli import main
+
+PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
+
+
+def test_two_matchers_side_by_side(tmp_path, capsys):
+    out = tmp_path / "evaluation"
+    argv = ["evaluate", str(PAIR), "--matcher", "phase", "--matcher", "sgbm", "--quality", "fast"]
+    assert main([*argv, "--keep", "3000", "-o", str(out), "--json"]) == 0
+    phase, sgbm = json.loads(capsys.readouterr().out)["pairs"]
+    assert (phase["name"], phase["matcher"], sgbm["matcher"]) == ("motorcycle", "phase", "sgbm")
+    assert phase["num_matches"] == sgbm["num_matches"] == 3000
+    assert 0 < phase["num_mismatches"] / 3000 < 0.05
+    assert 0.3 < phase["coverage"] < 1
+    figures = {path.name for path in (out / "figures").iterdir()}
+    assert "motorcycle_phase_errors.png" in figures
+    assert "motorcycle_sgbm_tuning.png" in figures
+
+
+def test_the_table_has_a_line_a_pair(capsys):
+    assert main(["evaluate", str(PAIR), "--quality", "fast"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2
+    assert lines[0].split()[:3] == ["pair", "matcher", "num_matches"]
+    assert lines[1].split()[:2] == ["motorcycle", "phase"]
+
+
+def test_a_pair_without_truth_is_one_line(tmp_path, capsys):
+    assert main(["evaluate", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "disp_left" in error
