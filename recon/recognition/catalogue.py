@@ -25,6 +25,8 @@ class PartRule:
     role: str
     shapes: Annotated[tuple[UprightShape, ...], Field(min_length=1)]
     """Any of these."""
+    slenderness: tuple[NonNegative, NonNegative] | None = None
+    """Bounds of its height over its largest radius."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

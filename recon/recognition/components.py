@@ -8,6 +8,8 @@ from scipy.spatial import cKDTree
 
 ON_AXIS = 0.6
 """Middles of two parts of one object are nearer than this share of the wider one's reach."""
+SIDE_BY_SIDE = 0.5
+"""Two parts that share more than so much of their height stand beside each other."""
 
 
 def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
@@ -69,22 +71,21 @@ def stacked(
         Smallest component that others are joined to.
     """
     count = int(label.max(initial=-1)) + 1
-    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
-    np.minimum.at(low, label, points[:, ::2])
-    np.maximum.at(high, label, points[:, ::2])
-    middle, reach = (low + high) / 2.0, (high - low).max(axis=1) / 2.0
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, label, points)
+    np.maximum.at(high, label, points)
     hosts = np.flatnonzero(np.bincount(label, minlength=count) >= min_size)
-    pairs = [
-        np.column_stack([np.full(len(guests), host), guests])
-        for host in hosts
-        for guests in [_within(middle, middle[host], ON_AXIS * reach[host])]
-    ]
-    if not pairs:
-        return label
-    return joined(np.concatenate(pairs), count)[label]
+    pairs = [_on_one_axis(low, high, int(host)) for host in hosts]
+    return joined(np.concatenate(pairs), count)[label] if pairs else label
 
 
-def _within(
-    places: NDArray[np.float64], centre: NDArray[np.float64], reach: float
+def _on_one_axis(
+    low: NDArray[np.float64], high: NDArray[np.float64], host: int
 ) -> NDArray[np.intp]:
-    return np.flatnonzero(np.hypot(*(places - centre).T) < reach)
+    """Pairs (E, 2) of a box and those over or under its middle."""
+    middle, size = (low + high) / 2.0, high - low
+    apart = np.hypot(*(middle - middle[host])[:, ::2].T)
+    shared = np.minimum(high, high[host])[:, 1] - np.maximum(low, low[host])[:, 1]
+    near = apart < ON_AXIS * size[host, ::2].max() / 2.0
+    guests = np.flatnonzero(near & (shared < SIDE_BY_SIDE * size[:, 1]))
+    return np.column_stack([np.full(len(guests), host), guests])

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from recon.recognition.catalogue import Kind
 from recon.recognition.colour import mean_hue_deg
 from recon.recognition.least_squares import Estimate
+from recon.recognition.shapes import SAMPLE, Candidate, candidates
 from recon.recognition.stacks import Stack, StackModel, fit_stack, solids
-from recon.records import UNKNOWN, FoundObject, Part, Voxels
+from recon.records import UNKNOWN, FitFailure, FoundObject, Part, Voxels
 
 Array = NDArray[np.float64]
 
@@ -23,9 +24,14 @@ INDEPENDENT_CELLS = 60.0
 """Cells of an object err together: all of them weigh no more than so many that do not. Set where
 probabilities come true over simulated orbits."""
 RATIO_SPREAD = 0.05
-"""Standard deviation of the ratio of two radii over which a bound of the catalogue blurs."""
+"""Standard deviation of a ratio of sizes, over which the bounds of the catalogue blur."""
 UNSEEN = 0.1
 """A part is unseen that has less of its surface in cells than this share of the best seen one."""
+HOVERING = 0.15
+"""Share of its height that an object's lowest cell may be over the ground: what hovers higher is
+held by something that is not seen, and is more than one solid."""
+HOVERING_CELLS = 40
+"""Cells that a crown needs to stand for a whole object whose body is not seen."""
 TRUNK = 0.3
 """Radius of a body that is not seen, as a share of its crown's."""
 LARGEST_TO_EXTENT = 2.0
@@ -77,39 +83,54 @@ def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Namin
         Height it stands on, world.
     """
     cells = _thinned(voxels)
+    alone = _alone(cells, ground)
     hypotheses = _hypotheses(cells, ground, kinds)
-    if not hypotheses:
-        return unknown(voxels, ground, "an object shows only one part")
-    best = max(hypotheses, key=lambda one: one.evidence)
-    nothing = _evidence(_unknown_deviance(cells), len(cells))
-    logs = np.array([one.evidence for one in hypotheses] + [nothing])
+    nameless = min(_unknown_deviance(cells), np.inf if alone is None else alone.bic)
+    logs = np.array([one.evidence for one in hypotheses] + [_evidence(nameless, len(cells))])
     shares = np.exp(logs - logs.max())
-    own = np.array([one.kind is best.kind for one in hypotheses] + [False])
-    probability = float(shares[own].sum() / shares.sum())
-    if nothing > best.evidence:
-        return unknown(voxels, ground, "no kind of the catalogue fits", probability)
-    return _named(voxels, best, probability)
+    best = int(np.argmax(logs))
+    if best == len(hypotheses):
+        return _nameless(voxels, ground, alone, float(shares[-1] / shares.sum()))
+    kind = hypotheses[best].kind
+    own = np.array([one.kind is kind for one in hypotheses] + [False])
+    return _named(voxels, hypotheses[best], float(shares[own].sum() / shares.sum()))
 
 
-def unknown(voxels: Voxels, ground: float, reason: str, chance: float = 0.0) -> Naming:
-    """An object without a name, in the box of its cell means.
+def _alone(cells: Voxels, ground: float) -> Candidate | None:
+    """The one solid that all cells lie on, if it stands on the ground; of all cells' BIC."""
+    low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
+    if low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size:
+        return None
+    ranked = candidates(cells.means, _weights(cells))
+    if isinstance(ranked, FitFailure):
+        return None
+    share = len(cells) / min(len(cells), SAMPLE)
+    return replace(ranked[0], bic=share * ranked[0].bic)
 
-    Parameters
-    ----------
-    chance : float
-        That it is of a kind of the catalogue after all.
-    """
+
+def _nameless(voxels: Voxels, ground: float, alone: Candidate | None, probability: float) -> Naming:
+    """An object of no kind, in the box of its cell means, with its solid where it is one."""
     low, high = voxels.means.min(axis=0), voxels.means.max(axis=0)
     size = high - low
     size[1] = high[1] - ground
-    return Naming(
+    naming = Naming(
         label=UNKNOWN,
-        probability=1.0 - chance,
+        probability=probability,
         centre=(low + high) / 2.0,
         size=size,
-        failures=[reason],
         deviance=_unknown_deviance(voxels),
     )
+    scale = len(voxels) / min(len(voxels), MOST_CELLS)
+    if alone is None or scale * alone.bic > naming.deviance:
+        return replace(naming, failures=["no kind of the catalogue and no solid fits"])
+    hue = mean_hue_deg(voxels.colours)
+    part = Part(role="body", solid=alone.solid, hue_deg=hue, num_voxels=len(voxels), rms=alone.rms)
+    return replace(naming, parts=(part,), deviance=scale * alone.bic)
+
+
+def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
+    """An object without a name or a solid, for that reason."""
+    return replace(_nameless(voxels, ground, None, 0.0), failures=[reason])
 
 
 def _thinned(voxels: Voxels) -> Voxels:
@@ -120,8 +141,7 @@ def _thinned(voxels: Voxels) -> Voxels:
 
 
 def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
-    # Cells of few points lie off the surface more often than on it.
-    weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
+    weights = _weights(voxels)
     floor = NOISE_FLOOR * voxels.cell_size
     shapes = sorted({stack for kind in kinds for stack in kind.stacks})
     fits = {stack: fit_stack(stack, voxels.means, ground, floor, weights) for stack in shapes}
@@ -139,12 +159,20 @@ def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[
     ]
 
 
+def _weights(voxels: Voxels) -> Array:
+    """Cells of few points lie off the surface more often than on it."""
+    weights: Array = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
+    return weights
+
+
 def _is_whole(fit: Estimate[Stack], voxels: Voxels) -> bool:
     """Whether the stack is of the cells' size and all parts above the lowest are seen."""
     stack = fit.state
     extent = float(np.ptp(voxels.means, axis=0).max())
     within = max(2.0 * stack.widest.max(), stack.heights[-1] - voxels.means[:, 1].min())
-    return bool(within < LARGEST_TO_EXTENT * extent and not _is_unseen(stack, voxels)[1:].any())
+    unseen = _is_unseen(stack, voxels)
+    enough = len(voxels) >= HOVERING_CELLS or not unseen[0]
+    return bool(within < LARGEST_TO_EXTENT * extent and enough and not unseen[1:].any())
 
 
 def _is_unseen(stack: Stack, voxels: Voxels) -> NDArray[np.bool_]:
@@ -168,13 +196,21 @@ def _unknown_deviance(voxels: Voxels) -> float:
 
 
 def _log_chance(fit: Estimate[Stack], kind: Kind, voxels: Voxels) -> float:
-    """Log of the chance that the ratio of radii lies within the kind's bounds."""
-    if kind.ratio is None or len(kind.parts) < 2:
-        return 0.0
-    widths = fit.state.widest
-    # What holds up a crown and is not seen itself is thin.
-    ratio = 0.0 if _is_unseen(fit.state, voxels)[0] else widths[0] / max(widths[1], 1e-9)
-    excess = max(kind.ratio[0] - ratio, ratio - kind.ratio[1]) / RATIO_SPREAD
+    """Log of the chance that the ratios of sizes lie within the kind's bounds."""
+    stack = fit.state
+    widths = np.maximum(stack.widest, 1e-9)
+    bounds = [part.slenderness for part in kind.parts]
+    ratios = list(np.diff(stack.heights) / widths)
+    if len(widths) > 1:
+        # What holds up a crown and is not seen itself is thin.
+        ratios.append(0.0 if _is_unseen(stack, voxels)[0] else widths[0] / widths[1])
+        bounds.append(kind.ratio)
+    return sum(_within(r, limits) for r, limits in zip(ratios, bounds, strict=True) if limits)
+
+
+def _within(ratio: float, limits: tuple[float, float]) -> float:
+    """Log of the chance that a ratio lies within its limits, which blur a little."""
+    excess = max(limits[0] - ratio, ratio - limits[1]) / RATIO_SPREAD
     return -float(np.logaddexp(0.0, 2.0 * excess))
 
 
@@ -188,7 +224,7 @@ def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
         centre=np.array([stack.axis[0], (bottom + top) / 2.0, stack.axis[1]]),
         size=np.array([width, top - bottom, width]),
         parts=_parts(voxels, best.kind, stack),
-        deviance=best.fit.bic,
+        deviance=best.fit.bic * len(voxels) / len(best.fit.residuals),
     )
 
 

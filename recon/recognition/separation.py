@@ -17,6 +17,11 @@ LONG = 1.5
 """Length over width of a footprint, in standard deviations, from which it may be two objects."""
 INSIDE = 0.7
 """Two fits whose axes are nearer than this share of the wider one's radius are one object."""
+TOGETHER = 0.5
+"""Rise of the deviance a cell up to which one object is believed instead of several."""
+MOST_ROUNDS = 20
+APART = 0.5
+"""Fall of the deviance a cell from which two objects are believed instead of one."""
 MOST_OBJECTS = 8
 """Of one component: bounds the work on the cells of a street or a wall."""
 
@@ -50,28 +55,29 @@ def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
     ----------
     pieces : list of (Naming, rows)
     name : Callable
-        Names the cells of some rows.
+        Names the object that some rows are.
     """
-    pieces = list(pieces)
-    first = 0
-    while first < len(pieces):
-        naming, rows = pieces[first]
-        others = [other for other in pieces[first + 1 :] if _in_one_place(naming, other[0])]
-        if not others:
-            first += 1
-            continue
-        pieces = [piece for piece in pieces if all(piece is not other for other in others)]
+    waiting, done = list(pieces), []
+    while waiting:
+        naming, rows = waiting.pop(0)
+        inside = [_in_one_place(naming, other) for other, _ in waiting]
+        others = [piece for piece, is_in in zip(waiting, inside, strict=True) if is_in]
         together = np.sort(np.concatenate([rows, *(own for _, own in others)]))
-        pieces.pop(first)
-        pieces.insert(0, (name(together), together))
-        first = 0
-    return pieces
+        union = name(together) if others else naming
+        apart = naming.deviance + sum(other.deviance for other, _ in others)
+        if not others or union.deviance > apart + TOGETHER * len(together):
+            done.append((naming, rows))
+        else:
+            waiting = [piece for piece, is_in in zip(waiting, inside, strict=True) if not is_in]
+            waiting.append((union, together))
+    return done
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
+    """Whether the middle of one lies well inside the other, which has a name."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
-    widest = float(max(first.size[::2].max(), second.size[::2].max()))
-    return apart < INSIDE * widest / 2.0
+    widths = [one.size[::2].max() for one in (first, second) if one.label != UNKNOWN]
+    return apart < INSIDE * float(max(widths, default=0.0)) / 2.0
 
 
 def _halves(
@@ -82,14 +88,15 @@ def _halves(
     floor = voxels.means[rows][:, ::2]
     if naming.label != UNKNOWN and _elongation(floor) < LONG:
         return []
-    second = _two_means(floor)
-    if min(second.sum(), (~second).sum()) < min_voxels:
-        return []
-    halves = [(name(part), part) for part in (rows[~second], rows[second])]
-    if any(half.label == UNKNOWN for half, _ in halves):
-        return []
-    better = sum(half.deviance for half, _ in halves) < naming.deviance
-    return halves if better else []
+    best, least = [], naming.deviance - APART * len(rows)
+    for second in _cuts(floor):
+        if min(second.sum(), (~second).sum()) < min_voxels:
+            continue
+        halves = [(name(part), part) for part in (rows[~second], rows[second])]
+        deviance = sum(half.deviance for half, _ in halves)
+        if deviance < least and all(half.parts for half, _ in halves):
+            best, least = halves, deviance
+    return best
 
 
 def _elongation(floor: Array) -> float:
@@ -97,18 +104,18 @@ def _elongation(floor: Array) -> float:
     return float(np.sqrt(values[1] / max(values[0], 1e-12)))
 
 
-def _two_means(floor: Array) -> NDArray[np.bool_]:
-    """Which side of a footprint's waist each cell is on, from the ends of its longer axis."""
-    axis = np.linalg.eigh(np.cov(floor.T))[1][:, 1]
+def _cuts(floor: Array) -> list[NDArray[np.bool_]]:
+    """Which side of a waist each cell is on: across the longer and across the shorter axis."""
+    return [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
+
+
+def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
+    """Two clusters that grow from the two ends of an axis."""
     along = floor @ axis
-    centres = np.stack(
-        [
-            floor[along <= np.quantile(along, 0.1)].mean(axis=0),
-            floor[along >= np.quantile(along, 0.9)].mean(axis=0),
-        ]
-    )
+    low, high = np.quantile(along, [0.1, 0.9])
+    centres = np.stack([floor[rows].mean(axis=0) for rows in (along <= low, along >= high)])
     second = np.zeros(len(floor), dtype=bool)
-    for _ in range(20):
+    for _ in range(MOST_ROUNDS):
         distance = np.linalg.norm(floor[:, None] - centres, axis=2)
         before, second = second, distance[:, 1] < distance[:, 0]
         if (second == before).all() or second.all() or not second.any():

@@ -126,7 +126,7 @@ def fit_stack(
 
 
 def _trimmed(fit: Estimate[Stack], model: StackModel) -> Stack:
-    """The stack with its last part cut where its points end: too long a part costs a fit nothing."""
+    """The stack, its last part cut where its points end: too long a part costs a fit nothing."""
     stack = fit.state
     if stack.shapes[-1] in ("sphere", "ellipsoid"):
         return stack
