@@ -11,9 +11,9 @@ from recon.explore.planning import (
     GAZE,
     Ways,
     azimuth_of,
-    frontier,
     lifted,
     look_to,
+    lookouts,
     middle_of,
     plan,
     stand,
@@ -28,6 +28,8 @@ SIDE_AREA = 2000.0
 """A new side of a thing is worth so many cells of unknown ground: a whole look around."""
 PAIR_COST = 10.0
 """Taking a pair costs as much as walking this far, world units."""
+MUCH_AREA = 1000.0
+"""Ground beyond so many cells hardly counts: what lies near is seen first, not what is large."""
 MIN_GAIN = 25.0
 """A view that adds fewer cells than this is not worth taking."""
 MAX_UNKNOWN = 0.02
@@ -72,7 +74,8 @@ class FrontierController:
             candidates, wanted, state.floor, field_rad, state.settings.exploration.viewing_distance
         )
         gain = np.where(self._is_taken(candidates), 0.0, area + SIDE_AREA * sides)
-        score = gain / (ways.length(candidates.places) + PAIR_COST)
+        worth = area * MUCH_AREA / (area + MUCH_AREA) + SIDE_AREA * sides
+        score = worth / (ways.length(candidates.places) + PAIR_COST)
         best = int(np.where(gain >= MIN_GAIN, score, 0.0).argmax())
         if gain[best] < MIN_GAIN:
             self._end(wanted, unknown)
@@ -84,18 +87,18 @@ class FrontierController:
     ) -> tuple[Candidates, Array]:
         """Views worth weighing, and the unknown cells (C,) that each would show."""
         height = state.settings.eyes.eye_height
-        lookouts = np.vstack([state.place, frontier(ways, unknown)])
+        places = np.vstack([state.place, lookouts(ways, unknown)])
         stands = stands_round(ways, wanted, state)
         outlook = look_out(
             state.floor,
             unknown,
-            np.vstack([lookouts, stands.places]),
+            np.vstack([places, stands.places]),
             field_of_view(state.pair),
             state.settings.exploration.sight_range,
         )
-        azimuth = outlook.best()[: len(lookouts)]
-        ahead = lookouts + GAZE * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
-        candidates = Candidates(places=lookouts, targets=lifted(ahead, height)).joined(stands)
+        azimuth = outlook.best()[: len(places)]
+        ahead = places + GAZE * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+        candidates = Candidates(places=places, targets=lifted(ahead, height)).joined(stands)
         return candidates, outlook.along(candidates.azimuths_rad)
 
     def _is_taken(self, candidates: Candidates) -> Mask:

@@ -23,8 +23,8 @@ GAZE = 20.0
 """How far ahead the eyes meet when they look at nothing, world units."""
 CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
 """Factors of the distance that is tried round a thing."""
-BLOCK = 8
-"""Frontier cells are tried one a square of so many cells."""
+FRONTIER_BLOCK, OPEN_BLOCK = 8, 16
+"""Places are tried one a square of so many cells."""
 BORDER = 4
 """Cells between the unknown and a place to look at it from: the clearance, in cells."""
 MIN_POCKET = 10
@@ -206,17 +206,25 @@ def _inside(floor: Floor, cells: NDArray[np.intp]) -> Mask:
     return inside
 
 
-def frontier(ways: Ways, unknown: Mask) -> Array:
-    """Places (N, 2) from which the agent can look over the edge of what it knows.
+def lookouts(ways: Ways, unknown: Mask) -> Array:
+    """Places (N, 2) that can be reached and are worth looking round from.
 
-    Cells that can be reached and border on unknown ones, but for the ground along things, on
-    which it does not walk; one cell, the nearest, stands for each square of BLOCK cells.
+    The frontier, which is the cells that border on unknown ones but for the ground along things,
+    on which the agent does not walk; and places all over the known ground, as much of the unknown
+    is seen from afar.
     """
+    reached = np.isfinite(ways.distance)
     border = binary_dilation(unknown, np.ones((3, 3), dtype=bool), iterations=BORDER)
-    cells = np.argwhere(np.isfinite(ways.distance) & border)
-    nearest_first = cells[np.argsort(ways.distance[tuple(cells.T)], kind="stable")]
-    _, first = np.unique(nearest_first // BLOCK, axis=0, return_index=True)
-    return ways.floor.centres(nearest_first[np.sort(first)])
+    frontier = _one_a_block(np.argwhere(reached & border), ways.distance, FRONTIER_BLOCK)
+    open_ground = _one_a_block(np.argwhere(reached), ways.distance, OPEN_BLOCK)
+    return ways.floor.centres(np.vstack([frontier, open_ground]))
+
+
+def _one_a_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDArray[np.intp]:
+    """The nearest of the cells (N, 2) in each square of block x block cells."""
+    nearest_first = cells[np.argsort(distance[tuple(cells.T)], kind="stable")]
+    _, first = np.unique(nearest_first // block, axis=0, return_index=True)
+    return nearest_first[np.sort(first)]
 
 
 def stand(

@@ -10,7 +10,7 @@ from recon.settings.stage import STRICT, Count, Positive
 class ExplorationSettings:
     """How the agent walks (thesis 4.4)."""
 
-    controller: str = "thesis"
+    controller: str = "frontier"
     """A name of the table of controllers, or of a plug-in."""
     max_pairs: Count = 1000
     clearance: Positive = 10.0
@@ -21,7 +21,7 @@ class ExplorationSettings:
     """Turn on the spot at each step."""
     walk_clearance: Positive = 2.5
     """Distance kept from everything while walking, world units."""
-    sight_range: Positive = 60.0
+    sight_range: Positive = 90.0
     """How far off a thing is surely noticed: ground with nothing on it is known free up to here."""
     viewing_distance: Positive = 20.0
     """How far off a thing is seen well enough for the map, world units."""
