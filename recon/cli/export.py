@@ -1,0 +1,40 @@
+"""`recon export`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+
+
+@click.command(epilog="Example: recon export runs/village/map.npz village.glb")
+@click.argument("source", metavar="IN", type=PATH)
+@click.argument("target", metavar="OUT", type=PATH)
+@click.option("--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Only what lies inside; world units.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing file.")
+@with_options(OUTPUT)
+def export(source: Path, target: Path, **given: Any) -> None:
+    """Write a map or a cloud in another format, by the ending of OUT."""
+    start_logging(given["quiet"], given["verbose"])
+    from recon.runs.clouds import export_run
+
+    report = export_run(source, target, box=parse_box(given["box"]), overwrite=given["overwrite"])
+    if given["as_json"]:
+        print_json(report)
+    elif not given["quiet"]:
+        click.echo(report["output"])
+
+
+def parse_box(text: str | None) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Low and high corner of "x0,y0,z0,x1,y1,z1"."""
+    if text is None:
+        return None
+    try:
+        numbers = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        numbers = ()
+    low, high = numbers[:3], numbers[3:]
+    if len(numbers) != 6 or not all(a < b for a, b in zip(low, high, strict=True)):
+        raise click.BadParameter(f"--box is {text!r}, but x0,y0,z0,x1,y1,z1 are needed")
+    return low, high

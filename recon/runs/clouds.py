@@ -1,0 +1,86 @@
+"""Maps and clouds from files: named, fitted, written in other formats."""
+
+from pathlib import Path
+from typing import Any
+
+
+from recon.errors import InputError, ReconError
+from recon.exports.formats import read, write
+from recon.recognition import recognise
+from recon.recognition.clouds import Up, recognise_cloud
+from recon.recognition.shapes import candidates
+from recon.records import FitFailure, PointCloud, Voxels
+from recon.records.objects import as_json
+from recon.records.solids import parameters
+from recon.settings import Settings
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
+
+Box = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+def recognise_run(path: Path, settings: Settings, up: Up = "y") -> dict[str, Any]:
+    """Name the objects of a map or a cloud.
+
+    Returns
+    -------
+    dict
+        The document of `objects.json`.
+    """
+    data = read(path)
+    if isinstance(data, VoxelMap):
+        data = occupied(data, settings.map)
+    if isinstance(data, Voxels) and up == "y":
+        return as_json(recognise(data, settings.recognition))
+    cloud = _as_cloud(data)
+    return as_json(recognise_cloud(cloud, settings.recognition, up))
+
+
+def fit_run(path: Path) -> dict[str, Any]:
+    """Fit one solid to the points of a cloud, or to the cells of a map.
+
+    Returns
+    -------
+    dict
+        The document of `recon fit --json`.
+
+    Raises
+    ------
+    ReconError
+        Where no solid fits, with the reason.
+    """
+    found = candidates(_as_cloud(read(path)).points)
+    if isinstance(found, FitFailure):
+        raise ReconError(f"{path}: {found.reason}")
+    ranked = [{"shape": one.solid.kind, "rms": one.rms, "bic": one.bic} for one in found]
+    best = found[0]
+    return {
+        "shape": best.solid.kind,
+        "parameters": parameters(best.solid),
+        "rms": best.rms,
+        "candidates": ranked,
+    }
+
+
+def export_run(
+    source: Path, target: Path, *, box: Box | None = None, overwrite: bool = False
+) -> dict[str, Any]:
+    """Write what `source` holds in the format that the ending of `target` names.
+
+    Returns
+    -------
+    dict
+        The document of `recon export --json`.
+    """
+    if target.exists() and not overwrite:
+        raise InputError(f"{target} exists; give --overwrite or another name")
+    write(read(source), target, box=box)
+    return {"output": str(target), "bytes": target.stat().st_size}
+
+
+def _as_cloud(data: VoxelMap | Voxels | PointCloud) -> PointCloud:
+    """Points as they are; of cells, the mean of each."""
+    if isinstance(data, PointCloud):
+        return data
+    voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    return PointCloud(points=voxels.means, colours=voxels.colours)
