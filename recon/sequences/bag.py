@@ -21,7 +21,7 @@ from recon.sequences.bag_messages import (
 )
 from recon.sequences.calibration import read_calibration
 from recon.sequences.cameras import Calibration
-from recon.sequences.folder import find_calibration, given_trajectory
+from recon.sequences.folder import given_trajectory
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.poses import Trajectory
 from recon.sequences.rectification import Rectifier, rectifier
@@ -46,7 +46,7 @@ def is_bag(path: Path) -> bool:
 
 
 def open_bag(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in a bag; a calibration and poses.txt beside it come before what it holds."""
+    """The recording in a bag; calib.* and poses.txt beside it come before what it holds."""
     pictures = _topics(path, PICTURE_TYPES)
     first = next(_messages(path, [pictures["left"]]), None)
     if first is None:
@@ -126,13 +126,12 @@ def _alone(waiting: dict[str, dict[int, Any]], end: int | None) -> list[tuple[in
 
 
 def _calibration(path: Path, *, is_rectified: bool) -> Calibration:
-    try:
-        return read_calibration(find_calibration(path.parent))
-    except InputError:
-        infos = _topics(path, (CAMERA_TYPE,))
+    for file in sorted(path.parent.glob("calib.*")):
+        return read_calibration(file)
+    infos = _topics(path, (CAMERA_TYPE,))
     left, right = (next(_messages(path, [infos[side]]), None) for side in SIDES)
     if left is None or right is None:
-        raise InputError(f"{path} holds no camera info, and no calibration lies beside it")
+        raise InputError(f"{path} holds no camera info, and no calib.* lies beside it")
     return calibration_of(left[1], right[1], is_rectified=is_rectified)
 
 

@@ -1,7 +1,6 @@
 """Which left picture belongs to which right one."""
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -50,13 +49,15 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
 
 
 def gaps(listed: Sequence[Listed]) -> list[str]:
-    """Names that are missing on both sides, where names are numbers that count by a fixed step."""
+    """Names that are missing on both sides, where names are numbers that count by a fixed step.
+
+    Numbers that are no count (times in nanoseconds) have more gaps than names.
+    """
     if len(listed) < 3 or not all(entry.name.isdigit() for entry in listed):
         return []
     numbers = [int(entry.name) for entry in listed]
-    steps = [later - sooner for sooner, later in pairwise(numbers)]
-    step = Counter(steps).most_common(1)[0][0]
-    if any(s % step for s in steps) or step * len(steps) * 2 < sum(steps):
+    step = min(later - sooner for sooner, later in pairwise(numbers))
+    if not 0 < numbers[-1] - numbers[0] <= 2 * step * len(numbers):
         return []
     wanted = range(numbers[0], numbers[-1], step)
     return [str(n).zfill(len(listed[0].name)) for n in wanted if n not in set(numbers)]

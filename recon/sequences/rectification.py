@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.errors import InputError
-from recon.geometry import pose
+from recon.geometry import invert, pose
 from recon.records import StereoPair
 from recon.sequences.cameras import Calibration, Camera
 from recon.sequences.images import Image
@@ -69,6 +69,7 @@ def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
         Where the calibration is for pictures of another size, or has left and right swapped.
     """
     _check_size(calibration, size)
+    _check_sides(calibration)
     if calibration.is_rectified:
         return Rectifier(
             rig=_rectified_rig(calibration, size), raw_size=size, T_raw_rectified=np.eye(4)
@@ -181,14 +182,17 @@ def _check_size(calibration: Calibration, size: tuple[int, int]) -> None:
             )
 
 
-def _rectified_rig(calibration: Calibration, size: tuple[int, int]) -> StereoRig:
-    left, right = calibration.left.matrix, calibration.right.matrix
-    offset = float(calibration.T_right_left[0, 3])
-    if offset > 0:
+def _check_sides(calibration: Calibration) -> None:
+    x, y, _ = invert(calibration.T_right_left)[:3, 3]
+    if -x > abs(y):
         raise InputError(
-            f"by its calibration the right camera stands {offset:g} to the left of the left one: "
+            f"by its calibration the right camera stands {-x:g} to the left of the left one: "
             "the pictures or the cameras are swapped"
         )
+
+
+def _rectified_rig(calibration: Calibration, size: tuple[int, int]) -> StereoRig:
+    left, right = calibration.left.matrix, calibration.right.matrix
     return StereoRig(
         width=size[0],
         height=size[1],
@@ -196,5 +200,5 @@ def _rectified_rig(calibration: Calibration, size: tuple[int, int]) -> StereoRig
         cx_left_px=float(left[0, 2]),
         cx_right_px=float(right[0, 2]),
         cy_px=float(left[1, 2]),
-        baseline=-offset,
+        baseline=float(-calibration.T_right_left[0, 3]),
     )

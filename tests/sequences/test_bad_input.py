@@ -1,0 +1,245 @@
+"""What is wrong with a recording is said by frame and reason, skipped where it can be, counted."""
+
+import cv2
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.sequences import open_sequence
+from recon.settings import SequenceSettings
+from tests.sequences.recordings import (
+    DISPARITY_PX,
+    NUM_PAIRS,
+    kitti_poses,
+    middlebury_keys,
+    write_euroc,
+    write_folder,
+    write_ros1,
+    write_ros2,
+    write_video,
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return write_folder(tmp_path / "recording")
+
+
+def read(path, **settings):
+    """Names of the pairs that were read, and what was skipped."""
+    source = open_sequence(path, SequenceSettings(**settings))
+    pairs = list(source)
+    for pair in pairs:
+        assert_sides_belong_together(pair)
+    return [pair.name for pair in pairs], dict(source.skipped)
+
+
+def assert_sides_belong_together(pair):
+    left, right = pair.left[:, DISPARITY_PX:], pair.right[:, :-DISPARITY_PX]
+    np.testing.assert_array_equal(left, right)
+
+
+def positions(path):
+    return [pair.T_world_left[2, 3] for pair in open_sequence(path, SequenceSettings())]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_picture_without_its_partner_is_skipped_and_the_rest_keep_their_poses(folder, side):
+    (folder / side / "000001.png").unlink()
+    names, skipped = read(folder)
+    assert names == ["000000", "000002", "000003"]
+    assert skipped == {"000001": f"it has no {side} picture"}
+    np.testing.assert_allclose(positions(folder), [0, -1.4, -2.1], atol=1e-8)
+
+
+def test_a_frame_that_is_missing_on_both_sides_does_not_shift_the_poses(folder):
+    for side in ("left", "right"):
+        (folder / side / "000001.png").unlink()
+    names, skipped = read(folder)
+    assert names == ["000000", "000002", "000003"]
+    assert skipped == {"000001": "it is in neither folder"}
+    np.testing.assert_allclose(positions(folder), [0, -1.4, -2.1], atol=1e-8)
+
+
+def test_left_and_right_named_apart_are_paired_by_their_number(folder):
+    for side in ("left", "right"):
+        for file in (folder / side).iterdir():
+            file.rename(file.with_name(f"{side}{int(file.stem):d}.png"))
+    (folder / "right" / "right2.png").unlink()
+    names, skipped = read(folder)
+    assert names == ["0", "1", "3"]
+    assert skipped == {"2": "it has no right picture"}
+
+
+def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
+    for number, file in enumerate(sorted((folder / "right").iterdir())):
+        file.rename(file.with_name("abcd"[number] + ".png"))
+    assert read(folder)[0] == ["000000", "000001", "000002", "000003"]
+    (folder / "right" / "b.png").unlink()
+    with pytest.raises(InputError, match=r"holds 4 pictures and .* 3 under other names"):
+        read(folder)
+
+
+def test_pictures_that_change_size_are_skipped(folder):
+    for side in ("left", "right"):
+        cv2.imwrite(str(folder / side / "000002.png"), np.zeros((32, 48), np.uint8))
+    names, skipped = read(folder)
+    assert names == ["000000", "000001", "000003"]
+    assert skipped == {"000002": "its left picture has 48 x 32 pixels, but 96 x 64 are needed"}
+
+
+def test_left_and_right_of_different_sizes_are_skipped(folder):
+    cv2.imwrite(str(folder / "right" / "000000.png"), np.zeros((32, 48), np.uint8))
+    names, skipped = read(folder)
+    assert len(names) == NUM_PAIRS - 1
+    assert "its right picture has 48 x 32" in skipped["000000"]
+
+
+def test_a_truncated_png_is_skipped_without_a_word_from_its_library(folder, capfd):
+    file = folder / "left" / "000002.png"
+    file.write_bytes(file.read_bytes()[:500])
+    names, skipped = read(folder)
+    assert names == ["000000", "000001", "000003"]
+    assert skipped == {"000002": f"{file} is cut short, but a whole picture is needed"}
+    assert capfd.readouterr().err == ""
+
+
+def test_a_skipped_frame_is_told_once(folder, caplog):
+    (folder / "left" / "000002.png").write_bytes(b"")
+    source = open_sequence(folder, SequenceSettings())
+    for _ in range(2):
+        list(source)
+        assert len(source.skipped) == 1
+    assert len(caplog.records) == 1
+
+
+def test_times_that_go_back_are_skipped(folder):
+    (folder / "times.txt").write_text("0.0\n0.5\n0.4\n0.6\n")
+    names, skipped = read(folder)
+    assert names == ["000000", "000001", "000003"]
+    assert skipped == {"000002": "its time 0.4 s is not after the 0.5 s of 000001"}
+
+
+def test_frames_without_a_pose_are_skipped_where_poses_are_to_be_given(folder):
+    (folder / "poses.txt").write_text("\n".join(kitti_poses().splitlines()[:2]))
+    names, skipped = read(folder)
+    assert names == ["000000", "000001"]
+    assert skipped == dict.fromkeys(["000002", "000003"], "there is no pose for it")
+    assert len(read(folder, poses="none")[0]) == NUM_PAIRS
+
+
+def test_more_poses_than_frames_need_numbers_in_the_names(folder):
+    for side in ("left", "right"):
+        for number, file in enumerate(sorted((folder / side).iterdir())):
+            file.rename(file.with_name("abcd"[number] + ".png"))
+        (folder / side / "b.png").unlink()
+    with pytest.raises(InputError, match="4 times or poses for 3 frames"):
+        read(folder)
+
+
+def test_a_calibration_for_another_size_is_refused(folder):
+    (folder / "calib.txt").write_text(middlebury_keys().replace("width=96", "width=192"))
+    with pytest.raises(InputError, match=r"96 x 64 pixels, but the left .*\(192, 64\)"):
+        read(folder)
+
+
+def test_a_principal_point_outside_of_the_picture_is_refused(folder):
+    calib = folder / "calib.txt"
+    calib.write_text(calib.read_text().replace("47.0", "147.0"))
+    with pytest.raises(InputError, match="principal point at 147, 31"):
+        read(folder)
+
+
+def test_swapped_cameras_are_refused(folder):
+    calib = folder / "calib.txt"
+    calib.write_text("\n".join(reversed(calib.read_text().splitlines())))
+    with pytest.raises(InputError, match=r"stands 0\.5 to the left"):
+        read(folder)
+
+
+def test_a_folder_without_calibration_is_refused(folder):
+    (folder / "calib.txt").unlink()
+    with pytest.raises(InputError, match="holds no calibration"):
+        read(folder)
+
+
+def test_a_recording_of_which_nothing_can_be_read_is_refused(folder):
+    for file in folder.glob("*/*.png"):
+        file.write_bytes(b"no picture")
+    with pytest.raises(InputError, match=r"no picture can be read.*000000\.png"):
+        read(folder)
+
+
+def test_euroc_pictures_of_one_camera_only_are_skipped(tmp_path):
+    path = write_euroc(tmp_path / "recording")
+    table = path / "mav0/cam1/data.csv"
+    table.write_text(table.read_text().replace("2000000000,000002.png\n", ""))
+    names, skipped = read(path)
+    assert names == ["0", "1000000000", "3000000000"]
+    assert skipped == {"2000000000": "it has no right picture"}
+
+
+def test_a_table_of_pictures_that_is_none_is_refused_by_its_line(tmp_path):
+    path = write_euroc(tmp_path / "recording")
+    (path / "mav0/cam1/data.csv").write_text("#timestamp [ns],filename\n0,000000.png\nsoon,b.png")
+    with pytest.raises(InputError, match=r"data\.csv, line 3: 'soon,b\.png'"):
+        read(path)
+
+
+def test_a_video_that_is_cut_is_read_as_far_as_it_goes(tmp_path):
+    path = write_video(tmp_path / "recording")
+    file = path / "right.avi"
+    file.write_bytes(file.read_bytes()[: int(0.7 * file.stat().st_size)])
+    names, skipped = read(path)
+    assert 0 < len(names) < NUM_PAIRS
+    assert len(names) + len(skipped) == NUM_PAIRS
+
+
+def test_a_video_that_is_none_is_refused(tmp_path):
+    path = write_video(tmp_path / "recording")
+    (path / "left.avi").write_bytes(b"no video")
+    with pytest.raises(InputError, match="is no video that OpenCV can read"):
+        read(path)
+
+
+def test_an_empty_bag_is_refused(tmp_path):
+    from rosbags.rosbag2 import Writer
+
+    with Writer(tmp_path / "bag", version=9):
+        pass
+    with pytest.raises(InputError, match="holds no Image topic of the left camera"):
+        read(tmp_path / "bag")
+
+
+def test_a_damaged_bag_is_refused(tmp_path):
+    path = write_ros1(tmp_path / "recording")
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(InputError, match="cannot be read as a bag"):
+        read(path)
+
+
+def test_bag_messages_without_a_partner_come_alone():
+    from types import SimpleNamespace
+
+    from recon.sequences.bag import paired
+
+    def message(side, ns):
+        stamp = SimpleNamespace(sec=0, nanosec=ns)
+        return side, SimpleNamespace(header=SimpleNamespace(stamp=stamp))
+
+    late = [("left", 0), ("right", 10), ("left", 5_000_000), ("left", 9_000_000),
+            ("right", 9_000_400), ("right", 20_000_000)]  # fmt: skip
+    found = [(t, sorted(sides)) for t, sides in paired(iter(message(*m) for m in late))]
+    assert found == [
+        (0, ["left", "right"]),
+        (5_000_000, ["left"]),
+        (9_000_000, ["left", "right"]),
+        (20_000_000, ["right"]),
+    ]
+
+
+def test_a_calibration_beside_a_bag_comes_before_its_own(tmp_path):
+    path = write_ros2(tmp_path / "recording")
+    (path.parent / "calib.txt").write_text("cam0=[1 2]\n")
+    with pytest.raises(InputError, match=r"cam0 is '.1 2.', but 9 numbers are needed"):
+        read(path)

@@ -1,0 +1,179 @@
+"""Every form of recording gives the same pairs through the one door."""
+
+from dataclasses import astuple
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.sequences import open_sequence
+from recon.sequences.open import READERS, Reader
+from recon.settings import SequenceSettings
+from tests.sequences.recordings import (
+    NUM_PAIRS,
+    RIG,
+    picture_pairs,
+    poses_recorded,
+    write_euroc,
+    write_folder,
+    write_kitti,
+    write_pair_dir,
+    write_ros1,
+    write_ros2,
+    write_simulated,
+    write_video,
+)
+
+WRITERS = {
+    "folder": write_folder,
+    "kitti": write_kitti,
+    "euroc": write_euroc,
+    "video": write_video,
+    "ros1": write_ros1,
+    "ros2": write_ros2,
+    "simulated": write_simulated,
+}
+UP = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+@pytest.fixture(params=WRITERS)
+def recording(request, tmp_path):
+    return WRITERS[request.param](tmp_path / "recording")
+
+
+def test_the_form_is_told_by_the_content_and_the_pairs_are_the_same(recording):
+    source = open_sequence(recording, SequenceSettings())
+    pairs = list(source)
+    assert len(source) == len(pairs) == NUM_PAIRS
+    assert list(source.skipped) == []
+    for number, (pair, (left, right)) in enumerate(zip(pairs, picture_pairs(), strict=True)):
+        np.testing.assert_allclose(astuple(pair.rig), astuple(RIG), rtol=1e-12)
+        assert pair.stamp_s == number
+        np.testing.assert_array_equal(_grey(pair.left), left)
+        np.testing.assert_array_equal(_grey(pair.right), right)
+
+
+def test_poses_come_with_y_up(recording):
+    """The rig drives along its z, which the turned world calls -z."""
+    pairs = list(open_sequence(recording, SequenceSettings()))
+    for pair, T_recorded_left in zip(pairs, poses_recorded(), strict=True):
+        np.testing.assert_allclose(pair.T_world_left, UP @ T_recorded_left, atol=1e-8)
+    np.testing.assert_allclose(pairs[-1].T_world_left[:3, 3], [0, 0, -2.1], atol=1e-12)
+    assert pairs[0].T_world_left[1, 1] == pytest.approx(-1)  # its y, down, is the world's -y
+
+
+def test_a_source_can_be_read_again(recording):
+    source = open_sequence(recording, SequenceSettings())
+    first, again = ([pair.left for pair in source] for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+
+
+def test_every_reads_every_nth(recording):
+    source = open_sequence(recording, SequenceSettings(every=3))
+    assert [pair.stamp_s for pair in source] == [0.0, 3.0]
+    assert len(source) == 2
+
+
+def test_poses_none_leaves_them_out(recording):
+    pairs = list(open_sequence(recording, SequenceSettings(poses="none")))
+    assert [pair.T_world_left for pair in pairs] == [None] * NUM_PAIRS
+
+
+def test_a_region_cuts_both_pictures_and_moves_the_principal_points(recording):
+    whole, part = (
+        next(iter(open_sequence(recording, SequenceSettings(roi=roi))))
+        for roi in (None, (10, 5, 50, 40))
+    )
+    np.testing.assert_array_equal(part.left, whole.left[5:45, 10:60])
+    np.testing.assert_array_equal(part.right, whole.right[5:45, 10:60])
+    point = np.array([[0.3, -0.2, 4.0]])
+    np.testing.assert_allclose(
+        part.rig.project_left(point) + np.array([10, 5]), whole.rig.project_left(point), atol=1e-12
+    )
+    assert part.rig.disparity(4.0) == whole.rig.disparity(4.0)
+
+
+def test_a_region_beyond_the_picture_is_refused(tmp_path):
+    path = write_folder(tmp_path / "recording")
+    with pytest.raises(InputError, match=r"roi is 90,0,10,10, but a part of 96 x 64"):
+        list(open_sequence(path, SequenceSettings(roi=(90, 0, 10, 10))))
+
+
+def test_a_single_pair_stands_at_the_origin_and_knows_its_search_range(tmp_path):
+    source = open_sequence(write_pair_dir(tmp_path / "pair"), SequenceSettings())
+    (pair,) = source
+    np.testing.assert_array_equal(pair.T_world_left, UP)
+    assert pair.name == "pair"
+    assert source.disparity_range == (0, 16)
+
+
+def test_without_poses_several_pairs_cannot_be_put_together(tmp_path):
+    path = write_folder(tmp_path / "recording")
+    (path / "poses.txt").unlink()
+    with pytest.raises(InputError, match=r"000001 has no pose.*--poses estimated"):
+        list(open_sequence(path, SequenceSettings()))
+    assert len(list(open_sequence(path, SequenceSettings(poses="none")))) == NUM_PAIRS
+
+
+def test_kitti_poses_lead_on_to_the_left_colour_camera(tmp_path):
+    path = write_kitti(tmp_path / "recording")
+    (path / "image_0").rename(path / "image_2")
+    (path / "image_1").rename(path / "image_3")
+    f, cx, cy = RIG.focal_px, RIG.cx_left_px, RIG.cy_px
+    rows = [f"P{n}: {f} 0 {cx} {-f * x} 0 {f} {cy} 0 0 0 1 0" for n, x in
+            enumerate([0, 0.5, 0.06, 0.6])]  # fmt: skip
+    (path / "calib.txt").write_text("\n".join(rows))
+    pair = next(iter(open_sequence(path, SequenceSettings())))
+    np.testing.assert_allclose(pair.T_world_left[:3, 3], [0.06, 0, 0], atol=1e-12)
+    assert pair.rig.baseline == pytest.approx(0.54)
+
+
+def test_kitti_poses_are_found_where_kitti_keeps_them(tmp_path):
+    path = write_kitti(tmp_path / "dataset" / "sequences" / "05")
+    (tmp_path / "dataset" / "poses").mkdir()
+    (path / "poses.txt").rename(tmp_path / "dataset" / "poses" / "05.txt")
+    assert len(list(open_sequence(path, SequenceSettings()))) == NUM_PAIRS
+
+
+def test_one_video_holds_both_eyes_side_by_side(tmp_path):
+    import cv2
+
+    path = write_video(tmp_path / "recording")
+    film = cv2.VideoWriter(
+        str(path / "both.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 1.0, (2 * RIG.width, RIG.height)
+    )
+    for pair in picture_pairs():
+        film.write(cv2.cvtColor(np.hstack(pair), cv2.COLOR_GRAY2BGR))
+    film.release()
+    pairs = list(open_sequence(path / "both.avi", SequenceSettings()))
+    for pair, (left, right) in zip(pairs, picture_pairs(), strict=True):
+        np.testing.assert_array_equal(_grey(pair.left), left)
+        np.testing.assert_array_equal(_grey(pair.right), right)
+
+
+def test_what_is_no_recording_is_refused(tmp_path):
+    with pytest.raises(InputError, match="is no recording that is known"):
+        open_sequence(tmp_path, SequenceSettings())
+    with pytest.raises(InputError, match="does not exist"):
+        open_sequence(tmp_path / "nothing", SequenceSettings())
+    with pytest.raises(InputError, match="left is no folder"):
+        open_sequence(tmp_path, SequenceSettings(format="folder"))
+
+
+def test_a_plug_in_is_found_by_its_name(tmp_path, monkeypatch):
+    class Entry:
+        name = "mine"
+
+        def load(self):
+            return Reader(fits=lambda path: (path / "mine").exists(), open=READERS["folder"].open)
+
+    monkeypatch.setattr("recon.sequences.open.entry_points", lambda group: [Entry()])
+    path = write_folder(tmp_path / "recording")
+    (path / "left").rename(path / "links")
+    (path / "mine").touch()
+    with pytest.raises(InputError, match="left is no folder"):
+        open_sequence(path, SequenceSettings())
+
+
+def _grey(image):
+    return image if image.ndim == 2 else image[..., 0]

@@ -1,0 +1,52 @@
+"""True disparity, in pixels of the left picture, whatever the file's scale."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.sequences import read_truth
+from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
+
+
+def test_the_scale_is_in_the_meta_file(tmp_path):
+    disparity, step = read_truth(write_pair_dir(tmp_path / "pair"))
+    assert step == 1 / 8
+    assert np.isnan(disparity[:, :DISPARITY_PX]).all()
+    np.testing.assert_array_equal(disparity[:, DISPARITY_PX:], DISPARITY_PX)
+
+
+def test_a_given_scale_comes_first(tmp_path):
+    disparity, step = read_truth(write_pair_dir(tmp_path / "pair"), truth_scale=16)
+    assert step == 1 / 16
+    assert np.nanmax(disparity) == DISPARITY_PX / 2
+
+
+@pytest.mark.parametrize("ending", ["pfm", "tiff"])
+def test_floats_are_pixels_and_what_is_not_finite_is_unknown(tmp_path, ending):
+    stored = np.array([[1.5, np.inf, 0.0], [2.25, 3.0, -4.0]], np.float32)
+    cv2.imwrite(str(tmp_path / f"disp_left.{ending}"), stored)
+    disparity, step = read_truth(tmp_path)
+    np.testing.assert_array_equal(disparity, [[1.5, np.nan, np.nan], [2.25, 3.0, -4.0]])
+    assert step == 0
+
+
+@pytest.mark.parametrize("meta", [None, {}, {"truth_scale": 0}, {"truth_scale": "much"}])
+def test_whole_numbers_need_a_scale(tmp_path, meta):
+    path = write_pair_dir(tmp_path / "pair")
+    (path / "meta.json").unlink()
+    if meta is not None:
+        (path / "meta.json").write_text(json.dumps(meta))
+    with pytest.raises(InputError, match="truth_scale"):
+        read_truth(path)
+    assert read_truth(path, truth_scale=8).quantisation_px == 1 / 8
+
+
+def test_a_missing_or_broken_truth_is_refused(tmp_path):
+    with pytest.raises(InputError, match="holds no disp_left"):
+        read_truth(tmp_path)
+    (tmp_path / "disp_left.png").write_bytes(b"")
+    with pytest.raises(InputError, match="no picture of disparities"):
+        read_truth(tmp_path)
