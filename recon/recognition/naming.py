@@ -1,5 +1,6 @@
 """Which kind of the catalogue an object is: whole-object fits compared by their evidence."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -8,11 +9,12 @@ from numpy.typing import NDArray
 from recon.recognition.catalogue import Kind
 from recon.recognition.colour import mean_hue_deg
 from recon.recognition.least_squares import Estimate
-from recon.recognition.shapes import SAMPLE, Candidate, candidates
+from recon.recognition.shapes import SAMPLE, candidates
 from recon.recognition.stacks import Stack, StackModel, fit_stack, solids
-from recon.records import UNKNOWN, FitFailure, FoundObject, Part, Voxels
+from recon.records import UNKNOWN, FitFailure, FoundObject, Part, Solid, Voxels
 
 Array = NDArray[np.float64]
+Shapes = tuple[str, ...]
 
 NOISE_FLOOR = 0.05
 """Smallest noise believed of a cell's mean, in cells."""
@@ -30,6 +32,8 @@ UNSEEN = 0.1
 HOVERING = 0.15
 """Share of its height that an object's lowest cell may be over the ground: what hovers higher is
 held by something that is not seen, and is more than one solid."""
+LOG_NO_KIND = -3.0
+"""Log of how much rarer a stack of no kind is than one of the catalogue."""
 HOVERING_CELLS = 40
 """Cells that a crown needs to stand for a whole object whose body is not seen."""
 TRUNK = 0.3
@@ -48,8 +52,8 @@ class Naming:
     size: Array
     parts: tuple[Part, ...] = ()
     failures: list[str] = field(default_factory=list)
-    deviance: float = np.inf
-    """Minus twice the log likelihood of the cells."""
+    deviance: float = 0.0
+    """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
         """The record of it."""
@@ -83,54 +87,72 @@ def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Namin
         Height it stands on, world.
     """
     cells = _thinned(voxels)
-    alone = _alone(cells, ground)
-    hypotheses = _hypotheses(cells, ground, kinds)
-    nameless = min(_unknown_deviance(cells), np.inf if alone is None else alone.bic)
-    logs = np.array([one.evidence for one in hypotheses] + [_evidence(nameless, len(cells))])
+    fits = _stacks(cells, ground, kinds)
+    hypotheses = _hypotheses(cells, fits, kinds)
+    nameless = _nameless(cells, ground, fits)
+    logs = np.array([one.evidence for one in hypotheses] + [nameless.evidence])
     shares = np.exp(logs - logs.max())
     best = int(np.argmax(logs))
     if best == len(hypotheses):
-        return _nameless(voxels, ground, alone, float(shares[-1] / shares.sum()))
+        return _unnamed(voxels, ground, nameless, float(shares[-1] / shares.sum()))
     kind = hypotheses[best].kind
     own = np.array([one.kind is kind for one in hypotheses] + [False])
     return _named(voxels, hypotheses[best], float(shares[own].sum() / shares.sum()))
 
 
-def _alone(cells: Voxels, ground: float) -> Candidate | None:
-    """The one solid that all cells lie on, if it stands on the ground; of all cells' BIC."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Nameless:
+    """The best explanation of cells that needs no name."""
+
+    evidence: float
+    criterion: float
+    """BIC a cell."""
+    solids: tuple[Solid, ...]
+    """From the ground up; empty where nothing fits."""
+
+
+def _nameless(cells: Voxels, ground: float, fits: dict[Shapes, Estimate[Stack]]) -> Nameless:
+    """Nothing, one solid that stands on the ground, or a stack of no kind."""
+    count = len(cells)
+    nothing = _unknown_deviance(cells)
+    found: list[tuple[float, float, tuple[Solid, ...]]] = [
+        (_evidence(nothing, count), nothing / count, ())
+    ]
+    found += [
+        (_evidence(fit.bic, count) + LOG_NO_KIND, fit.bic / count, tuple(solids(fit.state)))
+        for fit in fits.values()
+    ]
     low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
-    if low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size:
-        return None
     ranked = candidates(cells.means, _weights(cells))
-    if isinstance(ranked, FitFailure):
-        return None
-    share = len(cells) / min(len(cells), SAMPLE)
-    return replace(ranked[0], bic=share * ranked[0].bic)
+    stands = low - ground < HOVERING * (high - ground) + 2.0 * cells.cell_size
+    if stands and not isinstance(ranked, FitFailure):
+        criterion = ranked[0].bic / min(count, SAMPLE)
+        found.append((_evidence(criterion * count, count), criterion, (ranked[0].solid,)))
+    evidence, criterion, parts = max(found, key=lambda one: one[0])
+    return Nameless(evidence=evidence, criterion=criterion, solids=parts)
 
 
-def _nameless(voxels: Voxels, ground: float, alone: Candidate | None, probability: float) -> Naming:
-    """An object of no kind, in the box of its cell means, with its solid where it is one."""
+def _unnamed(voxels: Voxels, ground: float, found: Nameless, probability: float) -> Naming:
+    """An object of no kind, in the box of its cell means."""
     low, high = voxels.means.min(axis=0), voxels.means.max(axis=0)
     size = high - low
     size[1] = high[1] - ground
-    naming = Naming(
+    roles = ("body", *(f"top {number}" for number in range(1, len(found.solids))))
+    return Naming(
         label=UNKNOWN,
         probability=probability,
         centre=(low + high) / 2.0,
         size=size,
-        deviance=_unknown_deviance(voxels),
+        parts=_parts(voxels, roles, found.solids),
+        failures=["no kind of the catalogue fits"],
+        deviance=found.criterion * len(voxels) - _unknown_deviance(voxels),
     )
-    scale = len(voxels) / min(len(voxels), MOST_CELLS)
-    if alone is None or scale * alone.bic > naming.deviance:
-        return replace(naming, failures=["no kind of the catalogue and no solid fits"])
-    hue = mean_hue_deg(voxels.colours)
-    part = Part(role="body", solid=alone.solid, hue_deg=hue, num_voxels=len(voxels), rms=alone.rms)
-    return replace(naming, parts=(part,), deviance=scale * alone.bic)
 
 
 def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
     """An object without a name or a solid, for that reason."""
-    return replace(_nameless(voxels, ground, None, 0.0), failures=[reason])
+    nothing = Nameless(evidence=0.0, criterion=0.0, solids=())
+    return replace(_unnamed(voxels, ground, nothing, 0.0), failures=[reason], deviance=0.0)
 
 
 def _thinned(voxels: Voxels) -> Voxels:
@@ -140,22 +162,29 @@ def _thinned(voxels: Voxels) -> Voxels:
     return voxels.select(np.sort(rows))
 
 
-def _hypotheses(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
-    weights = _weights(voxels)
-    floor = NOISE_FLOOR * voxels.cell_size
+def _stacks(
+    voxels: Voxels, ground: float, kinds: tuple[Kind, ...]
+) -> dict[Shapes, Estimate[Stack]]:
+    """The whole fits of every combination of shapes that the kinds know."""
+    weights, floor = _weights(voxels), NOISE_FLOOR * voxels.cell_size
     shapes = sorted({stack for kind in kinds for stack in kind.stacks})
     fits = {stack: fit_stack(stack, voxels.means, ground, floor, weights) for stack in shapes}
-    whole = {stack: fit for stack, fit in fits.items() if _is_whole(fit, voxels)}
+    return {stack: fit for stack, fit in fits.items() if _is_whole(fit, voxels)}
+
+
+def _hypotheses(
+    voxels: Voxels, fits: dict[Shapes, Estimate[Stack]], kinds: tuple[Kind, ...]
+) -> list[Hypothesis]:
     return [
         Hypothesis(
             kind=kind,
-            fit=whole[stack],
-            evidence=_evidence(whole[stack].bic, len(voxels))
-            + _log_chance(whole[stack], kind, voxels),
+            fit=fits[stack],
+            evidence=_evidence(fits[stack].bic, len(voxels))
+            + _log_chance(fits[stack].state, kind, voxels),
         )
         for kind in kinds
         for stack in kind.stacks
-        if stack in whole
+        if stack in fits
     ]
 
 
@@ -195,9 +224,8 @@ def _unknown_deviance(voxels: Voxels) -> float:
     return len(voxels) * (2.27 + 2.0 * float(np.log(scale)))
 
 
-def _log_chance(fit: Estimate[Stack], kind: Kind, voxels: Voxels) -> float:
+def _log_chance(stack: Stack, kind: Kind, voxels: Voxels) -> float:
     """Log of the chance that the ratios of sizes lie within the kind's bounds."""
-    stack = fit.state
     widths = np.maximum(stack.widest, 1e-9)
     bounds = [part.slenderness for part in kind.parts]
     ratios = list(np.diff(stack.heights) / widths)
@@ -211,7 +239,7 @@ def _log_chance(fit: Estimate[Stack], kind: Kind, voxels: Voxels) -> float:
 def _within(ratio: float, limits: tuple[float, float]) -> float:
     """Log of the chance that a ratio lies within its limits, which blur a little."""
     excess = max(limits[0] - ratio, ratio - limits[1]) / RATIO_SPREAD
-    return -float(np.logaddexp(0.0, 2.0 * excess))
+    return -np.inf if excess > 2.0 else -float(np.logaddexp(0.0, 2.0 * excess))
 
 
 def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
@@ -223,8 +251,8 @@ def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
         probability=probability,
         centre=np.array([stack.axis[0], (bottom + top) / 2.0, stack.axis[1]]),
         size=np.array([width, top - bottom, width]),
-        parts=_parts(voxels, best.kind, stack),
-        deviance=best.fit.bic * len(voxels) / len(best.fit.residuals),
+        parts=_parts(voxels, [part.role for part in best.kind.parts], solids(stack)),
+        deviance=best.fit.bic * len(voxels) / len(best.fit.residuals) - _unknown_deviance(voxels),
     )
 
 
@@ -236,14 +264,16 @@ def _with_thin_body(stack: Stack, voxels: Voxels) -> Stack:
     return replace(stack, radii=(radius, *stack.radii[1:]))
 
 
-def _parts(voxels: Voxels, kind: Kind, stack: Stack) -> tuple[Part, ...]:
-    residuals, _, nearest = StackModel(voxels.means).nearest(stack)
+def _parts(voxels: Voxels, roles: Sequence[str], found: Sequence[Solid]) -> tuple[Part, ...]:
+    """The solids with what their own cells, those nearest to them, say."""
+    if not found:
+        return ()
+    distances = np.stack([solid.distances(voxels.means) for solid in found])
+    nearest = np.argmin(distances, axis=0)
     parts = []
-    for number, (rule, solid) in enumerate(zip(kind.parts, solids(stack), strict=True)):
+    for number, (role, solid) in enumerate(zip(roles, found, strict=True)):
         own = nearest == number
-        rms = float(np.sqrt(np.mean(residuals[own] ** 2))) if own.any() else 0.0
+        rms = float(np.sqrt(np.mean(distances[number, own] ** 2))) if own.any() else 0.0
         hue = mean_hue_deg(voxels.colours[own])
-        parts.append(
-            Part(role=rule.role, solid=solid, hue_deg=hue, num_voxels=int(own.sum()), rms=rms)
-        )
+        parts.append(Part(role=role, solid=solid, hue_deg=hue, num_voxels=int(own.sum()), rms=rms))
     return tuple(parts)

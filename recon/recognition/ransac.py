@@ -43,7 +43,9 @@ class FoundSolid:
     rms: float
 
 
-def find_solids(points: Array, min_points: int, rng: np.random.Generator) -> list[FoundSolid]:
+def find_solids(
+    points: Array, min_points: int, rng: np.random.Generator, most: int = MOST_SOLIDS
+) -> list[FoundSolid]:
     """The solids of a scene, in the order they were taken out: the largest first.
 
     Parameters
@@ -51,6 +53,8 @@ def find_solids(points: Array, min_points: int, rng: np.random.Generator) -> lis
     points : (N, 3) float64
     min_points : int
         Points that a solid needs.
+    most : int
+        How many are looked for.
 
     Raises
     ------
@@ -61,7 +65,7 @@ def find_solids(points: Array, min_points: int, rng: np.random.Generator) -> lis
     check_finite("points", points)
     rest = np.arange(len(points))
     found: list[FoundSolid] = []
-    while len(rest) >= max(min_points, NUM_NEIGHBOURS) and len(found) < MOST_SOLIDS:
+    while len(rest) >= max(min_points, NUM_NEIGHBOURS) and len(found) < most:
         scene = _scene(points[rest])
         one = _largest(scene, rng)
         if one is None or len(one.rows) < min_points:

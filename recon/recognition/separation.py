@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.naming import Naming
+from recon.recognition.ransac import find_solids
 from recon.records import UNKNOWN, Voxels
 from recon.settings import RecognitionSettings
 
@@ -13,7 +14,9 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Piece = tuple[Naming, Rows]
 
-LONG = 1.5
+EXPLAINED = 1.0
+"""Deviance a cell, under that of a thing of no form, from which one object is enough."""
+LONG = 2.0
 """Length over width of a footprint, in standard deviations, from which it may be two objects."""
 INSIDE = 0.7
 """Two fits whose axes are nearer than this share of the wider one's radius are one object."""
@@ -86,10 +89,10 @@ def _halves(
     """Two objects that explain the cells better than one; empty where none do."""
     naming, rows = whole
     floor = voxels.means[rows][:, ::2]
-    if naming.label != UNKNOWN and _elongation(floor) < LONG:
+    if naming.deviance < -EXPLAINED * len(rows) and _elongation(floor) < LONG:
         return []
     best, least = [], naming.deviance - APART * len(rows)
-    for second in _cuts(floor):
+    for second in _cuts(voxels.means[rows], min_voxels):
         if min(second.sum(), (~second).sum()) < min_voxels:
             continue
         halves = [(name(part), part) for part in (rows[~second], rows[second])]
@@ -104,9 +107,15 @@ def _elongation(floor: Array) -> float:
     return float(np.sqrt(values[1] / max(values[0], 1e-12)))
 
 
-def _cuts(floor: Array) -> list[NDArray[np.bool_]]:
-    """Which side of a waist each cell is on: across the longer and across the shorter axis."""
-    return [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
+def _cuts(points: Array, min_voxels: int) -> list[NDArray[np.bool_]]:
+    """Ways to part cells: at the waist of their footprint, and between their two main solids."""
+    floor = points[:, ::2]
+    cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
+    found = find_solids(points, min_voxels, np.random.default_rng(0), most=2)
+    if len(found) == 2:
+        first, second = (one.solid.distances(points) for one in found)
+        cuts.append(second < first)
+    return cuts
 
 
 def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
