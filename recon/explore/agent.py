@@ -111,8 +111,8 @@ class Agent:
         self.world = world
         self.settings = settings
         self.take = take
-        self.memory = Memory(settings=settings, voxel_map=VoxelMap(settings.map.cell_size))
         self.record = Record(world=world, baseline=settings.eyes.baseline)
+        self.memory = Memory(settings=settings, voxel_map=VoxelMap(settings.map.cell_size))
         self.views: list[View] = []
         self.poses: list[Array] = []
         self.stamps_s: list[float] = []
@@ -124,6 +124,7 @@ class Agent:
     def steps(self, controller: Controller) -> Iterator[Step]:
         """Go from view to view until there is a reason to stop."""
         view: View | None = self.world.start()
+        self.record.walk(view, view)
         while view is not None:
             try:
                 step = self._look(view)
@@ -186,11 +187,11 @@ class Agent:
         """Go to a view; whether nothing stood in the way."""
         if self.record.walk(start, end):
             return True
-        x, _, z = end.position
-        if self.record.is_inside(start):
+        if self.world.is_inside(start.position[None])[0]:
             self.stop("nothing reachable", "the agent stands inside an object")
         else:
-            self.stop("controller failed", f"the way to x {x:.2f}, z {z:.2f} goes into an object")
+            x, _, z = end.position
+            self.stop("controller failed", f"the way to x {x:.2f}, z {z:.2f} runs into an object")
         return False
 
     def _state(self, step: Step) -> State:

@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol
 
 from recon.errors import InputError
@@ -49,17 +49,28 @@ def make_controller(name: str) -> Controller:
     Raises
     ------
     InputError
-        For a name nobody knows, with the known ones.
+        For a name nobody knows, with the known ones, and for a plug-in that does not load.
     """
     if name in CONTROLLERS:
         return CONTROLLERS[name]()
     plugins = entry_points(group=GROUP)
     if name in plugins.names:
-        made: Controller = plugins[name].load()()
-        return made
+        return _plugged_in(plugins[name])
     known = sorted({*CONTROLLERS, *plugins.names})
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
     raise InputError(
         f"exploration.controller is {name!r}, but one of {', '.join(known)} is needed "
         f"(nearest: {near[0]})"
     )
+
+
+def _plugged_in(plugin: EntryPoint) -> Controller:
+    try:
+        made: Controller = plugin.load()()
+    # A package of somebody else's may fail in any way.
+    except Exception as error:
+        raise InputError(
+            f"controller {plugin.name!r} ({plugin.value}) does not load: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+    return made

@@ -6,12 +6,16 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from recon.errors import InputError
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RAY_SPACING = 0.5
 """World units between two rays at their far ends, and between two samples along one: half a cell,
 so that no cell slips through."""
+MAX_CELLS = 16_000_000
+"""Of the floor: what is planned with takes some hundred bytes for each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,6 +41,11 @@ class Floor:
 
     def __post_init__(self) -> None:
         shape = (math.ceil(self.size_x), math.ceil(self.size_z))
+        if math.prod(shape) > MAX_CELLS:
+            raise InputError(
+                f"the floor (world.size_x, world.size_z) is {shape[0]} x {shape[1]} units, but "
+                f"at most {MAX_CELLS} square units can be explored"
+            )
         self.seen_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
 

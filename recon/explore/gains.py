@@ -1,5 +1,6 @@
 """What views would add: ground nobody has seen, and sides of things nobody has looked at."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,8 +11,8 @@ from recon.explore.sight import Sighting, polar
 from recon.explore.things import Thing
 
 NUM_RAYS = 90
-SPACING_RAD = 2.0 * np.pi / NUM_RAYS
-AZIMUTHS_RAD: Array = np.arange(NUM_RAYS) * SPACING_RAD
+SPACING_RAD = 2.0 * math.pi / NUM_RAYS
+AZIMUTHS_RAD: Array = np.linspace(0.0, 2.0 * math.pi, NUM_RAYS, endpoint=False)
 SAMPLE = 2.0
 """World units between two samples along a ray; less than half a thing's width."""
 NEW_SIDE_RAD = np.radians(90.0)

@@ -41,16 +41,11 @@ class Record:
         """Measure the way between two views; False, and nothing noted, where a thing bars it."""
         way = way_between(start, end)
         clearance = float(self.world.clearance(eyes_along(way, end, self.baseline)).min())
-        if clearance < CONTACT:
+        if clearance < CONTACT or self.world.is_inside(end.position[None])[0]:
             return False
         self.path_length += float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
         self.min_clearance = min(self.min_clearance, clearance)
         return True
-
-    def is_inside(self, view: View) -> bool:
-        """Whether a view stands over a floor cell that an object covers."""
-        x, z = np.floor(view.position[[0, 2]] + np.array(self.free.shape) / 2).astype(int)
-        return not self.free[x, z]
 
     def note(self, num_pairs: int, floor: Floor) -> None:
         """Put a point on the curve."""

@@ -23,7 +23,7 @@ class Flatland:
 
     discs: Sequence[tuple[float, float, float, float]]
     settings: Settings
-    sigma_px: float = 0.05
+    sigma_px: float = 0.1
     objects: tuple[TrueObject, ...] = field(init=False)
 
     def __post_init__(self):
@@ -59,8 +59,18 @@ class Flatland:
         for x, z, radius, height in self.discs:
             side = np.hypot(positions[:, 0] - x, positions[:, 2] - z) - radius
             over = np.maximum(positions[:, 1] - height, 0.0)
-            nearest = np.minimum(nearest, np.hypot(np.where(over > 0, np.maximum(side, 0), side), over))
+            nearest = np.minimum(
+                nearest, np.hypot(np.where(over > 0, np.maximum(side, 0), side), over)
+            )
         return np.abs(nearest)
+
+    def is_inside(self, positions):
+        positions = np.asarray(positions)
+        inside = np.zeros(len(positions), dtype=bool)
+        for x, z, radius, height in self.discs:
+            side = np.hypot(positions[:, 0] - x, positions[:, 2] - z)
+            inside |= (side < radius) & (positions[:, 1] < height)
+        return inside
 
     def free_ground(self):
         shape = [int(np.ceil(n)) for n in (self.settings.world.size_x, self.settings.world.size_z)]
