@@ -97,7 +97,8 @@ class Raycaster:
             samples = (pixels[edge][:, None] + pixel_offsets(side)).reshape(-1, 2)
             _, fine = self._shade(camera, samples, side, self._hits(camera, samples))
             colour[edge] = fine.reshape(len(edge), side * side, 3).mean(axis=1)
-        return np.rint(colour).astype(np.uint8).reshape(*shape, 3)
+        picture: NDArray[np.uint8] = np.rint(colour.clip(0.0, 255.0)).astype(np.uint8)
+        return picture.reshape(*shape, 3)
 
     def measure(self, camera: Camera) -> tuple[Array, NDArray[np.int32]]:
         """Depth (H, W), NaN = nothing, and number of the visual (H, W), -1 = none, at pixels."""

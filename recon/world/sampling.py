@@ -49,29 +49,40 @@ def shade(
     facets, texture = surface
     depth, colour = np.empty(len(points_px)), np.empty((len(points_px), 3))
     for n in range(len(points_px)):
-        facet = triangle[n]
         origin, direction = _ray(frame, points_px[n, 0], points_px[n, 1])
-        sky = _sky(backdrop, direction)
-        depth[n], rgb, clear = np.nan, sky, 0.0
+        rgb = sky = _sky(backdrop, direction)
+        depth[n] = np.nan
+        facet = triangle[n]
         if facet >= 0:
-            slope = _dot(_row(facets, facet, 3), direction)
-            offset = _sub(_row(facets, facet, 0), origin)
-            depth[n] = _dot(_row(facets, facet, 3), offset) / slope
-            hit = _add(_scaled(direction, depth[n]), _scaled(offset, -1.0))
-            u, v = _value(facets, facet, 0, hit), _value(facets, facet, 1, hit)
+            depth[n], hit = _hit(facets, facet, origin, direction)
             rgb = (255.0, 255.0, 255.0)
             if texture[facet] >= 0:
                 area = _footprint(frame, direction, depth[n], facets, facet) * step_px * step_px
+                u, v = _value(facets, facet, 0, hit), _value(facets, facet, 1, hit)
                 rgb = _texel(u, v, area, texture[facet], atlas)
+            rgb = _tinted(rgb, facets, facet, hit)
             clear = np.exp(-backdrop[2] * depth[n])
-            rgb = (
-                min(255.0, rgb[0] * _value(facets, facet, 2, hit)),
-                min(255.0, rgb[1] * _value(facets, facet, 3, hit)),
-                min(255.0, rgb[2] * _value(facets, facet, 4, hit)),
-            )
-        for c in range(3):
-            colour[n, c] = clear * rgb[c] + (1.0 - clear) * sky[c]
+            rgb = _add(_scaled(rgb, clear), _scaled(sky, 1.0 - clear))
+        colour[n, 0], colour[n, 1], colour[n, 2] = rgb
     return depth, colour
+
+
+@njit(cache=True, nogil=True)
+def _hit(facets: Array, facet: int, origin: Vec, direction: Vec) -> tuple[float, Vec]:
+    """Depth along a ray of the plane of a facet, and the place there relative to its corner."""
+    normal, offset = _row(facets, facet, 3), _sub(_row(facets, facet, 0), origin)
+    depth: float = _dot(normal, offset) / _dot(normal, direction)
+    return depth, _sub(_scaled(direction, depth), offset)
+
+
+@njit(cache=True, nogil=True)
+def _tinted(rgb: Vec, facets: Array, facet: int, hit: Vec) -> Vec:
+    """A colour times the surface's own at a place relative to the facet's corner."""
+    return (
+        rgb[0] * _value(facets, facet, 2, hit),
+        rgb[1] * _value(facets, facet, 3, hit),
+        rgb[2] * _value(facets, facet, 4, hit),
+    )
 
 
 @njit(cache=True, nogil=True)

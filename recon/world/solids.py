@@ -129,7 +129,7 @@ def polygon_triangles(visual: PolygonVisual) -> Triangles:
         corners=corners,
         normals=np.broadcast_to(normal, corners.shape),
         uv=np.array([vertex.uv for vertex in visual.vertices])[fan],
-        colours=np.array([vertex.colour[:3] for vertex in visual.vertices])[fan],
+        colours=np.array([vertex.colour[:3] for vertex in visual.vertices])[fan].clip(0.0, 1.0),
     )
 
 

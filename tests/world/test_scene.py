@@ -1,5 +1,6 @@
 import dataclasses
 import math
+import re
 
 import hypothesis.strategies as st
 import pytest
@@ -225,6 +226,31 @@ def test_a_file_cut_anywhere_is_refused_in_one_line(written):
         path = written("\n".join(rows[:count]))
         with pytest.raises(InputError, match=r"small\.scene:\d+: .*(needed|both ends)"):
             read_scene(path)
+
+
+words = st.sampled_from(
+    ["", "#", "1", "-1", "1e400", "0 0", "SPHERE", "POLYGON", "MESH", "nan", "é"]
+)
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.data())
+def test_a_damaged_file_is_read_or_refused_in_one_line(data, tmp_path_factory):
+    rows = SMALL.splitlines()
+    for _ in range(data.draw(st.integers(1, 3))):
+        rows[data.draw(st.integers(0, len(rows) - 1))] = data.draw(words)
+    path = tmp_path_factory.getbasetemp() / "damaged.scene"
+    path.write_text("\n".join(rows))
+    fault = fault_of(path)
+    assert fault is None or re.fullmatch(rf"{re.escape(str(path))}:\d+: .+(needed|last one)", fault)
+
+
+def fault_of(path):
+    try:
+        read_scene(path)
+    except InputError as error:
+        return str(error)
+    return None
 
 
 def test_a_mesh_that_is_nowhere_is_named(written):
