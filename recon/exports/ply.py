@@ -11,18 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.exports.columns import Columns, columns_of, from_columns
+from recon.exports.plyheader import Layout, header, read_header
 from recon.files import atomic_path
 from recon.records import PointCloud
-
-# As numpy reads them, little-endian; both generations of names.
-_TYPES = {
-    "char": "<i1", "uchar": "<u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4",
-    "float": "<f4", "double": "<f8",
-    "int8": "<i1", "uint8": "<u1", "int16": "<i2", "uint16": "<u2", "int32": "<i4",
-    "uint32": "<u4", "float32": "<f4", "float64": "<f8",
-}  # fmt: skip
-_NAMES = {"<i1": "char", "|i1": "char", "|u1": "uchar", "<i2": "short", "<u2": "ushort",
-          "<i4": "int", "<u4": "uint", "<f4": "float", "<f8": "double"}  # fmt: skip
 
 RUN_CLOUD = np.dtype(
     [(name, "<f8") for name in "xyz"]
@@ -57,13 +49,9 @@ class CloudWriter:
 
     def append(self, cloud: PointCloud, pair_number: int) -> None:
         """Add the world points of one pair; a sigma that is not known becomes NaN."""
-        vertices = np.empty(len(cloud), RUN_CLOUD)
-        for axis, name in enumerate("xyz"):
-            vertices[name] = cloud.points[:, axis]
-        for channel, name in enumerate(("red", "green", "blue")):
-            vertices[name] = cloud.colours[:, channel]
-        vertices["sigma"] = np.nan if cloud.sigma is None else cloud.sigma
-        vertices["pair"] = pair_number
+        columns = columns_of(cloud)
+        columns.setdefault("sigma", np.full(len(cloud), np.nan))
+        vertices = as_vertices(columns | {"pair": np.full(len(cloud), pair_number)}, RUN_CLOUD)
         self._file.write(vertices.tobytes())
         self._count += len(vertices)
 
@@ -83,52 +71,56 @@ def read_cloud_chunks(
 ) -> Iterator[tuple[PointCloud, NDArray[np.int32]]]:
     """The points of a run folder's cloud in pieces, each with the number of its pair (M,)."""
     with Path(path).open("rb") as file:
-        dtype, count = read_header(file, path)
-        if dtype != RUN_CLOUD:
-            raise InputError(
-                f"{path}: its properties are {dtype.names}, not those of a run's cloud"
-            )
-        for start in range(0, count, _CHUNK_ROWS):
-            vertices = np.fromfile(file, dtype, min(_CHUNK_ROWS, count - start))
-            yield as_cloud(vertices), vertices["pair"]
+        layout = read_header(file, path)
+        if layout.dtype != RUN_CLOUD:
+            raise InputError(f"{path}: holds {layout.dtype.names}, not what a run's cloud holds")
+        for start in range(0, layout.count, _CHUNK_ROWS):
+            vertices = np.fromfile(file, RUN_CLOUD, min(_CHUNK_ROWS, layout.count - start))
+            cloud = from_columns({name: vertices[name] for name in RUN_CLOUD.names or ()})
+            assert isinstance(cloud, PointCloud)
+            yield cloud, vertices["pair"]
 
 
-def as_cloud(vertices: NDArray[np.void]) -> PointCloud:
-    """The points of vertices that have x, y, z, red, green, blue and sigma."""
-    return PointCloud(
-        points=np.column_stack([vertices[name] for name in "xyz"]),
-        colours=np.column_stack([vertices[name] for name in ("red", "green", "blue")]),
-        sigma=vertices["sigma"].astype(np.float64),
-    )
+def write(path: Path, columns: Columns) -> None:
+    """Write columns as the properties of vertices, in the smallest type of PLY that holds them."""
+    dtype = np.dtype([(name, values.dtype) for name, values in columns.items()])
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        file.write(header(dtype, len(columns["x"])))
+        file.write(as_vertices(columns, dtype).tobytes())
 
 
-def header(dtype: np.dtype[np.void], count: int) -> bytes:
-    """The header of binary vertices; as long for every count, so that it can be written again."""
-    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {count:012d}"]
-    lines += [f"property {_NAMES[dtype[name].str]} {name}" for name in dtype.names or ()]
-    return "\n".join([*lines, "end_header", ""]).encode("ascii")
-
-
-def read_header(file: BinaryIO, path: str | os.PathLike[str]) -> tuple[np.dtype[np.void], int]:
-    """The type and number of the vertices that follow.
+def read(path: Path) -> Columns:
+    """The properties of the vertices, of a binary or a text file, whoever wrote it.
 
     Raises
     ------
     InputError
-        Where the file is no binary PLY of plain vertices, or holds less than it claims.
+        Where the file is no PLY of plain vertices, or holds less than it claims.
     """
-    lines: list[str] = []
-    while not lines or lines[-1] != "end_header":
-        line = file.readline(200)
-        if not line:
-            raise InputError(f"{path}: not a PLY file with a whole header")
-        lines.append(line.decode("ascii", "replace").strip())
-    fields = [
-        (words[2], _TYPES[words[1]]) for words in map(str.split, lines) if words[:1] == ["property"]
-    ]
-    count = next(int(line.split()[2]) for line in lines if line.startswith("element vertex"))
-    dtype = np.dtype(fields)
-    held = os.fstat(file.fileno()).st_size - file.tell()
-    if held < count * dtype.itemsize:
-        raise InputError(f"{path}: {count} vertices are claimed, but {held} bytes follow")
-    return dtype, count
+    with path.open("rb") as file:
+        layout = read_header(file, path)
+        if layout.is_text:
+            vertices = _read_text(file, layout, path)
+        else:
+            vertices = np.fromfile(file, layout.dtype, layout.count)
+    return {name: vertices[name] for name in layout.dtype.names or ()}
+
+
+def _read_text(file: BinaryIO, layout: Layout, path: Path) -> NDArray[np.void]:
+    if not layout.count:
+        return np.empty(0, layout.dtype)
+    try:
+        rows = np.loadtxt(file, layout.dtype, max_rows=layout.count, ndmin=1)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
+    if len(rows) != layout.count:
+        raise InputError(f"{path}: {layout.count} vertices are claimed, but {len(rows)} follow")
+    return rows
+
+
+def as_vertices(columns: Columns, dtype: np.dtype[np.void]) -> NDArray[np.void]:
+    """Columns as rows of one structured type."""
+    vertices = np.empty(len(columns["x"]), dtype)
+    for name in dtype.names or ():
+        vertices[name] = columns[name]
+    return vertices

@@ -1,8 +1,9 @@
 """What a map can keep of its cells beside hits, place and colour, where asked to."""
 
-from collections.abc import Mapping
+import copy
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from recon.errors import check_shape
 from recon.records import PointCloud
 
 Columns = Mapping[str, NDArray[Any]]
+Inside = Callable[[NDArray[np.integer]], NDArray[np.bool_]]
+"""Which of some cells (K, 3) lie inside a box (K,)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,6 +39,9 @@ class Channel(Protocol):
 
     def merge(self, other: Any, rows: NDArray[np.int64]) -> None:
         """Add another map's channel, whose row k is row `rows[k]` here."""
+
+    def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> Self:
+        """The same of a map that keeps some of the rows, and the cells that lie inside."""
 
     def columns(self, order: NDArray[np.int64]) -> Columns:
         """The arrays of a file, for the rows of the map in this order."""
@@ -74,6 +80,12 @@ class RowSums:
         num = min(len(rows), len(other.sums))
         # A copy, as a map may be merged with itself.
         self._add(rows[:num], other.sums[:num].copy())
+
+    def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> Self:
+        """The sums of some rows."""
+        part = copy.copy(self)
+        part.sums = self.of(rows)
+        return part
 
     def columns(self, order: NDArray[np.int64]) -> Columns:
         """The sums, in the order of the file."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.voxelmap.channels import Columns, Scan
+from recon.voxelmap.channels import Columns, Inside, Scan
 from recon.voxelmap.table import CellTable, Rows, in_order
 from recon.voxelmap.traversal import MAX_CELLS, hit_cells, merge_cells, new_memory, pass_cells
 
@@ -95,6 +95,12 @@ class Rays:
     def merge(self, other: "Rays", rows: NDArray[np.int64]) -> None:
         """Add the scans of another map."""
         self._add_rows(other.table.used.copy())
+
+    def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> "Rays":
+        """The cells inside."""
+        part = Rays(self.cell_size, self.margin)
+        part._add_rows(self.table.used[is_inside(self.table.used["index"])])
+        return part
 
     def columns(self, order: NDArray[np.int64]) -> Columns:
         """The cells in the order of their index."""

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.voxelmap.channels import Columns, Scan
+from recon.voxelmap.channels import Columns, Inside, Scan
 
 
 class ViewSets:
@@ -29,6 +29,14 @@ class ViewSets:
         """Unite the sets of two maps."""
         theirs = other.pairs
         self._unite(rows[theirs >> 32] << 32 | theirs & 0xFFFFFFFF)
+
+    def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> "ViewSets":
+        """The sets of some rows, which are in order."""
+        place = np.searchsorted(rows, self.pairs >> 32)
+        is_kept = np.isin(self.pairs >> 32, rows)
+        part = ViewSets()
+        part._unite((place << 32 | self.pairs & 0xFFFFFFFF)[is_kept])
+        return part
 
     @property
     def pairs(self) -> NDArray[np.int64]:

@@ -142,6 +142,22 @@ class VoxelMap:
                 kept = ", ".join(self._channels) or "no channels"
                 raise InputError(f"the map keeps {kept}, but {name} is needed")
 
+    def cropped(self, low: ArrayLike, high: ArrayLike) -> "VoxelMap":
+        """A map of the cells whose middle lies between two corners (3,) of the world."""
+        corners = np.asarray([low, high], dtype=np.float64)
+
+        def is_inside(index: NDArray[np.integer]) -> NDArray[np.bool_]:
+            middle = (index.astype(np.float64) + 0.5) * self.cell_size
+            within = (middle >= corners[0]) & (middle <= corners[1])
+            inside: NDArray[np.bool_] = within.all(axis=1)
+            return inside
+
+        part = VoxelMap(self.cell_size, channels=self.channels, ray_margin=self.ray_margin)
+        rows = np.flatnonzero(is_inside(self._hits.used["index"]))
+        part._add_rows(self._hits.rows[rows])
+        part._channels = {n: c.cropped(rows, is_inside) for n, c in self._channels.items()}
+        return part
+
     def save(self, path: str | os.PathLike[str], *, lean: bool = False) -> None:
         """Write the map, whole or not at all; the same map gives the same bytes.
 

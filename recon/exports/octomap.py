@@ -1,0 +1,126 @@
+"""Cells as OctoMap's trees, by pyoctomap: z up, `.bt` occupied or free, `.ot` also with colour."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError, ReconError
+from recon.exports.octomapfile import Header, check_whole
+from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned_index
+from recon.files import atomic_path
+from recon.libraries import load_extra
+from recon.records import Voxels
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.rays import log_odds
+from recon.voxelmap.table import order_of
+
+# Cells of a tree along an axis, on either side of 0.
+_REACH = 1 << 15
+_DEPTH = 16
+
+# What OctoMap gives a cell after one hit, and where it stops counting.
+_ONE_HIT = float(log_odds(np.ones(1, np.int64), np.zeros(1, np.int64))[0])
+_LOWEST, _HIGHEST = -2.0, 3.5
+
+
+def write(path: Path, data: Voxels | VoxelMap) -> None:
+    """Write occupied cells; of a map that keeps rays, hit and passed ones by their log-odds.
+
+    Raises
+    ------
+    InputError
+        Where a cell lies beyond the 32768 from the origin that a tree can hold.
+    """
+    octomap = load_extra("pyoctomap", "octomap")
+    voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    index, values = voxels.index, np.full(len(voxels), _ONE_HIT)
+    if isinstance(data, VoxelMap) and "rays" in data.channels:
+        sightings = data.sightings()
+        index, values = sightings.index, log_odds(sightings.hits, sightings.passes)
+    has_colour = path.suffix == ".ot"
+    tree = (octomap.ColorOcTree if has_colour else octomap.OcTree)(voxels.cell_size)
+    for place, value in zip(_centres(index, voxels), values.clip(_LOWEST, _HIGHEST), strict=True):
+        tree.updateNode(place, float(value), lazy_eval=True)
+    if has_colour:
+        for place, colour in zip(_centres(voxels.index, voxels), voxels.colours, strict=True):
+            tree.setNodeColor(place, *colour.tolist())
+    # An empty tree has no root to update, and OctoMap does not look.
+    if len(index):
+        tree.updateInnerOccupancy()
+    with atomic_path(path) as temporary:
+        if not (tree.write if has_colour else tree.writeBinary)(str(temporary)):
+            raise ReconError(f"{path}: OctoMap could not write it")
+
+
+def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:
+    turned = turned_index(index, R_ZUP_YUP)
+    if len(turned) and not (turned.min() >= -_REACH and turned.max() < _REACH):
+        raise InputError(
+            f"a cell is {np.abs(turned).max()} cells from the origin, but OctoMap's trees reach "
+            f"{_REACH}; give a box"
+        )
+    centres: NDArray[np.float64] = (turned.astype(np.float64) + 0.5) * voxels.cell_size
+    return centres
+
+
+def read(path: Path) -> Voxels:
+    """The occupied cells, each with count 1; grey where the tree has no colour.
+
+    Raises
+    ------
+    InputError
+        Where the file is no whole tree.
+    """
+    octomap = load_extra("pyoctomap", "octomap")
+    header = check_whole(path)
+    leaves = _occupied_leaves(octomap, path, header) if header.num_nodes else []
+    return _voxels(np.array(leaves).reshape(-1, 7), header.cell_size)
+
+
+def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[float, ...]]:
+    """Middle, side and colour of each: x, y, z, side, red, green, blue."""
+    has_colour = header.kind == "ColorOcTree"
+    tree = (octomap.ColorOcTree if has_colour else octomap.OcTree)(header.cell_size)
+    if path.suffix == ".bt":
+        tree.readBinary(str(path))
+    else:
+        tree = tree.read(str(path))
+    return [
+        (
+            *leaf.getCoordinate(),
+            leaf.getSize(),
+            *(leaf.current_node.getColor() if has_colour else (128, 128, 128)),
+        )
+        for leaf in tree.begin_leafs(_DEPTH)
+        if tree.isNodeOccupied(leaf.current_node)
+    ]
+
+
+def _voxels(leaves: NDArray[np.float64], cell_size: float) -> Voxels:
+    index, colours = _expanded(leaves, cell_size)
+    index = turned_index(index, R_YUP_ZUP)
+    centres = (index.astype(np.float64) + 0.5) * cell_size
+    voxels = Voxels(
+        index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
+        colours=colours, cell_size=cell_size,
+    )  # fmt: skip
+    return voxels.select(order_of(index))
+
+
+def _expanded(
+    leaves: NDArray[np.float64], cell_size: float
+) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+    """Index and colour of every smallest cell: a leaf may stand for a cube of them."""
+    sides = np.rint(leaves[:, 3] / cell_size).astype(np.int64)
+    low = np.rint(leaves[:, :3] / cell_size - sides[:, None] / 2).astype(np.int64)
+    index, rows = [], []
+    for side in np.unique(sides).tolist():
+        chosen = np.flatnonzero(sides == side)
+        inside = np.indices((side, side, side)).reshape(3, -1).T
+        index.append((low[chosen, None] + inside).reshape(-1, 3))
+        rows.append(np.repeat(chosen, side**3))
+    if not index:
+        return np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8)
+    return np.concatenate(index), leaves[np.concatenate(rows), 4:].astype(np.uint8)

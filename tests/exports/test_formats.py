@@ -1,0 +1,391 @@
+"""Every format by ending: what comes back, who else reads it, and what is refused."""
+
+import dataclasses
+import logging
+import sys
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from recon.errors import InputError, MissingLibraryError, ReconError
+from recon.exports import FORMATS, read, write
+from recon.libraries import load_open3d
+from recon.records import PointCloud, Voxels
+from recon.voxelmap import VoxelMap
+
+CHANNELS = ("weight", "views", "hues", "rays")
+OF_CLOUDS = [".ply", ".pcd", ".las", ".laz", ".parquet", ".zarr", ".npz"]
+OF_CELLS = [*OF_CLOUDS, ".vti"]
+
+
+def a_cloud(seed=0, num=300, with_sigma=True):
+    rng = np.random.default_rng(seed)
+    return PointCloud(
+        points=rng.normal(scale=5.0, size=(num, 3)) + np.array([100, 2, -40]),
+        colours=rng.integers(0, 256, (num, 3)).astype(np.uint8),
+        sigma=rng.random(num) if with_sigma else None,
+    )
+
+
+def a_map(channels=CHANNELS, cell_size=0.5):
+    voxel_map = VoxelMap(cell_size, channels=channels)
+    for view in range(3):
+        voxel_map.insert(a_cloud(view), [100.0, 2.0, -41.0], view)
+    return voxel_map
+
+
+def same(a, b, tolerance=0.0):
+    for name in type(a).__slots__:
+        ours, theirs = getattr(a, name), getattr(b, name)
+        if ours is None or theirs is None:
+            assert ours is theirs, name
+        else:
+            assert np.asarray(ours).dtype == np.asarray(theirs).dtype, name
+            assert np.abs(np.subtract(ours, theirs, dtype=float)).max(initial=0) <= tolerance, name
+
+
+@pytest.mark.parametrize("with_sigma", [True, False])
+@pytest.mark.parametrize("ending", OF_CLOUDS)
+def test_clouds_come_back(tmp_path, ending, with_sigma):
+    cloud = a_cloud(with_sigma=with_sigma)
+    write(cloud, tmp_path / f"cloud{ending}")
+    # LAS keeps places in steps of 1e-7.
+    tolerance = 1e-7 if ending in (".las", ".laz") else 1e-13
+    same(read(tmp_path / f"cloud{ending}"), cloud, tolerance)
+
+
+@pytest.mark.parametrize("channels", [(), CHANNELS])
+@pytest.mark.parametrize("ending", OF_CELLS)
+def test_cells_come_back_with_every_value(tmp_path, ending, channels):
+    voxels = a_map(channels).occupied(2)
+    write(voxels, tmp_path / f"map{ending}")
+    same(read(tmp_path / f"map{ending}"), voxels, 1e-7 if ending in (".las", ".laz") else 1e-13)
+
+
+@pytest.mark.parametrize("ending", [e for e in OF_CELLS if e != ".npz"])
+def test_of_a_map_all_cells_are_written(tmp_path, ending):
+    voxel_map = a_map()
+    write(voxel_map, tmp_path / f"map{ending}")
+    assert len(read(tmp_path / f"map{ending}")) == voxel_map.num_cells
+
+
+def test_a_map_comes_back_exactly(tmp_path):
+    voxel_map = a_map()
+    write(voxel_map, tmp_path / "map.npz")
+    again = read(tmp_path / "map.npz")
+    again.save(tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "map.npz").read_bytes()
+
+
+@pytest.mark.parametrize("ending", sorted(FORMATS))
+def test_the_same_data_gives_the_same_bytes(tmp_path, ending):
+    names = ("map.pgm", "map.yaml") if ending in (".pgm", ".yaml") else (f"map{ending}",)
+    contents = []
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        folder.mkdir()
+        write(a_map(), folder / f"map{ending}")
+        assert {path.name for path in folder.iterdir()} == set(names)
+        files = sorted(path for path in folder.rglob("*") if path.is_file())
+        contents.append([path.read_bytes() for path in files])
+    assert contents[0] == contents[1]
+
+
+@pytest.mark.parametrize("ending", sorted({*FORMATS} - {".pcd", ".pgm", ".yaml"}))
+def test_an_empty_map_is_written(tmp_path, ending):
+    write(VoxelMap(), tmp_path / f"map{ending}")
+    if FORMATS[ending].read is not None:
+        data = read(tmp_path / f"map{ending}")
+        assert (data.num_cells if isinstance(data, VoxelMap) else len(data)) == 0
+
+
+@pytest.mark.parametrize(
+    ("ending", "message"),
+    [(".pcd", "there are no points"), (".pgm", "nothing of the map is at the height of a robot")],
+)
+def test_formats_that_cannot_be_empty_say_so(tmp_path, ending, message):
+    with pytest.raises(InputError, match=message):
+        write(VoxelMap(), tmp_path / f"map{ending}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("ending", [".bt", ".ot"])
+def test_octomap_keeps_which_cells_are_occupied(tmp_path, ending):
+    voxels = a_map().occupied(2)
+    write(voxels, tmp_path / f"map{ending}")
+    again = read(tmp_path / f"map{ending}")
+    assert np.array_equal(again.index, voxels.index)
+    assert np.abs(again.centres - voxels.centres).max() < 1e-9
+    if ending == ".ot":
+        assert np.array_equal(again.colours, voxels.colours)
+
+
+def test_octomap_reads_occupied_and_free_space_with_z_up(tmp_path):
+    pyoctomap = pytest.importorskip("pyoctomap")
+    voxel_map = VoxelMap(1.0, channels=["rays"])
+    wall = PointCloud(points=np.array([[5.5, 2.5, 7.5]]), colours=np.zeros((1, 3), np.uint8))
+    voxel_map.insert(wall, [0.5, 2.5, 7.5])
+    write(voxel_map, tmp_path / "map.bt")
+    tree = pyoctomap.OcTree(1.0)
+    assert tree.readBinary(str(tmp_path / "map.bt"))
+    for x, is_occupied in [(0.5, False), (4.5, False), (5.5, True)]:
+        node = tree.search(np.array([x, -7.5, 2.5]))
+        assert tree.isNodeOccupied(node) == is_occupied
+    assert tree.search(np.array([6.5, -7.5, 2.5])) is None
+
+
+@pytest.mark.parametrize("ending", [".las", ".laz"])
+def test_las_has_z_up_and_named_values(tmp_path, ending):
+    laspy = pytest.importorskip("laspy")
+    voxels = a_map().occupied(2)
+    write(voxels, tmp_path / f"map{ending}")
+    file = laspy.read(tmp_path / f"map{ending}")
+    assert np.abs(np.sort(file.z) - np.sort(voxels.means[:, 1])).max() < 1e-7
+    assert np.abs(np.sort(file.y) - np.sort(-voxels.means[:, 2])).max() < 1e-7
+    assert file["count"].sum() == voxels.counts.sum()
+    assert file.red.max() == 257 * int(voxels.colours[:, 0].max())
+
+
+def test_turning_is_logged(tmp_path, caplog):
+    with caplog.at_level(logging.INFO):
+        write(a_cloud(), tmp_path / "cloud.las")
+        write(a_cloud(), tmp_path / "cloud.ply")
+    assert [record.message.split(" has ")[1] for record in caplog.records] == [
+        "z up: (x, y, z) was written as (x, -z, y)"
+    ]
+
+
+def test_open3d_reads_the_cells_of_a_ply(tmp_path):
+    voxels = a_map(()).occupied(1)
+    write(voxels, tmp_path / "map.ply")
+    cloud = load_open3d().t.io.read_point_cloud(str(tmp_path / "map.ply"))
+    assert np.array_equal(cloud.point["positions"].numpy(), voxels.means)
+    assert np.array_equal(cloud.point["count"].numpy().ravel(), voxels.counts)
+    assert np.array_equal(cloud.point["index_y"].numpy().ravel(), voxels.index[:, 1])
+
+
+def test_trimesh_reads_the_faces_of_a_glb(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    write(a_map(()), tmp_path / "map.glb")
+    scene = trimesh.load(tmp_path / "map.glb")
+    [mesh] = scene.geometry.values()
+    voxels = a_map(()).occupied(1)
+    low, high = voxels.index.min(axis=0) * 0.5, (voxels.index.max(axis=0) + 1) * 0.5
+    assert np.allclose(mesh.bounds, [low, high])
+    assert mesh.is_watertight or len(mesh.faces) > 0
+    assert mesh.visual.material.metallicFactor == 0
+
+
+def test_nav2_shows_free_occupied_and_unknown(tmp_path):
+    voxel_map = VoxelMap(1.0, channels=["rays"])
+    points = np.array([[5.5, 2.5, 7.5], [0.5, 2.5, 9.5]])
+    wall = PointCloud(points=points, colours=np.zeros((2, 3), np.uint8))
+    voxel_map.insert(wall, [0.5, 2.5, 7.5])
+    write(voxel_map, tmp_path / "map.yaml")
+    picture = cv2.imread(str(tmp_path / "map.pgm"), cv2.IMREAD_UNCHANGED)
+    # Rows go from z = 7 to 9, from the largest -z on.
+    assert picture.tolist() == [
+        [254, 254, 254, 254, 254, 0],
+        [254, 205, 205, 205, 205, 205],
+        [0, 205, 205, 205, 205, 205],
+    ]
+    description = yaml.safe_load((tmp_path / "map.yaml").read_text())
+    assert description["image"] == "map.pgm"
+    assert description["origin"] == [0.0, -10.0, 0.0]
+    assert description["resolution"] == 1.0
+
+
+@pytest.mark.parametrize("ending", [".ply", ".npz", ".bt", ".las", ".pgm"])
+def test_a_box_keeps_what_is_inside(tmp_path, ending):
+    box = ([98.0, -1.0, -45.0], [102.0, 5.0, -38.0])
+    voxel_map = a_map()
+    write(voxel_map, tmp_path / f"map{ending}", box=box)
+    centres = voxel_map.occupied(1).centres
+    inside = ((centres >= box[0]) & (centres <= box[1])).all(axis=1)
+    assert 0 < inside.sum() < len(inside)
+    if ending == ".npz":
+        part = read(tmp_path / "map.npz")
+        same(part.occupied(1), voxel_map.occupied(1).select(inside))
+        middles = (part.sightings().index + 0.5) * 0.5
+        assert (middles >= box[0]).all()
+        assert (middles <= box[1]).all()
+    elif ending == ".pgm":
+        assert max(cv2.imread(str(tmp_path / "map.pgm")).shape) <= 14
+    elif ending == ".bt":
+        assert len(read(tmp_path / "map.bt")) <= inside.sum()
+    else:
+        assert len(read(tmp_path / f"map{ending}")) == inside.sum()
+
+
+def test_a_cloud_in_a_box(tmp_path):
+    cloud = a_cloud()
+    write(cloud, tmp_path / "cloud.npz", box=([95, 0, -45], [105, 5, -35]))
+    points = read(tmp_path / "cloud.npz").points
+    assert 0 < len(points) < len(cloud)
+    assert (points.min(axis=0) >= [95, 0, -45]).all()
+
+
+@pytest.mark.parametrize("ending", [".foo", "", ".txt"])
+def test_an_unknown_ending_is_refused(tmp_path, ending):
+    with pytest.raises(InputError, match=r"is unknown; known are \.ply \.pcd \.las"):
+        write(a_cloud(), tmp_path / f"cloud{ending}")
+    with pytest.raises(InputError, match="is unknown; known are"):
+        read(tmp_path / f"cloud{ending}")
+
+
+@pytest.mark.parametrize("ending", [".vti", ".bt", ".pgm"])
+def test_formats_for_cells_take_no_points(tmp_path, ending):
+    with pytest.raises(InputError, match="a format for cells cannot hold a cloud of points"):
+        write(a_cloud(), tmp_path / f"cloud{ending}")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("ending", [".glb", ".pgm", ".yaml"])
+def test_what_holds_no_map_is_not_read(tmp_path, ending):
+    with pytest.raises(InputError, match="holds neither a cloud nor a map that can be read back"):
+        read(tmp_path / f"map{ending}")
+
+
+@pytest.mark.parametrize("ending", [e for e, form in FORMATS.items() if form.read])
+def test_a_missing_file_is_a_file_error(tmp_path, ending):
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / f"map{ending}")
+
+
+@pytest.mark.parametrize("ending", [e for e, form in FORMATS.items() if form.read])
+@pytest.mark.parametrize("content", [b"", b"\x00\x01 nonsense \xff" * 40])
+def test_nonsense_is_refused_in_one_line(tmp_path, ending, content, capfd):
+    path = tmp_path / f"map{ending}"
+    path.write_bytes(content)
+    with pytest.raises(InputError) as error:
+        read(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("ending", [".ply", ".las", ".laz", ".parquet", ".npz", ".bt", ".ot"])
+@pytest.mark.parametrize("share", [0.3, 0.95])
+def test_a_cut_file_is_refused_in_one_line(tmp_path, ending, share, capfd):
+    path = tmp_path / f"map{ending}"
+    write(a_map(()), path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError) as error:
+        read(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("ending", "module", "extra"),
+    [
+        (".las", "laspy", "las"),
+        (".bt", "pyoctomap", "octomap"),
+        (".glb", "trimesh", "mesh"),
+        (".zarr", "zarr", "tables"),
+        (".parquet", "pyarrow.parquet", "tables"),
+    ],
+)
+def test_a_missing_library_is_named_with_its_extra(tmp_path, monkeypatch, ending, module, extra):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(MissingLibraryError, match=rf"pip install 'recon\[{extra}\]'"):
+        write(a_map(()), tmp_path / f"map{ending}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_write_that_open3d_reports_as_failed_is_an_error(tmp_path, monkeypatch):
+    o3d = load_open3d()
+    monkeypatch.setattr(o3d.t.io, "write_point_cloud", lambda *_: False)
+    with pytest.raises(ReconError, match="Open3D could not write it"):
+        write(a_cloud(), tmp_path / "cloud.pcd")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_cells_too_far_for_octomap_are_refused(tmp_path):
+    voxel_map = VoxelMap(1.0)
+    far = PointCloud(points=np.array([[0, 40000.0, 0]]), colours=np.zeros((1, 3), np.uint8))
+    voxel_map.insert(far)
+    with pytest.raises(InputError, match="40000 cells from the origin, but OctoMap's trees reach"):
+        write(voxel_map, tmp_path / "map.ot")
+
+
+def test_a_block_without_bounds_is_refused(tmp_path):
+    voxel_map = VoxelMap(1.0)
+    ends = PointCloud(points=np.array([[-1e4] * 3, [1e4] * 3]), colours=np.zeros((2, 3), np.uint8))
+    voxel_map.insert(ends)
+    with pytest.raises(InputError, match="the cells span 20001 x 20001 x 20001, but"):
+        write(voxel_map, tmp_path / "map.vti")
+
+
+def test_a_zarr_group_replaces_its_like_and_nothing_else(tmp_path):
+    path = tmp_path / "map.zarr"
+    write(a_map(), path)
+    write(a_cloud(), path)
+    assert isinstance(read(path), PointCloud)
+    assert list(tmp_path.iterdir()) == [path]
+    other = tmp_path / "mine.zarr"
+    other.mkdir()
+    (other / "work.txt").write_text("mine")
+    with pytest.raises(InputError, match="is there and no Zarr group"):
+        write(a_cloud(), other)
+    assert (other / "work.txt").read_text() == "mine"
+
+
+def test_a_text_ply_of_others_is_read(tmp_path):
+    (tmp_path / "cloud.ply").write_text(
+        "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 2\nproperty float x\n"
+        "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+        "property uchar blue\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "end_header\n1 2 3 255 0 0\n4.5 5 6 0 255 0\n3 0 1 0\n"
+    )
+    cloud = read(tmp_path / "cloud.ply")
+    assert cloud.points.tolist() == [[1, 2, 3], [4.5, 5, 6]]
+    assert cloud.colours.tolist() == [[255, 0, 0], [0, 255, 0]]
+    assert cloud.sigma is None
+
+
+def test_a_big_endian_ply_without_colour_is_grey(tmp_path):
+    header = "ply\nformat binary_big_endian 1.0\nelement vertex 1\n"
+    header += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
+    content = header.encode() + np.array([1.0, -2.0, 3.0], ">f8").tobytes()
+    (tmp_path / "cloud.ply").write_bytes(content)
+    cloud = read(tmp_path / "cloud.ply")
+    assert cloud.points.tolist() == [[1, -2, 3]]
+    assert cloud.colours.tolist() == [[128, 128, 128]]
+
+
+def test_an_npz_of_others_is_read(tmp_path):
+    xyz = np.arange(6, dtype=np.float32).reshape(2, 3)
+    np.savez(tmp_path / "cloud.npz", xyz=xyz, label=np.zeros(2, np.int16))
+    assert read(tmp_path / "cloud.npz").points.tolist() == xyz.tolist()
+
+
+def test_a_ply_without_places_is_refused(tmp_path):
+    (tmp_path / "cloud.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"
+    )
+    with pytest.raises(InputError, match=r"cloud\.ply: its columns are x, but y is needed"):
+        read(tmp_path / "cloud.ply")
+
+
+def test_fields_of_voxels_all_have_a_column():
+    voxels = a_map().occupied(1)
+    assert all(getattr(voxels, field.name) is not None for field in dataclasses.fields(Voxels))
+
+
+@pytest.mark.data
+def test_a_building_of_octomap_s_own_reads_right(data_dir):
+    voxels = read(data_dir / "octomap" / "geb079" / "geb079.bt")
+    assert voxels.cell_size == 0.08
+    assert len(voxels) == 185673
+    # OctoMap's own bounds: x -8 to 30.96, y -7.52 to 7.44, and z, which is up here as y.
+    low, high = voxels.index.min(axis=0) * 0.08, (voxels.index.max(axis=0) + 1) * 0.08
+    assert -8.0 <= low[0] < high[0] <= 30.96 + 1e-9
+    assert -0.32 - 1e-9 <= low[1] < high[1] <= 2.8 + 1e-9
+    assert -7.44 - 1e-9 <= low[2] < high[2] <= 7.52 + 1e-9
+    # A storey: the floor is the fullest layer.
+    layers = np.bincount(voxels.index[:, 1] - voxels.index[:, 1].min())
+    assert abs((layers.argmax() + voxels.index[:, 1].min()) * 0.08) < 0.3
