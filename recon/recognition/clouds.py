@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from recon.errors import InputError
 from recon.geometry import invert, pose, transform
 from recon.recognition.cells import gather
-from recon.recognition.ground import level_plane
+from recon.recognition.ground import extent, level_plane
 from recon.recognition.recognition import recognise
 from recon.records import FoundObject, Part, PointCloud, Recognition, Solid
 from recon.settings import RecognitionSettings
@@ -102,7 +102,7 @@ def _cell_size(points: Array) -> float:
     reach = np.asarray(cKDTree(points).query(probes, k=count)[0]).reshape(len(probes), -1)[:, -1]
     side = 2.0 * float(np.median(reach))
     # Cells far below the cloud's size would overflow their numbers.
-    return max(side, 1e-5 * float(np.ptp(points, axis=0).max())) or 1.0
+    return max(side, 1e-5 * extent(points)) or 1.0
 
 
 def _moved_object(found: FoundObject, T: Array) -> FoundObject:

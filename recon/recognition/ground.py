@@ -16,9 +16,11 @@ STEEPEST = 0.5
 """Cosine of the steepest tilt of a floor: a camera in the hand looks down by up to 60 degrees."""
 TOLERANCE = 0.005
 """Of a point of the floor, as a share of the cloud's size."""
+BULK = (0.05, 0.95)
+"""Shares of the points below the ends of a cloud's bulk."""
 FLOOR_SHARE = 0.15
 """Share of the points that a floor must hold."""
-BELOW_SHARE = 0.2
+BELOW_SHARE = 0.4
 """Share of the points that may lie under a floor, seen past its edge."""
 
 
@@ -43,7 +45,7 @@ def level_plane(points: Array) -> Array | None:
         return None
     rng = np.random.default_rng(0)
     voters = points[rng.permutation(len(points))[:NUM_VOTERS]]
-    tolerance = TOLERANCE * float(np.ptp(points, axis=0).max())
+    tolerance = TOLERANCE * extent(points)
     on_floor, normal = _most_voted(voters, tolerance, rng)
     if normal is None or on_floor.mean() < FLOOR_SHARE:
         return None
@@ -56,6 +58,12 @@ def level_plane(points: Array) -> Array | None:
     if (height < -2.0 * tolerance).mean() > BELOW_SHARE:
         return None
     return _floor_motion(plane.point, up)
+
+
+def extent(points: Array) -> float:
+    """Longest side of the box of points (N, 3), without the few that lie far off."""
+    low, high = np.quantile(points, BULK, axis=0)
+    return float((high - low).max())
 
 
 def _most_voted(

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.components import neighbours
 from recon.recognition.naming import Naming
 from recon.recognition.ransac import find_solids
 from recon.records import UNKNOWN, Voxels
@@ -22,6 +23,8 @@ INSIDE = 0.7
 """Two fits whose axes are nearer than this share of the wider one's radius are one object."""
 TOGETHER = 0.5
 """Rise of the deviance a cell up to which one object is believed instead of several."""
+WAIST = 1.6
+"""Touching cells over the root of a side's cells: 2.5 where a closed shell is cut in half."""
 MOST_ROUNDS = 20
 APART = 0.5
 """Fall of the deviance a cell from which two objects are believed instead of one."""
@@ -91,10 +94,9 @@ def _halves(
     floor = voxels.means[rows][:, ::2]
     if naming.deviance < -EXPLAINED * len(rows) and _elongation(floor) < LONG:
         return []
-    best, least = [], naming.deviance - APART * len(rows)
-    for second in _cuts(voxels.means[rows], min_voxels):
-        if min(second.sum(), (~second).sum()) < min_voxels:
-            continue
+    best: list[Piece] = []
+    least = naming.deviance - APART * len(rows)
+    for second in _cuts(voxels.select(rows), min_voxels):
         halves = [(name(part), part) for part in (rows[~second], rows[second])]
         deviance = sum(half.deviance for half, _ in halves)
         if deviance < least and all(half.parts for half, _ in halves):
@@ -107,15 +109,24 @@ def _elongation(floor: Array) -> float:
     return float(np.sqrt(values[1] / max(values[0], 1e-12)))
 
 
-def _cuts(points: Array, min_voxels: int) -> list[NDArray[np.bool_]]:
-    """Ways to part cells: at the waist of their footprint, and between their two main solids."""
-    floor = points[:, ::2]
+def _cuts(cells: Voxels, min_voxels: int) -> list[NDArray[np.bool_]]:
+    """Ways to part cells where few of them touch: at the waist, and between the main solids."""
+    floor = cells.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
-    found = find_solids(points, min_voxels, np.random.default_rng(0), most=2)
+    found = find_solids(cells.means, min_voxels, np.random.default_rng(0), most=2)
     if len(found) == 2:
-        first, second = (one.solid.distances(points) for one in found)
+        first, second = (one.solid.distances(cells.means) for one in found)
         cuts.append(second < first)
-    return cuts
+    pairs = neighbours(cells.index)
+    return [cut for cut in cuts if _is_waist(cut, pairs, min_voxels)]
+
+
+def _is_waist(second: NDArray[np.bool_], pairs: NDArray[np.intp], min_voxels: int) -> bool:
+    """Whether the two sides touch in fewer cells than a cut through one surface would."""
+    smaller = min(int(second.sum()), int((~second).sum()))
+    across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
+    touching = len(np.unique(across)) / 2.0
+    return smaller >= min_voxels and touching < WAIST * np.sqrt(smaller)
 
 
 def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
