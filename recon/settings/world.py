@@ -1,18 +1,21 @@
 """Settings of the simulated world: its eyes and its renderer."""
 
 import math
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import ArgsKwargs
 
-from recon.settings.stage import STRICT, Count, NonNegative, Positive
+from recon.settings.stage import STRICT, NonNegative, Positive
 
 _FOCAL_LENGTH = 0.1
 _FOV_DEG = 80.0
 SENSOR_WIDTH = 2.0 * _FOCAL_LENGTH * math.tan(math.radians(_FOV_DEG) / 2.0)
 """Width of the picture on the sensor, world units: what the thesis's two values give together."""
+
+PixelCount = Annotated[int, Field(ge=1, le=4096)]
+"""More than 4096 x 4096 rays at a time do not fit into the memory of most machines."""
 
 FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
 """What follows where a setting is changed, unless it is given too."""
@@ -25,8 +28,8 @@ class EyesSettings:
     Of focal length and field of view either follows from the other, by the width of the sensor.
     """
 
-    width: Count = 256
-    height: Count = 256
+    width: PixelCount = 256
+    height: PixelCount = 256
     baseline: Positive = 0.3
     """World units."""
     focal_length: Positive = _FOCAL_LENGTH

@@ -105,10 +105,10 @@ VISUAL_FIELDS: dict[type[Visual], tuple[Field, ...]] = {
     MeshVisual: (Field("file", "File", Name("a PLY or OBJ file")),),
 }
 
-KNOWN_COMMENTS = frozenset(
-    field.comment.lower()
-    for fields in (SHADER_FIELDS, *VISUAL_FIELDS.values())
-    for field in fields
-) | {"shader count", "texture count", "visual count", "visual type"} | {
-    "shader index", "texture index", "vertex count"
-}  # fmt: skip
+STRUCTURE = frozenset(
+    (
+        *("shader count", "texture count", "visual count", "visual type"),
+        *("shader index", "texture index", "vertex count"),
+    )
+)
+"""Comments of values that are no field of one kind of record, lower case."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from recon.geometry import Array
 from recon.records import UNKNOWN
-from recon.world.solids import Triangles
+from recon.world.solids import Triangles, quarter_turns
 from recon.world.visuals import (
     CylinderVisual,
     EllipsoidVisual,
@@ -21,8 +21,11 @@ TOUCH = 0.5
 COTTAGE_SHARE = 0.6
 """A body at least this share as wide as the cone on it makes a cottage, a thinner one a pine."""
 
+MAX_LEAN = 0.1
+"""Sine of the angle that an upright part may lean."""
+
 GROUND_SLOPE = 0.1
-"""A polygon that rises less than this share of its extent is ground."""
+"""A polygon at the height 0 that rises less than this share of its extent is ground."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,8 +56,11 @@ class _Part:
 
 def is_ground(visual: Visual, triangles: Triangles) -> bool:
     """Whether a visual is a polygon that lies flat."""
-    extent = np.ptp(triangles.corners.reshape(-1, 3), axis=0)
-    return isinstance(visual, PolygonVisual) and extent[1] <= GROUND_SLOPE * extent.max()
+    if not isinstance(visual, PolygonVisual) or not len(triangles.corners):
+        return False
+    points = triangles.corners.reshape(-1, 3)
+    extent = np.ptp(points, axis=0)
+    return bool(points[:, 1].min() <= TOUCH and extent[1] <= GROUND_SLOPE * extent.max())
 
 
 def true_objects(visuals: tuple[Visual, ...], triangles: list[Triangles]) -> tuple[TrueObject, ...]:
@@ -108,11 +114,20 @@ def _label(visuals: list[Visual]) -> str:
     if len(visuals) != 2:
         return UNKNOWN
     body, crown = visuals
-    if not isinstance(body, CylinderVisual) or body.radius_base != body.radius_top:
+    if not isinstance(body, CylinderVisual) or not _is_upright(body) or _is_cone(body):
         return UNKNOWN
     if isinstance(crown, SphereVisual | EllipsoidVisual):
         return "apple tree"
-    if isinstance(crown, CylinderVisual) and crown.radius_base != crown.radius_top:
+    if isinstance(crown, CylinderVisual) and _is_upright(crown) and _is_cone(crown):
         widest = max(crown.radius_base, crown.radius_top)
         return "cottage" if body.radius_base >= COTTAGE_SHARE * widest else "pine tree"
     return UNKNOWN
+
+
+def _is_cone(visual: CylinderVisual) -> bool:
+    return visual.radius_base != visual.radius_top
+
+
+def _is_upright(visual: CylinderVisual) -> bool:
+    axis = quarter_turns(visual.rotation)[:, 2]
+    return bool(np.hypot(axis[0], axis[2]) < MAX_LEAN)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from recon.errors import InputError
 from recon.geometry import Array
 from recon.settings.world import WorldSettings
 from recon.world.render import Camera
@@ -9,10 +10,9 @@ from recon.world.render import Camera
 
 def top_camera(floor: WorldSettings, size: int) -> Camera:
     """Looks down on the floor: x to the right, z down; the longer side has `size` pixels."""
-    unit = max(floor.size_x, floor.size_z) / size
     return _parallel_camera(
         shape_units=(floor.size_x, floor.size_z),
-        unit=unit,
+        unit=_pixel_side(max(floor.size_x, floor.size_z), size),
         corner=np.array([-floor.size_x / 2, floor.height, -floor.size_z / 2]),
         axes=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
         far=2.0 * floor.height,
@@ -23,11 +23,17 @@ def front_camera(floor: WorldSettings, size: int) -> Camera:
     """Looks along -z at the floor's front: x to the right over `size` pixels, y up."""
     return _parallel_camera(
         shape_units=(floor.size_x, floor.height),
-        unit=floor.size_x / size,
+        unit=_pixel_side(floor.size_x, size),
         corner=np.array([-floor.size_x / 2, floor.height, floor.size_z / 2]),
         axes=np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]),
         far=floor.size_z,
     )
+
+
+def _pixel_side(length: float, size: int) -> float:
+    if size < 1:
+        raise InputError(f"size is {size} pixels, but at least 1 is needed")
+    return length / size
 
 
 def _parallel_camera(

@@ -1,8 +1,8 @@
 """The geometry file, read and written (thesis Appendix B, and MESH as an extension).
 
 Lines that begin with ``#`` are comments whose text is free; what counts is the order of the other
-lines, each of which holds one value. Where a comment names another field than the one that is
-due, the due one is missing.
+lines, each of which holds one value. Where a comment names another value of the same record than
+the one that is due, the due one is missing.
 """
 
 from collections.abc import Iterator
@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, NoReturn
 
 from recon.errors import InputError
 from recon.world.fields import (
-    KNOWN_COMMENTS,
     SHADER_FIELDS,
+    STRUCTURE,
     VERTEX,
     VISUAL_FIELDS,
     Field,
@@ -31,6 +31,8 @@ from recon.world.visuals import (
     Visual,
 )
 
+MAX_QUOTED = 60
+
 KINDS: dict[str, type[Visual]] = {record.kind: record for record in VISUAL_FIELDS}
 
 
@@ -46,20 +48,18 @@ class _Reader:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        try:
-            rows = path.read_text(encoding="utf-8").splitlines()
-        except UnicodeDecodeError as error:
-            raise InputError(f"{path}: {error.reason}, but a geometry file is needed") from error
+        # Comments may be in any encoding.
+        rows = path.read_text(encoding="utf-8-sig", errors="replace").rstrip().split("\n")
         self.lines = list(_value_lines(rows))
         self.num_rows = len(rows)
         self.next = 0
 
-    def take(self, what: str, comment: str, kind: Kind) -> Any:
-        """The next value, named `what` in messages."""
+    def take(self, what: str, comment: str, kind: Kind, others: frozenset[str] = STRUCTURE) -> Any:
+        """The next value, named `what` in messages; `others` are comments of other values."""
         if self.next == len(self.lines):
             self.fail(self.num_rows, f"the file ends before {what}, but {kind.need} is needed")
         line = self.lines[self.next]
-        if line.comment in KNOWN_COMMENTS and line.comment != comment.lower():
+        if line.comment in others and line.comment != comment.lower():
             self.fail(
                 line.number,
                 f"{what} is missing: the value is one of {line.comment!r}, "
@@ -68,7 +68,7 @@ class _Reader:
         try:
             value = kind.parse(line.text)
         except (ValueError, OverflowError):
-            self.fail(line.number, f"{what} is {line.text!r}, but {kind.need} is needed")
+            self.fail(line.number, f"{what} is {_shown(line.text)}, but {kind.need} is needed")
         self.next += 1
         return value
 
@@ -78,6 +78,11 @@ class _Reader:
     def fail_last(self, message: str) -> NoReturn:
         """Fail at the value that was taken last."""
         self.fail(self.lines[self.next - 1].number, message)
+
+
+def _shown(text: str) -> str:
+    """A line as messages quote it: what is no geometry file may have very long ones."""
+    return repr(text if len(text) <= MAX_QUOTED else f"{text[:MAX_QUOTED]}...")
 
 
 def _value_lines(rows: list[str]) -> Iterator[_Line]:
@@ -112,7 +117,8 @@ def read_scene(path: str | Path) -> Scene:
     if reader.next < len(reader.lines):
         line = reader.lines[reader.next]
         reader.fail(
-            line.number, f"visual count is {len(visuals)}, but {line.text!r} follows the last one"
+            line.number,
+            f"visual count is {len(visuals)}, but {_shown(line.text)} follows the last one",
         )
     return Scene(
         shaders=shaders, textures=textures, visuals=visuals, folder=reader.path.absolute().parent
@@ -134,7 +140,7 @@ def _visual(reader: _Reader, number: int, num_shaders: int, textures: tuple[str,
     kind = reader.take(f"visual {number} type", "Visual type", Name(f"one of {', '.join(KINDS)}"))
     if kind not in KINDS:
         reader.fail_last(
-            f"visual {number} type is {kind!r}, but one of {', '.join(KINDS)} is needed"
+            f"visual {number} type is {_shown(kind)}, but one of {', '.join(KINDS)} is needed"
         )
     record, what = KINDS[kind], f"visual {number} ({kind})"
     values = _values(reader, what, VISUAL_FIELDS[record])
@@ -151,8 +157,9 @@ def _visual(reader: _Reader, number: int, num_shaders: int, textures: tuple[str,
 
 
 def _values(reader: _Reader, what: str, fields: tuple[Field, ...]) -> dict[str, Any]:
+    names = STRUCTURE | {field.comment.lower() for field in fields}
     return {
-        field.attribute: reader.take(f"{what} {field.comment}", field.comment, field.kind)
+        field.attribute: reader.take(f"{what} {field.comment}", field.comment, field.kind, names)
         for field in fields
     }
 

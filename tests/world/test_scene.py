@@ -175,6 +175,17 @@ def test_comments_are_free(written):
     assert free == read_scene(written(SMALL))
 
 
+def test_comments_may_call_a_value_by_another_records_name(written):
+    text = SMALL.replace("# RadiusBase", "# Radius").replace("# Translation", "# Center")
+    assert read_scene(written(text)) == read_scene(written(SMALL))
+
+
+def test_windows_files_are_read(written, tmp_path):
+    path = tmp_path / "windows.scene"
+    path.write_bytes(b"\xef\xbb\xbf# \xdeekil\r\n" + SMALL.replace("\n", "\r\n").encode())
+    assert read_scene(path) == read_scene(written(SMALL))
+
+
 def test_a_texture_that_no_visual_uses_is_not_looked_up(written):
     assert read_scene(written(SMALL)).textures[1] == "textures/nowhere.tga"
 
@@ -262,7 +273,9 @@ def test_a_mesh_that_is_nowhere_is_named(written):
 def test_what_is_no_text_is_refused(tmp_path):
     path = tmp_path / "picture.scene"
     path.write_bytes(bytes(range(128, 256)))
-    with pytest.raises(InputError, match="a geometry file is needed"):
+    with pytest.raises(
+        InputError, match=r"picture\.scene:1: shader count is .*, but a whole number"
+    ):
         read_scene(path)
 
 

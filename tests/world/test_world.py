@@ -11,7 +11,9 @@ from recon.world.visuals import (
     CylinderVisual,
     EllipsoidVisual,
     MeshVisual,
+    PolygonVisual,
     SphereVisual,
+    Vertex,
 )
 from recon.world.world import World
 
@@ -91,6 +93,30 @@ def test_objects_that_touch_sideways_stay_two(world_of):
 )
 def test_a_crown_on_a_body_has_a_name(world_of, crown, label):
     assert [o.label for o in world_of(upright(2, 8), crown).objects] == [label]
+
+
+def test_what_lies_or_floats_has_no_name_and_is_no_ground(world_of):
+    body, crown = upright(2, 8), SphereVisual(centre=(0, 12, 0), radius=4)
+    lying = dataclasses.replace(body, rotation=(0, 0, 0), translation=(0, 6, -4))
+    assert [o.label for o in world_of(lying, crown).objects] == ["unknown"]
+    corners = ((-5, 9, -5), (-5, 9, 5), (5, 9, 5), (5, 9, -5))
+    awning = PolygonVisual(
+        cull_back=False,
+        vertices=tuple(Vertex(position=c, colour=(1, 1, 1, 1), uv=(0, 0)) for c in corners),
+    )
+    world = world_of(awning, plain_ground())
+    assert [o.visuals for o in world.objects] == [(0,)]
+    assert not world.free_ground()[100, 100]
+
+
+def test_nothing_asked_nothing_answered(village):
+    assert village.clearance(np.empty((0, 3))).shape == (0,)
+    with pytest.raises(InputError, match=r"positions has shape \(3,\), but \(N, 3\) is needed"):
+        village.clearance([1.0, 2.0, 3.0])
+    with pytest.raises(InputError, match="positions holds nan"):
+        village.clearance([[1.0, np.nan, 3.0]])
+    with pytest.raises(InputError, match="size is 0 pixels"):
+        village.top_view(0)
 
 
 def test_truth_tells_objects_and_parts(village):
