@@ -1,5 +1,18 @@
-"""Maps and clouds as files of other programs, and back."""
+"""Maps and clouds as files and objects of other programs, and back."""
 
 from recon.exports.formats import FORMATS, format_of, read, write
+from recon.exports.open3d import as_point_cloud, as_voxel_grid, of_point_cloud, of_voxel_grid
+from recon.exports.vti import as_image, of_image
 
-__all__ = ["FORMATS", "format_of", "read", "write"]
+__all__ = [
+    "FORMATS",
+    "as_image",
+    "as_point_cloud",
+    "as_voxel_grid",
+    "format_of",
+    "of_image",
+    "of_point_cloud",
+    "of_voxel_grid",
+    "read",
+    "write",
+]

@@ -44,8 +44,9 @@ def _table(module: Any, up: Literal["y", "z"] = "y") -> Format:
         module.write(path, columns)
 
     def read(path: Path) -> Data:
+        columns = module.read(path)
         try:
-            data = from_columns(module.read(path))
+            data = from_columns(columns)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
         return data if up == "y" else turned(data, R_YUP_ZUP)

@@ -1,5 +1,8 @@
 """Cells as a VTK image: a dense block, every value an array of its cells."""
 
+import math
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +15,11 @@ from recon.libraries import load_pyvista
 from recon.records import Voxels
 from recon.voxelmap.table import order_of
 
-MAX_CELLS = 1 << 27
+MAX_CELLS = 1 << 25
 """Of a block, so that a point gone astray far away does not take all memory and disk."""
+
+
+_HEADER_BYTES = 1000
 
 
 def write(path: Path, voxels: Voxels) -> None:
@@ -66,15 +72,28 @@ def read(path: Path) -> Voxels:
     InputError
         Where the file is no VTK image with counts, means and colours of its cells.
     """
-    with path.open("rb") as file:
-        # VTK itself would only warn on the screen.
-        if b"ImageData" not in file.read(1000):
-            raise InputError(f"{path}: not a VTK image")
-    image = load_pyvista().read(path)
+    _check_whole(path)
+    try:
+        with warnings.catch_warnings(action="error"):
+            image = load_pyvista().read(path)
+    except (UserWarning, ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: VTK cannot read it") from error
     missing = [name for name in ("counts", "means", "colours") if name not in image.cell_data]
     if missing:
         raise InputError(f"{path}: its cells have no {missing[0]}")
     return of_image(image)
+
+
+def _check_whole(path: Path) -> None:
+    """VTK itself would say on the screen what is missing, and go on."""
+    content = path.read_bytes()
+    extent = re.search(rb'<ImageData WholeExtent="([-\d ]+)"', content[:_HEADER_BYTES])
+    if extent is None or not content.rstrip().endswith(b"</VTKFile>"):
+        raise InputError(f"{path}: not a whole VTK image")
+    ends = [int(word) for word in extent[1].split()]
+    num_cells = math.prod(high - low for low, high in zip(ends[::2], ends[1::2], strict=True))
+    if num_cells > MAX_CELLS:
+        raise InputError(f"{path}: claims {num_cells} cells, but {MAX_CELLS} are the most")
 
 
 def of_image(image: Any) -> Voxels:
