@@ -18,6 +18,8 @@ MIN_TRACKS = 12
 MIN_SHIFT_PX = 1.0
 """Points further away, by their disparity, say nothing of a step."""
 RANSAC_PX = 1.0
+MAX_SIGMAS = 4.0
+"""Of a track that agrees."""
 TRACK_SIGMA_PX = 0.3
 """Of a followed corner, in each of u, v and disparity."""
 NUM_ROUNDS = 8
@@ -35,15 +37,20 @@ class Linearised:
     """(N, 3, 2) by what is added to the first and the second disparity."""
 
     @property
-    def weight(self) -> Array:
-        """(N,) Cauchy's weight."""
-        weight: Array = 1.0 / (1.0 + (self.residual**2).sum(axis=1))
-        return weight
+    def distances(self) -> Array:
+        """(N,) how many standard deviations a track is off."""
+        distances: Array = np.linalg.norm(self.residual, axis=1)
+        return distances
+
+    @property
+    def weights(self) -> Array:
+        """(N,) Cauchy's."""
+        return 1.0 / (1.0 + self.distances**2)
 
     @property
     def costs(self) -> Array:
         """(N,) Cauchy's robust cost."""
-        costs: Array = np.log1p((self.residual**2).sum(axis=1))
+        costs: Array = np.log1p(self.distances**2)
         return costs
 
 
@@ -66,22 +73,36 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
     if np.count_nonzero(near) < MIN_TRACKS:
         return None
     candidates = tracks.select(near)
+    start = _ransac(candidates, rig)
+    if start is None:
+        return None
+    T_second_first, inliers = start
+    # The few points of a sample judge by their own noise: judge all again by the fit of many.
+    refined = refine_motion(T_second_first, candidates.select(inliers), rig)
+    rows = np.zeros(len(tracks), np.bool_)
+    rows[near] = linearise(refined, candidates, rig).distances < MAX_SIGMAS
+    return refined, rows
+
+
+def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] | None:
+    """A motion (4, 4) and the numbers of the tracks that agree on it."""
     K = np.array([[rig.focal_px, 0, rig.cx_left_px], [0, rig.focal_px, rig.cy_px], [0, 0, 1]])
-    found, turn, step, inliers = cv2.solvePnPRansac(
-        rig.triangulate(candidates.first.points_px, candidates.first.disparity_px),
-        candidates.second.points_px,
-        K,
-        None,
-        iterationsCount=200,
-        reprojectionError=RANSAC_PX,
-        confidence=0.9999,
-        flags=cv2.SOLVEPNP_SQPNP,
-    )
+    try:
+        found, turn, step, inliers = cv2.solvePnPRansac(
+            rig.triangulate(tracks.first.points_px, tracks.first.disparity_px),
+            tracks.second.points_px,
+            K,
+            None,
+            iterationsCount=200,
+            reprojectionError=RANSAC_PX,
+            confidence=0.9999,
+            flags=cv2.SOLVEPNP_SQPNP,
+        )
+    except cv2.error:  # points that all but coincide
+        return None
     if not found or inliers is None or len(inliers) < MIN_TRACKS:
         return None
-    rows = np.zeros(len(tracks), np.bool_)
-    rows[np.flatnonzero(near)[inliers.ravel()]] = True
-    return pose(cv2.Rodrigues(turn)[0], step.ravel()), rows
+    return pose(cv2.Rodrigues(turn)[0], step.ravel()), inliers.ravel()
 
 
 def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
@@ -97,7 +118,7 @@ def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Arra
     """Gauss-Newton with Cauchy's weights from a motion that is nearly right."""
     for _ in range(NUM_ROUNDS):
         at = linearise(T_second_first, tracks, rig)
-        weighted = at.by_motion * at.weight[:, None, None]
+        weighted = at.by_motion * at.weights[:, None, None]
         normal = np.einsum("nij,nik->jk", weighted, at.by_motion)
         change = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, at.residual))
         T_second_first = moved(T_second_first, change)

@@ -123,13 +123,12 @@ def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:
     InputError
         Where the true path has no length.
     """
-    from evo.core.metrics import APE, PoseRelation
-    from evo.core.trajectory import PosePath3D
-
-    path, reference = (PosePath3D(poses_se3=[*np.asarray(p)]) for p in (estimated, true))
-    if not reference.path_length > 0:
+    path, reference = (np.asarray(poses, dtype=np.float64)[:, :3, 3] for poses in (estimated, true))
+    length = float(np.linalg.norm(np.diff(reference, axis=0), axis=1).sum())
+    if not length > 0:
         raise InputError("the true path has no length, but drift is a share of it")
-    path.align(reference)
-    error = APE(PoseRelation.translation_part)
-    error.process_data((reference, path))
-    return float(100.0 * np.sqrt(np.mean(error.error**2)) / reference.path_length)
+    path, reference = path - path.mean(axis=0), reference - reference.mean(axis=0)
+    # Kabsch's rotation; unlike evo's it also aligns a straight path, about which it may turn.
+    u, _, vt = np.linalg.svd(reference.T @ path)
+    aligned = path @ (u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt).T
+    return 100.0 * float(np.sqrt(((aligned - reference) ** 2).sum(axis=1).mean())) / length

@@ -15,6 +15,7 @@ from recon.camera import StereoRig
 from recon.sequences.tracking import Sightings, Tracks
 
 Array = NDArray[np.float64]
+NUM_TERMS = 6
 Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
@@ -22,12 +23,12 @@ Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
 class Field:
     """An offset in pixels as a polynomial of the position in the right picture."""
 
-    coefficients: Array = dataclasses.field(default_factory=lambda: np.zeros(0))
-    """(K,) of 1, x, y, x^2, xy, y^2, with x, y = -1 to 1 across the picture; K = 0, 1 or 6."""
+    coefficients: Array = dataclasses.field(default_factory=lambda: np.zeros(NUM_TERMS))
+    """(6,) of 1, x, y, x^2, xy, y^2, with x, y = -1 to 1 across the picture."""
 
     def at(self, points_px: Array, rig: StereoRig) -> Array:
         """(N,) offsets at points (N, 2)."""
-        offsets: Array = terms(points_px, rig, len(self.coefficients)) @ self.coefficients
+        offsets: Array = terms(points_px, rig) @ self.coefficients
         return offsets
 
 
@@ -65,7 +66,7 @@ class Residual:
         return source_u, source_v
 
 
-def terms(points_px: Array, rig: StereoRig, number: int) -> Array:
-    """The first `number` polynomial terms, (N, number), at points (N, 2)."""
+def terms(points_px: Array, rig: StereoRig) -> Array:
+    """(N, 6) polynomial terms at points (N, 2)."""
     x, y = ((points_px / ((rig.width - 1) / 2, (rig.height - 1) / 2)) - 1.0).T
-    return np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])[:, :number]
+    return np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])

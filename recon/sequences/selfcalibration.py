@@ -15,17 +15,20 @@ from recon.sequences.motion import (
     moved,
     refine_motion,
 )
-from recon.sequences.residual import Field, Residual, terms
+from recon.sequences.residual import NUM_TERMS, Field, Residual, terms
 from recon.sequences.tracking import Tracks
 
 Array = NDArray[np.float64]
 
-NUM_TERMS = (1, 6)
-"""Fields that are tried beside none: constant, and quadratic in the image position."""
-MIN_GAIN = 0.01
-"""Share of the held-out cost that a richer field must save."""
+FIELDS = ([0], [0, 3], [0, 1, 2, 3, 4, 5])
+"""Terms of the fields that are tried beside none, each richer than the one before: constant; what
+eyes that turn against each other leave, 1 and x^2; any quadratic."""
+MIN_GAIN = 0.02
+"""Share of the held-out cost that a richer field must save: each term makes the scale less sure."""
 NUM_PASSES, NUM_ROUNDS = 2, 10
 SMALL_STEP_PX = 1e-4
+PRIOR_PX = 3.0
+"""Standard deviation of a coefficient before anything is seen: a rig at rest tells nothing."""
 ROW_SIGMA_PX = 0.15
 """Of the row offset of one corner."""
 
@@ -43,30 +46,37 @@ def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
 def _chosen(
     tracks: Sequence[Tracks],
     rig: StereoRig,
-    fit: Callable[[Sequence[Tracks], StereoRig, int], Field],
+    fit: Callable[[Sequence[Tracks], StereoRig, list[int]], Field],
     cost: Callable[[Sequence[Tracks], StereoRig, Field], float],
 ) -> Field:
     fitted, held_out = tracks[::2], tracks[1::2]
     if not held_out:
         return Field()
-    best, least = 0, cost(held_out, rig, Field())
-    for number in NUM_TERMS:
-        now = cost(held_out, rig, fit(fitted, rig, number))
+    best, least = None, cost(held_out, rig, Field())
+    for used in FIELDS:
+        now = cost(held_out, rig, fit(fitted, rig, used))
         if now < (1.0 - MIN_GAIN) * least:
-            best, least = number, now
+            best, least = used, now
     return fit(tracks, rig, best) if best else Field()
 
 
-def _fit_row(tracks: Sequence[Tracks], rig: StereoRig, number: int) -> Field:
+def _field(used: list[int], values: Array) -> Field:
+    """The field of some terms."""
+    coefficients = np.zeros(NUM_TERMS)
+    coefficients[used] = values
+    return Field(coefficients=coefficients)
+
+
+def _fit_row(tracks: Sequence[Tracks], rig: StereoRig, used: list[int]) -> Field:
     points = np.concatenate([t.first.right_points_px for t in tracks])
     offset = np.concatenate([t.first.row_offset_px for t in tracks])
-    design = terms(points, rig, number)
-    coefficients = np.zeros(number)
+    design = terms(points, rig)[:, used]
+    coefficients = np.zeros(len(used))
     for _ in range(NUM_ROUNDS):
         error = (offset - design @ coefficients) / ROW_SIGMA_PX
         weight = np.sqrt(1.0 / (1.0 + error**2))
         coefficients = np.linalg.lstsq(design * weight[:, None], offset * weight, rcond=None)[0]
-    return Field(coefficients=coefficients)
+    return _field(used, coefficients)
 
 
 def _row_cost(tracks: Sequence[Tracks], rig: StereoRig, row: Field) -> float:
@@ -83,7 +93,8 @@ def _disparity_cost(tracks: Sequence[Tracks], rig: StereoRig, disparity: Field) 
         if motion is not None:
             near = corrected.select(are_near(corrected, rig))
             costs.append(linearise(motion, near, rig).costs)
-    return float(np.mean(np.concatenate(costs)))
+    every = np.concatenate(costs)
+    return float(every.mean()) if every.size else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,15 +105,15 @@ class _Motion:
     tracks: Tracks
 
 
-def _fit_disparity(tracks: Sequence[Tracks], rig: StereoRig, number: int) -> Field:
+def _fit_disparity(tracks: Sequence[Tracks], rig: StereoRig, used: list[int]) -> Field:
     """All motions and the field together: Gauss-Newton with the motions eliminated."""
-    field = Field(coefficients=np.zeros(number))
+    field = Field()
     for _ in range(NUM_PASSES):
         starts = (_start(seen, rig, field) for seen in tracks)
         motions = [motion for motion in starts if motion is not None]
         for _ in range(NUM_ROUNDS if motions else 0):
-            change, motions = _step(motions, rig, field)
-            field = Field(coefficients=field.coefficients + change)
+            change, motions = _step(motions, rig, field, used)
+            field = Field(coefficients=field.coefficients + _field(used, change).coefficients)
             if np.abs(change).max() < SMALL_STEP_PX:
                 break
     return field
@@ -118,11 +129,15 @@ def _start(seen: Tracks, rig: StereoRig, disparity: Field) -> _Motion | None:
     return _Motion(T_second_first=refined, tracks=seen.select(rows))
 
 
-def _step(motions: Sequence[_Motion], rig: StereoRig, field: Field) -> tuple[Array, list[_Motion]]:
-    """The change of the field (K,), and the motions moved along with it."""
-    blocks = [_block(motion, rig, field) for motion in motions]
-    normal = np.sum([block.normal for block in blocks], axis=0)
+def _step(
+    motions: Sequence[_Motion], rig: StereoRig, field: Field, used: list[int]
+) -> tuple[Array, list[_Motion]]:
+    """The change of the used terms (K,), and the motions moved along with it."""
+    blocks = [_block(motion, rig, field, used) for motion in motions]
+    prior = 1.0 / PRIOR_PX**2
+    normal = np.sum([block.normal for block in blocks], axis=0) + prior * np.eye(len(used))
     gradient = np.sum([block.gradient for block in blocks], axis=0)
+    gradient += prior * field.coefficients[used]
     change: Array = -np.linalg.solve(normal, gradient)
     return change, [
         replace(motion, T_second_first=moved(motion.T_second_first, block.motion_change(change)))
@@ -147,16 +162,15 @@ class _Block:
         return moved_by
 
 
-def _block(motion: _Motion, rig: StereoRig, field: Field) -> _Block:
+def _block(motion: _Motion, rig: StereoRig, field: Field, used: list[int]) -> _Block:
     corrected = Residual(disparity=field).corrected(motion.tracks, rig)
     at = linearise(motion.T_second_first, corrected, rig)
-    number = len(field.coefficients)
     by_field = sum(
-        at.by_shift[:, :, eye, None] * terms(seen.right_points_px, rig, number)[:, None]
+        at.by_shift[:, :, eye, None] * terms(seen.right_points_px, rig)[:, None, used]
         for eye, seen in enumerate((motion.tracks.first, motion.tracks.second))
     )
     both = np.concatenate([at.by_motion, by_field, at.residual[:, :, None]], axis=2)
-    product = np.einsum("n,nij,nik->jk", at.weight, both, both, optimize=True)
+    product = np.einsum("n,nij,nik->jk", at.weights, both, both, optimize=True)
     back = np.linalg.solve(product[:6, :6], product[:6, 6:])
     reduced = product[6:, 6:] - product[6:, :6] @ back
     return _Block(normal=reduced[:-1, :-1], gradient=reduced[:-1, -1], back=back)

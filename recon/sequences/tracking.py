@@ -12,6 +12,7 @@ from recon.records import StereoPair
 from recon.sequences.images import Image
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.bool_] | NDArray[np.integer]
 
 NUM_CORNERS, NUM_CELLS = 1000, 70
 """Corners are asked for cell by cell, so that one textured wall does not get all of them."""
@@ -44,7 +45,7 @@ class Sightings:
         points: Array = self.points_px + np.column_stack([-self.disparity_px, self.row_offset_px])
         return points
 
-    def select(self, rows: NDArray[np.bool_]) -> "Sightings":
+    def select(self, rows: Rows) -> "Sightings":
         """The sightings of `rows`."""
         return Sightings(**{name: getattr(self, name)[rows] for name in Sightings.__slots__})
 
@@ -59,7 +60,7 @@ class Tracks:
     def __len__(self) -> int:
         return len(self.first)
 
-    def select(self, rows: NDArray[np.bool_]) -> "Tracks":
+    def select(self, rows: Rows) -> "Tracks":
         """The tracks of `rows`."""
         return Tracks(first=self.first.select(rows), second=self.second.select(rows))
 

@@ -1,0 +1,111 @@
+"""The motion that was put into the tracks comes out again, as sure as their noise allows."""
+
+import numpy as np
+import pytest
+
+from recon.geometry import invert
+from recon.sequences.motion import estimate_motion, linearise, moved
+from recon.sequences.residual import Field, Residual
+from recon.sequences.selfcalibration import estimate_residual
+from tests.sequences.drives import RIG, motion, tracks
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(11)
+
+
+def test_without_noise_the_motion_is_exact(rng):
+    T_first_second = motion(rng)
+    found = estimate_motion(tracks(rng, T_first_second, sigma_px=0.0), RIG)
+    np.testing.assert_allclose(invert(found), T_first_second, atol=1e-6)
+
+
+def test_noise_in_is_noise_out(rng):
+    """Twice the noise, twice the error: medians over many drives."""
+    errors = []
+    for sigma_px in (0.1, 0.2):
+        steps = []
+        for _ in range(25):
+            T = motion(rng)
+            found = estimate_motion(tracks(rng, T, sigma_px=sigma_px), RIG)
+            steps.append(np.linalg.norm((invert(found) - T)[:3, 3]))
+        errors.append(np.median(steps))
+    assert 0.0001 < errors[0] < 0.002
+    assert 1.5 < errors[1] / errors[0] < 2.7
+
+
+def test_a_third_of_wrong_tracks_does_no_harm(rng):
+    T = motion(rng)
+    found = estimate_motion(tracks(rng, T, outliers=0.33), RIG)
+    assert np.linalg.norm((invert(found) - T)[:3, 3]) < 0.03
+
+
+def test_too_few_tracks_are_no_motion(rng):
+    assert estimate_motion(tracks(rng, motion(rng), number=8), RIG) is None
+    assert estimate_motion(tracks(rng, motion(rng), number=60, outliers=1.0), RIG) is None
+
+
+def test_points_that_coincide_are_no_motion(rng):
+    seen = tracks(rng, motion(rng)).select(np.zeros(1, int).repeat(50))
+    assert estimate_motion(seen, RIG) is None
+
+
+def test_derivatives_are_those_of_finite_differences(rng):
+    T_first_second = motion(rng)
+    seen, T = tracks(rng, T_first_second, number=30, sigma_px=0.0), invert(T_first_second)
+    at = linearise(T, seen, RIG)
+    for column, change in enumerate(1e-6 * np.eye(6)):
+        ahead, behind = (linearise(moved(T, s * change), seen, RIG).residual for s in (1, -1))
+        numeric = (ahead - behind) / 2e-6
+        np.testing.assert_allclose(numeric, at.by_motion[:, :, column], rtol=1e-4, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        pytest.param([0, 0, 0, 0, 0, 0], id="none"),
+        pytest.param([1.2, 0, 0, 0, 0, 0], id="constant"),
+        pytest.param([0.3, 0, 0, 1.1, 0, 0], id="vergence"),
+        pytest.param([0.5, 0.4, -0.3, 0.9, 0.2, -0.4], id="quadratic"),
+    ],
+)
+def test_what_rectification_left_is_found_and_taken_out(rng, field):
+    drives = [motion(rng) for _ in range(16)]
+    seen = [tracks(rng, T, field=np.array(field)) for T in drives]
+    residual = estimate_residual(seen, RIG)
+    np.testing.assert_allclose(residual.disparity.coefficients, field, atol=0.12)
+    assert residual.row.coefficients.any() == 0
+    assert abs(_scale_error(seen, drives, residual)) < 0.01
+
+
+def test_left_in_it_spoils_the_scale(rng):
+    drives = [motion(rng) for _ in range(8)]
+    seen = [tracks(rng, T, field=np.array([1.2, 0, 0, 0, 0, 0])) for T in drives]
+    assert _scale_error(seen, drives, Residual()) > 0.03
+
+
+def _scale_error(seen, drives, residual):
+    found = [estimate_motion(residual.corrected(t, RIG), RIG) for t in seen]
+    lengths = [np.linalg.norm(invert(T)[:3, 3]) for T in found]
+    return sum(lengths) / sum(np.linalg.norm(T[:3, 3]) for T in drives) - 1
+
+
+def test_a_rig_at_rest_tells_nothing(rng):
+    seen = [tracks(rng, np.eye(4), field=np.array([1.2, 0, 0, 0, 0, 0])) for _ in range(6)]
+    assert np.abs(estimate_residual(seen, RIG).disparity.coefficients).max() < 0.5
+
+
+def test_nothing_tracked_leaves_no_residual(rng):
+    empty = [tracks(rng, np.eye(4)).select(np.zeros(0, int)) for _ in range(4)]
+    assert not estimate_residual(empty, RIG).disparity.coefficients.any()
+    assert estimate_residual([], RIG).maps(RIG) is None
+
+
+def test_maps_look_where_the_point_really_is():
+    field = Field(coefficients=np.array([0.5, 0.2, 0, 1.0, 0, 0]))
+    u, v = Residual(disparity=field).maps(RIG)
+    np.testing.assert_allclose(
+        u[0, [0, 600, 1199]], [0.5 - 0.2 + 1.0, 600.5, 1199 + 1.7], atol=1e-2
+    )
+    np.testing.assert_array_equal(v[:, 7], np.arange(RIG.height))
