@@ -125,6 +125,35 @@ def test_block_matching_finds_the_true_disparity(village):
     assert np.median(np.abs(found + truth_px)[use]) > 0.5
 
 
+@pytest.mark.parametrize("distance", [12.0, 15.0, 23.0, 40.0])
+def test_the_disparity_of_a_wall_is_true_to_a_fiftieth_of_a_pixel(world_of, distance):
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    wall = PolygonVisual(
+        cull_back=False,
+        texture=0,
+        vertices=tuple(
+            Vertex(position=(60 * x, 5 + 60 * y, -distance), colour=(1, 1, 1, 1), uv=(4 * x, 4 * y))
+            for x, y in corners
+        ),
+    )
+    world = world_of(wall, textures=("leaves",), render={"blur_px": 2.0})
+    view = View(position=[0.0, 5.0, 0.0], target=[0.0, 5.0, -30.0])
+    pair = world.take(view)
+    found_px = shift_between(*(side.astype(float).mean(axis=2) for side in (pair.left, pair.right)))
+    assert found_px == pytest.approx(pair.rig.disparity(distance), abs=0.02)
+
+
+def shift_between(left, right):
+    """The disparity that brings the right picture onto the left one (Lucas and Kanade)."""
+    u, v = np.meshgrid(np.arange(256, dtype=np.float32), np.arange(256, dtype=np.float32))
+    inner, found = np.s_[30:-30, 30:-30], 0.0
+    for _ in range(30):
+        moved = cv2.remap(right.astype(np.float32), u - np.float32(found), v, cv2.INTER_LANCZOS4)
+        slope = np.gradient((left + moved) / 2, axis=1)[inner]
+        found += ((moved - left)[inner] * slope).sum() / (slope**2).sum()
+    return found
+
+
 def test_toe_in_differs_from_the_shift_by_interpolation_only(village, world_of):
     turned = world_of(
         *village.scene.visuals, textures=village.scene.textures, eyes={"gaze": "toe-in"},
