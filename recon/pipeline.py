@@ -1,7 +1,6 @@
 """The straight line: two images -> pairs of features -> coloured world points -> the voxel map."""
 
 import time
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,30 +85,30 @@ def process_pair(
     that are sure enough for its cells.
     """
     began = time.perf_counter()
-    matches = match_images(pair.left, pair.right, settings)
-    # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
-    cloud = triangulate(matches, pair, settings.triangulation)
-    origin = None
-    if pair.T_world_left is not None:
-        cloud = cloud.moved(pair.T_world_left)
-        origin = pair.T_world_left[:3, 3]
+    matches, cloud = points_of(pair, settings)
     seen = time.perf_counter()
-    # Every sure point raises the count of its cell (section 4.4).
-    voxel_map.insert(sure_points(cloud, settings), origin, view)
+    insert(cloud, pair, settings, voxel_map, view)
     done = time.perf_counter()
     return PairResult(matches=matches, cloud=cloud, stereo_s=seen - began, map_s=done - seen)
 
 
-def sure_points(cloud: PointCloud, settings: Settings) -> PointCloud:
-    """The points whose sigma is small enough for the cells of the map."""
-    if settings.map.max_sigma is None or cloud.sigma is None:
-        return cloud
-    return cloud.select(cloud.sigma <= settings.map.max_sigma * settings.map.cell_size)
+def points_of(pair: StereoPair, settings: Settings) -> tuple[Matches, PointCloud]:
+    """The matches of a pair and their points: in the world, where the pair has a pose."""
+    matches = match_images(pair.left, pair.right, settings)
+    # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
+    cloud = triangulate(matches, pair, settings.triangulation)
+    return matches, cloud if pair.T_world_left is None else cloud.moved(pair.T_world_left)
 
 
-def process_sequence(
-    source: Iterable[StereoPair], settings: Settings, voxel_map: VoxelMap
-) -> Iterator[tuple[StereoPair, PairResult]]:
-    """All pairs of a sequence into the map, one at a time."""
-    for number, pair in enumerate(source):
-        yield pair, process_pair(pair, settings, voxel_map, number)
+def insert(
+    cloud: PointCloud,
+    pair: StereoPair,
+    settings: Settings,
+    voxel_map: VoxelMap,
+    view: int | None = None,
+) -> None:
+    """Every point that is sure enough raises the count of its cell (section 4.4)."""
+    origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
+    if settings.map.max_sigma is not None and cloud.sigma is not None:
+        cloud = cloud.select(cloud.sigma <= settings.map.max_sigma * settings.map.cell_size)
+    voxel_map.insert(cloud, origin, view)

@@ -12,7 +12,7 @@ from recon.errors import InputError
 from recon.figures.canvas import INK, PAPER, Image, Size
 from recon.figures.solids import mesh as solid_mesh
 from recon.libraries import load_pyvista
-from recon.records import FoundObject, Voxels
+from recon.records import UNKNOWN, FoundObject, Voxels
 from recon.voxelmap.faces import exposed_faces
 
 SIZE: Size = (1200, 900)
@@ -109,12 +109,13 @@ def _add_solids(plotter: Any, objects: Sequence[FoundObject]) -> None:
 
 
 def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
-    if not objects:
+    named = [found for found in objects if found.label != UNKNOWN]
+    if not named:
         return
-    tops = np.array([found.centre for found in objects])
-    tops[:, 1] += [found.size[1] / 2.0 + 2.0 for found in objects]
+    tops = np.array([found.centre for found in named])
+    tops[:, 1] += [found.size[1] * 0.6 for found in named]
     plotter.add_point_labels(
-        tops, [found.label for found in objects], font_size=18, text_color=INK,
+        tops, [found.label for found in named], font_size=18, text_color=INK,
         shape_color="white", shape_opacity=0.8, show_points=False, always_visible=True,
         font_family="arial", bold=False,
     )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.canvas import ACCENT, FAINT, INK, Image, Size, new_axes, new_figure, to_image
-from recon.records import FoundObject, Voxels
+from recon.records import UNKNOWN, FoundObject, Voxels
 
 Array = NDArray[np.float64]
 SIZE: Size = (900, 860)
@@ -19,7 +19,9 @@ SIZE: Size = (900, 860)
 def occupancy(voxels: Voxels, size: Size = SIZE) -> Image:
     """Points over every floor cell, summed over height."""
     figure = new_figure(size)
-    _draw_counts(figure, _axes(figure, "Occupancy: points summed over height"), voxels)
+    axes = _axes(figure, "Occupancy: points summed over height")
+    _draw_counts(figure, axes, voxels)
+    _frame(axes)
     return to_image(figure)
 
 
@@ -31,6 +33,8 @@ def labels(
 ) -> Image:
     """Occupancy in the map's own colours, with every object's outline, name and probability.
 
+    What has no name has an outline only.
+
     The sheet holds the map and its objects; the trajectory may leave it.
 
     Parameters
@@ -41,11 +45,13 @@ def labels(
         Positions of the eyes in the world.
     """
     figure = new_figure(size)
-    axes = _axes(figure, f"Occupancy with labels: {len(objects)} objects")
+    axes = _axes(
+        figure, f"Occupancy with labels: {sum(o.label != UNKNOWN for o in objects)} objects"
+    )
     _draw_colours(axes, voxels)
     for found in objects:
         _draw_label(axes, found)
-    axes.autoscale(enable=False)
+    _frame(axes)
     if trajectory is not None:
         axes.plot(trajectory[:, 0], trajectory[:, 2], color=FAINT, lw=0.8, zorder=1)
     return to_image(figure)
@@ -72,15 +78,22 @@ def path(trajectory: Array, voxels: Voxels, size: Size = SIZE) -> Image:
     )  # fmt: skip
     if len(at):
         axes.plot(at[0, 0], at[0, 2], "o", color=ACCENT, ms=6, zorder=4)
+    _frame(axes)
     return to_image(figure)
 
 
 def _axes(figure: Any, title: str) -> Any:
     axes = new_axes(figure, title, "x [world units]", "z [world units]")
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.08)
-    axes.invert_yaxis()
+    axes.set_aspect("equal")
     return axes
+
+
+def _frame(axes: Any) -> None:
+    """A square round all that was drawn so far, with z down the page."""
+    box = axes.dataLim
+    half = 0.55 * max(box.width, box.height, 1e-9)
+    middle_x, middle_z = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
+    axes.set(xlim=(middle_x - half, middle_x + half), ylim=(middle_z + half, middle_z - half))
 
 
 def _draw_counts(figure: Any, axes: Any, voxels: Voxels) -> None:
@@ -111,7 +124,7 @@ def _draw_cells(
     else:
         squares.set(array=values, cmap=cmap)
     axes.add_collection(squares)
-    axes.autoscale_view()
+    axes.update_datalim((columns[:, None] + corners).reshape(-1, 2) * cell)
 
 
 def _draw_label(axes: Any, found: FoundObject) -> None:
@@ -119,6 +132,9 @@ def _draw_label(axes: Any, found: FoundObject) -> None:
 
     x, _, z = found.centre
     width, _, depth = found.size * 1.15
+    if found.label == UNKNOWN:
+        axes.add_patch(Ellipse((x, z), width, depth, fill=False, ec=FAINT, lw=1.0, zorder=4))
+        return
     axes.add_patch(Ellipse((x, z), width, depth, fill=False, ec=ACCENT, lw=1.2, zorder=4))
     axes.annotate(
         f"{found.label}\n{found.probability:.0%}", (x, z - depth / 2.0), zorder=5, color=INK,

@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-
 from recon.errors import InputError, ReconError
 from recon.exports.formats import read, write
 from recon.recognition import recognise

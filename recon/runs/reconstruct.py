@@ -1,33 +1,35 @@
 """A reconstruction, from a recording to a run folder."""
 
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.exports.ply import CloudWriter
 from recon.geometry import transform
-from recon.pipeline import PairResult, process_sequence
+from recon.pipeline import match_images
 from recon.recognition import recognise
 from recon.records import PairSource, StereoPair
 from recon.runfolder import RunFolder, RunPlan
-from recon.runs.contents import RunContents, Trajectory
+from recon.runs.contents import RunContents
 from recon.runs.figures import add_pair, draw_always, write_figures
 from recon.runs.products import Progress, with_views, write_metrics, write_products
 from recon.runs.report import read_report
+from recon.runs.tally import Tally
+from recon.sequences.odometry import EstimatedPoses
 from recon.sequences.open import open_sequence
+from recon.sequences.ring import is_ring
 from recon.sequences.truth import read_truth
-from recon.settings import Settings, to_toml, updated
-from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import new_map, occupied
+from recon.settings import Settings, to_toml, updated, with_quality
+from recon.voxelmap.occupancy import occupied
 
-# Of the smallest depth that the search range reaches: fine enough to show the shape of things,
-# coarse enough that several points meet in a cell.
-CELLS_TO_NEAREST = 80
+# At middle depth a cell is so many times as long as the uncertainty of a well-matched point, and as
+# wide as so many pixels, which is about as far apart as features are.
+SIGMAS_TO_CELL = 2.0
+SIGMA_PX = 0.15
+PIXELS_TO_CELL = 3.0
 
 # Searched where a recording does not say what occurs in it.
 DISPARITY_RANGE = (0, 127)
@@ -41,14 +43,29 @@ def base_values(path: Path, format_: str = "auto") -> dict[str, Any]:
     chosen = updated(Settings(), {"sequence": {"format": format_}})
     source = open_sequence(path, chosen.sequence)
     low, high = source.disparity_range or DISPARITY_RANGE
-    nearest = float(next(iter(source)).rig.depth(high))
-    return {
-        "matching.min_disparity": low,
-        "matching.max_disparity": high,
-        "map.cell_size": rounded(nearest / CELLS_TO_NEAREST),
-        "map.min_count": 2,
-        "recognition.ground": "none",
-    }
+    search = {"min_disparity": low, "max_disparity": high}
+    values: dict[str, Any] = {f"matching.{name}": value for name, value in search.items()}
+    pair = next(iter(source))
+    values["map.cell_size"] = suggested_cell_size(pair, updated(chosen, {"matching": search}))
+    values |= {"map.min_count": 2, "recognition.ground": "none"}
+    if len(source) > 1:
+        # What moves, and what was matched wrongly, is seen once.
+        values["map.occupancy"] = ["count", "views"]
+    if is_ring(path):
+        values["sequence.only_confirmed"] = True
+    return values
+
+
+def suggested_cell_size(pair: StereoPair, settings: Settings) -> float:
+    """Side of a cell that suits what a pair sees; 1 where it sees nothing."""
+    matches = match_images(pair.left, pair.right, with_quality(settings, "fast"))
+    depth = pair.rig.depth(matches.disparity_px)
+    depth = depth[np.isfinite(depth)]
+    if not len(depth):
+        return 1.0
+    middle = float(np.median(depth))
+    deep = SIGMAS_TO_CELL * float(pair.rig.depth_sigma(middle, SIGMA_PX))
+    return rounded(max(deep, PIXELS_TO_CELL * middle / pair.rig.focal_px))
 
 
 def rounded(length: float) -> float:
@@ -89,56 +106,22 @@ def _reconstruct_into(
     run: RunFolder, path: Path, source: PairSource, settings: Settings, progress: Progress | None
 ) -> None:
     began = time.perf_counter()
-    tally = Tally(voxel_map=new_map(settings.map))
+    tally = Tally(settings)
     with CloudWriter(run.path / "cloud.ply") as writer:
-        for pair, result in process_sequence(source, settings, tally.voxel_map):
-            writer.append(result.cloud, tally.num_pairs)
-            tally.add(pair, result)
+        for pair in source:
+            for seen in tally.take(pair):
+                writer.append(seen.cloud, seen.number)
             if progress is not None:
                 progress(tally.num_pairs, len(source))
+        for seen in tally.finish():
+            writer.append(seen.cloud, seen.number)
     run.seconds |= {"stereo": tally.stereo_s, "map": tally.map_s}
     _write(run, tally, settings)
-    truth = _surface_distance(path, tally) if tally.num_pairs == 1 else {}
+    metrics = tally.metrics | {"num_skipped": len(source.skipped)} | _surface_distance(path, tally)
+    if isinstance(source, EstimatedPoses):
+        metrics |= source.metrics
     run.seconds["total"] = time.perf_counter() - began
-    write_metrics(run, tally.metrics(len(source.skipped)) | truth | {"seconds": run.seconds})
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class Tally:
-    """What has come of the pairs so far; as large as the map and the trajectory."""
-
-    voxel_map: VoxelMap
-    stamps_s: list[float] = field(default_factory=list)
-    T_world_left: list[NDArray[np.float64]] = field(default_factory=list)
-    clearest: tuple[StereoPair, PairResult] | None = None
-    num_points: int = 0
-    num_voxels: int = 0
-    stereo_s: float = 0.0
-    map_s: float = 0.0
-
-    @property
-    def num_pairs(self) -> int:
-        """Pairs read so far."""
-        return len(self.stamps_s)
-
-    def add(self, pair: StereoPair, result: PairResult) -> None:
-        """Count one pair."""
-        self.stamps_s.append(pair.stamp_s)
-        self.T_world_left.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
-        self.num_points += len(result.cloud)
-        self.stereo_s += result.stereo_s
-        self.map_s += result.map_s
-        if self.clearest is None or len(result.matches) > len(self.clearest[1].matches):
-            self.clearest = pair, result
-
-    def metrics(self, num_skipped: int) -> dict[str, Any]:
-        """The numbers of `metrics.json` that need no truth."""
-        return {
-            "num_pairs": self.num_pairs,
-            "num_skipped": num_skipped,
-            "num_points": self.num_points,
-            "num_voxels": self.num_voxels,
-        }
+    write_metrics(run, metrics | {"seconds": run.seconds})
 
 
 def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
@@ -147,26 +130,23 @@ def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
     recognition = with_views(
         recognise(voxels, settings.recognition), voxels, run.path / "cloud.ply"
     )
-    trajectory = Trajectory(
-        stamps_s=np.array(tally.stamps_s), T_world_left=np.array(tally.T_world_left)
-    )
-    write_products(run, tally.voxel_map, recognition, trajectory)
-    contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
+    write_products(run, tally.voxel_map, recognition, tally.trajectory)
+    contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=tally.trajectory)
     pictures = draw_always(contents)
     if tally.clearest is not None:
-        pair, result = tally.clearest
-        pictures = add_pair(pictures, pair.left, result.matches)
+        pictures = add_pair(pictures, tally.clearest.pair.left, tally.clearest.matches)
     write_figures(run.path, pictures)
 
 
 def _surface_distance(path: Path, tally: Tally) -> dict[str, float]:
-    """Median distance of the points to the true surface, where the pair comes with its truth."""
-    if tally.clearest is None or not list(path.glob("disp_left.*")):
+    """Median distance of the points to the true surface, where a pair comes with its truth."""
+    seen = tally.clearest
+    if seen is None or tally.num_pairs > 1 or not list(path.glob("disp_left.*")):
         return {}
-    pair, result = tally.clearest
     truth = read_truth(path)
     v, u = np.nonzero(np.isfinite(truth.disparity_px))
-    surface = pair.rig.triangulate(np.column_stack([u, v]), truth.disparity_px[v, u])
-    pose = np.eye(4) if pair.T_world_left is None else pair.T_world_left
-    distance, _ = cKDTree(transform(pose, surface)).query(result.cloud.points)
+    surface = seen.pair.rig.triangulate(np.column_stack([u, v]), truth.disparity_px[v, u])
+    if seen.pair.T_world_left is not None:
+        surface = transform(seen.pair.T_world_left, surface)
+    distance, _ = cKDTree(surface).query(seen.cloud.points)
     return {"surface_distance_median": float(np.median(distance))}
