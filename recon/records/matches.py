@@ -38,7 +38,7 @@ class Matches:
     disparity_px: NDArray[np.float64]
     """(M,) u_left - u_right."""
     sigma_px: NDArray[np.float64]
-    """(M,) standard deviation of the disparity."""
+    """(M,) standard deviation of the disparity; NaN before fine tuning."""
     score: NDArray[np.float64]
     """(M,) confidence, falling."""
     index_left: NDArray[np.int32]

@@ -10,6 +10,8 @@ Quality = Literal["best", "fast"]
 PRESETS: dict[str, dict[str, dict[str, Any]]] = {
     "default": {},
     "thesis": {
+        # Widths of 6, 12 and 18 pixels are six half supports: filters of 2, 4 and 6.
+        "features": {"share": 0.025, "widths_px": (2.0, 4.0, 6.0)},
         "matching": {"min_disparity": -10, "max_disparity": 20, "row_permission": 1},
         "map": {"cell_size": 1.0, "min_count": 5, "max_sigma": None},
         "exploration": {
@@ -24,8 +26,14 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
 }
 
 QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
-    "best": {"features": {"share": 0.10}},
-    "fast": {"features": {"share": 0.05}},
+    "best": {
+        "features": {"share": 0.10, "widths_px": (1.5, 3.0, 6.0)},
+        "matching": {"cross_check": "exact", "members": "half"},
+    },
+    "fast": {
+        "features": {"share": 0.04, "widths_px": (2.0,)},
+        "matching": {"cross_check": "row", "members": "quarter"},
+    },
 }
 
 

@@ -12,7 +12,8 @@ from recon.settings.stage import STRICT, Count, NonNegative, Positive, Share
 class FeatureSettings:
     """Which points of an image are features (thesis 3.2, 3.3)."""
 
-    method: Literal["steerable"] = "steerable"
+    method: Literal["steerable", "population"] = "steerable"
+    """How strong and how oriented a pixel is: steerable filters, or population coding (3.2)."""
     share: Share = 0.10
     """Wanted number of features, as a share of the pixels; sets the threshold of the modulus."""
     threshold: NonNegative = 0.5
@@ -33,6 +34,15 @@ class MatchingSettings:
     """The search includes both ends."""
     row_permission: int = Field(default=0, ge=0)
     """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
+    cross_check: Literal["exact", "row"] = "exact"
+    """How a pair is confirmed: by the choice of its right pixel among all left ones, or only
+    against the other features of its row, which takes half the time."""
+    members: Literal["half", "quarter"] = "half"
+    """Which share of the pixels round a point supports its disparities."""
+    model: str | None = None
+    """File of the von Mises matcher's model; None = the one recon ships."""
+    per_block: Count | None = None
+    """At most so many pairs of each block of 32 x 32 pixels, so that they spread; None = all."""
     keep: Count | None = None
     """How many of the most confident pairs to keep; None = all."""
 
@@ -53,3 +63,19 @@ class TriangulationSettings:
     """Side of the square whose mean is the colour of a point."""
     max_sigma: Positive | None = None
     """Points whose depth is less sure than this many world units are left out; None = none."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class DenseSettings:
+    """How matches are spread over the picture (the thesis's future work)."""
+
+    segment_px: Positive = 12.0
+    """Side of a segment, in pixels."""
+    min_matches: Count = 3
+    """Fewest matches on a segment's plane; below, nothing is known of the segment."""
+    num_neighbours: Count = 8
+    """Matches that are asked whether another is a spike."""
+    spike_px: Positive = 1.0
+    """Difference of disparity that contradicts."""
+    spike_share: Share = 0.25
+    """A match is a spike if a smaller share of its neighbours agrees."""

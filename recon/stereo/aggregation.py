@@ -1,54 +1,20 @@
-"""The best supported disparity of each point, its rivals, and its side of an edge."""
+"""The best supported shift of each point, its rivals, and its side of an edge."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.scores import (
-    Ring,
-    Search,
-    Side,
-    fill_row,
-    locate,
-    make_ring,
-)  # fmt: skip
-from recon.stereo.support import (
-    AHEAD,
-    BEHIND,
-    DIRECTIONS,
-    DISC,
-    FAST,
-    LIKENESS,
-    SIDE_RADIUS,
-    Floats,
-    Integers,
-    add_votes,
-)  # fmt: skip
+from recon.stereo.scores import Picture, Ring, Search, fill_row, locate, make_ring
+from recon.stereo.sums import FAST, Floats, Integers, weighted_sum
+from recon.stereo.support import DIRECTIONS, LIKENESS, SIDE_RADIUS, Members, disc, half_disc
 
 _RIVAL_GAP = 3
-"""From so many disparities away another maximum is a rival: repetition, or an edge along a row."""
-_SIDE_PRIOR = np.float32(0.05)
-"""Added to the weight of a half disc, so that few pixels do not decide."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Support:
-    """What the neighbourhood says of the disparity of each point."""
-
-    disparity: NDArray[np.int64]
-    """(N,) the best supported disparity."""
-    score: NDArray[np.float32]
-    """(N,) its support; -inf where nothing can be matched."""
-    rival: NDArray[np.float32]
-    """(N,) support of the best other disparity, as a share of `score`."""
-    side: NDArray[np.float32]
-    """(N,) how much more the half disc ahead along the normal has the disparity than the other."""
-
-
-_Result = tuple[Integers, Floats, Floats, Floats]
+"""From so many shifts away another maximum is a rival: repetition, or an edge along a row."""
+_CLOSED = np.float32(-1e9)
+"""Support of a shift to a pixel that is no candidate."""
 
 
 class Points(NamedTuple):
@@ -57,17 +23,40 @@ class Points(NamedTuple):
     u: Integers
     v: Integers
     orientation: Floats
+    """(N,) of the edge's normal, in [0, pi]; (0,) where nobody asks for sides."""
     starts: Integers
     """(H + 1,) the first pixel of each row."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Support:
+    """What the neighbourhood says of the shift of each point."""
+
+    shift: NDArray[np.int64]
+    """(N,) column of the best supported partner, less the point's own."""
+    score: NDArray[np.float32]
+    """(N,) its support; -inf where nothing can be matched."""
+    rival: NDArray[np.float32]
+    """(N,) support of the best other shift, as a share of `score`."""
+    side: NDArray[np.float32]
+    """(N,) how much more the half disc ahead along the normal has the shift than the other."""
+    row_shift: NDArray[np.int64]
+    """(N,) row of the partner, less the point's own."""
+
+
+_Result = tuple[Integers, Floats, Floats, Floats]
 
 
 class _Task(NamedTuple):
     """The points of one picture that are sought in the other."""
 
-    base: Side
-    other: Side
+    base: Picture
+    other: Picture
     points: Points
     search: Search
+    disc: Members
+    ahead: Members
+    behind: Members
 
 
 class _Room(NamedTuple):
@@ -76,115 +65,202 @@ class _Room(NamedTuple):
     disc: Integers
     ahead: Integers
     behind: Integers
+    offsets: Integers
+    """(4, K) of the disc's members in the flat picture with its margin."""
     weights: Floats
     total: Floats
-    side: Floats
+    closed: Floats
+    """Of the other row: 0, or `_CLOSED` where there is no candidate; with room on both sides."""
+    claims: Floats
+    """Highest support that any point of the row has for each pixel of the other row."""
 
 
-def aggregate(base: Side, other: Side, points: Points, search: Search) -> Support:
-    """Support of all disparities of `search` at some points of `base`."""
+def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> Support:
+    """Support of all shifts of `search` at some points of `base`."""
     size = len(points.u)
     support = Support(
-        disparity=np.zeros(size, np.int64),
+        shift=np.zeros(size, np.int64),
         score=np.full(size, -np.inf, np.float32),
         rival=np.zeros(size, np.float32),
         side=np.zeros(size, np.float32),
+        row_shift=np.full(size, search.row_shift, np.int64),
     )
-    task = _Task(base, other, points, search)
-    _aggregate(task, (support.disparity, support.score, support.rival, support.side))
+    every = search.every
+    windows = disc(every), half_disc(+1, every), half_disc(-1, every)
+    task = _Task(base, other, points, search, *windows)
+    _aggregate(task, (support.shift, support.score, support.rival, support.side))
     return support
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _aggregate(task: _Task, result: _Result) -> None:
-    base, other, points, search = task
-    height, width = base.mask.shape
-    ring = make_ring(width, search.num_disparities)
-    room = _Room(
-        np.empty((2, 1, DISC.weight.shape[1]), np.int64),
-        np.empty((2, DIRECTIONS, AHEAD.weight.shape[1]), np.int64),
-        np.empty((2, DIRECTIONS, BEHIND.weight.shape[1]), np.int64),
-        np.empty(DISC.weight.shape[1], np.float32),
-        np.empty(ring.lanes, np.float32),
-        np.empty(ring.lanes, np.float32),
-    )
-    for v in range(SIDE_RADIUS):
-        fill_row(ring, v, base, other, search)
-    for v in range(height):
-        fill_row(ring, v + SIDE_RADIUS, base, other, search)
-        locate(ring, v, DISC, room.disc)
-        locate(ring, v, AHEAD, room.ahead)
-        locate(ring, v, BEHIND, room.behind)
-        for i in range(points.starts[v], points.starts[v + 1]):
-            _decide(ring, task, room, i, result)
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _decide(ring: Ring, task: _Task, room: _Room, i: int, result: _Result) -> None:
-    base, other, points, search = task
-    u, v = points.u[i], points.v[i]
-    disparity, score, rival, side = result
-    odd, parity = u & 1, (u + v) & 1
-    near = ring.scores[(u >> 1) * ring.lanes :]
-    _support(near, base.grey, u, v, room)
-    best = _best(room.total, other.mask, u, v, search, -1)
-    if best < 0:
-        return
-    disparity[i] = search.lowest + best
-    score[i] = room.total[best]
-    second = _best(room.total, other.mask, u, v, search, best)
-    if second >= 0 and room.total[best] > 0:
-        rival[i] = max(room.total[second], np.float32(0.0)) / room.total[best]
-    k = int(np.rint(points.orientation[i] * DIRECTIONS / np.pi)) % DIRECTIONS
-    row = parity * DIRECTIONS + k
-    ahead = _evidence(near, room.ahead[odd, k], AHEAD.weight[row], room.side, search, best)
-    behind = _evidence(near, room.behind[odd, k], BEHIND.weight[row], room.side, search, best)
-    side[i] = ahead - behind
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _support(near: Floats, grey: NDArray[np.uint8], u: int, v: int, room: _Room) -> None:
-    """Mean score of the members of the disc, the more alike the more worth."""
-    parity = (u + v) & 1
-    here = np.int64(grey[v + SIDE_RADIUS, u + SIDE_RADIUS])
-    sum_weights = np.float32(1e-6)
-    for k in range(room.weights.size):
-        row = v + DISC.dv[parity, k] + SIDE_RADIUS
-        there = np.int64(grey[row, u + DISC.du[parity, k] + SIDE_RADIUS])
-        weight = DISC.weight[parity, k] * LIKENESS[abs(there - here)]
-        room.weights[k] = weight
-        sum_weights += weight
-    add_votes(near, room.disc[u & 1, 0], room.weights, room.total)
-    room.total[:] /= sum_weights
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _best(
-    total: Floats, mask: NDArray[np.bool_], u: int, v: int, search: Search, excluded: int
-) -> int:
-    """The best supported candidate that is no neighbour of an excluded one; -1 = none."""
-    best = -1
-    v_other = v + search.row_shift
-    if not 0 <= v_other < mask.shape[0]:
-        return best
-    first = max(0, u - search.lowest - mask.shape[1] + 1)
-    for d in range(first, min(search.num_disparities, u - search.lowest + 1)):
-        if excluded >= 0 and abs(d - excluded) < _RIVAL_GAP:
-            continue
-        if mask[v_other, u - search.lowest - d] and (best < 0 or total[d] > total[best]):
-            best = d
+def aggregate_rows(
+    base: Picture, other: Picture, points: Points, search: Search, permission: int
+) -> Support:
+    """The best of the rows up to `permission` above and below."""
+    best = aggregate(base, other, points, search)
+    for row_shift in [sign * k for k in range(1, permission + 1) for sign in (-1, 1)]:
+        found = aggregate(base, other, points, search._replace(row_shift=row_shift))
+        better = found.score > best.score
+        names = [field.name for field in fields(Support)]
+        best = Support(**{n: np.where(better, getattr(found, n), getattr(best, n)) for n in names})
     return best
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _evidence(
-    near: Floats, starts: Integers, weights: Floats, total: Floats, search: Search, d: int
+def _aggregate(task: _Task, result: _Result) -> None:
+    base, other, points, search = task.base, task.other, task.points, task.search
+    height, width = base.mask.shape
+    ring = make_ring(width, search.num_shifts)
+    room = _make_room(task, ring)
+    for v in range(SIDE_RADIUS):
+        fill_row(ring, v, base, other, search)
+    for v in range(height):
+        fill_row(ring, v + SIDE_RADIUS, base, other, search)
+        v_other = v + search.row_shift
+        if points.starts[v] == points.starts[v + 1] or not 0 <= v_other < height:
+            continue
+        _open(other.mask[v_other], room, max(0, -search.first))
+        locate(ring, v, task.disc, room.disc)
+        _choose(ring, task, room, v, result)
+        if search.is_unique:
+            _reject(points, room, max(0, -search.first), v, result)
+        if points.orientation.size:
+            locate(ring, v, task.ahead, room.ahead)
+            locate(ring, v, task.behind, room.behind)
+            _take_sides(ring, task, room, v, result)
+
+
+@njit(cache=True)
+def _make_room(task: _Task, ring: Ring) -> _Room:
+    width = task.base.mask.shape[1]
+    members = task.disc.weight.shape[1]
+    reach = abs(task.search.first) + width + task.search.num_shifts
+    return _Room(
+        np.zeros((2, 1, members), np.int64),
+        np.zeros((2, DIRECTIONS, task.ahead.weight.shape[1]), np.int64),
+        np.zeros((2, DIRECTIONS, task.behind.weight.shape[1]), np.int64),
+        task.disc.dv * task.base.grey.shape[1] + task.disc.du,
+        np.zeros(members, np.float32),
+        np.zeros(task.search.num_shifts, np.float32),
+        np.full(reach, _CLOSED, np.float32),
+        np.full(reach, _CLOSED, np.float32),
+    )
+
+
+@njit(cache=True)
+def _open(mask: NDArray[np.bool_], room: _Room, margin: int) -> None:
+    """Make ready for the candidates of another row, that nobody has claimed yet."""
+    room.claims[:] = _CLOSED
+    for u in range(mask.size):
+        room.closed[margin + u] = np.float32(0.0) if mask[u] else _CLOSED
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _choose(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
+    """Find the best supported shift of each point of a row."""
+    points, search, grey, total = task.points, task.search, task.base.grey, room.total
+    shift, score, rival, _ = result
+    picture = grey.reshape(-1)
+    for i in range(points.starts[v], points.starts[v + 1]):
+        u = points.u[i]
+        parity = 2 * (v & 1) + (u & 1)
+        middle = (v + SIDE_RADIUS) * grey.shape[1] + u + SIDE_RADIUS
+        share = _weigh(
+            picture, middle, room.offsets[parity], task.disc.weight[parity], room.weights
+        )
+        near = ring.scores[(u >> 1) * ring.lanes :]
+        weighted_sum(near, room.disc[u & 1, 0], room.weights, total)
+        start = max(0, -search.first) + u + search.first
+        _claim(total, share, room.closed[start:], room.claims[start:])
+        best, highest = _highest(total)
+        if highest > 0:
+            shift[i] = search.first + best
+            score[i] = highest
+            rival[i] = _rival(total, best) / highest
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _weigh(
+    picture: NDArray[np.uint8], middle: int, offsets: Integers, weight: Floats, weights: Floats
 ) -> float:
-    """How much a half disc has disparity d itself, and is not explained better as background."""
-    add_votes(near, starts, weights, total)
+    """Write the weights of the disc's members, the more alike the more; return 1 / their sum."""
+    here = np.int64(picture[middle])
+    for k in range(weight.size):
+        there = np.int64(picture[np.uint64(middle + offsets[k])])
+        weights[k] = weight[k] * LIKENESS[np.uint64(abs(there - here))]
+    total = np.float32(1e-6)
+    for k in range(weight.size):
+        total += weights[k]
+    return float(np.float32(1.0) / total)
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _claim(total: Floats, share: float, closed: Floats, claims: Floats) -> None:
+    """Turn sums into means, shut those without a candidate, and note the highest of each."""
+    for k in range(total.size):
+        total[k] = total[k] * share + closed[k]
+        claims[k] = max(claims[k], total[k])
+
+
+@njit(cache=True)
+def _reject(points: Points, room: _Room, margin: int, v: int, result: _Result) -> None:
+    """Forget points whose partner supports another point of the row more."""
+    shift, score, _, _ = result
+    for i in range(points.starts[v], points.starts[v + 1]):
+        if score[i] < room.claims[margin + points.u[i] + shift[i]]:
+            score[i] = -np.inf
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
+    """Compare the evidence of both half discs of each matched point of a row."""
+    points, total = task.points, room.total
+    shift, score, _, side = result
+    for i in range(points.starts[v], points.starts[v + 1]):
+        if score[i] < 0:
+            continue
+        u, best = points.u[i], shift[i] - task.search.first
+        direction = min(int(points.orientation[i] * DIRECTIONS / np.pi), DIRECTIONS - 1)
+        row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
+        near = ring.scores[(u >> 1) * ring.lanes :]
+        weighted_sum(near, room.ahead[u & 1, direction], task.ahead.weight[row], total)
+        side[i] = _evidence(total, best)
+        weighted_sum(near, room.behind[u & 1, direction], task.behind.weight[row], total)
+        side[i] -= _evidence(total, best)
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _highest(total: Floats) -> tuple[int, float]:
+    highest = total[0]
+    for k in range(total.size):
+        highest = max(highest, total[k])
+    best = 0
+    while total[best] < highest:
+        best += 1
+    return best, highest
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _rival(total: Floats, best: int) -> float:
+    """The highest support that is not next to the best."""
+    highest = np.float32(0.0)
+    before = total[: max(0, best - _RIVAL_GAP + 1)]
+    for k in range(before.size):
+        highest = max(highest, before[k])
+    after = total[best + _RIVAL_GAP :]
+    for k in range(after.size):
+        highest = max(highest, after[k])
+    return float(highest)
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _evidence(average: Floats, best: int) -> float:
+    """How much a half disc has a shift itself, and is not explained better as background.
+
+    Shifts grow as disparities fall: what is farther away comes after.
+    """
     background = np.float32(0.0)
-    for k in range(d - 1):
-        background = max(background, total[k])
-    sum_weights = total[search.num_disparities]
-    evidence: float = (total[d] - np.float32(0.5) * background) / (sum_weights + _SIDE_PRIOR)
+    after = average[best + 2 :]
+    for k in range(after.size):
+        background = max(background, after[k])
+    evidence: float = average[best] - np.float32(0.5) * background
     return evidence

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
-from recon.stereo import filters
+from recon.stereo import filters, population
+from recon.stereo.sums import Floats
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
@@ -38,18 +39,28 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     harmonics = np.zeros((3, *grey.shape), dtype=np.float32)
     for width_px, planes in zip(settings.widths_px, responses, strict=True):
         filters.respond(grey.astype(np.float32), width_px, planes, harmonics)
-    modulus, ridge = _ridges(harmonics)
+    modulus, cosine, sine = _strength(grey.astype(np.float32), harmonics, settings)
+    ridge = _ridges(modulus, cosine, sine)
     threshold = _threshold(modulus, ridge, settings)
     v, u = np.nonzero(ridge & (modulus >= threshold))
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
-        orientation_rad=np.mod(np.arctan2(harmonics[2], harmonics[1])[v, u] / 2, np.pi),
+        orientation_rad=np.mod(np.arctan2(sine[v, u], cosine[v, u]) / 2, np.pi),
         modulus=modulus[v, u],
         grey=grey,
         widths_px=settings.widths_px,
         planes=responses,
         candidate_mask=modulus >= _CANDIDATE_SHARE * threshold,
     )
+
+
+def _strength(grey: Floats, harmonics: Floats, settings: FeatureSettings) -> tuple[Floats, ...]:
+    """Modulus (H, W), and a vector whose angle is twice the direction across the edge."""
+    if settings.method == "population":
+        middle = settings.widths_px[len(settings.widths_px) // 2]
+        return population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
+    mean, cosine, sine = harmonics
+    return np.sqrt(mean + np.hypot(cosine, sine)), cosine, sine
 
 
 def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -64,9 +75,7 @@ def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return grey
 
 
-def _threshold(
-    modulus: NDArray[np.float32], ridge: NDArray[np.bool_], settings: FeatureSettings
-) -> float:
+def _threshold(modulus: Floats, ridge: NDArray[np.bool_], settings: FeatureSettings) -> float:
     """The modulus from which on a ridge pixel is a feature: by value and by number wanted."""
     on_ridge = modulus[ridge]
     wanted = round(settings.share * modulus.size)
@@ -79,36 +88,26 @@ def _threshold(
 
 
 @njit(cache=True, error_model="numpy")
-def _ridges(harmonics: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Modulus, and where it is the largest along the normal of the edge."""
-    _, height, width = harmonics.shape
-    modulus = np.empty((height, width), np.float32)
-    for y in range(height):
-        for x in range(width):
-            c, s = harmonics[1, y, x], harmonics[2, y, x]
-            modulus[y, x] = np.sqrt(max(harmonics[0, y, x] + np.sqrt(c * c + s * s), 0.0))
+def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
+    """Where the modulus is the largest along the normal of the edge."""
+    height, width = modulus.shape
     ridge = np.zeros((height, width), np.bool_)
-    for y in range(1, height - 1):
-        for x in range(1, width - 1):
-            angle = 0.5 * np.arctan2(harmonics[2, y, x], harmonics[1, y, x])
-            ridge[y, x] = _is_ridge(modulus, y, x, np.cos(angle), np.sin(angle))
-    return modulus, ridge
+    for v in range(1, height - 1):
+        for u in range(1, width - 1):
+            ridge[v, u] = _is_ridge(modulus, v, u, cosine[v, u], sine[v, u])
+    return ridge
 
 
 @njit(cache=True, error_model="numpy")
-def _is_ridge(modulus: NDArray[np.float32], y: int, x: int, nx: float, ny: float) -> bool:
-    """Whether the neighbours along the normal are weaker; they are mixed of two pixels each."""
-    if abs(nx) > abs(ny):
-        dy, dx, corner_dy, corner_dx = 0, _sign(nx), _sign(ny), _sign(nx)
-        share = abs(ny / nx)
-    else:
-        dy, dx, corner_dy, corner_dx = _sign(ny), 0, _sign(ny), _sign(nx)
-        share = abs(nx / ny)
-    ahead = (1 - share) * modulus[y + dy, x + dx] + share * modulus[y + corner_dy, x + corner_dx]
-    behind = (1 - share) * modulus[y - dy, x - dx] + share * modulus[y - corner_dy, x - corner_dx]
-    return bool(ahead < modulus[y, x] >= behind)
+def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
+    """Whether the neighbours along the normal are weaker; they are mixed of two pixels each.
 
-
-@njit(cache=True)
-def _sign(number: float) -> int:
-    return 1 if number > 0 else -1
+    The normal's doubled angle has cosine and sine proportional to c and s.
+    """
+    across = 1 if s > 0 else -1
+    dv, du = (0, 1) if c > 0 else (across, 0)
+    # Tangent of the angle to the nearer axis, from its double.
+    share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
+    ahead = (1 - share) * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
+    behind = (1 - share) * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
+    return bool(ahead < modulus[v, u] >= behind)

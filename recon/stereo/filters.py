@@ -7,11 +7,14 @@ that a pyramid would give at it, and nothing has to be interpolated.
 
 import math
 from functools import cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from recon.stereo.sums import FAST, Integers, filled, weighted_sum
 
 Array = NDArray[np.float32]
 
@@ -22,8 +25,8 @@ ORIENTATIONS = 6
 DESCRIPTORS = 3
 """Every second of them describes a pixel in matching: 0, 60 and 120 degrees."""
 
-_SUPPORT = 3.0
-"""Half support in widths; the filter has fallen to 1e-3 there."""
+_SUPPORT = 2.75
+"""Half support in widths; the filter has fallen to 3e-3 there."""
 _SPREAD_WIDTH = 2.0
 """Narrowest width, in steps of the lattice, of a filter on a spread-out one: below it the odd
 filter answers to negative frequencies too, and phase does not grow evenly with the pixel."""
@@ -32,16 +35,14 @@ _H = 0.3975
 _H3 = -2.982 / _H
 _H1 = 2.858 / _H
 
-# Names of the rows of `kernels`.
+# Names of the rows of `kernels`; the first nine are also applied along columns.
 _P0, _P1, _P2, _P3, _P4, _H5, _H4, _C1, _C2, _RP0, _RP1 = range(11)
-_VERTICAL = 9
-# Each product of a vertical and a horizontal factor, and the basis filter it adds to.
-_PRODUCTS = np.array(
-    [
-        (_P0, _P4, 0), (_P1, _P3, 1), (_P2, _P2, 2), (_P3, _P1, 3), (_P4, _P0, 4),
-        (_P0, _H5, 5), (_P1, _H4, 6), (_C2, _C1, 7), (_P0, _RP1, 7), (_C1, _C2, 8),
-        (_P1, _RP0, 8), (_H4, _P1, 9), (_H5, _P0, 10),
-    ]
+_COLUMN_KERNELS = 9
+# Products of a column and a row kernel that make up each basis filter: five of G, six of H.
+_PRODUCTS = (
+    ((_P0, _P4),), ((_P1, _P3),), ((_P2, _P2),), ((_P3, _P1),), ((_P4, _P0),),
+    ((_P0, _H5),), ((_P1, _H4),), ((_C2, _C1), (_P0, _RP1)), ((_C1, _C2), (_P1, _RP0)),
+    ((_H4, _P1),), ((_H5, _P0),),
 )  # fmt: skip
 
 
@@ -80,13 +81,42 @@ def kernels(width_px: float) -> Array:
 
 
 @cache
-def steering() -> Array:
-    """(ORIENTATIONS, 11) weights of the basis: five of G, then six of H (Eqs 12, 13)."""
+def steering() -> tuple[Array, Array]:
+    """(ORIENTATIONS, 5) weights of G's basis and (ORIENTATIONS, 6) of H's (Eqs 12, 13)."""
     theta = np.arange(ORIENTATIONS) * np.pi / ORIENTATIONS
     c, s = np.cos(theta), np.sin(theta)
-    even = [_G * math.comb(4, k) * c ** (4 - k) * s**k for k in range(5)]
-    odd = [_H * math.comb(5, k) * c ** (5 - k) * s**k for k in range(6)]
-    return np.array(even + odd, dtype=np.float32).T.copy()
+    real = [_G * math.comb(4, k) * c ** (4 - k) * s**k for k in range(5)]
+    imag = [-_H * math.comb(5, k) * c ** (5 - k) * s**k for k in range(6)]
+    return np.array(real, np.float32).T.copy(), np.array(imag, np.float32).T.copy()
+
+
+class _Lattice(NamedTuple):
+    """A filter's taps as weighted sums over flat buffers of one picture width."""
+
+    column_starts: Integers
+    """(K,) from the first row of a window, in the padded picture."""
+    column_weights: Array
+    """(9, K)"""
+    row_starts: Integers
+    """(11, K') in the nine column sums of a row, one after the other."""
+    row_weights: Array
+    """(11, K')"""
+
+
+def _lattice(taps: Array, step: int, padded_width: int) -> _Lattice:
+    size = taps.shape[1]
+    column_starts = np.zeros(filled(size), np.int64)
+    column_starts[:size] = np.arange(size) * step * padded_width
+    column_weights = np.zeros((_COLUMN_KERNELS, filled(size)), np.float32)
+    column_weights[:, :size] = taps[:_COLUMN_KERNELS]
+    row_starts = np.zeros((len(_PRODUCTS), filled(2 * size)), np.int64)
+    row_weights = np.zeros(row_starts.shape, np.float32)
+    for i, products in enumerate(_PRODUCTS):
+        for j, (column, row) in enumerate(products):
+            part = slice(j * size, (j + 1) * size)
+            row_starts[i, part] = column * padded_width + np.arange(size) * step
+            row_weights[i, part] = taps[row]
+    return _Lattice(column_starts, column_weights, row_starts, row_weights)
 
 
 def respond(grey: Array, width_px: float, planes: Array, harmonics: Array) -> None:
@@ -108,7 +138,7 @@ def respond(grey: Array, width_px: float, planes: Array, harmonics: Array) -> No
     pad = step * (taps.shape[1] // 2)
     smooth = _smoothed(grey, level(width_px))
     padded = cv2.copyMakeBorder(smooth, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
-    _filter(padded, taps, step, steering(), planes, harmonics)
+    _filter(padded, _lattice(taps, step, padded.shape[1]), steering(), planes, harmonics)
 
 
 def _smoothed(grey: Array, level: int) -> Array:
@@ -126,70 +156,70 @@ def _smoothed(grey: Array, level: int) -> Array:
     return smooth
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def _filter(
-    padded: Array, taps: Array, step: int, weights: Array, planes: Array, harmonics: Array
+    padded: Array,
+    lattice: _Lattice,
+    steering: tuple[Array, Array],
+    planes: Array,
+    harmonics: Array,
 ) -> None:
     height, width = planes.shape[2:]
-    columns = np.empty((_VERTICAL, padded.shape[1]), np.float32)
-    basis = np.empty((11, width), np.float32)
-    for y in range(height):
-        _filter_columns(padded, taps, step, y, columns)
-        _filter_row(columns, taps, step, basis)
-        _steer(basis, weights, planes[:, :, y], harmonics[:, y])
+    picture = padded.reshape(-1)
+    columns = np.zeros((_COLUMN_KERNELS, padded.shape[1]), np.float32)
+    basis = np.zeros((11, width), np.float32)
+    once = lattice.column_starts.size
+    for v in range(height):
+        rows = picture[v * padded.shape[1] :]
+        for i in range(_COLUMN_KERNELS):
+            weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i])
+        for i in range(lattice.row_weights.shape[0]):
+            # Only two of the basis filters are sums of two products.
+            size = lattice.row_weights.shape[1] if i in (7, 8) else once
+            starts, weights = lattice.row_starts[i, :size], lattice.row_weights[i, :size]
+            weighted_sum(columns.reshape(-1), starts, weights, basis[i])
+        _steer(basis, steering, planes[:, :, v], harmonics[:, v])
 
 
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
-def _filter_columns(padded: Array, taps: Array, step: int, y: int, columns: Array) -> None:
-    columns[:] = 0.0
-    for k in range(taps.shape[1]):
-        row = padded[y + k * step]
-        for i in range(columns.shape[0]):
-            weight = taps[i, k]
-            out = columns[i]
-            for x in range(row.size):
-                out[x] += weight * row[x]
-
-
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
-def _filter_row(columns: Array, taps: Array, step: int, basis: Array) -> None:
-    basis[:] = 0.0
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _steer(basis: Array, steering: tuple[Array, Array], planes: Array, harmonics: Array) -> None:
+    """Responses of one row in all directions; every second one is a descriptor."""
+    real, imag = steering
     width = basis.shape[1]
-    for i in range(_PRODUCTS.shape[0]):
-        vertical, horizontal, target = _PRODUCTS[i]
-        out = basis[target]
-        for k in range(taps.shape[1]):
-            weight = taps[horizontal, k]
-            shifted = columns[vertical, k * step : k * step + width]
-            for x in range(width):
-                out[x] += weight * shifted[x]
-
-
-@njit(cache=True, fastmath={"contract", "nsz"}, error_model="numpy")
-def _steer(basis: Array, weights: Array, planes: Array, harmonics: Array) -> None:
-    width = basis.shape[1]
-    real = np.empty(width, np.float32)
-    imag = np.empty(width, np.float32)
-    for i in range(weights.shape[0]):
-        real[:] = 0.0
-        imag[:] = 0.0
-        for k in range(5):
-            weight = weights[i, k]
-            for x in range(width):
-                real[x] += weight * basis[k, x]
-        for k in range(5, 11):
-            weight = weights[i, k]
-            for x in range(width):
-                imag[x] -= weight * basis[k, x]
-        angle = 2.0 * np.pi * i / weights.shape[0]
-        share = np.float32(1.0 / weights.shape[0])
-        c = np.float32(2.0 * np.cos(angle)) * share
-        s = np.float32(2.0 * np.sin(angle)) * share
-        for x in range(width):
-            energy = real[x] * real[x] + imag[x] * imag[x]
-            harmonics[0, x] += share * energy
-            harmonics[1, x] += c * energy
-            harmonics[2, x] += s * energy
+    re, im = np.empty(width, np.float32), np.empty(width, np.float32)
+    for i in range(ORIENTATIONS):
+        _mix(basis[:5], real[i], re)
+        _mix(basis[5:10], imag[i], im)
+        _add(basis[10], imag[i, 5], im)
+        angle = 2.0 * np.pi * i / ORIENTATIONS
+        _add_harmonics(re, im, (1.0, 2.0 * np.cos(angle), 2.0 * np.sin(angle)), harmonics)
         if i % 2 == 0:
-            planes[i // 2, 0] = real
-            planes[i // 2, 1] = imag
+            planes[i // 2, 0] = re
+            planes[i // 2, 1] = im
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _mix(basis: Array, weights: Array, out: Array) -> None:
+    """Weighted sum of five rows."""
+    a, b, c, d, e = basis[0], basis[1], basis[2], basis[3], basis[4]
+    p, q, r, s, t = weights[0], weights[1], weights[2], weights[3], weights[4]
+    for u in range(out.size):
+        out[u] = p * a[u] + q * b[u] + r * c[u] + s * d[u] + t * e[u]
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _add(row: Array, weight: float, out: Array) -> None:
+    for u in range(out.size):
+        out[u] += weight * row[u]
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _add_harmonics(
+    re: Array, im: Array, factors: tuple[float, float, float], harmonics: Array
+) -> None:
+    """Add the energy of a direction to the harmonics, each by its factor."""
+    for k in range(3):
+        factor = np.float32(factors[k] / ORIENTATIONS)
+        out = harmonics[k]
+        for u in range(re.size):
+            out[u] += factor * (re[u] * re[u] + im[u] * im[u])

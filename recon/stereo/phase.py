@@ -1,12 +1,16 @@
 """Matching by the phase of all scales and orientations, supported by neighbours (Eqs 15 to 18)."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
-from recon.stereo.aggregation import Points, Support, aggregate
-from recon.stereo.scores import Search, Side
+from recon.stereo.aggregation import Points, Support, aggregate_rows
+from recon.stereo.scores import C_COS, Picture, Search
+from recon.stereo.sums import Floats
 from recon.stereo.support import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
@@ -19,15 +23,63 @@ Rows = NDArray[np.int64]
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
     """Pairs that choose each other, moved to the side of their edge that has their disparity."""
+    return match_by(left, right, settings, C_COS, _confidence)
+
+
+def _confidence(support: Support) -> Floats:
+    """Support, less where a rival has nearly as much: repetition, or an edge along the row."""
+    confidence: Floats = support.score - _RIVAL_WEIGHT * support.rival
+    return confidence
+
+
+def match_by(
+    left: Features,
+    right: Features,
+    settings: MatchingSettings,
+    table: Floats,
+    confidence: Callable[[Support], Floats],
+) -> Matches:
+    """Match with the similarity of a table (see `scores.Search`) and a confidence of its own."""
     height, width = left.grey.shape
     lowest = max(settings.min_disparity, 1 - width)
     count = min(settings.max_disparity, width - 1) - lowest + 1
-    search = Search(lowest, count, 0)
+    if count < 1:
+        raise InputError(
+            f"disparities {settings.min_disparity}..{settings.max_disparity} all lie outside "
+            f"the picture, whose width is {width}"
+        )
+    every = {"half": 1, "quarter": 2}[settings.members]
+    is_unique = settings.cross_check == "row"
+    search = Search(1 - count - lowest, count, 0, every, is_unique, table)
+    pictures = _picture(left), _picture(right)
     points = _points(left.points_px.astype(np.int64), left.orientation_rad, height)
-    support = aggregate(_side(left), _side(right), points, search)
+    support = aggregate_rows(*pictures, points, search, settings.row_permission)
     rows = np.flatnonzero(np.isfinite(support.score))
-    rows = rows[_agrees(left, right, points, support, rows, search)]
-    return _ranked(right, points, support, rows)
+    if not is_unique:
+        back = search._replace(first=lowest)
+        rows = rows[_agrees(pictures, points, support, rows, (back, settings.row_permission))]
+    return _ranked(right, points, support, confidence(support), rows)
+
+
+def _agrees(
+    pictures: tuple[Picture, Picture],
+    points: Points,
+    support: Support,
+    rows: Rows,
+    search: tuple[Search, int],
+) -> NDArray[np.bool_]:
+    """Whether the right pixel of each pair, searching the left picture, chooses it too."""
+    left, right = pictures
+    height, width = left.mask.shape
+    partner = (points.v + support.row_shift) * width + points.u + support.shift
+    numbers, inverse = np.unique(partner[rows], return_inverse=True)
+    pixels = np.column_stack([numbers % width, numbers // width])
+    nobody = np.zeros(0, np.float32)
+    back = aggregate_rows(right, left, _points(pixels, nobody, height), *search)
+    agrees: NDArray[np.bool_] = (back.shift[inverse] == -support.shift[rows]) & (
+        back.row_shift[inverse] == -support.row_shift[rows]
+    )
+    return agrees
 
 
 def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Points:
@@ -39,51 +91,37 @@ def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Poin
     )
 
 
-def _side(features: Features, step: int = 1) -> Side:
-    """A picture for the loops; seen in a mirror where `step` is -1."""
-    return Side(
-        np.ascontiguousarray(features.planes[..., ::step]),
-        np.ascontiguousarray(features.candidate_mask[:, ::step]),
-        np.pad(features.grey[:, ::step], SIDE_RADIUS, mode="edge"),
+def _picture(features: Features) -> Picture:
+    return Picture(
+        features.planes.reshape(-1, 2, *features.grey.shape),
+        features.candidate_mask,
+        np.pad(features.grey, SIDE_RADIUS, mode="edge"),
     )
 
 
-def _agrees(
-    left: Features, right: Features, points: Points, support: Support, rows: Rows, search: Search
-) -> NDArray[np.bool_]:
-    """Whether the right pixel of each pair chooses the same disparity."""
-    height, width = left.grey.shape
-    # In a mirror the right picture's points have the same disparities to the left's.
-    column = width - 1 - (points.u[rows] - support.disparity[rows])
-    wanted, inverse = np.unique(points.v[rows] * width + column, return_inverse=True)
-    pixels = np.column_stack([wanted % width, wanted // width])
-    mirrored = _points(pixels, np.zeros(len(wanted), np.float32), height)
-    back = aggregate(_side(right, -1), _side(left, -1), mirrored, search)
-    agrees: NDArray[np.bool_] = back.disparity[inverse] == support.disparity[rows]
-    return agrees
-
-
-def _ranked(right: Features, points: Points, support: Support, rows: Rows) -> Matches:
+def _ranked(
+    right: Features, points: Points, support: Support, confidence: Floats, rows: Rows
+) -> Matches:
     """The pairs as matches, most confident first, of those that met at a pixel the first."""
     height, width = right.grey.shape
-    confidence = (support.score - _RIVAL_WEIGHT * support.rival)[rows]
-    order = np.argsort(-confidence, kind="stable")
-    rows, confidence = rows[order], confidence[order]
+    rows = rows[np.argsort(-confidence[rows], kind="stable")]
     pixels = _moved(points, support, rows)
-    disparity = support.disparity[rows]
+    disparity = -support.shift[rows]
+    # A step must not leave either picture.
     inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
     inside &= (pixels[:, 0] - disparity >= 0) & (pixels[:, 0] - disparity < width)
-    number = np.where(inside, pixels[:, 1] * width + pixels[:, 0], -1)
-    first = np.sort(np.unique(number, return_index=True)[1])
-    keep = first[inside[first]]
+    keep = np.flatnonzero(inside)
+    keep = keep[_first_at(pixels[keep, 1] * width + pixels[keep, 0], height * width)]
     rows = rows[keep]
     return Matches(
         points_px=pixels[keep].astype(np.float64),
         disparity_px=disparity[keep].astype(np.float64),
-        sigma_px=np.full(len(keep), np.sqrt(1 / 12)),
-        score=confidence[keep].astype(np.float64),
+        sigma_px=np.full(len(keep), np.nan),
+        score=confidence[rows].astype(np.float64),
         index_left=rows.astype(np.int32),
-        index_right=_index_at(right, points.u[rows] - disparity[keep], points.v[rows]),
+        index_right=_index_at(
+            right, points.u[rows] - disparity[keep], points.v[rows] + support.row_shift[rows]
+        ),
     )
 
 
@@ -103,3 +141,11 @@ def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
     index[lines, columns] = np.arange(len(features))
     found: NDArray[np.int32] = index[v, u]
     return found
+
+
+def _first_at(places: Rows, num_places: int) -> NDArray[np.bool_]:
+    """Which entries are the first at their place."""
+    first = np.empty(num_places, np.int64)
+    first[places[::-1]] = np.arange(len(places))[::-1]
+    mask: NDArray[np.bool_] = first[places] == np.arange(len(places))
+    return mask

@@ -1,4 +1,4 @@
-"""Similarity of a pixel to those of the other picture's row, at every disparity (Eqs 16 to 18).
+"""Similarity of a pixel to those of the other picture's row, at every shift (Eqs 16 to 18).
 
 The scores of the rows round the current one stay in a ring, so that memory does not grow with the
 height of the picture.
@@ -10,21 +10,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.support import FAST, SIDE_RADIUS, Floats, Integers, Members
+from recon.stereo.sums import FAST, Floats, Integers
+from recon.stereo.support import SIDE_RADIUS, Members
 
 SLACK = np.float32(0.9)
-"""What a member's vote for the neighbouring disparity is worth."""
+"""What a member's vote for the neighbouring shift is worth."""
 
 _ROWS = 2 * SIDE_RADIUS + 1
 _MARGIN = SIDE_RADIUS
 _TINY = np.float32(1e-12)
 
 
-class Side(NamedTuple):
+class Picture(NamedTuple):
     """One picture of the two, as the loops want it."""
 
     planes: Floats
-    """(S, O, 2, H, W) responses."""
+    """(C, 2, H, W) real and imaginary responses; C = scales * orientations."""
     mask: NDArray[np.bool_]
     """(H, W) pixels that may be matched."""
     grey: NDArray[np.uint8]
@@ -32,29 +33,39 @@ class Side(NamedTuple):
 
 
 class Search(NamedTuple):
-    """Where the other picture is searched."""
+    """Pixel u is compared with the pixels u + first, u + first + 1, ... of the other picture."""
 
-    lowest: int
-    """Smallest disparity."""
-    num_disparities: int
+    first: int
+    num_shifts: int
     row_shift: int
     """Row of the other picture, less the row of this one."""
+    every: int
+    """2: pixels of every second row alone are members; 1: every second pixel of all rows."""
+    is_unique: bool
+    """Whether of the points of a row that choose the same partner only the best is kept."""
+    table: Floats
+    """(S, B, P) similarity by scale, likeness of magnitude c and cosine of the phase difference,
+    each in equal bins; (0, 0, 0) for the similarity c cos."""
+
+
+C_COS = np.zeros((0, 0, 0), np.float32)
+"""The table of the similarity ``c cos(phase difference)``."""
 
 
 class Ring(NamedTuple):
-    """Scores of the last rows: every second pixel of a row, and for it one lane a disparity."""
+    """Scores of the last rows: every second pixel of a row, and for it one lane a shift."""
 
     scores: Floats
     """(2 * _ROWS * columns * lanes,) exact scores, then those that a slanted surface may use."""
     columns: int
     lanes: int
-    """Disparities, one lane that is 1 where the pixel is a candidate, and filling to 16."""
+    """Shifts, filled up to a multiple of 16."""
 
 
 @njit(cache=True)
-def make_ring(width: int, count: int) -> Ring:
+def make_ring(width: int, num_shifts: int) -> Ring:
     """An empty ring."""
-    lanes = (count + 1 + 15) // 16 * 16
+    lanes = (num_shifts + 15) // 16 * 16
     columns = (width + 2 * _MARGIN) // 2 + 1
     return Ring(np.zeros(2 * _ROWS * columns * lanes, np.float32), columns, lanes)
 
@@ -65,12 +76,11 @@ def locate(ring: Ring, v: int, members: Members, starts: Integers) -> None:
 
     Counted from the column `u >> 1` of the window's middle u.
     """
-    rows = members.weight.shape[0] // 2
     slack_shift = _ROWS * ring.columns * ring.lanes
     for odd in range(2):
-        for i in range(rows):
-            row = ((odd + v) & 1) * rows + i
-            for k in range(members.weight.shape[1]):
+        for i in range(starts.shape[1]):
+            row = (2 * (v & 1) + odd) * starts.shape[1] + i
+            for k in range(starts.shape[2]):
                 line = (v + members.dv[row, k]) % _ROWS * ring.columns
                 column = (odd + members.du[row, k] + _MARGIN) >> 1
                 shift = members.slack[row, k] * slack_shift
@@ -78,89 +88,110 @@ def locate(ring: Ring, v: int, members: Members, starts: Integers) -> None:
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def fill_row(ring: Ring, v: int, base: Side, other: Side, search: Search) -> None:
+def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) -> None:
     """Compute the scores of row v of `base`; rows outside the picture score nothing."""
+    if v % search.every:
+        return
     size = ring.columns * ring.lanes
     start = v % _ROWS * size
     exact = ring.scores[start : start + size]
-    exact[:] = 0.0
     slack = ring.scores[start + _ROWS * size : start + (_ROWS + 1) * size]
+    exact[:] = 0.0
     slack[:] = 0.0
     height, width = base.mask.shape
     v_other = v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
         return
-    mirror = _mirrored(other.planes[:, :, :, v_other], other.mask[v_other], search)
-    here = _energies(base.planes[:, :, :, v], base.mask[v])
-    first = max(0, -search.lowest) + width - 1 + search.lowest
+    margin = max(0, -search.first)
+    beyond = max(0, search.first) + search.num_shifts
+    here = _row(base, v, 0, 0)
+    there = _row(other, v_other, margin, beyond)
     for u in range(v & 1, width, 2):
         if base.mask[v, u]:
             lane = ((u + _MARGIN) >> 1) * ring.lanes
-            lanes = exact[lane : lane + ring.lanes]
-            for scale in range(mirror.shape[0]):
-                _add_scores(here[u, scale], mirror[scale], first - u, search.num_disparities, lanes)
-            lanes[search.num_disparities] = 1.0
-            _slacken(lanes, search.num_disparities, slack[lane : lane + ring.lanes])
+            lanes = exact[lane : lane + search.num_shifts]
+            if search.table.size:
+                _look_up(here, u, there[:, :, margin + u + search.first :], search.table, lanes)
+            else:
+                _compare(here, u, there, margin + u + search.first, lanes)
+            _slacken(lanes, slack[lane : lane + search.num_shifts])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _energies(planes: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """(W, S, O, 3) responses and inverse energies of the candidates of a row."""
-    scales, orientations, _, width = planes.shape
-    row = np.empty((width, scales, orientations, 3), np.float32)
-    share = np.float32(1.0 / (scales * orientations))
-    for s in range(scales):
-        for o in range(orientations):
-            for u in range(width):
-                re, im = planes[s, o, 0, u], planes[s, o, 1, u]
-                row[u, s, o, 0] = re
-                row[u, s, o, 1] = im
-                row[u, s, o, 2] = share / (re * re + im * im + _TINY)
+def _row(picture: Picture, v: int, margin: int, beyond: int) -> Floats:
+    """(C, 3, ...) responses and inverse energies of a row, with room before and behind."""
+    channels, _, _, width = picture.planes.shape
+    row = np.zeros((channels, 3, margin + width + beyond), np.float32)
+    share = np.float32(1.0 / channels)
+    mask = picture.mask[v]
+    for c in range(channels):
+        real, imag = picture.planes[c, 0, v], picture.planes[c, 1, v]
+        re, im = row[c, 0, margin:], row[c, 1, margin:]
+        inverse = row[c, 2, margin:]
+        for u in range(width):
+            re[u] = real[u]
+            im[u] = imag[u]
+            # No candidate: no score, whatever the phase.
+            weight = share if mask[u] else np.float32(0.0)
+            inverse[u] = weight / (real[u] * real[u] + imag[u] * imag[u] + _TINY)
     return row
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _mirrored(planes: Floats, mask: NDArray[np.bool_], search: Search) -> Floats:
-    """A row back to front, so that the disparity grows with the index, with inverse energies."""
-    scales, orientations, _, width = planes.shape
-    offset = max(0, -search.lowest)
-    size = offset + 2 * width + max(0, search.lowest) + search.num_disparities
-    mirror = np.zeros((scales, orientations, 3, size), np.float32)
-    share = np.float32(1.0 / (scales * orientations))
-    for s in range(scales):
-        for o in range(orientations):
-            row = mirror[s, o]
-            for u in range(width):
-                re, im = planes[s, o, 0, u], planes[s, o, 1, u]
-                i = offset + width - 1 - u
-                row[0, i] = re
-                row[1, i] = im
-                # No candidate: no score, whatever the phase.
-                row[2, i] = share / (re * re + im * im + _TINY) if mask[u] else np.float32(0.0)
-    return mirror
+def _compare(here: Floats, u: int, there: Floats, start: int, scores: Floats) -> None:
+    """Mean over scales and orientations of c cos(phase difference), where that is positive.
 
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _add_scores(here: Floats, mirror: Floats, first: int, count: int, out: Floats) -> None:
-    """Add c cos(phase difference) of the three orientations of one scale.
-
-    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is that, without an angle or a root.
+    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without an angle or a root.
     """
-    for o in range(3):
-        re, im, inverse = here[o]
-        # Slices, as an index that might be negative keeps the loop from being vectorised.
-        re_other = mirror[o, 0, first:][:count]
-        im_other = mirror[o, 1, first:][:count]
-        inverse_other = mirror[o, 2, first:][:count]
-        for d in range(count):
-            out[d] += (re * re_other[d] + im * im_other[d]) * min(inverse, inverse_other[d])
+    # Unsigned, as an index that might be negative keeps the loop from being vectorised.
+    first = np.uint64(start)
+    size = np.uint64(scores.size)
+    for c in range(0, here.shape[0], 3):
+        a, b, d = there[c], there[c + 1], there[c + 2]
+        a_re, a_im, a_inv = here[c, 0, u], here[c, 1, u], here[c, 2, u]
+        b_re, b_im, b_inv = here[c + 1, 0, u], here[c + 1, 1, u], here[c + 1, 2, u]
+        d_re, d_im, d_inv = here[c + 2, 0, u], here[c + 2, 1, u], here[c + 2, 2, u]
+        for i in range(size):
+            k = first + i
+            scores[i] += (
+                (a_re * a[0, k] + a_im * a[1, k]) * min(a_inv, a[2, k])
+                + (b_re * b[0, k] + b_im * b[1, k]) * min(b_inv, b[2, k])
+                + (d_re * d[0, k] + d_im * d[1, k]) * min(d_inv, d[2, k])
+            )
+    for i in range(size):
+        scores[i] = max(scores[i], np.float32(0.0))
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _slacken(exact: Floats, count: int, slack: Floats) -> None:
+def _look_up(here: Floats, u: int, there: Floats, table: Floats, scores: Floats) -> None:
+    """Mean over scales and orientations of the table's similarity, where that is positive."""
+    scales, num_c, num_cos = table.shape
+    channels = here.shape[0]
+    for i in range(scores.size):
+        if there[0, 2, i] == 0.0:
+            continue
+        total = np.float32(0.0)
+        for c in range(channels):
+            dot = here[c, 0, u] * there[c, 0, i] + here[c, 1, u] * there[c, 1, i]
+            # The inverse energies of both have the same factor.
+            ratio = here[c, 2, u] / there[c, 2, i]
+            like = np.sqrt(min(ratio, 1.0 / ratio))
+            cosine = dot * channels * np.sqrt(here[c, 2, u] * there[c, 2, i])
+            row = min(int(like * num_c), num_c - 1)
+            column = min(max(int((cosine + 1.0) * 0.5 * num_cos), 0), num_cos - 1)
+            total += table[c * scales // channels, row, column]
+        scores[i] = max(total / channels, np.float32(0.0))
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _slacken(exact: Floats, slack: Floats) -> None:
     """The best of a score and its neighbours', these at a discount."""
-    slack[:] = exact
-    for d in range(1, count):
-        slack[d] = max(slack[d], SLACK * exact[d - 1])
-    for d in range(count - 1):
-        slack[d] = max(slack[d], SLACK * exact[d + 1])
+    size = exact.size
+    if size == 1:
+        slack[0] = exact[0]
+        return
+    slack[0] = max(exact[0], SLACK * exact[1])
+    slack[size - 1] = max(exact[size - 1], SLACK * exact[size - 2])
+    before, middle, after, out = exact[: size - 2], exact[1 : size - 1], exact[2:], slack[1:]
+    for d in range(size - 2):
+        out[d] = max(middle[d], SLACK * max(before[d], after[d]))

@@ -3,10 +3,12 @@
 import dataclasses
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from recon.records import Features, Matches
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
+from recon.stereo.sums import Floats, Integers
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
@@ -17,6 +19,8 @@ _LARGEST_PHASE = 2.2
 """Radians; a larger difference has wrapped round, or belongs to nothing."""
 _LARGEST_CHANGE_PX = 0.7
 """A larger change means that phase and position disagree; position is kept then."""
+_UNTUNED_SIGMA_PX = 0.4
+"""Of a disparity that is known to the pixel only."""
 
 Array = NDArray[np.float64]
 
@@ -26,38 +30,87 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
 
     With responses whose phase grows along the row, ``d = delta + (phi_right - phi_left) / k``,
     where k is the local frequency along the row, measured in both pictures. All scales and
-    orientations are taken together by weighted least squares.
+    orientations are taken together by weighted least squares. Pairs that have a sigma are tuned
+    already, and left as they are.
     """
-    tuned = np.asarray(left.widths_px) >= _FINEST_WIDTH_PX
-    if not len(matches) or not tuned.any():
+    rows = np.flatnonzero(np.isnan(matches.sigma_px))
+    tuned = np.flatnonzero(np.asarray(left.widths_px) >= _FINEST_WIDTH_PX)
+    if not rows.size:
         return matches
-    u, v = matches.points_px.astype(np.int64).T
-    disparity = np.rint(matches.disparity_px).astype(np.int64)
-    at_left, slope_left = _response(left, tuned, u, v)
-    at_right, slope_right = _response(right, tuned, u - disparity, v)
-    difference = np.angle(at_right * at_left.conj())
-    frequency = np.angle(slope_left + slope_right) / 2
-    weight = np.minimum(np.abs(at_left), np.abs(at_right)) ** 2
-    weight[np.abs(difference) > _LARGEST_PHASE] = 0
-    nominal = 2 * np.pi / (WAVELENGTH_OF_WIDTH * np.asarray(left.widths_px)[tuned])
-    prior = _PRIOR * (weight * np.repeat(nominal, len(weight) // len(nominal))[:, None] ** 2).sum(0)
-    information = (weight * frequency**2).sum(0) + prior
-    change = (weight * frequency * difference).sum(0) / np.maximum(information, 1e-9)
-    change[np.abs(change) > _LARGEST_CHANGE_PX] = 0
-    return dataclasses.replace(matches, disparity_px=disparity + change)
+    nominal = 2 * np.pi / (WAVELENGTH_OF_WIDTH * np.asarray(left.widths_px))
+    u, v = matches.points_px[rows].astype(np.int64).T
+    delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
+    disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
+    change, sigma[rows] = _tune(left.planes, right.planes, tuned, nominal, (u, v, u - delta))
+    disparity[rows] = delta + change
+    return dataclasses.replace(matches, disparity_px=disparity, sigma_px=sigma)
 
 
-def _response(
-    features: Features, tuned: NDArray[np.bool_], u: NDArray[np.int64], v: NDArray[np.int64]
-) -> tuple[NDArray[np.complex64], NDArray[np.complex64]]:
-    """Responses (C, M) at some pixels, and their growth over the two pixels round them."""
-    planes = features.planes[tuned]
-    planes = planes.reshape(-1, 2, *features.grey.shape)
-    last = features.grey.shape[1] - 1
+@njit(cache=True, error_model="numpy")
+def _tune(
+    left: Floats,
+    right: Floats,
+    scales: Integers,
+    nominal: Array,
+    pixels: tuple[Integers, Integers, Integers],
+) -> tuple[Array, Array]:
+    u_left, v, u_right = pixels
+    change = np.empty(v.size)
+    sigma = np.empty(v.size)
+    for i in range(v.size):
+        sums = np.zeros(4)
+        for s in scales:
+            for o in range(left.shape[1]):
+                here = _response(left[s, o, 0, v[i]], left[s, o, 1, v[i]], u_left[i])
+                there = _response(right[s, o, 0, v[i]], right[s, o, 1, v[i]], u_right[i])
+                _add_evidence(here, there, nominal[s], sums)
+        change[i], sigma[i] = _solve(sums)
+    return change, sigma
 
-    def at(column: NDArray[np.int64]) -> NDArray[np.complex64]:
-        column = np.clip(column, 0, last)
-        response: NDArray[np.complex64] = planes[:, 0, v, column] + 1j * planes[:, 1, v, column]
-        return response
 
-    return at(u), at(u + 1) * at(u - 1).conj()
+@njit(cache=True, error_model="numpy")
+def _add_evidence(
+    here: tuple[complex, complex], there: tuple[complex, complex], nominal: float, sums: Array
+) -> None:
+    """Add one channel to the sums of the least squares problem, unless its phase has wrapped."""
+    difference = _angle(there[0] * here[0].conjugate())
+    if abs(difference) > _LARGEST_PHASE:
+        return
+    frequency = 0.5 * _angle(here[1] + there[1])
+    weight = min(_energy(here[0]), _energy(there[0]))
+    sums[0] += weight * (frequency**2 + _PRIOR * nominal**2)
+    sums[1] += weight * frequency * difference
+    sums[2] += weight * difference**2
+    sums[3] += weight * nominal**2
+
+
+@njit(cache=True, error_model="numpy")
+def _solve(sums: Array) -> tuple[float, float]:
+    """Change of the disparity, and its standard deviation."""
+    information, moment, power, _ = sums
+    if information <= 0.0:
+        return 0.0, _UNTUNED_SIGMA_PX
+    change = moment / information
+    residual = power - moment * change
+    if abs(change) > _LARGEST_CHANGE_PX:
+        return 0.0, _UNTUNED_SIGMA_PX
+    return change, np.sqrt(residual / information)
+
+
+@njit(cache=True, error_model="numpy")
+def _response(real: Floats, imag: Floats, u: int) -> tuple[complex, complex]:
+    """Response at a pixel of a row, and its turn over the two pixels round it."""
+    before, after = max(u - 1, 0), min(u + 1, real.size - 1)
+    turn = complex(real[after], imag[after]) * complex(real[before], -imag[before])
+    return complex(real[u], imag[u]), turn
+
+
+@njit(cache=True)
+def _angle(z: complex) -> float:
+    angle: float = np.arctan2(z.imag, z.real)
+    return angle
+
+
+@njit(cache=True)
+def _energy(z: complex) -> float:
+    return z.real * z.real + z.imag * z.imag

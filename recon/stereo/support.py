@@ -4,14 +4,14 @@ Every second pixel, as on a chessboard, is a member: nothing is lost by it. The 
 are listed once, by the parity of its middle, so that the loop over them has no branches.
 """
 
+from functools import cache
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float32]
-Integers = NDArray[np.int64]
+from recon.stereo.sums import Floats, Integers, filled
 
 RADIUS = 7
 """Of the disc whose pixels support a disparity."""
@@ -27,15 +27,10 @@ _CONTRAST = 20.0
 """Difference of grey levels at which a member's support has fallen to 1/e: it belongs elsewhere."""
 DIRECTIONS = 16
 """Number of normals, over half a turn, for which half discs are listed."""
-_UNROLL = 4
-"""Members that are added at once, so that sums stay in registers."""
-
-FAST = {"contract", "nsz", "nnan"}
-"""What compilers may do to sums: nothing that depends on the number of threads or the run."""
 
 
 class Members(NamedTuple):
-    """Pixels of windows: (..., K) arrays, filled up with weight 0 to a multiple of `_UNROLL`."""
+    """Pixels of windows: (..., K) arrays, filled up with weight 0."""
 
     dv: Integers
     du: Integers
@@ -54,7 +49,7 @@ def _disc(radius: int) -> tuple[Integers, Integers, Floats]:
 def _stacked(windows: list[tuple[Integers, Integers, Floats]]) -> Members:
     """Windows of different sizes as rows of one table."""
     longest = max(len(weight) for _, _, weight in windows)
-    shape = (len(windows), -(-longest // _UNROLL) * _UNROLL)
+    shape = (len(windows), filled(longest))
     table = Members(
         np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(shape, np.float32),
         np.zeros(shape, np.int64),
@@ -68,40 +63,39 @@ def _stacked(windows: list[tuple[Integers, Integers, Floats]]) -> Members:
     return table
 
 
-def _whole() -> Members:
-    """The disc, for both parities of its middle."""
+def _chosen(dv: Integers, du: Integers, odd_v: int, odd_u: int, every: int) -> NDArray[np.bool_]:
+    """Which pixels of a window are members, by the parities of its middle."""
+    if every == 2:
+        return np.asarray((dv % 2 == odd_v) & (du % 2 == odd_u))
+    return np.asarray((dv + du) % 2 == (odd_v + odd_u) % 2)
+
+
+@cache
+def disc(every: int) -> Members:
+    """The disc, by the parity of its middle's row, then column."""
     dv, du, weight = _disc(RADIUS)
-    chosen = [(dv + du) % 2 == parity for parity in (0, 1)]
-    return _stacked([(dv[rows], du[rows], weight[rows]) for rows in chosen])
-
-
-def _half(sign: int) -> Members:
-    """The half disc ahead of (+1) or behind (-1) an edge, by parity and then by direction."""
-    dv, du, weight = _disc(SIDE_RADIUS)
     windows = []
-    for parity in (0, 1):
-        for direction in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:
-            ahead = sign * (du * np.cos(direction) + dv * np.sin(direction)) >= _SIDE_GAP
-            rows = ahead & ((dv + du) % 2 == parity)
-            windows.append((dv[rows], du[rows], weight[rows]))
+    for odd_v, odd_u in product((0, 1), repeat=2):
+        rows = _chosen(dv, du, odd_v, odd_u, every)
+        windows.append((dv[rows], du[rows], weight[rows]))
     return _stacked(windows)
 
 
-DISC = _whole()
-AHEAD = _half(+1)
-BEHIND = _half(-1)
+@cache
+def half_disc(sign: int, every: int) -> Members:
+    """The half disc ahead of (+1) or behind (-1) an edge, by parities and then by direction.
+
+    The weights of a window add up to 1.
+    """
+    dv, du, weight = _disc(SIDE_RADIUS)
+    windows = []
+    for odd_v, odd_u in product((0, 1), repeat=2):
+        chosen = _chosen(dv, du, odd_v, odd_u, every)
+        for direction in (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS:
+            ahead = sign * (du * np.cos(direction) + dv * np.sin(direction)) >= _SIDE_GAP
+            rows = ahead & chosen
+            windows.append((dv[rows], du[rows], weight[rows] / weight[rows].sum()))
+    return _stacked(windows)
+
+
 LIKENESS = np.exp(-np.arange(256) / _CONTRAST).astype(np.float32)
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def add_votes(scores: Floats, starts: Integers, weights: Floats, total: Floats) -> None:
-    """Weighted sum of the members' scores, which lie in `scores` from `starts` on."""
-    size = total.size
-    total[:] = 0.0
-    for k in range(0, weights.size, _UNROLL):
-        # Slices, as an index that might be negative keeps the loop from being vectorised.
-        a, b = scores[starts[k] :][:size], scores[starts[k + 1] :][:size]
-        c, d = scores[starts[k + 2] :][:size], scores[starts[k + 3] :][:size]
-        p, q, r, s = weights[k], weights[k + 1], weights[k + 2], weights[k + 3]
-        for i in range(size):
-            total[i] += p * a[i] + q * b[i] + r * c[i] + s * d[i]

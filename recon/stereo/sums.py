@@ -1,0 +1,32 @@
+"""The one inner loop of filters and support: a weighted sum of stretches of one buffer."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float32]
+Integers = NDArray[np.int64]
+
+UNROLL = 4
+"""Stretches are added four at a time; lists are filled up with weight 0."""
+FAST = {"contract", "nsz", "nnan"}
+"""What the compiler may do to sums: nothing that changes from run to run."""
+
+
+def filled(size: int) -> int:
+    """`size` brought up to a multiple of `UNROLL`."""
+    return -(-size // UNROLL) * UNROLL
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def weighted_sum(buffer: Floats, starts: Integers, weights: Floats, total: Floats) -> None:
+    """Write to `total` the sum of `weights[k] * buffer[starts[k] + i]` over k, for every i."""
+    size = total.size
+    total[:] = 0.0
+    for k in range(0, weights.size, UNROLL):
+        # Slices, as an index that might be negative keeps the loop from being vectorised.
+        a, b = buffer[starts[k] :][:size], buffer[starts[k + 1] :][:size]
+        c, d = buffer[starts[k + 2] :][:size], buffer[starts[k + 3] :][:size]
+        p, q, r, s = weights[k], weights[k + 1], weights[k + 2], weights[k + 3]
+        for i in range(size):
+            total[i] += p * a[i] + q * b[i] + r * c[i] + s * d[i]
