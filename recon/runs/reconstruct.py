@@ -26,10 +26,10 @@ from recon.settings import Settings, to_toml, updated, with_quality
 from recon.voxelmap.occupancy import occupied
 
 # At middle depth a cell is so many times as long as the uncertainty of a well-matched point, and as
-# wide as so many pixels, which is about as far apart as features are.
+# wide as so many pixels, which is about twice as far apart as features are.
 SIGMAS_TO_CELL = 2.0
 SIGMA_PX = 0.15
-PIXELS_TO_CELL = 3.0
+PIXELS_TO_CELL = 6.0
 
 # Searched where a recording does not say what occurs in it.
 DISPARITY_RANGE = (0, 127)
@@ -47,7 +47,7 @@ def base_values(path: Path, format_: str = "auto") -> dict[str, Any]:
     values: dict[str, Any] = {f"matching.{name}": value for name, value in search.items()}
     pair = next(iter(source))
     values["map.cell_size"] = suggested_cell_size(pair, updated(chosen, {"matching": search}))
-    values |= {"map.min_count": 2, "recognition.ground": "none"}
+    values |= {"map.min_count": min(2, len(source)), "recognition.ground": "none"}
     if len(source) > 1:
         # What moves, and what was matched wrongly, is seen once.
         values["map.occupancy"] = ["count", "views"]

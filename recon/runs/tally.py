@@ -69,7 +69,7 @@ class Tally:
             "num_pairs": self.num_pairs,
             "num_points": self.num_points,
             "num_voxels": self.num_voxels,
-            "confirmed_share": self.consistency.share,
+            "confirmed_share": self.consistency.share if self.num_pairs > 1 else None,
             "confirmed_distance_median": self.consistency.median_distance,
         }
 
