@@ -133,9 +133,9 @@ def _cone(
 
 
 def _within(t: Array) -> Array:
-    """Places along the axis without stray ones: a tenth of the bulk's length is allowed beyond."""
+    """Places along the axis without stray ones: a fifth of the bulk's length is allowed beyond."""
     low, high = np.quantile(t, [0.02, 0.98])
-    margin = 0.1 * (high - low)
+    margin = 0.2 * (high - low)
     inside: Array = t[(t >= low - margin) & (t <= high + margin)]
     return inside
 

@@ -25,8 +25,9 @@ LARGE_SAMPLE = 10_000
 RELATIVE_FLOOR = 1e-4
 """No cloud is truer than this share of its size: facets, rounding."""
 AS_GOOD = 0.1
-"""Fits are equally good that differ by less in BIC a point (5 percent of noise), however many
-points say so: cells and facets err together, which no criterion over single points knows."""
+"""Fits are equally good that differ by less in BIC a point (5 percent of noise), or by one
+parameter, however many points say so: cells and facets err together, which no criterion over single
+points knows."""
 INLIER_SIGMAS = 4.0
 """Points nearer than so many scales lie on a fit, and set its ends."""
 
@@ -77,7 +78,8 @@ def candidates(
     if not found:
         return FitFailure("no solid fits the points")
     ranked = sorted(found, key=lambda one: one.bic)
-    limit = ranked[0].bic + AS_GOOD * len(sample.points)
+    count = len(sample.points)
+    limit = ranked[0].bic + AS_GOOD * count + np.log(count)
     chosen = next(one for one in found if one.bic <= limit)
     return (chosen, *(one for one in ranked if one is not chosen))
 
