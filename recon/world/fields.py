@@ -1,7 +1,5 @@
 """The values of a geometry file: their order, what their comments say, and what may stand there."""
 
-import math
-import sys
 from dataclasses import dataclass
 
 from recon.world.visuals import (
@@ -15,6 +13,12 @@ from recon.world.visuals import (
 
 Value = float | int | str | tuple[float, ...]
 
+LIMIT = 1e9
+"""Largest number: what is drawn has to fit into single precision, squares too."""
+
+LEAST = 1e-9
+"""Smallest size."""
+
 
 @dataclass(frozen=True, slots=True)
 class Kind:
@@ -23,8 +27,8 @@ class Kind:
     need: str
     """For messages: what is needed."""
     count: int = 1
-    least: float = -math.inf
-    most: float = math.inf
+    least: float = -LIMIT
+    most: float = LIMIT
     is_whole: bool = False
 
     def parse(self, text: str) -> Value:
@@ -38,7 +42,7 @@ class Kind:
         numbers = tuple(int(word) if self.is_whole else float(word) for word in text.split())
         if len(numbers) != self.count:
             raise ValueError
-        if not all(math.isfinite(n) and self.least <= n <= self.most for n in numbers):
+        if not all(self.least <= n <= self.most for n in numbers):
             raise ValueError
         return numbers if self.count > 1 else numbers[0]
 
@@ -64,17 +68,15 @@ class Field:
 def whole(least: int, most: int | None = None) -> Kind:
     """Whole numbers from `least` to `most`, both included."""
     need = f"a whole number from {least}" + ("" if most is None else f" to {most}")
-    return Kind(need, least=least, most=math.inf if most is None else most, is_whole=True)
+    return Kind(need, least=least, most=LIMIT if most is None else most, is_whole=True)
 
 
-_TINY = sys.float_info.min
-NUMBER = Kind("a finite number")
-POSITIVE = Kind("a finite number above 0", least=_TINY)
-NOT_NEGATIVE = Kind("a finite number, 0 or more", least=0.0)
-VECTOR = Kind("three finite numbers", count=3)
-POSITIVE_VECTOR = Kind("three finite numbers above 0", count=3, least=_TINY)
-COLOUR = Kind("four finite numbers", count=4)
-VERTEX = Kind("nine finite numbers (x y z r g b a tu tv)", count=9)
+POSITIVE = Kind("a number above 0, up to 1e9", least=LEAST)
+NOT_NEGATIVE = Kind("a number from 0 to 1e9", least=0.0)
+VECTOR = Kind("three numbers within 1e9", count=3)
+POSITIVE_VECTOR = Kind("three numbers above 0, up to 1e9", count=3, least=LEAST)
+COLOUR = Kind("four numbers within 1e9", count=4)
+VERTEX = Kind("nine numbers within 1e9 (x y z r g b a tu tv)", count=9)
 
 SHADER_FIELDS = (
     Field("ambient", "Ambient color", COLOUR),

@@ -147,6 +147,7 @@ def _facets(part: Triangles) -> Array:
     edges = part.corners[:, 1:] - part.corners[:, :1]
     values = np.concatenate([part.uv, part.colours], axis=2)
     normal = np.cross(edges[:, 0], edges[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     # Gradients in the plane: the values' rise along both edges and none along the normal.
     frame = np.concatenate([edges, normal[:, None]], axis=1)
     rise = np.concatenate([values[:, 1:] - values[:, :1], np.zeros_like(values[:, :1])], axis=1)

@@ -121,7 +121,7 @@ def polygon_triangles(visual: PolygonVisual) -> Triangles:
     """A polygon as a fan round its first corner, with its own colours and coordinates."""
     count = len(visual.vertices)
     fan = np.array([(0, n, n + 1) for n in range(1, count - 1)])
-    corners = np.array([vertex.position for vertex in visual.vertices])[fan]
+    corners = np.array([vertex.position for vertex in visual.vertices], np.float64)[fan]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
     length = np.linalg.norm(normal)
     normal = normal / length if length > 0 else normal
