@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
+from recon.geometry import Array
 from recon.libraries import load_open3d
 from recon.world.solids import Triangles
 
@@ -19,18 +20,18 @@ def read_mesh(path: Path) -> Triangles:
         Where there is no file, no triangle, or a coordinate that is not finite.
     """
     mesh = _read(path)
-    index = np.asarray(mesh.triangles)
-    corners = np.asarray(mesh.vertices)[index]
-    if not (len(corners) and np.isfinite(corners).all()):
-        raise InputError(f"{path}: {len(corners)} finite triangles, but at least one is needed")
+    if "indices" not in mesh.triangle or not len(mesh.triangle.indices):
+        raise InputError(f"{path}: no triangle can be read, but at least one is needed")
+    index = mesh.triangle.indices.numpy()
+    corners = mesh.vertex.positions.numpy().astype(np.float64)[index]
+    if not np.isfinite(corners).all():
+        raise InputError(f"{path}: a corner is not finite, but all have to be")
     mesh.compute_vertex_normals()
-    uv = np.asarray(mesh.triangle_uvs).reshape(-1, 3, 2) * (1.0, -1.0)
-    colours = np.asarray(mesh.vertex_colors)
     return Triangles(
         corners=corners,
-        normals=np.asarray(mesh.vertex_normals)[index],
-        uv=uv if len(uv) == len(corners) else np.zeros((len(corners), 3, 2)),
-        colours=colours[index] if len(colours) else np.ones_like(corners),
+        normals=mesh.vertex.normals.numpy().astype(np.float64)[index],
+        uv=_uv(mesh, len(corners)),
+        colours=_colours(mesh)[index],
     )
 
 
@@ -39,4 +40,22 @@ def _read(path: Path) -> Any:
         raise InputError(f"{path}: there is no such file, but a PLY or OBJ mesh is needed")
     o3d = load_open3d()
     with o3d.utility.VerbosityContextManager(o3d.utility.VerbosityLevel.Error):
-        return o3d.io.read_triangle_mesh(str(path))
+        return o3d.t.io.read_triangle_mesh(str(path))
+
+
+def _uv(mesh: Any, count: int) -> Array:
+    """Texture coordinates (T, 3, 2); files count v upwards."""
+    if "texture_uvs" not in mesh.triangle:
+        return np.zeros((count, 3, 2))
+    uv: Array = mesh.triangle.texture_uvs.numpy() * np.array([1.0, -1.0])
+    return uv
+
+
+def _colours(mesh: Any) -> Array:
+    """Red, green, blue (V, 3) of the vertices, 0 to 1."""
+    if "colors" not in mesh.vertex:
+        return np.ones((len(mesh.vertex.positions), 3))
+    colours = mesh.vertex.colors.numpy()
+    scale = 255.0 if colours.dtype == np.uint8 else 1.0
+    share: Array = (colours / scale).clip(0.0, 1.0)
+    return share

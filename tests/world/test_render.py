@@ -187,3 +187,37 @@ def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
     )
     picture = world.take(AHEAD).left
     assert picture[128, 70, 2] > 200 > 50 > picture[128, 190, 2]
+
+
+OBJ = """\
+v -3 2 -10
+v 3 2 -10
+v 3 8 -10
+v -3 8 -10
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 1/1 2/2 3/3 4/4
+"""
+
+
+def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
+    from PIL import Image
+
+    from recon.settings.settings import Settings
+    from recon.world.visuals import MeshVisual, Scene
+    from recon.world.world import World
+
+    flag = np.zeros((64, 64, 3), np.uint8)
+    flag[:32, :32], flag[:32, 32:], flag[32:, :32] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
+    Image.fromarray(flag).save(tmp_path / "flag.png")
+    (tmp_path / "board.obj").write_text(OBJ)
+    scene = Scene(
+        textures=("flag.png",), visuals=(MeshVisual(file="board.obj", texture=0),), folder=tmp_path
+    )
+    settings = Settings()
+    world = World(scene, settings.eyes, settings.render, settings.world)
+    picture = world.take(AHEAD).left
+    quarters = [picture[v, u].tolist() for v in (110, 145) for u in (110, 145)]
+    assert quarters == [[255, 0, 0], [0, 255, 0], [0, 0, 255], [0, 0, 0]]
