@@ -18,7 +18,8 @@ from recon.geometry import Array, pose
 from recon.libraries import load_open3d
 from recon.settings.world import RenderSettings
 from recon.world.lighting import SUN
-from recon.world.render import SKY_RGB, Camera, Look, pixel_offsets
+from recon.world.render import SKY_RGB, Camera, Look, backdrop, pixel_offsets, pixels
+from recon.world.sampling import skies
 from recon.world.solids import Triangles
 from recon.world.visuals import NONE
 
@@ -82,6 +83,7 @@ class Filament:
     ) -> None:
         self._stage = _stage(*size)
         self._side = settings.supersampling
+        self._backdrop = backdrop(settings)
         self._name = f"world {next(_NUMBERS)}"
         self._visuals = [
             (_mesh(part), _material(look, pictures, settings.shading))
@@ -113,8 +115,10 @@ class Filament:
             self._stage.scene.camera.set_projection(K, camera.near, camera.far, *size)
             rgb = np.asarray(self._stage.render_to_image(), dtype=np.float64)
             z = np.asarray(self._stage.render_to_depth_image(True), dtype=np.float64)
-        seen = z <= camera.far
-        return np.where(seen[..., None], rgb, SKY_RGB), np.where(seen, z, np.nan)
+        sky = skies(camera.frame, pixels(camera) + offset_px, self._backdrop).reshape(rgb.shape)
+        depth = np.where(z <= camera.far, z, np.nan)
+        clear = np.nan_to_num(np.exp(-self._backdrop[2] * depth))[..., None]
+        return clear * rgb + (1.0 - clear) * sky, depth
 
     def _enter(self) -> None:
         """Take the stage, should another world be on it."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from recon.geometry import Array
 from recon.settings.world import RenderSettings
 from recon.world.rays import RayScene
-from recon.world.sampling import cast_rays, shade
+from recon.world.sampling import Backdrop, cast_rays, shade
 from recon.world.solids import Triangles
 from recon.world.textures import build_atlas
 from recon.world.visuals import NONE
@@ -82,29 +82,29 @@ class Raycaster:
         self._scene = RayScene(parts)
         atlas = build_atlas(pictures, settings.mipmaps)
         self._atlas = (atlas.texels, atlas.start, atlas.shape)
-        self._settings = settings
+        self._backdrop = backdrop(settings)
+        self._side = settings.supersampling
 
     def look(self, camera: Camera) -> NDArray[np.uint8]:
         """The picture (H, W, 3) of a camera, its edges supersampled."""
-        pixels = _pixels(camera)
-        triangle = self._hits(camera, pixels)
-        depth, colour = self._shade(camera, pixels, 1, triangle)
+        points_px = pixels(camera)
+        triangle = self._hits(camera, points_px)
+        depth, colour = self._shade(camera, points_px, 1, triangle)
         shape = (camera.height, camera.width)
-        side = self._settings.supersampling
-        if side > 1:
+        if self._side > 1:
             visual = self._visual[triangle].reshape(shape)
             edge = np.flatnonzero(_edges(visual, depth.reshape(shape)))
-            samples = (pixels[edge][:, None] + pixel_offsets(side)).reshape(-1, 2)
-            _, fine = self._shade(camera, samples, side, self._hits(camera, samples))
-            colour[edge] = fine.reshape(len(edge), side * side, 3).mean(axis=1)
+            samples = (points_px[edge][:, None] + pixel_offsets(self._side)).reshape(-1, 2)
+            _, fine = self._shade(camera, samples, self._side, self._hits(camera, samples))
+            colour[edge] = fine.reshape(len(edge), self._side**2, 3).mean(axis=1)
         picture: NDArray[np.uint8] = np.rint(colour.clip(0.0, 255.0)).astype(np.uint8)
         return picture.reshape(*shape, 3)
 
     def measure(self, camera: Camera) -> tuple[Array, NDArray[np.int32]]:
         """Depth (H, W), NaN = nothing, and number of the visual (H, W), -1 = none, at pixels."""
-        pixels = _pixels(camera)
-        triangle = self._hits(camera, pixels)
-        depth, _ = self._shade(camera, pixels, 1, triangle)
+        points_px = pixels(camera)
+        triangle = self._hits(camera, points_px)
+        depth, _ = self._shade(camera, points_px, 1, triangle)
         shape = (camera.height, camera.width)
         return depth.reshape(shape), self._visual[triangle].reshape(shape)
 
@@ -128,7 +128,6 @@ class Raycaster:
         self, camera: Camera, points_px: Array, side: int, triangle: NDArray[np.int32]
     ) -> tuple[Array, Array]:
         """Depth (N,) and colour (N, 3) at image points that are 1 / side apart."""
-        zenith = ZENITH_RGB if self._settings.sky else SKY_RGB
         depth, colour = shade(
             camera.frame,
             points_px,
@@ -136,7 +135,7 @@ class Raycaster:
             triangle,
             (self._facets, self._texture),
             self._atlas,
-            (np.array(SKY_RGB), np.array(zenith), -np.log1p(-self._settings.fog)),
+            self._backdrop,
         )
         return depth, colour
 
@@ -166,10 +165,16 @@ def _edges(visual: NDArray[np.int32], depth: Array) -> NDArray[np.bool_]:
     return edge
 
 
-def _pixels(camera: Camera) -> Array:
+def pixels(camera: Camera) -> Array:
     """Image points (H W, 2) of all pixels, row by row."""
     v, u = np.mgrid[: camera.height, : camera.width].astype(np.float64)
     return np.column_stack([u.ravel(), v.ravel()])
+
+
+def backdrop(settings: RenderSettings) -> Backdrop:
+    """What the sky and the fog look like."""
+    zenith = ZENITH_RGB if settings.sky else SKY_RGB
+    return np.array(SKY_RGB), np.array(zenith), float(-np.log1p(-settings.fog))
 
 
 def pixel_offsets(side: int) -> Array:

@@ -86,6 +86,16 @@ def _tinted(rgb: Vec, facets: Array, facet: int, hit: Vec) -> Vec:
 
 
 @njit(cache=True, nogil=True)
+def skies(frame: Array, points_px: Array, backdrop: Backdrop) -> Array:
+    """Colours (N, 3) of the sky behind image points (N, 2)."""
+    colour = np.empty((len(points_px), 3))
+    for n in range(len(points_px)):
+        _, direction = _ray(frame, points_px[n, 0], points_px[n, 1])
+        colour[n, 0], colour[n, 1], colour[n, 2] = _sky(backdrop, direction)
+    return colour
+
+
+@njit(cache=True, nogil=True)
 def _ray(frame: Array, u: float, v: float) -> tuple[Vec, Vec]:
     """Origin and direction through an image point."""
     origin = _add(

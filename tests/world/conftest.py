@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from recon.settings.settings import Settings
+from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
+from recon.world.visuals import Scene
 from recon.world.world import World
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -20,9 +22,6 @@ def world_of():
     """Makes a world of visuals, with settings by stage."""
 
     def make(*visuals, textures=(), shaders=(), eyes=None, render=None, floor=None):
-        from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
-        from recon.world.visuals import Scene
-
         return World(
             Scene(textures=textures, shaders=shaders, visuals=visuals),
             EyesSettings(**(eyes or {})),

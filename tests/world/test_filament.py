@@ -1,3 +1,4 @@
+import dataclasses
 import os
 import subprocess
 import sys
@@ -22,8 +23,6 @@ def drawn():
     fault = filament.filament_fault()
     if fault:
         pytest.skip(fault)
-    import dataclasses
-
     settings = Settings()
     render = dataclasses.replace(settings.render, renderer="filament")
     return World.from_file(SCENES / "village.scene", dataclasses.replace(settings, render=render))
@@ -45,6 +44,17 @@ def test_both_renderers_show_the_same_pictures(drawn, village):
     one, other = village.take(VIEW), drawn.take(VIEW)
     assert np.abs(one.left.astype(float) - other.left).mean() < 2
     assert np.abs(one.right.astype(float) - other.right).mean() < 2
+
+
+@pytest.mark.parametrize("weather", [{"fog": 0.03}, {"sky": True}, {"blur_px": 1.0, "noise": 2.0}])
+def test_both_renderers_have_the_same_weather(drawn, village, weather):
+    worlds = (
+        World(w.scene, w.eyes, dataclasses.replace(w.render, **weather), w.floor)
+        for w in (drawn, village)
+    )
+    one, other = (world.take(VIEW).left.astype(float) for world in worlds)
+    assert np.abs(one - other).mean() < 2
+    assert np.abs(one - village.take(VIEW).left).mean() > 2 or "noise" in weather
 
 
 def test_the_same_view_gives_the_same_bytes(drawn):

@@ -1,16 +1,23 @@
+import dataclasses
+
 import numpy as np
 import pytest
+from PIL import Image
 
 from recon.geometry import invert, transform
 from recon.records import View
+from recon.settings.settings import Settings
 from recon.world.render import SKY_RGB
 from recon.world.visuals import (
     CylinderVisual,
+    MeshVisual,
     PolygonVisual,
+    Scene,
     Shader,
     SphereVisual,
     Vertex,
 )
+from recon.world.world import World
 
 AHEAD = View(position=[0.0, 5.0, 0.0], target=[0.0, 5.0, -10.0])
 BALL = SphereVisual(centre=(0, 5, -20), radius=4, texture=0)
@@ -162,14 +169,6 @@ def test_the_sun_lights_one_side_and_a_shader_takes_the_place_of_colour(world_of
 
 def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
     """A picture whose upper left is red comes out so on a polygon and on an upright cylinder."""
-    import dataclasses
-
-    from PIL import Image
-
-    from recon.settings.settings import Settings
-    from recon.world.visuals import Scene
-    from recon.world.world import World
-
     pixels = np.zeros((64, 64, 3), np.uint8)
     pixels[:32, :, 2] = 255  # the upper half blue
     Image.fromarray(pixels).save(tmp_path / "flag.png")
@@ -203,12 +202,6 @@ f 1/1 2/2 3/3 4/4
 
 
 def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
-    from PIL import Image
-
-    from recon.settings.settings import Settings
-    from recon.world.visuals import MeshVisual, Scene
-    from recon.world.world import World
-
     flag = np.zeros((64, 64, 3), np.uint8)
     flag[:32, :32], flag[:32, 32:], flag[32:, :32] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
     Image.fromarray(flag).save(tmp_path / "flag.png")

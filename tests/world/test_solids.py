@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from recon.errors import InputError
 from recon.world.meshes import read_mesh
 from recon.world.solids import (
     contains,
@@ -125,8 +126,6 @@ def test_a_mesh_keeps_its_colours(tmp_path):
 
 
 def test_a_mesh_that_is_none_is_one_line(tmp_path):
-    from recon.errors import InputError
-
     (tmp_path / "rock.ply").write_text("no mesh")
     with pytest.raises(InputError, match=r"rock\.ply: no triangle can be read, but at least"):
         read_mesh(tmp_path / "rock.ply")

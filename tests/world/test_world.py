@@ -1,10 +1,13 @@
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
 from recon.errors import InputError
 from recon.records import View
+from recon.sequences.open import open_sequence
+from recon.settings.sequences import SequenceSettings
 from recon.settings.settings import Settings
 from recon.world.generator import plain_ground
 from recon.world.visuals import (
@@ -12,6 +15,7 @@ from recon.world.visuals import (
     EllipsoidVisual,
     MeshVisual,
     PolygonVisual,
+    Scene,
     SphereVisual,
     Vertex,
 )
@@ -214,8 +218,6 @@ def test_a_floor_larger_than_memory_is_one_line(world_of):
 
 
 def test_a_mesh_is_an_object(tmp_path):
-    from recon.world.visuals import Scene
-
     (tmp_path / "rock.ply").write_text(TETRAHEDRON.replace("0 0 1 255", "0 0 -9 255"))
     scene = Scene(visuals=(MeshVisual(file="rock.ply"),), folder=tmp_path)
     settings = Settings()
@@ -226,11 +228,6 @@ def test_a_mesh_is_an_object(tmp_path):
 
 
 def test_an_exported_frame_is_a_pair_with_its_truth(village, tmp_path):
-    import cv2
-
-    from recon.sequences.open import open_sequence
-    from recon.settings.sequences import SequenceSettings
-
     village.export_frame(village.start(), tmp_path / "frame")
     names = sorted(path.name for path in (tmp_path / "frame").iterdir())
     assert names == ["calib.txt", "disp_left.pfm", "left.png", "right.png"]
