@@ -6,12 +6,16 @@ from collections.abc import Sequence
 import click
 
 import recon
+from recon.cli.calibrate import calibrate
 from recon.cli.disparity import disparity
 from recon.cli.doctor import doctor
 from recon.cli.evaluate import evaluate
 from recon.cli.explore import explore
+from recon.cli.export import export
 from recon.cli.figure import figure
+from recon.cli.fit import fit
 from recon.cli.info import info
+from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
 from recon.errors import InputError, ReconError
 
@@ -27,7 +31,10 @@ def program() -> None:
     """Reconstruct objects from stereo sequences."""
 
 
-for command in (explore, reconstruct, disparity, evaluate, figure, info, doctor):
+for command in (
+    explore, reconstruct, disparity, evaluate, calibrate, recognise, fit, figure, export, info,
+    doctor,
+):  # fmt: skip
     program.add_command(command)
 
 

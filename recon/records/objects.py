@@ -113,6 +113,13 @@ def _object_from_json(found: dict[str, Any]) -> FoundObject:
         )
         for part in found["parts"]
     )
-    names = ("id", "label", "probability", "num_voxels", "views")
-    arrays = {name: np.asarray(found[name], dtype=np.float64) for name in ("centre", "size")}
-    return FoundObject(**{name: found[name] for name in names}, **arrays, parts=parts)
+    return FoundObject(
+        id=found["id"],
+        label=found["label"],
+        probability=found["probability"],
+        centre=np.asarray(found["centre"], dtype=np.float64),
+        size=np.asarray(found["size"], dtype=np.float64),
+        num_voxels=found["num_voxels"],
+        views=found["views"],
+        parts=parts,
+    )

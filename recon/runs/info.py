@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from recon import exports
 from recon.errors import InputError
+from recon.exports.formats import read
 from recon.records import Voxels
 from recon.runfolder import MANIFEST, read_manifest
 from recon.sequences.images import ENDINGS, read_image
@@ -73,7 +73,7 @@ def _of_picture(path: Path) -> Facts:
 
 
 def _of_points(path: Path) -> Facts:
-    data = exports.read(path)
+    data = read(path)
     if isinstance(data, VoxelMap):
         data = data.occupied(min_count=1)
     if isinstance(data, Voxels):
