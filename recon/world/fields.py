@@ -73,10 +73,10 @@ def whole(least: int, most: int | None = None) -> Kind:
 
 POSITIVE = Kind("a number above 0, up to 1e9", least=LEAST)
 NOT_NEGATIVE = Kind("a number from 0 to 1e9", least=0.0)
-VECTOR = Kind("three numbers within 1e9", count=3)
-POSITIVE_VECTOR = Kind("three numbers above 0, up to 1e9", count=3, least=LEAST)
-COLOUR = Kind("four numbers within 1e9", count=4)
-VERTEX = Kind("nine numbers within 1e9 (x y z r g b a tu tv)", count=9)
+VECTOR = Kind("a line of three numbers within 1e9", count=3)
+POSITIVE_VECTOR = Kind("a line of three numbers above 0, up to 1e9", count=3, least=LEAST)
+COLOUR = Kind("a line of four numbers within 1e9", count=4)
+VERTEX = Kind("a line of nine numbers within 1e9 (x y z r g b a tu tv)", count=9)
 
 SHADER_FIELDS = (
     Field("ambient", "Ambient color", COLOUR),

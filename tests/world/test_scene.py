@@ -195,8 +195,8 @@ def test_a_texture_that_no_visual_uses_is_not_looked_up(written):
     [
         ("\n4\n", "\n-4\n", "-4", "visual 0 (SPHERE) Radius is '-4', but a number above 0"),
         ("\n4\n", "\nnan\n", "nan", "Radius is 'nan', but a number above 0, up to 1e9"),
-        ("10 12 20", "10 inf 20", "10 inf 20", "Center is '10 inf 20', but three numbers within"),
-        ("10 12 20", "10820", "10820", "Center is '10820', but three numbers within"),
+        ("10 12 20", "10 inf 20", "10 inf 20", "Center is '10 inf 20', but a line of three"),
+        ("10 12 20", "10820", "10820", "Center is '10820', but a line of three"),
         ("\n50\n# Stacks", "\n2.5\n# Stacks", "2.5", "Slices is '2.5', but a whole number from 3"),
         ("SPHERE", "CUBE", "CUBE", "visual 0 type is 'CUBE', but one of SPHERE, ELLIPSOID, CYL"),
         ("# Radius\n4\n", "", "-1", "Radius is missing: the value is one of 'shader index'"),
