@@ -20,8 +20,10 @@ NUM_SIGMAS = 3.0
 """Of the difference of the two depths."""
 MAX_OFFSET_PX = 3.0
 """Between where a point should be seen and where one is: features slide along edges."""
-NUM_CANDIDATES = 8
+NUM_CANDIDATES = 4
 """Points within the offset whose depth is looked at."""
+SAMPLE_STEP = 8
+"""Every so many points tell the median distance; all would take longer than the confirmation."""
 MIN_DEPTH = 1e-6
 
 
@@ -40,15 +42,18 @@ class Witness:
         """(N,) of its own points."""
         self.is_confirmed = np.zeros(len(cloud), np.bool_)
         """(N,) whether another pair agreed."""
-        self.distance = np.full(len(cloud), np.inf)
-        """(N,) to the nearest point of another pair, world units."""
+        self.sample = np.arange(0, len(cloud), SAMPLE_STEP)
+        """(S,) some of the points."""
+        self.distance = np.full(len(self.sample), np.inf)
+        """(S,) from them to the nearest point of another pair, world units."""
         self._seen_at = cKDTree(self._rig.project_left(self._points_left(cloud.points)))
         self._stands_at = cKDTree(cloud.points)
 
     def hold_against(self, other: "Witness") -> None:
         """Confirm what `other` saw too: near the same place of its picture, at the same depth."""
         self.is_confirmed |= other._confirms(self)
-        self.distance = np.minimum(self.distance, other._stands_at.query(self.cloud.points)[0])
+        distance, _ = other._stands_at.query(self.cloud.points[self.sample])
+        self.distance = np.minimum(self.distance, distance)
 
     def _points_left(self, points_world: Array) -> Array:
         return transform(self._T_left_world, points_world)
@@ -113,7 +118,7 @@ class Consistency:
         near = settled.depth < self._max_depth
         self._num_points += int(near.sum())
         self._num_confirmed += int((settled.is_confirmed & near).sum())
-        distance = settled.distance[near & np.isfinite(settled.distance)]
+        distance = settled.distance[near[settled.sample] & np.isfinite(settled.distance)]
         if distance.size:
             self._median_distances.append(float(np.median(distance)))
         return settled

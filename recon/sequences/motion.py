@@ -18,10 +18,10 @@ MIN_TRACKS = 12
 MIN_SHIFT_PX = 1.0
 """Points further away, by their disparity, say nothing of a step."""
 RANSAC_PX = 1.0
-MAX_SIGMAS = 4.0
+MAX_SIGMAS = 3.0
 """Of a track that agrees."""
-TRACK_SIGMA_PX = 0.3
-"""Of a followed corner, in each of u, v and disparity."""
+TRACK_SIGMA_PX = 0.2
+"""Of a followed corner, in each of u, v and disparity: what the fits of a drive leave (0.18)."""
 NUM_ROUNDS = 8
 
 

@@ -33,12 +33,12 @@ class Reader:
     open: Callable[[Path, SequenceSettings], PairSource]
 
 
-READERS = {
+READERS = {  # tried in this order: a ring may have pictures called like a pair's
     "folder": Reader(fits=is_folder, open=open_folder),
     "kitti": Reader(fits=is_kitti, open=open_kitti),
     "euroc": Reader(fits=is_euroc, open=open_euroc),
-    "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
     "ring": Reader(fits=is_ring, open=open_ring),
+    "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
     "video": Reader(fits=is_video, open=open_video),
     "bag": Reader(fits=is_bag, open=open_bag),
     "simulated": Reader(fits=is_simulated, open=open_simulated),

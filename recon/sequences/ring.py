@@ -7,6 +7,7 @@ from functools import partial
 from itertools import combinations
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +17,7 @@ from recon.geometry import invert, pose, transform
 from recon.records import StereoPair
 from recon.sequences.cameras import Calibration, Camera
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import read_image
+from recon.sequences.images import Image, read_image
 from recon.sequences.poses import read_lines
 from recon.sequences.rectification import common_axes, warping
 from recon.settings import SequenceSettings
@@ -27,6 +28,10 @@ MIN_ANGLE_DEG, MAX_ANGLE_DEG = 10.0, 35.0
 """Between the views of a pair, seen from the object: below depth is unsure, above few match."""
 MARGIN_PX = 16
 """Left round the object's box in the rectified pictures: the reach of filters and windows."""
+BLACK, DARK = 20.0, 40.0
+"""Levels of the background before which the object stands, and of its darkest parts."""
+BACKGROUND_BLUR_PX = 1.0
+"""A single bright pixel of noise makes no object."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,11 +56,12 @@ def open_ring(path: Path, settings: SequenceSettings) -> Recording:
     """
     views, twins = distinct(read_views(next(iter(path.glob("*par.txt")))))
     box = read_box(path, views)
-    pairs = [_ring_pair(first, second, box) for first, second in neighbours(views, box.mean(0))]
-    if not pairs:
+    near = neighbours(views, box.mean(axis=0))
+    if not near:
         raise InputError(
             f"{path} holds no two views {MIN_ANGLE_DEG:g} to {MAX_ANGLE_DEG:g} degrees apart"
         )
+    pairs = [_ring_pair(*views_of_pair, box) for views_of_pair in in_turn(near, box.mean(axis=0))]
     frames = [
         Frame(
             name=pair.name,
@@ -120,6 +126,21 @@ def neighbours(views: Sequence[RingView], centre: Array) -> list[tuple[RingView,
     return chosen
 
 
+def in_turn(
+    pairs: Sequence[tuple[RingView, RingView]], centre: Array
+) -> list[tuple[RingView, RingView]]:
+    """The pairs as they follow each other round `centre` (3,), so that the next sees the same.
+
+    The ring lies where the views' places spread most, seen from the centre.
+    """
+    middles = np.stack(
+        [first.T_world_cam[:3, 3] + second.T_world_cam[:3, 3] for first, second in pairs]
+    )
+    spread = middles / 2 - centre
+    across, along = np.linalg.svd(spread)[2][:2] @ spread.T
+    return [pairs[row] for row in np.argsort(np.arctan2(across, along), kind="stable")]
+
+
 def read_box(folder: Path, views: Sequence[RingView]) -> Array:
     """[[x, y, z] lowest, [x, y, z] highest] of the object, world units.
 
@@ -148,6 +169,18 @@ def _common_cube(views: Sequence[RingView]) -> Array:
     return np.stack([centre - half, centre + half])
 
 
+def blackened(image: Image) -> Image:
+    """The picture with its dark background truly black: noise there has features too.
+
+    The gain goes from 0 to 1 between the two levels, as a step would be an edge that is not there.
+    """
+    brightness = image if image.ndim == 2 else image.max(axis=2)
+    blurred = cv2.GaussianBlur(brightness, (0, 0), BACKGROUND_BLUR_PX).astype(np.float32)
+    gain = np.clip((blurred - BLACK) / (DARK - BLACK), 0.0, 1.0)
+    dark: Image = (image * (gain if image.ndim == 2 else gain[..., None])).astype(np.uint8)
+    return dark
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _RingPair:
     """Two views and how they are rectified onto the object."""
@@ -164,7 +197,7 @@ class _RingPair:
         return f"{self.left.path.stem}-{self.right.path.stem}"
 
     def load(self, stamp_s: float, is_posed: bool) -> StereoPair:
-        left, right = read_image(self.left.path), read_image(self.right.path)
+        left, right = (blackened(read_image(view.path)) for view in (self.left, self.right))
         rectify = warping(self.calibration, left.shape[1::-1], self.rotation, self.rig)
         T_world_raw = self.left.T_world_cam if is_posed else None
         return rectify.pair(left, right, T_world_raw, stamp_s, self.name)

@@ -26,13 +26,13 @@ def test_noise_in_is_noise_out(rng):
     errors = []
     for sigma_px in (0.1, 0.2):
         steps = []
-        for _ in range(25):
+        for _ in range(40):
             T = motion(rng)
             found = estimate_motion(tracks(rng, T, sigma_px=sigma_px), RIG)
             steps.append(np.linalg.norm((invert(found) - T)[:3, 3]))
         errors.append(np.median(steps))
     assert 0.0001 < errors[0] < 0.002
-    assert 1.5 < errors[1] / errors[0] < 2.7
+    assert 1.5 < errors[1] / errors[0] < 3.0
 
 
 def test_a_third_of_wrong_tracks_does_no_harm(rng):
