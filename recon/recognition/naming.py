@@ -34,6 +34,8 @@ HOVERING = 0.15
 held by something that is not seen, and is more than one solid."""
 LOG_NO_KIND = -3.0
 """Log of how much rarer a stack of no kind is than one of the catalogue."""
+GHOST_CELLS = 100
+"""Cells from which a thing over the ground is one whose foot is hidden, not false matches."""
 HOVERING_CELLS = 40
 """Cells that a crown needs to stand for a whole object whose body is not seen."""
 TRUNK = 0.3
@@ -54,6 +56,9 @@ class Naming:
     failures: list[str] = field(default_factory=list)
     deviance: float = 0.0
     """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
+
+    is_hovering: bool = False
+    """Whether it has no name, and nothing that is seen holds it."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
         """The record of it."""
@@ -122,14 +127,18 @@ def _nameless(cells: Voxels, ground: float, fits: dict[Shapes, Estimate[Stack]])
         (_evidence(fit.bic, count) + LOG_NO_KIND, fit.bic / count, tuple(solids(fit.state)))
         for fit in fits.values()
     ]
-    low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
     ranked = candidates(cells.means, _weights(cells))
-    stands = low - ground < HOVERING * (high - ground) + 2.0 * cells.cell_size
-    if stands and not isinstance(ranked, FitFailure):
+    if not _is_hovering(cells, ground) and not isinstance(ranked, FitFailure):
         criterion = ranked[0].bic / min(count, SAMPLE)
         found.append((_evidence(criterion * count, count), criterion, (ranked[0].solid,)))
     evidence, criterion, parts = max(found, key=lambda one: one[0])
     return Nameless(evidence=evidence, criterion=criterion, solids=parts)
+
+
+def _is_hovering(cells: Voxels, ground: float) -> bool:
+    """Whether no cell is near the ground."""
+    low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
+    return bool(low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size)
 
 
 def _unnamed(voxels: Voxels, ground: float, found: Nameless, probability: float) -> Naming:
@@ -145,6 +154,7 @@ def _unnamed(voxels: Voxels, ground: float, found: Nameless, probability: float)
         size=size,
         parts=_parts(voxels, roles, found.solids),
         failures=["no kind of the catalogue fits"],
+        is_hovering=len(voxels) < GHOST_CELLS and _is_hovering(voxels, ground),
         deviance=found.criterion * len(voxels) - _unknown_deviance(voxels),
     )
 

@@ -16,6 +16,7 @@ from recon.recognition.thesis import name_by_quadrics
 from recon.records import Recognition, Voxels
 from recon.settings import RecognitionSettings
 
+HOVERING = "hovers over the ground, held by nothing known"
 GAP_REACH = 2
 """Cells of one object lie at most so many apart: gaps of one cell are closed."""
 
@@ -52,9 +53,11 @@ def recognise(voxels: Voxels, settings: RecognitionSettings) -> Recognition:
     if settings.recogniser == "robust":
         pieces = reunite(pieces, namer)
         pieces = [part for piece in pieces for part in separate(piece, voxels, settings, namer)]
-    for naming, _ in pieces:
+    held = [piece for piece in pieces if not piece[0].is_hovering]
+    failures[HOVERING] += len(pieces) - len(held)
+    for naming, _ in held:
         failures.update(naming.failures)
-    return _numbered(pieces, len(voxels), failures)
+    return _numbered(held, len(voxels), +failures)
 
 
 def _namer(voxels: Voxels, settings: RecognitionSettings) -> Callable[[Rows], Naming]:

@@ -19,12 +19,11 @@ EXPLAINED = 1.0
 """Deviance a cell, under that of a thing of no form, from which one object is enough."""
 LONG = 2.0
 """Length over width of a footprint, in standard deviations, from which it may be two objects."""
-INSIDE = 0.7
-"""Two fits whose axes are nearer than this share of the wider one's radius are one object."""
 TOGETHER = 0.5
 """Rise of the deviance a cell up to which one object is believed instead of several."""
-WAIST = 1.6
-"""Touching cells over the root of a side's cells: 2.5 where a closed shell is cut in half."""
+WAIST, WIDE_WAIST = 1.6, 2.4
+"""Touching cells over the root of a side's cells, of things without a name and with one: 2.5 where
+a closed shell is cut in half."""
 MOST_ROUNDS = 20
 APART = 0.5
 """Fall of the deviance a cell from which two objects are believed instead of one."""
@@ -80,10 +79,10 @@ def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
-    """Whether the middle of one lies well inside the other, which has a name."""
+    """Whether the middle of one lies inside the other, which has a name."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
     widths = [one.size[::2].max() for one in (first, second) if one.label != UNKNOWN]
-    return apart < INSIDE * float(max(widths, default=0.0)) / 2.0
+    return apart < float(max(widths, default=0.0)) / 2.0
 
 
 def _halves(
@@ -96,12 +95,18 @@ def _halves(
         return []
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
-    for second in _cuts(voxels.select(rows), min_voxels):
+    for second, touch in _cuts(voxels.select(rows), min_voxels):
         halves = [(name(part), part) for part in (rows[~second], rows[second])]
         deviance = sum(half.deviance for half, _ in halves)
-        if deviance < least and all(half.parts for half, _ in halves):
+        if deviance < least and _are_objects([half for half, _ in halves], touch):
             best, least = halves, deviance
     return best
+
+
+def _are_objects(halves: list[Naming], touch: float) -> bool:
+    """Whether two sides are things of their own: with names, or with solids and a waist."""
+    named = all(half.label != UNKNOWN for half in halves)
+    return named or (touch < WAIST and all(half.parts for half in halves))
 
 
 def _elongation(floor: Array) -> float:
@@ -109,8 +114,8 @@ def _elongation(floor: Array) -> float:
     return float(np.sqrt(values[1] / max(values[0], 1e-12)))
 
 
-def _cuts(cells: Voxels, min_voxels: int) -> list[NDArray[np.bool_]]:
-    """Ways to part cells where few of them touch: at the waist, and between the main solids."""
+def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float]]:
+    """Ways to part cells that touch little: at the waist, and between the main solids."""
     floor = cells.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
     found = find_solids(cells.means, min_voxels, np.random.default_rng(0), most=2)
@@ -118,15 +123,15 @@ def _cuts(cells: Voxels, min_voxels: int) -> list[NDArray[np.bool_]]:
         first, second = (one.solid.distances(cells.means) for one in found)
         cuts.append(second < first)
     pairs = neighbours(cells.index)
-    return [cut for cut in cuts if _is_waist(cut, pairs, min_voxels)]
+    whole = [cut for cut in cuts if min(cut.sum(), (~cut).sum()) >= min_voxels]
+    touches = [_touch(cut, pairs) for cut in whole]
+    return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
 
 
-def _is_waist(second: NDArray[np.bool_], pairs: NDArray[np.intp], min_voxels: int) -> bool:
-    """Whether the two sides touch in fewer cells than a cut through one surface would."""
-    smaller = min(int(second.sum()), int((~second).sum()))
+def _touch(second: NDArray[np.bool_], pairs: NDArray[np.intp]) -> float:
+    """Cells in which the two sides touch, over the root of the smaller side's cells."""
     across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
-    touching = len(np.unique(across)) / 2.0
-    return smaller >= min_voxels and touching < WAIST * np.sqrt(smaller)
+    return len(np.unique(across)) / 2.0 / float(np.sqrt(min(second.sum(), (~second).sum())))
 
 
 def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:

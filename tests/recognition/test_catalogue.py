@@ -1,0 +1,66 @@
+"""The catalogue is TOML that users extend, and its faults are named."""
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.recognition import recognise
+from recon.recognition.catalogue import SHIPPED, read_catalogue
+from recon.recognition.stacks import Stack
+from recon.recognition.synthetic import Orbit, observe, voxelise
+from recon.settings import RecognitionSettings
+
+LAMP = """
+[[object]]
+name = "lamp"
+ratio = [1.3, 9.0]
+parts = [
+    { role = "foot", shapes = ["cylinder"] },
+    { role = "shade", shapes = ["sphere"] },
+]
+"""
+
+
+def test_the_shipped_catalogue_holds_the_thesiss_names():
+    assert [kind.name for kind in read_catalogue()] == ["apple tree", "pine tree", "cottage"]
+
+
+def test_a_user_adds_a_name(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(SHIPPED.read_text() + LAMP)
+    lamp = Stack(
+        shapes=("cylinder", "sphere"),
+        axis=np.zeros(2),
+        heights=np.array([0.0, 4.0, 10.0]),
+        radii=(np.array([5.0]), np.array([])),
+    )
+    rng = np.random.default_rng(0)
+    voxels = voxelise(observe(lamp, np.full((2, 3), 120.0), Orbit(eye_height=9.0), rng))
+    mine = RecognitionSettings(catalogue=str(path))
+    assert [one.label for one in recognise(voxels, mine).objects] == ["lamp"]
+    # Without the name it is nothing known.
+    assert [one.label for one in recognise(voxels, RecognitionSettings()).objects] == ["unknown"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[[object]\n", "is no TOML"),
+        ("", "object: Field required"),
+        ('[[object]]\nname = "x"\nparts = []\n', "object.0.parts"),
+        (
+            '[[object]]\nname = "x"\nparts = [{ role = "a", shapes = ["torus"] }]\n',
+            "object.0.parts.0.shapes.0",
+        ),
+        (
+            '[[object]]\nname = "x"\ncolour = 1\nparts = [{ role = "a", shapes = ["cone"] }]\n',
+            "object.0.colour",
+        ),
+    ],
+)
+def test_a_fault_is_named_with_its_file(tmp_path, text, message):
+    path = tmp_path / "bad.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as error:
+        read_catalogue(path)
+    assert str(path) in str(error.value)

@@ -1,0 +1,62 @@
+"""Objects that nearly touch are parted; pieces of one object are put together."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from recon.recognition import components, recognise
+from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
+from recon.records import PointCloud
+from recon.settings import RecognitionSettings
+
+SETTINGS = RecognitionSettings()
+COLOURS = np.full((2, 3), 120.0)
+
+
+def seen(stack, rng):
+    return observe(stack, COLOURS, Orbit(), rng)
+
+
+def together(*clouds):
+    points = np.concatenate([cloud.points for cloud in clouds])
+    return PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8))
+
+
+@pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_two_that_nearly_touch_are_parted(kind, seed):
+    rng = np.random.default_rng(seed)
+    first = random_stack(kind, rng)
+    second = dataclasses.replace(
+        first, axis=np.add(first.axis, [2.0 * first.widest.max() + 0.3, 0.0])
+    )
+    voxels = voxelise(together(seen(first, rng), seen(second, rng)))
+    instance = components(voxels, SETTINGS)
+    assert np.bincount(instance[instance >= 0]).max() > 0.9 * (instance >= 0).sum()
+    found = [one for one in recognise(voxels, SETTINGS).objects if one.num_voxels > 60]
+    assert [one.label for one in found] == [kind, kind]
+    assert found[0].centre[::2] == pytest.approx(first.axis, abs=0.3)
+    assert found[1].centre[::2] == pytest.approx(second.axis, abs=0.3)
+
+
+@pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
+def test_one_object_is_never_parted(kind):
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        voxels = voxelise(seen(random_stack(kind, rng), rng))
+        assert len([one for one in recognise(voxels, SETTINGS).objects if one.num_voxels > 60]) == 1
+
+
+def test_two_halves_of_a_crown_are_one_tree():
+    rng = np.random.default_rng(3)
+    tree = random_stack("pine tree", rng)
+    cloud = seen(tree, rng)
+    # A strip through the middle that no eye saw, trunk and all.
+    strip = np.abs(cloud.points[:, 0] - tree.axis[0]) > 2.5
+    voxels = voxelise(cloud.select(strip))
+    sizes = np.bincount(components(voxels, SETTINGS)[components(voxels, SETTINGS) >= 0])
+    assert (sizes >= SETTINGS.min_voxels).sum() == 2
+    found = recognise(voxels, SETTINGS).objects
+    assert [one.label for one in found] == ["pine tree"]
+    assert found[0].centre[::2] == pytest.approx(tree.axis, abs=0.3)
