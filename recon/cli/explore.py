@@ -18,9 +18,15 @@ from recon.cli.options import (
 )
 from recon.cli.progress import progress_bar
 
-# What a world asks for where nobody says otherwise: with both eyes on the target, disparities lie
-# round zero (thesis, table of parameters).
-BASE = {"matching.min_disparity": -10, "matching.max_disparity": 20}
+# What a world asks for where nobody says otherwise. With both eyes on the target, disparities lie
+# round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against its
+# whole row: a phantom before the eyes walls the agent in.
+BASE_QUALITY = "fast"
+BASE = {
+    "matching.min_disparity": -10,
+    "matching.max_disparity": 20,
+    "matching.cross_check": "exact",
+}
 
 
 @click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
@@ -37,8 +43,9 @@ def explore(scene: Path, **given: Any) -> None:
         preset=given["preset"],
         settings_file=given["settings_file"],
         overrides=given["overrides"],
-        quality=given["quality"] or "fast",
+        quality=given["quality"],
         base=BASE,
+        base_quality=BASE_QUALITY,
         flags={
             "exploration.controller": given["controller"],
             "exploration.max_pairs": given["max_pairs"],

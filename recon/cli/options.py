@@ -56,15 +56,18 @@ def build_settings(
     quality: str | None = None,
     flags: dict[str, Any] | None = None,
     base: dict[str, Any] | None = None,
+    base_quality: str = "best",
 ) -> Any:
     """Settings from weakest to strongest: base, preset, file, quality, flags, --set.
 
-    `flags` and `base` map "stage.name" to a value; flags that are None were not given.
+    `flags` and `base` map "stage.name" to a value; flags that are None were not given. The base
+    is what a command asks for by itself.
     """
     from recon.settings import Settings, parse_overrides, read_toml, updated, with_preset
     from recon.settings import with_quality as qualified
 
-    settings = with_preset(updated(Settings(), _tree(base or {})), preset)
+    settings = qualified(Settings(), "fast" if base_quality == "fast" else "best")
+    settings = with_preset(updated(settings, _tree(base or {})), preset)
     if settings_file is not None:
         settings = updated(settings, read_toml(settings_file), str(settings_file))
     if quality is not None:
