@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
-from recon.stereo.sums import Floats
+from recon.stereo.sums import Floats, Integers
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
@@ -33,34 +33,25 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
         Where the image is no uint8 picture.
     """
     grey = to_grey(image)
-    responses = np.empty(
-        (len(settings.widths_px), filters.DESCRIPTORS, 2, *grey.shape), dtype=np.float32
-    )
-    harmonics = np.zeros((3, *grey.shape), dtype=np.float32)
-    for width_px, planes in zip(settings.widths_px, responses, strict=True):
-        filters.respond(grey.astype(np.float32), width_px, planes, harmonics)
-    modulus, cosine, sine = _strength(grey.astype(np.float32), harmonics, settings)
-    ridge = _ridges(modulus, cosine, sine)
-    threshold = _threshold(modulus, ridge, settings)
-    v, u = np.nonzero(ridge & (modulus >= threshold))
+    responses = filters.respond(grey, settings.widths_px)
+    modulus, cosine, sine = responses[1:]
+    if settings.method == "population":
+        middle = settings.widths_px[len(settings.widths_px) // 2]
+        modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
+    u, v = _ridges(modulus, cosine, sine)
+    strength = modulus[v, u]
+    threshold = _threshold(strength, modulus.size, settings)
+    rows = strength >= threshold
+    u, v = u[rows], v[rows]
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
         orientation_rad=np.mod(np.arctan2(sine[v, u], cosine[v, u]) / 2, np.pi),
-        modulus=modulus[v, u],
+        modulus=strength[rows],
         grey=grey,
         widths_px=settings.widths_px,
-        planes=responses,
+        planes=responses.planes,
         candidate_mask=modulus >= _CANDIDATE_SHARE * threshold,
     )
-
-
-def _strength(grey: Floats, harmonics: Floats, settings: FeatureSettings) -> tuple[Floats, ...]:
-    """Modulus (H, W), and a vector whose angle is twice the direction across the edge."""
-    if settings.method == "population":
-        middle = settings.widths_px[len(settings.widths_px) // 2]
-        return population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    mean, cosine, sine = harmonics
-    return np.sqrt(mean + np.hypot(cosine, sine)), cosine, sine
 
 
 def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -75,27 +66,30 @@ def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return grey
 
 
-def _threshold(modulus: Floats, ridge: NDArray[np.bool_], settings: FeatureSettings) -> float:
+def _threshold(strength: Floats, num_pixels: int, settings: FeatureSettings) -> float:
     """The modulus from which on a ridge pixel is a feature: by value and by number wanted."""
-    on_ridge = modulus[ridge]
-    wanted = round(settings.share * modulus.size)
-    if wanted >= on_ridge.size:
+    wanted = round(settings.share * num_pixels)
+    if wanted >= strength.size:
         return settings.threshold
     if wanted == 0:
         return np.inf
-    by_number = float(np.partition(on_ridge, -wanted)[-wanted])
+    by_number = float(np.partition(strength, -wanted)[-wanted])
     return max(settings.threshold, by_number)
 
 
 @njit(cache=True, error_model="numpy")
-def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
-    """Where the modulus is the largest along the normal of the edge."""
+def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> tuple[Integers, Integers]:
+    """Pixels u, v where the modulus is the largest along the normal of the edge."""
     height, width = modulus.shape
-    ridge = np.zeros((height, width), np.bool_)
+    us = np.empty(modulus.size, np.int64)
+    vs = np.empty(modulus.size, np.int64)
+    count = 0
     for v in range(1, height - 1):
         for u in range(1, width - 1):
-            ridge[v, u] = _is_ridge(modulus, v, u, cosine[v, u], sine[v, u])
-    return ridge
+            if _is_ridge(modulus, v, u, cosine[v, u], sine[v, u]):
+                us[count], vs[count] = u, v
+                count += 1
+    return us[:count].copy(), vs[:count].copy()
 
 
 @njit(cache=True, error_model="numpy")

@@ -91,10 +91,12 @@ def steering() -> tuple[Array, Array]:
 
 
 class _Lattice(NamedTuple):
-    """A filter's taps as weighted sums over flat buffers of one picture width."""
+    """A smoothed picture, and a filter's taps as weighted sums of stretches of it."""
 
+    picture: Array
+    """(H + 2 P, W + 2 P) with a margin for the filter."""
     column_starts: Integers
-    """(K,) from the first row of a window, in the padded picture."""
+    """(K,) from the first row of a window, in the flat picture."""
     column_weights: Array
     """(9, K)"""
     row_starts: Integers
@@ -103,10 +105,16 @@ class _Lattice(NamedTuple):
     """(11, K')"""
 
 
-def _lattice(taps: Array, step: int, padded_width: int) -> _Lattice:
+def _lattice(grey: Array, width_px: float) -> _Lattice:
+    step = 2 ** level(width_px)
+    taps = kernels(width_px / step)
     size = taps.shape[1]
+    pad = step * (size // 2)
+    smooth = _smoothed(grey, level(width_px))
+    picture = cv2.copyMakeBorder(smooth, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
+    stride = picture.shape[1]
     column_starts = np.zeros(filled(size), np.int64)
-    column_starts[:size] = np.arange(size) * step * padded_width
+    column_starts[:size] = np.arange(size) * step * stride
     column_weights = np.zeros((_COLUMN_KERNELS, filled(size)), np.float32)
     column_weights[:, :size] = taps[:_COLUMN_KERNELS]
     row_starts = np.zeros((len(_PRODUCTS), filled(2 * size)), np.int64)
@@ -114,31 +122,9 @@ def _lattice(taps: Array, step: int, padded_width: int) -> _Lattice:
     for i, products in enumerate(_PRODUCTS):
         for j, (column, row) in enumerate(products):
             part = slice(j * size, (j + 1) * size)
-            row_starts[i, part] = column * padded_width + np.arange(size) * step
+            row_starts[i, part] = column * stride + np.arange(size) * step
             row_weights[i, part] = taps[row]
-    return _Lattice(column_starts, column_weights, row_starts, row_weights)
-
-
-def respond(grey: Array, width_px: float, planes: Array, harmonics: Array) -> None:
-    """Filter an image at one width.
-
-    Parameters
-    ----------
-    grey : (H, W) float32
-    width_px : float
-    planes : (DESCRIPTORS, 2, H, W) float32
-        Written: real and imaginary part of the response ``G - jH`` by correlation, whose phase
-        grows with the pixel, at 0, 60 and 120 degrees.
-    harmonics : (3, H, W) float32
-        Added to: mean over the direction of the squared modulus, and its second harmonic
-        (cosine, sine).
-    """
-    step = 2 ** level(width_px)
-    taps = kernels(width_px / step)
-    pad = step * (taps.shape[1] // 2)
-    smooth = _smoothed(grey, level(width_px))
-    padded = cv2.copyMakeBorder(smooth, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
-    _filter(padded, _lattice(taps, step, padded.shape[1]), steering(), planes, harmonics)
+    return _Lattice(picture, column_starts, column_weights, row_starts, row_weights)
 
 
 def _smoothed(grey: Array, level: int) -> Array:
@@ -156,29 +142,64 @@ def _smoothed(grey: Array, level: int) -> Array:
     return smooth
 
 
+class Responses(NamedTuple):
+    """What the filters answer to a picture."""
+
+    planes: Array
+    """(S, DESCRIPTORS, 2, H, W) real and imaginary part of the response ``G - jH`` by correlation,
+    whose phase grows with the pixel, at 0, 60 and 120 degrees."""
+    modulus: Array
+    """(H, W) strength, all scales together, in grey levels."""
+    cosine: Array
+    """(H, W) with `sine` a vector whose angle is twice the direction across the edge (Eq 14)."""
+    sine: Array
+
+
+def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
+    """Filter an image (H, W) at all widths."""
+    picture = grey.astype(np.float32)
+    lattices = tuple(_lattice(picture, width) for width in widths_px)
+    responses = Responses(
+        np.empty((len(widths_px), DESCRIPTORS, 2, *grey.shape), np.float32),
+        *(np.empty(grey.shape, np.float32) for _ in range(3)),
+    )
+    _filter(lattices, steering(), responses)
+    return responses
+
+
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def _filter(
-    padded: Array,
-    lattice: _Lattice,
-    steering: tuple[Array, Array],
-    planes: Array,
-    harmonics: Array,
+    lattices: tuple[_Lattice, ...], steering: tuple[Array, Array], responses: Responses
 ) -> None:
-    height, width = planes.shape[2:]
-    picture = padded.reshape(-1)
-    columns = np.zeros((_COLUMN_KERNELS, padded.shape[1]), np.float32)
+    height, width = responses.modulus.shape
     basis = np.zeros((11, width), np.float32)
-    once = lattice.column_starts.size
+    harmonics = np.zeros((3, width), np.float32)
     for v in range(height):
-        rows = picture[v * padded.shape[1] :]
-        for i in range(_COLUMN_KERNELS):
-            weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i])
-        for i in range(lattice.row_weights.shape[0]):
-            # Only two of the basis filters are sums of two products.
-            size = lattice.row_weights.shape[1] if i in (7, 8) else once
-            starts, weights = lattice.row_starts[i, :size], lattice.row_weights[i, :size]
-            weighted_sum(columns.reshape(-1), starts, weights, basis[i])
-        _steer(basis, steering, planes[:, :, v], harmonics[:, v])
+        harmonics[:] = 0.0
+        for s in range(len(lattices)):
+            _filter_row(lattices[s], v, basis)
+            _steer(basis, steering, responses.planes[s, :, :, v], harmonics)
+        mean, cosine, sine = harmonics[0], harmonics[1], harmonics[2]
+        modulus = responses.modulus[v]
+        for u in range(width):
+            modulus[u] = np.sqrt(mean[u] + np.sqrt(cosine[u] * cosine[u] + sine[u] * sine[u]))
+        responses.cosine[v] = cosine
+        responses.sine[v] = sine
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _filter_row(lattice: _Lattice, v: int, basis: Array) -> None:
+    """Write the eleven basis filters of a row."""
+    stride = lattice.picture.shape[1]
+    columns = np.empty((_COLUMN_KERNELS, stride), np.float32)
+    rows = lattice.picture.reshape(-1)[v * stride :]
+    for i in range(_COLUMN_KERNELS):
+        weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i])
+    for i in range(lattice.row_weights.shape[0]):
+        # Only two of the basis filters are sums of two products.
+        size = lattice.row_weights.shape[1] if i in (7, 8) else lattice.column_starts.size
+        starts, weights = lattice.row_starts[i, :size], lattice.row_weights[i, :size]
+        weighted_sum(columns.reshape(-1), starts, weights, basis[i])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")

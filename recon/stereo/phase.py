@@ -136,16 +136,18 @@ def _moved(points: Points, support: Support, rows: Rows) -> Rows:
 
 def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
     """Rows of the features at some pixels; -1 = there is none."""
-    index = np.full(features.grey.shape, -1, np.int32)
+    if not len(features):
+        return np.full(len(u), -1, np.int32)
+    width = features.grey.shape[1]
     columns, lines = features.points_px.astype(np.int64).T
-    index[lines, columns] = np.arange(len(features))
-    found: NDArray[np.int32] = index[v, u]
-    return found
+    places, wanted = lines * width + columns, v * width + u
+    index = np.minimum(np.searchsorted(places, wanted), len(places) - 1)
+    return np.where(places[index] == wanted, index, -1).astype(np.int32)
 
 
 def _first_at(places: Rows, num_places: int) -> NDArray[np.bool_]:
     """Which entries are the first at their place."""
-    first = np.empty(num_places, np.int64)
-    first[places[::-1]] = np.arange(len(places))[::-1]
+    first = np.empty(num_places, np.int32)
+    first[places[::-1]] = np.arange(len(places), dtype=np.int32)[::-1]
     mask: NDArray[np.bool_] = first[places] == np.arange(len(places))
     return mask

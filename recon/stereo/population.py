@@ -13,12 +13,12 @@ _TRUNCATION = 3.0
 """Half size of the kernels, in standard deviations."""
 
 
-def encode(grey: Floats, wavelength_px: float) -> tuple[Floats, Floats, Floats]:
+def encode(grey: NDArray[np.uint8], wavelength_px: float) -> tuple[Floats, Floats, Floats]:
     """Encode the edges of an image by a population vector.
 
     Parameters
     ----------
-    grey : (H, W) float32
+    grey : (H, W) uint8
     wavelength_px : float
 
     Returns
@@ -30,7 +30,8 @@ def encode(grey: Floats, wavelength_px: float) -> tuple[Floats, Floats, Floats]:
         Eq 10 has it, opposite directions would not be the same edge.
     """
     angles = np.arange(_NUM_FILTERS) * np.pi / _NUM_FILTERS
-    moduli = np.array([_modulus(grey, wavelength_px, angle) for angle in angles])
+    picture = grey.astype(np.float32)
+    moduli = np.array([_modulus(picture, wavelength_px, angle) for angle in angles])
     cosine = np.tensordot(np.cos(2 * angles), moduli, 1)
     sine = np.tensordot(np.sin(2 * angles), moduli, 1)
     length = np.hypot(cosine, sine)

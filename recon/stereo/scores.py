@@ -96,20 +96,23 @@ def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) 
     start = v % _ROWS * size
     exact = ring.scores[start : start + size]
     slack = ring.scores[start + _ROWS * size : start + (_ROWS + 1) * size]
-    exact[:] = 0.0
-    slack[:] = 0.0
     height, width = base.mask.shape
     v_other = v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
+        exact[:] = 0.0
+        slack[:] = 0.0
         return
     margin = max(0, -search.first)
     beyond = max(0, search.first) + search.num_shifts
     here = _row(base, v, 0, 0)
     there = _row(other, v_other, margin, beyond)
     for u in range(v & 1, width, 2):
-        if base.mask[v, u]:
-            lane = ((u + _MARGIN) >> 1) * ring.lanes
-            lanes = exact[lane : lane + search.num_shifts]
+        lane = ((u + _MARGIN) >> 1) * ring.lanes
+        lanes = exact[lane : lane + search.num_shifts]
+        if not base.mask[v, u]:
+            lanes[:] = 0.0
+            slack[lane : lane + search.num_shifts] = 0.0
+        else:
             if search.table.size:
                 _look_up(here, u, there[:, :, margin + u + search.first :], search.table, lanes)
             else:
@@ -146,6 +149,7 @@ def _compare(here: Floats, u: int, there: Floats, start: int, scores: Floats) ->
     # Unsigned, as an index that might be negative keeps the loop from being vectorised.
     first = np.uint64(start)
     size = np.uint64(scores.size)
+    scores[:] = 0.0
     for c in range(0, here.shape[0], 3):
         a, b, d = there[c], there[c + 1], there[c + 2]
         a_re, a_im, a_inv = here[c, 0, u], here[c, 1, u], here[c, 2, u]
@@ -168,6 +172,7 @@ def _look_up(here: Floats, u: int, there: Floats, table: Floats, scores: Floats)
     scales, num_c, num_cos = table.shape
     channels = here.shape[0]
     for i in range(scores.size):
+        scores[i] = 0.0
         if there[0, 2, i] == 0.0:
             continue
         total = np.float32(0.0)

@@ -1,0 +1,129 @@
+"""Whole pairs to tuned matches against OpenCV's StereoSGBM, alternating, one thread, CPU time."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+
+import cv2
+import numpy as np
+
+from benchmarks import Measurement
+from recon.records import Matches
+from recon.settings import Quality, Settings, updated, with_quality
+from recon.stereo.evaluation import coverage, evaluate
+from recon.stereo.features import detect
+from recon.stereo.matching import match
+from recon.stereo.subpixel import refine
+
+PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
+SIZES = {(256, 256): 32, (384, 288): 32, (741, 500): 80}
+"""Width and height, and how many disparities are searched."""
+GROWTH = (256, 512, 1024, 2048)
+"""Sides of the square pictures that show how time grows."""
+NUM_KEPT = 5742
+"""How many of the pair's matches are judged."""
+QUALITIES: tuple[Quality, ...] = ("fast", "best")
+
+Pictures = tuple[np.ndarray, np.ndarray]
+
+
+def measure(quick: bool) -> list[Measurement]:
+    """Times as ratios, stage times, growth with the picture, and how right the matches are."""
+    cv2.setNumThreads(1)
+    repeats = 3 if quick else 15
+    found = []
+    for quality in QUALITIES:
+        for size, num_disparities in SIZES.items():
+            found += speed(quality, size, num_disparities, repeats)
+        found += accuracy(quality)
+    return found + growth(GROWTH[:2] if quick else GROWTH)
+
+
+def pictures(size: tuple[int, int]) -> Pictures:
+    """The golden pair, brought to a size."""
+    paths = sorted(PAIR.glob("left.*")) + sorted(PAIR.glob("right.*"))
+    left, right = (cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths)
+    area = cv2.INTER_AREA
+    return cv2.resize(left, size, interpolation=area), cv2.resize(right, size, interpolation=area)
+
+
+def settings(quality: Quality, num_disparities: int) -> Settings:
+    """A quality's settings for a search from 0 on."""
+    search = {"matching": {"min_disparity": 0, "max_disparity": num_disparities - 1}}
+    return updated(with_quality(Settings(), quality), search)
+
+
+def run(pair: Pictures, s: Settings) -> tuple[Matches, list[float]]:
+    """Match a pair; also the CPU seconds of features, matching and fine tuning."""
+    clock = [time.thread_time()]
+    left, right = (detect(picture, s.features) for picture in pair)
+    clock.append(time.thread_time())
+    matches = match(left, right, s.matching)
+    clock.append(time.thread_time())
+    matches = refine(matches, left, right)
+    clock.append(time.thread_time())
+    return matches, [float(step) for step in np.diff(clock)]
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """CPU seconds of one call."""
+    began = time.thread_time()
+    work()
+    return time.thread_time() - began
+
+
+def speed(
+    quality: Quality, size: tuple[int, int], num_disparities: int, repeats: int
+) -> list[Measurement]:
+    """Medians of runs that alternate with StereoSGBM's."""
+    pair, s = pictures(size), settings(quality, num_disparities)
+    peer = cv2.StereoSGBM.create(0, num_disparities, 3, 72, 288)
+    run(pair, s)  # compiles
+    peers, stages = [], []
+    for _ in range(repeats):
+        peers.append(seconds(lambda: peer.compute(*pair)))
+        stages.append(run(pair, s)[1])
+    name = f"stereo.{quality}_{size[0]}x{size[1]}"
+    ratio = median(map(sum, stages)) / median(peers)
+    found = [number(f"{name}_ratio", ratio, "of StereoSGBM's time", 0.25)]
+    for stage, times in zip(("features", "matching", "tuning"), np.transpose(stages), strict=True):
+        found.append(number(f"{name}_{stage}", 1e3 * float(np.median(times)), "ms", 1.0))
+    return found
+
+
+def growth(sides: tuple[int, ...]) -> list[Measurement]:
+    """Time of a pixel in square pictures; it stays where time is linear in the pixels."""
+    found = []
+    for side in sides:
+        pair, s = pictures((side, side)), settings("fast", 64)
+        run(pair, s)
+        each = median(sum(run(pair, s)[1]) for _ in range(3)) / side**2
+        found.append(number(f"stereo.fast_{side}x{side}_pixel", 1e6 * each, "us/pixel", 0.5))
+    return found
+
+
+def accuracy(quality: Quality) -> list[Measurement]:
+    """How right the most confident matches of the whole pair are."""
+    (truth_path,) = PAIR.glob("disp_left.*")
+    truth = cv2.imread(str(truth_path), cv2.IMREAD_UNCHANGED).astype(np.float64)
+    truth[~np.isfinite(truth) | (truth == 0)] = np.nan
+    pair = pictures(truth.shape[::-1])
+    matches = run(pair, settings(quality, 64))[0].select(slice(0, NUM_KEPT))
+    judged = evaluate(matches, truth)
+    name = f"stereo.{quality}_motorcycle"
+    return [
+        number(f"{name}_success", judged.success_all, "percent", 0.005, "higher"),
+        number(f"{name}_subpixel_median", judged.subpixel_median_px, "px", 0.1),
+        number(f"{name}_subpixel_rms", judged.subpixel_rms_px, "px", 0.1),
+        number(
+            f"{name}_coverage", coverage(matches, truth.shape), "of 32 px blocks", 0.1, "higher"
+        ),
+    ]
+
+
+def number(
+    name: str, value: float, unit: str, tolerance: float, better: str = "lower"
+) -> Measurement:
+    """One measurement; less is better unless told."""
+    return Measurement(name=name, value=value, unit=unit, better=better, tolerance=tolerance)
