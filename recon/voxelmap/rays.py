@@ -5,6 +5,7 @@ is hit, whatever rays go through it; another that a ray goes through is passed; 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,15 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.voxelmap.channels import Columns, Inside, Scan
 from recon.voxelmap.table import CellTable, Rows, in_order
-from recon.voxelmap.traversal import MAX_CELLS, hit_cells, merge_cells, new_memory, pass_cells
+from recon.voxelmap.traversal import (
+    MAX_CELLS,
+    Block,
+    block_of,
+    corners,
+    hit_cells,
+    merge_cells,
+    pass_cells,
+)
 
 _DTYPE = np.dtype([("index", "i4", 3), ("hits", "u4"), ("passes", "u4"), ("scan", "u4")])
 
@@ -52,31 +61,42 @@ class Rays:
         self.margin = margin
         self.table = CellTable(_DTYPE)
         self._num_scans = 0
+        self._last_scan = np.zeros(0, np.uint32)
 
     def check(self, scan: Scan) -> None:
         """Raise `InputError` where there is no eye, or a ray is too long."""
         if scan.origin is None:
             raise InputError("origin is None, but a map that keeps rays needs the eye's place")
-        reach = np.abs(scan.cloud.points - scan.origin).max(initial=0.0) / self.cell_size
+        low, high = corners(scan.origin, scan.cloud.points)
+        reach = float((high - low).max()) / self.cell_size
         if not reach < MAX_CELLS:
-            raise InputError(f"a ray is {reach:g} cells long, but {MAX_CELLS} is the most")
+            raise InputError(f"a scan is {reach:g} cells wide, but {MAX_CELLS} is the most")
 
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
         """Count the cells of one scan."""
-        assert scan.origin is not None
         self._num_scans += 1
-        seen = new_memory()
         points = np.ascontiguousarray(scan.cloud.points)
-        ends = self._free_ends(points, scan)
-        for walk, targets in ((hit_cells, points), (pass_cells, ends)):
-            stop = 0
-            while stop < len(targets):
-                stop, self.table.num_rows = walk(
-                    scan.origin, targets, self.cell_size,
-                    self._num_scans, seen, self.table.arrays, stop,
-                )  # fmt: skip
-                if stop < len(targets):
-                    self.table.grow()
+        rays = (scan.origin, self._free_ends(points, scan))
+        block = block_of(corners(scan.origin, points), self.cell_size)
+        self._count(hit_cells, (points, rows, self._last_scans(rows)), len(points), block)
+        self._count(pass_cells, rays, len(points), block)
+
+    def _last_scans(self, rows: NDArray[np.int64]) -> NDArray[np.uint32]:
+        """For each row of the map the last scan that hit it."""
+        num_rows = int(rows.max(initial=-1)) + 1
+        if num_rows > len(self._last_scan):
+            self._last_scan.resize(num_rows + num_rows // 4, refcheck=False)
+        return self._last_scan
+
+    def _count(self, kernel: Any, things: Any, num: int, block: Block) -> None:
+        """Run a kernel over points or rays, making room where it stops."""
+        stop = 0
+        while stop < num:
+            stop, self.table.num_rows = kernel(
+                things, self.cell_size, self._num_scans, block, self.table.arrays, stop
+            )
+            if stop < num:
+                self.table.grow()
 
     def _free_ends(self, points: NDArray[np.float64], scan: Scan) -> NDArray[np.float64]:
         """Where the free part of each ray ends (N, 3)."""

@@ -6,151 +6,130 @@ from numpy.typing import NDArray
 
 from recon.voxelmap.table import Rows, Slots, find_or_add
 
-# A ray's cells are counted from the eye's in one whole number, 21 bits along each axis.
-_BITS = 21
-_MIDDLE = 1 << (_BITS - 1)
-_MASK = (1 << _BITS) - 1
-_EYE_KEY = _MIDDLE << 2 * _BITS | _MIDDLE << _BITS | _MIDDLE
-MAX_CELLS = _MIDDLE - 1
-"""Longest ray, in cells along an axis."""
+MAX_CELLS = (1 << 19) - 1
+"""Longest ray, in cells along an axis: the cells of a scan's block are then numbered in 64 bits."""
+
+# A block of more cells than this is not remembered; its cells are asked for in the table.
+_MAX_MEMORY = 1 << 26
 
 # Length of a ray in steps; a border beyond its end is never more than two lengths away.
 _LENGTH = 1 << 60
 
-# The memory is a block of 64 x 32 x 64 cells that is repeated endlessly over space.
-_SEEN_BITS = (6, 5, 6)
+Block = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8]]
+"""Lowest cell (3,) and shape (3,) of the box round a scan, and a byte for each of its cells that
+says whether the scan has counted it; no bytes where the box is too large."""
 
-
-def new_memory() -> NDArray[np.int64]:
-    """Keys of the cells that one scan has counted, as far as they fit; none yet."""
-    return np.full(1 << sum(_SEEN_BITS), -1)
-
-
-@njit(cache=True)
-def _count(
-    table: tuple[Slots, Rows, int], index: tuple[int, int, int], scan: int, is_hit: bool
-) -> int:
-    """Count a cell unless this scan has counted it; returns the number of rows."""
-    slots, rows, num_rows = table
-    row, num_rows = find_or_add(slots, rows, num_rows, index)
-    cell = rows[row]
-    if cell.scan != scan:
-        cell.scan = scan
-        if is_hit:
-            cell.hits += 1
-        else:
-            cell.passes += 1
-    return int(num_rows)
+Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
+Table = tuple[Slots, Rows, int]
 
 
 @njit(cache=True)
-def _seen_slot(key: int) -> int:
-    """Where the memory keeps a cell."""
-    x = (key >> 2 * _BITS) & ((1 << _SEEN_BITS[0]) - 1)
-    y = (key >> _BITS) & ((1 << _SEEN_BITS[1]) - 1)
-    z = key & ((1 << _SEEN_BITS[2]) - 1)
-    return x | y << _SEEN_BITS[0] | z << (_SEEN_BITS[0] + _SEEN_BITS[1])
+def corners(eye: NDArray[np.float64], points: NDArray[np.float64]) -> Corners:
+    """Lowest and highest corner (3,) of the box round the eye (3,) and the points (N, 3)."""
+    low, high = eye.copy(), eye.copy()
+    for n in range(len(points)):
+        for a in range(3):
+            low[a] = min(low[a], points[n, a])
+            high[a] = max(high[a], points[n, a])
+    return low, high
+
+
+def block_of(ends: Corners, cell_size: float) -> Block:
+    """The block of the cells between two corners (3,), and one more on every side.
+
+    The margin is for rays that rounding leads past a corner.
+    """
+    low, high = (np.floor(corner / cell_size).astype(np.int64) for corner in ends)
+    shape = high - low + 3
+    num = int(shape.prod())
+    return low - 1, shape, np.zeros(num if num <= _MAX_MEMORY else 0, np.uint8)
 
 
 @njit(cache=True)
 def hit_cells(
-    origin: NDArray[np.float64],
-    points: NDArray[np.float64],
+    hits: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.uint32]],
     cell_size: float,
     scan: int,
-    seen: NDArray[np.int64],
-    table: tuple[Slots, Rows, int],
+    block: Block,
+    table: Table,
     start: int,
 ) -> tuple[int, int]:
-    """Count the cells of the points; stops where there is no room for another."""
+    """Count the cells of points from `start` on as hit by a scan.
+
+    Parameters
+    ----------
+    hits
+        The points (N, 3), the row of the map of each (N,), and for each row the last scan that hit
+        it, which is kept up to date: it tells at once whether a point is the first in its cell.
+
+    Returns
+    -------
+    stop, num_rows
+        The point that found no room for another row; `len(points)` when all are counted.
+    """
+    points, row_of, last_scan = hits
+    seen = block[2]
     slots, rows, num_rows = table
-    eye = _cell_of(origin, cell_size)
     for n in range(start, len(points)):
+        if last_scan[row_of[n]] == scan:
+            continue
         if num_rows == len(rows):
             return n, num_rows
-        x, y, z = _cell_of(points[n], cell_size)
-        key = _EYE_KEY + ((x - eye[0]) << 2 * _BITS) + ((y - eye[1]) << _BITS) + (z - eye[2])
-        slot = _seen_slot(key)
-        if seen[slot] != key:
-            seen[slot] = key
-            num_rows = _count((slots, rows, num_rows), (x, y, z), scan, True)
+        last_scan[row_of[n]] = scan
+        cell = _number_of(points[n], cell_size, block)
+        _is_new(seen, cell)
+        row, num_rows = find_or_add(slots, rows, num_rows, _index_of(cell, block))
+        _count(rows, row, scan, True)
     return len(points), num_rows
 
 
 @njit(cache=True)
 def pass_cells(
-    origin: NDArray[np.float64],
-    ends: NDArray[np.float64],
+    rays: tuple[NDArray[np.float64], NDArray[np.float64]],
     cell_size: float,
     scan: int,
-    seen: NDArray[np.int64],
-    table: tuple[Slots, Rows, int],
+    block: Block,
+    table: Table,
     start: int,
 ) -> tuple[int, int]:
-    """Count the cells from the eye to before those of the ends; stops as `hit_cells` does."""
+    """Count the cells from the eye (3,) to before those of the ends (N, 3) as passed.
+
+    Each cell counts once, and not at all where the scan has a point in it; returns as `hit_cells`.
+    """
+    eye, ends = rays
+    _, shape, seen = block
     slots, rows, num_rows = table
-    eye = _cell_of(origin, cell_size)
+    eye_cell = (
+        _cell_of(eye[0], cell_size), _cell_of(eye[1], cell_size), _cell_of(eye[2], cell_size)
+    )  # fmt: skip
+    first = _number_of(eye, cell_size, block)
     for n in range(start, len(ends)):
-        num_x, way_x, border_x, step_x = _crossings(origin[0], ends[n, 0], cell_size)
-        num_y, way_y, border_y, step_y = _crossings(origin[1], ends[n, 1], cell_size)
-        num_z, way_z, border_z, step_z = _crossings(origin[2], ends[n, 2], cell_size)
+        num_x, way_x, border_x, step_x = _crossings(eye[0], eye_cell[0], ends[n, 0], cell_size)
+        num_y, way_y, border_y, step_y = _crossings(eye[1], eye_cell[1], ends[n, 1], cell_size)
+        num_z, way_z, border_z, step_z = _crossings(eye[2], eye_cell[2], ends[n, 2], cell_size)
         num = num_x + num_y + num_z
         if num_rows + num > len(rows):
             return n, num_rows
-        key = _EYE_KEY
+        way_x, way_y = way_x * shape[1] * shape[2], way_y * shape[2]
+        cell = first
         for _ in range(num):
-            slot = _seen_slot(key)
-            if seen[slot] != key:
-                seen[slot] = key
-                x = (key >> 2 * _BITS) - _MIDDLE + eye[0]
-                y = ((key >> _BITS) & _MASK) - _MIDDLE + eye[1]
-                z = (key & _MASK) - _MIDDLE + eye[2]
-                num_rows = _count((slots, rows, num_rows), (x, y, z), scan, False)
-            # Without branches, as which border comes next cannot be foretold; equal ones are
-            # crossed z first, then y, as OctoMap does.
-            is_x = (border_x < border_y) & (border_x < border_z)
-            is_y = (border_y < border_z) & (not is_x)
-            is_z = not (is_x | is_y)
-            border_x += step_x if is_x else 0
-            border_y += step_y if is_y else 0
-            border_z += step_z if is_z else 0
-            key += (way_x << 2 * _BITS) if is_x else (way_y << _BITS) if is_y else way_z
+            if _is_new(seen, cell):
+                row, num_rows = find_or_add(slots, rows, num_rows, _index_of(cell, block))
+                _count(rows, row, scan, False)
+            # All bits or none, as which border comes next cannot be foretold by a branch; equal
+            # ones are crossed z first, then y, as OctoMap does.
+            is_x = -np.int64((border_x < border_y) & (border_x < border_z))
+            is_y = -np.int64(border_y < border_z) & ~is_x
+            is_z = ~(is_x | is_y)
+            border_x += step_x & is_x
+            border_y += step_y & is_y
+            border_z += step_z & is_z
+            cell += (way_x & is_x) | (way_y & is_y) | (way_z & is_z)
     return len(ends), num_rows
 
 
 @njit(cache=True)
-def _cell_of(point: NDArray[np.float64], cell_size: float) -> tuple[int, int, int]:
-    return (
-        int(np.floor(point[0] / cell_size)),
-        int(np.floor(point[1] / cell_size)),
-        int(np.floor(point[2] / cell_size)),
-    )
-
-
-@njit(cache=True)
-def _crossings(eye: float, end: float, cell_size: float) -> tuple[int, int, int, int]:
-    """The borders of cells that a ray crosses along one axis.
-
-    Returns
-    -------
-    num, way, first, step
-        How many; -1, 0 or 1; the place of the first and the distance of two, as shares of the
-        ray in units of `_LENGTH`.
-    """
-    first_cell = int(np.floor(eye / cell_size))
-    num = abs(int(np.floor(end / cell_size)) - first_cell)
-    if num == 0:
-        return 0, 0, 2 * _LENGTH, 0
-    reach = end - eye
-    way = 1 if reach > 0 else -1
-    border = (first_cell + (1 if reach > 0 else 0)) * cell_size
-    first = int(min((border - eye) / reach, 1.0) * _LENGTH)
-    step = int(min(cell_size / abs(reach), 1.0) * _LENGTH)
-    return num, way, first, step
-
-
-@njit(cache=True)
-def merge_cells(other: Rows, table: tuple[Slots, Rows, int], start: int) -> tuple[int, int]:
+def merge_cells(other: Rows, table: Table, start: int) -> tuple[int, int]:
     """Add the counts of another map's rows from `start` on; stops where there is no room."""
     slots, rows, num_rows = table
     for n in range(start, len(other)):
@@ -162,3 +141,72 @@ def merge_cells(other: Rows, table: tuple[Slots, Rows, int], start: int) -> tupl
         rows[row].hits += added.hits
         rows[row].passes += added.passes
     return len(other), num_rows
+
+
+@njit(cache=True)
+def _is_new(seen: NDArray[np.uint8], cell: int) -> bool:
+    """Whether the scan may not have counted a cell; it has after this."""
+    if len(seen) == 0:
+        return True
+    # An unsigned number is not asked whether it counts from the end.
+    at = np.uint64(cell)
+    is_new = seen[at] == 0
+    seen[at] = 1
+    return bool(is_new)
+
+
+@njit(cache=True)
+def _number_of(point: NDArray[np.float64], cell_size: float, block: Block) -> int:
+    """The number of a point's cell in a block."""
+    low, shape, _ = block
+    x = _cell_of(point[0], cell_size) - low[0]
+    y = _cell_of(point[1], cell_size) - low[1]
+    z = _cell_of(point[2], cell_size) - low[2]
+    return int((x * shape[1] + y) * shape[2] + z)
+
+
+@njit(cache=True)
+def _index_of(cell: int, block: Block) -> tuple[int, int, int]:
+    """The index of the cell of a number."""
+    low, shape, _ = block
+    column, z = cell // shape[2], cell % shape[2]
+    return (column // shape[1] + low[0], column % shape[1] + low[1], z + low[2])
+
+
+@njit(cache=True)
+def _count(rows: Rows, row: int, scan: int, is_hit: bool) -> None:
+    """Count a cell unless this scan has counted it."""
+    if rows[row].scan == scan:
+        return
+    rows[row].scan = scan
+    if is_hit:
+        rows[row].hits += 1
+    else:
+        rows[row].passes += 1
+
+
+@njit(cache=True)
+def _cell_of(place: float, cell_size: float) -> int:
+    return int(np.floor(place / cell_size))
+
+
+@njit(cache=True)
+def _crossings(
+    eye: float, eye_cell: int, end: float, cell_size: float
+) -> tuple[int, int, int, int]:
+    """The borders of cells that a ray crosses along one axis.
+
+    Returns
+    -------
+    num, way, first, step
+        How many; -1, 0 or 1; the place of the first and the distance of two, as shares of the
+        ray in units of `_LENGTH`.
+    """
+    num = _cell_of(end, cell_size) - eye_cell
+    if num == 0:
+        return 0, 0, 2 * _LENGTH, 0
+    steps_per_unit = _LENGTH / (end - eye)
+    border = (eye_cell + (num > 0)) * cell_size
+    first = int(min((border - eye) * steps_per_unit, float(_LENGTH)))
+    step = int(min(cell_size * abs(steps_per_unit), float(_LENGTH)))
+    return abs(num), 1 if num > 0 else -1, first, step

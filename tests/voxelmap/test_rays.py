@@ -41,6 +41,13 @@ def test_every_cell_is_octomap_s(seed, cell_size):
     assert all(abs(ours[cell] - theirs[cell]) < 1e-5 for cell in ours)
 
 
+def test_scans_too_wide_to_be_remembered_are_octomap_s():
+    points = np.vstack([np.random.default_rng(1).normal(scale=9, size=(200, 3)), [[700.5] * 3]])
+    scans = [(cloud(points), [0.3, 0.2, 0.1], 0)]
+    ours = as_log_odds(sightings_of(scans))
+    assert ours.keys() == octomap_log_odds(scans, 1.0).keys()
+
+
 def test_rays_through_corners_and_along_borders_are_octomap_s():
     steps = np.array(np.meshgrid([-4, 0, 4], [-4, 0, 4], [-4, 0, 4])).reshape(3, -1).T
     for middle in ([0.5, 0.5, 0.5], [0.25, 0.5, 0.75]):
@@ -79,7 +86,7 @@ def test_long_rays_find_room():
 
 def test_a_ray_without_end_is_refused():
     voxel_map = VoxelMap(1.0, channels=["rays"])
-    with pytest.raises(InputError, match="a ray is 2e\\+06 cells long, but 1048575 is the most"):
+    with pytest.raises(InputError, match="a scan is 2e\\+06 cells wide, but 524287 is the most"):
         voxel_map.insert(cloud([[2e6, 0, 0]]), [0, 0, 0])
     assert voxel_map.num_cells == 0
 
