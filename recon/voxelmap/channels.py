@@ -108,4 +108,5 @@ class RowSums:
     def _reserve(self, num_rows: int) -> None:
         if num_rows > len(self.sums):
             # A quarter more than needed, so that growing by single cells stays cheap.
-            self.sums.resize((num_rows + num_rows // 4, self.width), refcheck=False)
+            more = np.zeros((num_rows + num_rows // 4 - len(self.sums), self.width), np.uint64)
+            self.sums = np.concatenate([self.sums, more])

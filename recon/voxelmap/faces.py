@@ -39,7 +39,9 @@ class Faces:
 
 def exposed_faces(voxels: Voxels) -> Faces:
     """The outside of the occupied cells, direction by direction in the order of the cells."""
-    table = CellTable.of(voxels.index)
+    rows = np.zeros(len(voxels), [("index", "i4", 3)])
+    rows["index"] = voxels.index
+    table = CellTable.of(rows)
     cells, corners = [], []
     for direction, square in zip(_DIRECTIONS, _CORNERS, strict=True):
         exposed = np.flatnonzero(table.find(voxels.index + direction) < 0)

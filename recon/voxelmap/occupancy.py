@@ -79,7 +79,8 @@ def occupied(voxel_map: VoxelMap, settings: MapSettings) -> Voxels:
     """
     for rule in settings.occupancy:
         voxel_map.check_channels(RULES[rule].channels)
-    voxels = voxel_map.occupied(min_count=1)
+    is_counted = "count" in settings.occupancy
+    voxels = voxel_map.occupied(min_count=settings.min_count if is_counted else 1)
     for rule in settings.occupancy:
         voxels = voxels.select(RULES[rule].holds(voxels, settings))
     return voxels

@@ -75,7 +75,7 @@ class Rays:
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
         """Count the cells of one scan."""
         self._num_scans += 1
-        points = np.ascontiguousarray(scan.cloud.points)
+        points = scan.cloud.points
         rays = (scan.origin, self._free_ends(points, scan))
         block = block_of(corners(scan.origin, points), self.cell_size)
         self._count(hit_cells, (points, rows, self._last_scans(rows)), len(points), block)
@@ -85,7 +85,8 @@ class Rays:
         """For each row of the map the last scan that hit it."""
         num_rows = int(rows.max(initial=-1)) + 1
         if num_rows > len(self._last_scan):
-            self._last_scan.resize(num_rows + num_rows // 4, refcheck=False)
+            more = np.zeros(num_rows + num_rows // 4 - len(self._last_scan), np.uint32)
+            self._last_scan = np.concatenate([self._last_scan, more])
         return self._last_scan
 
     def _count(self, kernel: Any, things: Any, num: int, block: Block) -> None:

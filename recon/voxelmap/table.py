@@ -5,6 +5,8 @@ number of a row, from 1 on, 0 = empty; it is searched for in linear order from t
 the number of slots on.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -86,15 +88,6 @@ def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.in
 
 
 @njit(cache=True)
-def _add_all(index: NDArray[np.int32], table: tuple[Slots, Rows, int]) -> int:
-    slots, rows, num_rows = table
-    for k in range(len(index)):
-        cell = (index[k, 0], index[k, 1], index[k, 2])
-        _, num_rows = find_or_add(slots, rows, num_rows, cell)
-    return num_rows
-
-
-@njit(cache=True)
 def _refill(slots: Slots, rows: Rows, num_rows: int) -> None:
     """Enter all rows, which are different cells, into empty slots."""
     for row in range(num_rows):
@@ -111,11 +104,17 @@ class CellTable:
         self.num_rows = 0
 
     @classmethod
-    def of(cls, index: NDArray[np.integer]) -> "CellTable":
-        """A table of the cells (K, 3), each once, whose row k is cell k."""
-        table = cls(np.dtype([("index", "i4", 3)]), len(index) + 1)
-        table.num_rows = _add_all(np.ascontiguousarray(index, np.int32), table.arrays)
+    def of(cls, rows: Rows) -> "CellTable":
+        """A table of rows of different cells, in their order."""
+        table = cls(rows.dtype, len(rows) + 1)
+        table.rows[: len(rows)] = rows
+        table.num_rows = len(rows)
+        _refill(*table.arrays)
         return table
+
+    def __reduce__(self) -> tuple[Callable[[Rows], "CellTable"], tuple[Rows]]:
+        """Pickled as its used rows: less to send, and the arrays that come back can grow."""
+        return CellTable.of, (self.used.copy(),)
 
     def find(self, index: NDArray[np.integer]) -> NDArray[np.int64]:
         """The row of each cell (K, 3), -1 where there is none."""

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, Self
 
 import numpy as np
@@ -45,6 +46,8 @@ class VoxelMap:
     ) -> None:
         if not (np.isfinite(cell_size) and cell_size > 0):
             raise InputError(f"cell_size is {cell_size}, but a positive number is needed")
+        if not (np.isfinite(ray_margin) and ray_margin >= 0):
+            raise InputError(f"ray_margin is {ray_margin}, but zero or more cells are needed")
         self.cell_size = float(cell_size)
         self.ray_margin = float(ray_margin)
         self._hits = CellTable(hits.NARROW)
@@ -98,7 +101,7 @@ class VoxelMap:
         """
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
         self._check_reach(points)
-        scan = Scan(cloud=cloud, origin=_eye(origin), view=view)
+        scan = Scan(cloud=replace(cloud, points=points), origin=_eye(origin), view=view)
         for channel in self._channels.values():
             channel.check(scan)
         inside = (points, np.ascontiguousarray(cloud.colours), self.cell_size)
@@ -205,7 +208,7 @@ class VoxelMap:
         return loaded
 
     def _check_reach(self, points: NDArray[np.float64]) -> None:
-        farthest = np.abs(points).max(initial=0.0)
+        farthest = max(points.max(initial=0.0), -points.min(initial=0.0))
         # Written so that NaN fails too.
         if not farthest < MAX_INDEX * self.cell_size:
             raise InputError(

@@ -1,6 +1,8 @@
 """What a map keeps besides: right in value, and free of order, chunks and merging."""
 
 import colorsys
+import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -36,6 +38,24 @@ def test_chunks_of_one_view_do_not_change_what_is_kept_of_its_points(tmp_path):
     ]
     whole = saved_bytes(observed(scans, channels=channels), tmp_path)
     assert saved_bytes(observed(chunks, channels=channels), tmp_path) == whole
+
+
+def test_a_pickled_map_goes_on(tmp_path):
+    scans = random_scans(4)
+    half = pickle.loads(pickle.dumps(observed(scans[:2])))
+    for points, origin, view in scans[2:]:
+        half.insert(points, origin, view)
+    assert saved_bytes(half, tmp_path) == saved_bytes(observed(scans), tmp_path)
+
+
+def test_points_of_single_precision_are_taken(tmp_path):
+    [(points, origin, view)] = random_scans(6, num_scans=1)
+    single = points.points.astype(np.float32)
+    maps = [
+        observed([(dataclasses.replace(points, points=single.astype(kind)), origin, view)])
+        for kind in (np.float32, np.float64)
+    ]
+    assert saved_bytes(maps[0], tmp_path) == saved_bytes(maps[1], tmp_path)
 
 
 def test_a_map_merged_with_itself_doubles_its_sums_and_not_its_views():

@@ -114,6 +114,12 @@ def test_a_cell_without_size_is_refused(cell_size):
         VoxelMap(cell_size)
 
 
+@pytest.mark.parametrize("ray_margin", [-1, np.nan, np.inf])
+def test_a_margin_that_is_none_is_refused(ray_margin):
+    with pytest.raises(InputError, match="ray_margin is"):
+        VoxelMap(ray_margin=ray_margin)
+
+
 def test_an_empty_map_has_no_cells(tmp_path):
     voxel_map = filled(cloud([]))
     assert voxel_map.num_cells == 0
