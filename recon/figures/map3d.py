@@ -20,6 +20,9 @@ SIZE: Size = (1200, 900)
 # The sphere round the map fits the picture; the map itself, flat as worlds are, may be larger.
 ZOOM = 1.45
 
+STRAY = 0.01
+"""Share of the cells, on each side, that may lie outside the picture."""
+
 # Directions from which the camera looks at the middle of the map.
 VIEWS = {
     "default": (0.55, 0.75, 1.0),
@@ -122,10 +125,12 @@ def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
 
 
 def _look(plotter: Any, voxels: Voxels, direction: tuple[float, float, float]) -> None:
-    centre = (voxels.centres.min(axis=0) + voxels.centres.max(axis=0)) / 2.0
+    # Stray cells far out must not make the rest small.
+    low, high = np.quantile(voxels.centres, (STRAY, 1.0 - STRAY), axis=0)
+    centre = (low + high) / 2.0
     plotter.camera.focal_point = tuple(centre)
     plotter.camera.position = tuple(centre + np.asarray(direction))
     plotter.camera.up = (0.0, 1.0, 0.0)
     plotter.camera.view_angle = 28.0
-    plotter.reset_camera(render=False)
+    plotter.reset_camera(render=False, bounds=np.column_stack([low, high]).ravel())
     plotter.camera.zoom(ZOOM)

@@ -14,6 +14,8 @@ from recon.records import UNKNOWN, FoundObject, Voxels
 
 Array = NDArray[np.float64]
 SIZE: Size = (900, 860)
+STRAY = 0.01
+"""Share of the cells, on each side, that may lie outside the sheet."""
 
 
 def occupancy(voxels: Voxels, size: Size = SIZE) -> Image:
@@ -91,7 +93,7 @@ def _axes(figure: Any, title: str) -> Any:
 def _frame(axes: Any) -> None:
     """A square round all that was drawn so far, with z down the page."""
     box = axes.dataLim
-    half = 0.55 * max(box.width, box.height, 1e-9)
+    half = 0.6 * max(box.width, box.height, 1e-9)
     middle_x, middle_z = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
     axes.set(xlim=(middle_x - half, middle_x + half), ylim=(middle_z + half, middle_z - half))
 
@@ -123,8 +125,10 @@ def _draw_cells(
         squares.set_facecolor([(r, g, b) for r, g, b in values.tolist()])
     else:
         squares.set(array=values, cmap=cmap)
-    axes.add_collection(squares)
-    axes.update_datalim((columns[:, None] + corners).reshape(-1, 2) * cell)
+    axes.add_collection(squares, autolim=False)
+    if len(columns):
+        # Stray cells far out must not make the rest small.
+        axes.update_datalim(np.quantile(columns + 0.5, (STRAY, 1.0 - STRAY), axis=0) * cell)
 
 
 def _draw_label(axes: Any, found: FoundObject) -> None:
