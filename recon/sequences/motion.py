@@ -23,6 +23,8 @@ MAX_SIGMAS = 3.0
 TRACK_SIGMA_PX = 0.2
 """Of a followed corner, in each of u, v and disparity: what the fits of a drive leave (0.18)."""
 NUM_ROUNDS = 8
+SMALL_CHANGE = 1e-6
+"""Radians and world units: far below what tracks tell."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,7 +124,7 @@ def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Arra
         normal = np.einsum("nij,nik->jk", weighted, at.by_motion)
         change = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, at.residual))
         T_second_first = moved(T_second_first, change)
-        if np.abs(change).max() < 1e-8:
+        if np.abs(change).max() < SMALL_CHANGE:
             break
     return T_second_first
 

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 log = logging.getLogger(__name__)
 
-MAX_CALIBRATION_PAIRS = 60
+MAX_CALIBRATION_PAIRS = 30
 """From which the residual is estimated, evenly spread over the recording."""
 
 

@@ -26,7 +26,7 @@ eyes that turn against each other leave, 1 and x^2; any quadratic."""
 MIN_GAIN = 0.02
 """Share of the held-out cost that a richer field must save: each term makes the scale less sure."""
 NUM_PASSES, NUM_ROUNDS = 2, 10
-SMALL_STEP_PX = 1e-4
+SMALL_STEP_PX = 1e-3
 PRIOR_PX = 3.0
 """Standard deviation of a coefficient before anything is seen: a rig at rest tells nothing."""
 ROW_SIGMA_PX = 0.15

@@ -14,7 +14,7 @@ from recon.sequences.images import Image
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_] | NDArray[np.integer]
 
-NUM_CORNERS, NUM_CELLS = 1000, 70
+NUM_CORNERS, NUM_CELLS = 700, 70
 """Corners are asked for cell by cell, so that one textured wall does not get all of them."""
 MIN_CORNER_SPACING_PX = 7
 CORNER_QUALITY = 0.01
@@ -72,9 +72,12 @@ def track(first: StereoPair, second: StereoPair) -> Tracks:
     )
     points = corners(left)
     seen, is_seen = _seen_by_both(left, right, points)
-    moved, is_moved = _follow(left, next_left, points)
-    next_seen, is_next_seen = _seen_by_both(next_left, next_right, moved)
-    return Tracks(first=seen, second=next_seen).select(is_seen & is_moved & is_next_seen)
+    moved, is_moved = _follow(left, next_left, points[is_seen])
+    next_seen, is_next_seen = _seen_by_both(next_left, next_right, moved[is_moved])
+    return Tracks(
+        first=seen.select(is_seen).select(is_moved).select(is_next_seen),
+        second=next_seen.select(is_next_seen),
+    )
 
 
 def corners(image: Image) -> NDArray[np.float32]:
