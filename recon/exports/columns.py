@@ -47,7 +47,8 @@ def _of_voxels(voxels: Voxels) -> Columns:
 def from_columns(columns: Mapping[str, NDArray[Any]]) -> PointCloud | Voxels:
     """Cells where the columns name their index, count and size, otherwise points.
 
-    Points without colour are grey.
+    Points without colour are grey; those that are not finite, with which depth cameras mark that
+    nothing was measured, are left out.
 
     Raises
     ------
@@ -60,12 +61,23 @@ def from_columns(columns: Mapping[str, NDArray[Any]]) -> PointCloud | Voxels:
     places = _joined(columns, XYZ).astype(np.float64)
     if {*INDEX, "count", "cell_size"} <= columns.keys() and len(places):
         return _as_voxels(columns, places)
+    return measured(cloud_in(columns))
+
+
+def cloud_in(columns: Mapping[str, NDArray[Any]]) -> PointCloud:
+    """The points of columns, each of them."""
+    points = _joined(columns, XYZ).astype(np.float64)
     sigma = columns.get("sigma")
     return PointCloud(
-        points=places,
-        colours=_colours(columns, len(places)),
+        points=points,
+        colours=_colours(columns, len(points)),
         sigma=None if sigma is None else sigma.astype(np.float64),
     )
+
+
+def measured(cloud: PointCloud) -> PointCloud:
+    """The points that are finite."""
+    return cloud.select(np.flatnonzero(np.isfinite(cloud.points).all(axis=1)))
 
 
 def _as_voxels(columns: Mapping[str, NDArray[Any]], means: NDArray[np.float64]) -> Voxels:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
+from recon.exports.columns import measured
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import VoxelMap, archive
 
@@ -51,4 +52,6 @@ def _cloud(columns: archive.Columns) -> PointCloud:
         raise InputError(f"its arrays are {', '.join(columns)}, but points is needed")
     grey = np.full((len(points), 3), 128, np.uint8)
     colours = next((columns[name] for name in _COLOURS if name in columns), grey)
-    return PointCloud(points=points.astype(np.float64), colours=colours, sigma=columns.get("sigma"))
+    return measured(
+        PointCloud(points=points.astype(np.float64), colours=colours, sigma=columns.get("sigma"))
+    )

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from recon.errors import InputError, ReconError
 from recon.exports.columns import XYZ, Columns
 from recon.exports.open3d import cloud_of, columns_in
@@ -46,6 +44,4 @@ def read(path: Path) -> Columns:
         raise InputError(f"{path}: Open3D cannot read it") from error
     if not set(XYZ) <= columns.keys():
         raise InputError(f"{path}: Open3D finds no points in it")
-    # Clouds of depth cameras mark with NaN where nothing was measured.
-    is_measured = np.isfinite([columns[name] for name in XYZ]).all(axis=0)
-    return {name: values[is_measured] for name, values in columns.items()}
+    return columns

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import Columns, columns_of, from_columns
+from recon.exports.columns import Columns, cloud_in, columns_of
 from recon.exports.plyheader import Layout, header, read_header
 from recon.files import atomic_path
 from recon.records import PointCloud
@@ -76,8 +76,7 @@ def read_cloud_chunks(
             raise InputError(f"{path}: holds {layout.dtype.names}, not what a run's cloud holds")
         for start in range(0, layout.count, _CHUNK_ROWS):
             vertices = np.fromfile(file, RUN_CLOUD, min(_CHUNK_ROWS, layout.count - start))
-            cloud = from_columns({name: vertices[name] for name in RUN_CLOUD.names or ()})
-            assert isinstance(cloud, PointCloud)
+            cloud = cloud_in({name: vertices[name] for name in RUN_CLOUD.names or ()})
             yield cloud, vertices["pair"]
 
 

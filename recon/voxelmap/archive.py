@@ -98,22 +98,22 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 def _read_column(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     with archive.open(name) as member:
-        shape, dtype = _read_header(member)
+        shape, is_fortran, dtype = _read_header(member)
         # read() takes what is there, and no memory for what is not.
         data = member.read()
     claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
     if len(data) != claimed:
         raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
-    return np.frombuffer(data, dtype).reshape(shape)
+    return np.frombuffer(data, dtype).reshape(shape, order="F" if is_fortran else "C")
 
 
-def _read_header(member: BinaryIO | Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
+def _read_header(member: BinaryIO | Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     if np.lib.format.read_magic(member) != (1, 0):
         raise InputError("an array is not of npy version 1.0")
     shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(member)
-    if is_fortran or dtype.hasobject:
-        raise InputError(f"an array of {dtype} is not plain numbers in C order")
-    return shape, dtype
+    if dtype.hasobject:
+        raise InputError(f"an array of {dtype} is not plain numbers")
+    return shape, is_fortran, dtype
 
 
 def _content(columns: Columns) -> Content:

@@ -348,6 +348,20 @@ def test_an_npz_of_others_is_read(tmp_path):
     assert read(tmp_path / "cloud.npz").points.tolist() == xyz.tolist()
 
 
+def test_an_npz_in_fortran_order_is_read_and_what_was_not_measured_left_out(tmp_path):
+    points = np.asfortranarray([[1.0, 2.0, 3.0], [np.nan, 0.0, 0.0], [4.0, 5.0, 6.0]])
+    np.savez_compressed(tmp_path / "cloud.npz", points=points)
+    assert read(tmp_path / "cloud.npz").points.tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+@pytest.mark.parametrize("ending", OF_CLOUDS[:2])
+def test_points_that_were_not_measured_are_left_out(tmp_path, ending):
+    cloud = a_cloud()
+    cloud.points[7] = np.nan
+    write(cloud, tmp_path / f"cloud{ending}")
+    assert len(read(tmp_path / f"cloud{ending}")) == len(cloud) - 1
+
+
 def test_a_ply_without_places_is_refused(tmp_path):
     (tmp_path / "cloud.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"
