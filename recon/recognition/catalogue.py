@@ -26,7 +26,7 @@ class PartRule:
     shapes: Annotated[tuple[UprightShape, ...], Field(min_length=1)]
     """Any of these."""
     slenderness: tuple[NonNegative, NonNegative] | None = None
-    """Bounds of its height over its largest radius."""
+    """Bounds of its height over its radius; of a cone, over what its radius falls by."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -32,7 +32,7 @@ UNSEEN = 0.1
 HOVERING = 0.15
 """Share of its height that an object's lowest cell may be over the ground: what hovers higher is
 held by something that is not seen, and is more than one solid."""
-LOG_NO_KIND = -3.0
+LOG_NO_KIND = -4.0
 """Log of how much rarer a stack of no kind is than one of the catalogue."""
 GHOST_CELLS = 100
 """Cells from which a thing over the ground is one whose foot is hidden, not false matches."""
@@ -210,7 +210,8 @@ def _is_whole(fit: Estimate[Stack], voxels: Voxels) -> bool:
     extent = float(np.ptp(voxels.means, axis=0).max())
     within = max(2.0 * stack.widest.max(), stack.heights[-1] - voxels.means[:, 1].min())
     unseen = _is_unseen(stack, voxels)
-    enough = len(voxels) >= HOVERING_CELLS or not unseen[0]
+    held = not unseen[0] and not _is_hovering(voxels, float(stack.heights[0]))
+    enough = held or len(voxels) >= HOVERING_CELLS
     return bool(within < LARGEST_TO_EXTENT * extent and enough and not unseen[1:].any())
 
 
@@ -238,7 +239,7 @@ def _log_chance(stack: Stack, kind: Kind, voxels: Voxels) -> float:
     """Log of the chance that the ratios of sizes lie within the kind's bounds."""
     widths = np.maximum(stack.widest, 1e-9)
     bounds = [part.slenderness for part in kind.parts]
-    ratios = list(np.diff(stack.heights) / widths)
+    ratios = list(stack.slenderness)
     if len(widths) > 1:
         # What holds up a crown and is not seen itself is thin.
         ratios.append(0.0 if _is_unseen(stack, voxels)[0] else widths[0] / widths[1])

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
 """Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+BULK = (0.1, 0.9)
+"""Shares of the points below the ends of the bulk, in whose middle the axis is first looked for."""
 INLIER_SIGMAS = 3.0
 """Points nearer than so many scales lie on the fit."""
 ENDS = (0.005, 0.99)
@@ -43,6 +45,14 @@ class Stack:
         """(parts,) largest radius of each part."""
         pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
         return np.array([r.max() if len(r) else span / 2.0 for _, r, span in pairs])
+
+    @property
+    def slenderness(self) -> Array:
+        """(parts,) height over radius; of a cone over what it narrows by, however much is seen."""
+        spans = np.diff(self.heights)
+        narrowing = [abs(float(r[0] - r[1])) if len(r) > 1 else np.inf for r in self.radii]
+        ratios: Array = spans / np.maximum(np.minimum(self.widest, narrowing), 1e-9)
+        return ratios
 
     @property
     def areas(self) -> Array:
@@ -154,7 +164,8 @@ def _splits(num_parts: int) -> list[tuple[float, ...]]:
 def _start(
     shapes: tuple[str, ...], points: Array, ground: float, splits: tuple[float, ...]
 ) -> Stack:
-    axis = (points[:, ::2].min(axis=0) + points[:, ::2].max(axis=0)) / 2.0
+    low, high = np.quantile(points, BULK, axis=0)
+    axis = (low + high)[::2] / 2.0
     top = float(points[:, 1].max())
     heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
     rho = np.hypot(*(points[:, ::2] - axis).T)
