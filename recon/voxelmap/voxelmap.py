@@ -228,11 +228,15 @@ class VoxelMap:
         while stop < num:
             capacity = hits.CAPACITY[self._hits.rows.dtype]
             stop, self._hits.num_rows = kernel(things, capacity, self._hits.arrays, rows, stop)
-            if self._hits.is_full:
-                self._hits.grow()
-            elif stop < num:
-                self._widen()
+            if stop < num:
+                self._make_room()
         return rows
+
+    def _make_room(self) -> None:
+        if self._hits.is_full:
+            self._hits.grow()
+        else:
+            self._widen()
 
     def _widen(self) -> None:
         if self._hits.rows.dtype == hits.WIDE:

@@ -134,3 +134,26 @@ def test_save_and_load_are_exact(tmp_path):
     loaded = VoxelMap.load(tmp_path / "map.npz")
     assert loaded.cell_size == 0.3
     assert same(loaded.occupied(1), voxel_map.occupied(1))
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    place=st.tuples(*[st.floats(-1e6, 1e6)] * 3),
+    cell_size=st.sampled_from([0.1, 0.3, 1.0, 7.5]),
+)
+def test_any_point_lies_in_its_cell_and_keeps_its_place(place, cell_size):
+    voxels = filled(cloud([place]), cell_size=cell_size).occupied(1)
+    index = np.floor(np.array(place) / cell_size)
+    assert voxels.index.tolist() == [index.astype(int).tolist()]
+    assert np.abs(voxels.means - place).max() <= 1e-3 * cell_size
+
+
+def test_memory_is_bounded_by_the_map_and_not_by_the_points():
+    voxel_map = VoxelMap(0.5)
+    points = random_cloud(np.random.default_rng(9), num=20_000, spread=3.0)
+    sizes = []
+    for _ in range(30):
+        voxel_map.insert(points)
+        sizes.append(voxel_map.nbytes)
+    assert sizes[0] / voxel_map.num_cells < 80
+    assert sizes[-1] <= 2 * sizes[0]
