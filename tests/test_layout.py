@@ -25,6 +25,7 @@ HOMES = {
     "open3d": {"world", "voxelmap", "recognition", "exports"},
     "cv2": {"stereo", "sequences", "world", "exports"},
     "skimage": {"stereo", "recognition"},
+    "PIL": {"world"},
     "pyvista": {"figures", "app", "exports"},
     "matplotlib": {"figures"},
     "nicegui": {"app"},

@@ -51,6 +51,7 @@ def explore(scene: Path, **given: Any) -> None:
             "exploration.max_pairs": given["max_pairs"],
             "recognition.recogniser": given["recogniser"],
             "render.renderer": given["renderer"],
+            "render.noise_seed": given["seed"],
             "matching.matcher": given["matcher"],
             "matching.keep": given["keep"],
         },

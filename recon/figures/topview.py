@@ -91,8 +91,10 @@ def _axes(figure: Any, title: str) -> Any:
 
 
 def _frame(axes: Any) -> None:
-    """A square round all that was drawn so far, with z down the page."""
+    """A square round all that was drawn so far, if anything was, with z down the page."""
     box = axes.dataLim
+    if not np.isfinite(box.bounds).all():
+        return
     half = 0.6 * max(box.width, box.height, 1e-9)
     middle_x, middle_z = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
     axes.set(xlim=(middle_x - half, middle_x + half), ylim=(middle_z + half, middle_z - half))

@@ -6,6 +6,7 @@ import platform
 from dataclasses import dataclass
 
 from recon.libraries import open3d_fault, rendering_fault
+from recon.world.filament import filament_fault
 
 EXTRAS = {
     "laspy": "las",
@@ -43,12 +44,17 @@ def examine() -> list[Finding]:
         _needed("python", None, platform.python_version()),
         _needed("open3d", open3d_fault(), importlib.metadata.version("open3d")),
         _needed("rendering", rendering_fault(), "without a screen"),
+        _optional("filament", filament_fault(), "light and shadows"),
         *(_extra(*item) for item in EXTRAS.items()),
     ]
 
 
 def _needed(name: str, fault: str | None, word: str) -> Finding:
     return Finding(name=name, is_well=fault is None, is_needed=True, word=fault or word)
+
+
+def _optional(name: str, fault: str | None, word: str) -> Finding:
+    return Finding(name=name, is_well=fault is None, is_needed=False, word=fault or word)
 
 
 def _extra(module: str, extra: str) -> Finding:

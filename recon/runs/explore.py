@@ -15,6 +15,7 @@ from recon.runs.replay import SavedPairs
 from recon.runs.report import read_report
 from recon.settings import Settings, to_toml
 from recon.voxelmap.occupancy import occupied
+from recon.world.textures import scene_files
 from recon.world.world import World
 
 
@@ -36,7 +37,12 @@ def explore_run(
         The document of `recon explore --json`: metrics.json with `run` and `objects`.
     """
     world = World.from_file(scene, settings)
-    plan = RunPlan(command="explore", settings_toml=to_toml(settings), seed=seed, inputs=(scene,))
+    plan = RunPlan(
+        command="explore",
+        settings_toml=to_toml(settings),
+        seed=seed,
+        inputs=(scene, *scene_files(world.scene)),
+    )
     run = RunFolder.prepare(run_path, plan, overwrite=overwrite, resume=resume)
     if not run.is_finished:
         with run.opened():

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from recon.errors import InputError
+from recon.world.visuals import MeshVisual, Scene
 
 SHIPPED = Path(__file__).parent / "shipped"
 """Recon's own pictures, made by tools/make_textures.py."""
@@ -31,6 +32,18 @@ def find_texture(name: str, folder: Path | None) -> Path | None:
             return found
     shipped = SHIPPED / f"{Path(name).stem}.png"
     return shipped if shipped.is_file() else None
+
+
+def scene_files(scene: Scene) -> tuple[Path, ...]:
+    """The files that a scene needs beside its own: meshes, and textures of its visuals."""
+    names = {name for visual in scene.visuals if (name := scene.texture_of(visual))}
+    textures = {find_texture(name, scene.folder) for name in names}
+    meshes = {
+        (scene.folder or Path()) / visual.file
+        for visual in scene.visuals
+        if isinstance(visual, MeshVisual)
+    }
+    return tuple(sorted(path for path in textures | meshes if path is not None))
 
 
 def read_texture(name: str, folder: Path | None) -> NDArray[np.uint8]:
