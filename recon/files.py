@@ -1,5 +1,6 @@
 """Files that appear whole or not at all."""
 
+import errno
 import os
 import secrets
 from collections.abc import Iterator
@@ -15,6 +16,9 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     before is replaced in one step, and stays untouched where the block raises.
     """
     wanted = Path(path)
+    if not wanted.parent.is_dir():
+        # Said of the folder that was asked for, not of the temporary name.
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(wanted.parent))
     temporary = wanted.with_name(f".{secrets.token_hex(4)}-{wanted.name}")
     try:
         yield temporary

@@ -17,6 +17,12 @@ def test_a_file_takes_its_place_at_the_end(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_missing_folder_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError) as error, atomic_path(tmp_path / "no" / "map.npz"):
+        pass
+    assert error.value.filename == str(tmp_path / "no")
+
+
 def cut_short(path):
     with atomic_path(path) as temporary:
         temporary.write_text("half")
