@@ -123,8 +123,9 @@ class Agent:
 
     def steps(self, controller: Controller) -> Iterator[Step]:
         """Go from view to view until there is a reason to stop."""
-        view: View | None = self.world.start()
-        self.record.walk(view, view)
+        start = self.world.start()
+        self.record.walk(start, start)
+        view: View | None = start
         while view is not None:
             try:
                 step = self._look(view)

@@ -14,6 +14,8 @@ Mask = NDArray[np.bool_]
 RAY_SPACING = 0.5
 """World units between two rays at their far ends, and between two samples along one: half a cell,
 so that no cell slips through."""
+NEIGHBOURS: Mask = np.ones((3, 3), dtype=bool)
+"""A cell and the eight around it."""
 MAX_CELLS = 16_000_000
 """Of the floor: what is planned with takes some hundred bytes for each."""
 
@@ -113,13 +115,22 @@ class Floor:
         clear: Mask = ~np.logical_or.accumulate(blocked & came_out, axis=-1) & came_out
         return clear
 
-    def see(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> None:
-        """Mark as free what lies before the mapped things and nearer than `limits` (A,)."""
+    def visible(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> Array:
+        """(X, Z) distance of the cells before the mapped things and nearer than `limits` (A,).
+
+        Infinite where a cell is not seen.
+        """
         radii = np.arange(0.0, limits.max(initial=0.0), RAY_SPACING)
         lines = self.lines(place_xz[None], azimuths_rad, radii)
         seen = self.open_samples(lines)[0] & (radii < limits[:, None])
-        distance = np.broadcast_to(radii, seen.shape)[seen]
-        np.minimum.at(self.seen_from.ravel(), lines.cell[0][seen], distance)
+        distance = np.full(self.occupied.size, np.inf)
+        np.minimum.at(distance, lines.cell[0][seen], np.broadcast_to(radii, seen.shape)[seen])
+        return distance.reshape(self.shape)
+
+    def see(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> None:
+        """Note the free ground that a view shows."""
+        seen_from = self.visible(place_xz, azimuths_rad, limits)
+        self.seen_from = np.minimum(self.seen_from, seen_from)
 
 
 def azimuths(heading_rad: float, field_rad: float, reach: float) -> Array:

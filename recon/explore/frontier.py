@@ -1,17 +1,19 @@
-"""The frontier controller: the view that adds most for the way there, until none adds anything."""
+"""The frontier controller: what adds most for the way there, until nothing adds anything."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from recon.explore.floor import Array, Mask
-from recon.explore.gains import Candidates, look_out, new_sides, turn
+from recon.explore.gains import AZIMUTHS_RAD, Candidates, Outlook, new_sides, ray_of
 from recon.explore.planning import (
     GAZE,
     Ways,
     azimuth_of,
     lifted,
+    look_along,
     look_to,
     lookouts,
     middle_of,
@@ -22,101 +24,111 @@ from recon.explore.planning import (
 from recon.explore.sight import Sighting, field_of_view
 from recon.explore.state import State
 from recon.explore.things import Thing
+from recon.explore.tour import first_stop
 from recon.records import UNKNOWN, View
 
-SIDE_AREA = 2000.0
-"""A new side of a thing is worth so many cells of unknown ground: a whole look around."""
+SIDE_AREA = 1000.0
+"""A new side of a thing is worth so many cells of unknown ground."""
+MUCH_AREA = 300.0
+"""Ground beyond so many cells hardly counts while there are things to look at."""
 PAIR_COST = 10.0
 """Taking a pair costs as much as walking this far, world units."""
-MUCH_AREA = 1000.0
-"""Ground beyond so many cells hardly counts: what lies near is seen first, not what is large."""
-MIN_GAIN = 25.0
-"""A view that adds fewer cells than this is not worth taking."""
 MAX_UNKNOWN = 0.02
 """Share of the floor that may stay unseen in corners when all is called known."""
 NUM_BEARINGS = 12
-SAME_PLACE, SAME_GAZE_RAD = 3.0, math.radians(20.0)
-"""A view nearer than both to an earlier one shows nothing that the earlier one did not."""
 SURE = 0.9
 """Probability from which a label is believed."""
-OPEN_SURE_RAD, OPEN_RAD = math.radians(110.0), math.radians(80.0)
-"""A thing is known when no gap between its views is wider, with a sure label and without."""
+OPEN_SURE_RAD, OPEN_RAD = math.radians(130.0), math.radians(100.0)
+"""A thing is known when no gap between its views is wider, with a sure label and without: three
+views or four, from all round."""
 
 
 @dataclass(slots=True, kw_only=True)
 class FrontierController:
-    """Weighs what each view adds against the way there."""
+    """Looks at things from all round first, then goes a round of the unknown ground."""
 
     taken: list[tuple[Array, float]] = field(default_factory=list)
-    """Place and azimuth of every view so far."""
-    reason: str = "all known"
+    """Place (2,) and azimuth of every view so far."""
+    reason: str = ""
 
     def info(self) -> str:
         """Who it is."""
-        return "frontiers of known ground and new sides of things, by gain against the way"
+        return "new sides of things and unknown ground, by what a view adds against the way there"
 
     def result(self) -> str:
         """Why it ended."""
         return self.reason
 
     def next_view(self, state: State) -> View | None:
-        """The view with the best score, or None where none adds enough."""
-        self.taken.append(
-            (state.place, azimuth_of((state.view.target - state.view.position)[[0, 2]]))
-        )
-        ways = plan(state)
+        """The best look at a thing that is not known, or else at unknown ground."""
+        gaze = (state.view.target - state.view.position)[[0, 2]]
+        self.taken.append((state.place, azimuth_of(gaze)))
+        ways, unknown = plan(state), unexplored(state.floor, state.things)
         wanted: list[Thing | Sighting] = [*state.sightings]
         wanted += [thing for thing in state.things if not is_known(thing)]
-        unknown = unexplored(state.floor, state.things)
-        candidates, area = self._candidates(state, ways, wanted, unknown)
-        field_rad = field_of_view(state.pair)
-        sides = new_sides(
-            candidates, wanted, state.floor, field_rad, state.settings.exploration.viewing_distance
-        )
-        gain = np.where(self._is_taken(candidates), 0.0, area + SIDE_AREA * sides)
-        worth = area * MUCH_AREA / (area + MUCH_AREA) + SIDE_AREA * sides
-        score = worth / (ways.length(candidates.places) + PAIR_COST)
-        best = int(np.where(gain >= MIN_GAIN, score, 0.0).argmax())
-        if gain[best] < MIN_GAIN:
-            self._end(wanted, unknown)
-            return None
-        return look_to(ways, candidates.places[best], candidates.targets[best], state)
-
-    def _candidates(
-        self, state: State, ways: Ways, wanted: list[Thing | Sighting], unknown: Mask
-    ) -> tuple[Candidates, Array]:
-        """Views worth weighing, and the unknown cells (C,) that each would show."""
-        height = state.settings.eyes.eye_height
-        places = np.vstack([state.place, lookouts(ways, unknown)])
         stands = stands_round(ways, wanted, state)
-        outlook = look_out(
+        outlook = Outlook.over(
             state.floor,
-            unknown,
-            np.vstack([places, stands.places]),
+            np.vstack([state.place, lookouts(ways, unknown), stands.places]),
             field_of_view(state.pair),
             state.settings.exploration.sight_range,
-        )
-        azimuth = outlook.best()[: len(places)]
-        ahead = places + GAZE * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
-        candidates = Candidates(places=places, targets=lifted(ahead, height)).joined(stands)
-        return candidates, outlook.along(candidates.azimuths_rad)
+        ).without(self.taken)
+        view = look_at_things(state, ways, wanted, stands, outlook, unknown)
+        if view is None:
+            view = look_at_ground(state, ways, outlook, unknown)
+        if view is None:
+            self._end(wanted, unknown)
+        return view
 
-    def _is_taken(self, candidates: Candidates) -> Mask:
-        """(C,) which views are as good as one that was taken already."""
-        taken = np.zeros(len(candidates.places), dtype=bool)
-        for place, azimuth in self.taken:
-            is_near = np.hypot(*(candidates.places - place).T) <= SAME_PLACE
-            taken |= is_near & (turn(candidates.azimuths_rad, np.array(azimuth)) <= SAME_GAZE_RAD)
-        return taken
-
-    def _end(self, wanted: list[Thing | Sighting], unknown: Mask) -> None:
+    def _end(self, wanted: Sequence[Thing | Sighting], unknown: Mask) -> None:
         """Say why there is nothing left to do."""
-        unmet = [t for t in wanted if isinstance(t, Sighting) or not len(t.bearings_rad)]
-        is_left = bool(unmet) or unknown.mean() > MAX_UNKNOWN
+        unseen = [t for t in wanted if isinstance(t, Sighting) or not len(t.bearings_rad)]
+        is_left = bool(unseen) or unknown.mean() > MAX_UNKNOWN
         self.reason = "nothing reachable" if is_left else "all known"
-        barred = len(wanted) - len(unmet)
+        barred = len(wanted) - len(unseen)
         if barred:
             self.reason += f"; {barred} things have a side that cannot be reached"
+
+
+def look_at_things(
+    state: State,
+    ways: Ways,
+    wanted: Sequence[Thing | Sighting],
+    stands: Candidates,
+    outlook: Outlook,
+    unknown: Mask,
+) -> View | None:
+    """The view that shows most new sides of things, and ground besides, for the way there."""
+    cells = outlook.cells(unknown)
+    candidates = around(outlook, cells, state).joined(stands)
+    row = np.append(np.arange(len(cells)), np.arange(-len(stands.places), 0))
+    ray = ray_of(candidates.azimuths_rad)
+    reach = state.settings.exploration.viewing_distance
+    sides = new_sides(candidates, wanted, state.floor, outlook.field_rad, reach)
+    sides[outlook.barred[row, ray]] = 0.0
+    if not sides.any():
+        return None
+    area = cells[row, ray]
+    worth = SIDE_AREA * sides + MUCH_AREA * area / (area + MUCH_AREA)
+    score = worth / (ways.length(candidates.places) + PAIR_COST)
+    best = int(score.argmax())
+    return look_to(ways, candidates.places[best], candidates.targets[best], state)
+
+
+def around(outlook: Outlook, cells: Array, state: State) -> Candidates:
+    """From each place the level view that shows most unknown cells (C, A)."""
+    azimuth = AZIMUTHS_RAD[cells.argmax(axis=1)]
+    ahead = outlook.places + GAZE * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    return Candidates(places=outlook.places, targets=lifted(ahead, state.settings.eyes.eye_height))
+
+
+def look_at_ground(state: State, ways: Ways, outlook: Outlook, unknown: Mask) -> View | None:
+    """The first view of a round that shows all unknown ground that can be seen."""
+    stop = first_stop(state.floor, unknown, outlook, state.place)
+    if stop is None:
+        return None
+    place, azimuth = stop
+    return look_along(ways, place, azimuth, state)
 
 
 def is_known(thing: Thing) -> bool:
@@ -134,12 +146,12 @@ def widest_gap(bearings_rad: Array) -> float:
     return float(np.diff(ordered, append=ordered[0] + 2.0 * math.pi).max())
 
 
-def stands_round(ways: Ways, wanted: list[Thing | Sighting], state: State) -> Candidates:
+def stands_round(ways: Ways, wanted: Sequence[Thing | Sighting], state: State) -> Candidates:
     """Places round things that can be reached, each looking at its thing."""
     places, targets = [np.empty((0, 2))], [np.empty((0, 3))]
     clearance = state.settings.exploration.clearance
     for thing in wanted:
-        for bearing in np.arange(NUM_BEARINGS) * 2.0 * math.pi / NUM_BEARINGS:
+        for bearing in np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False):
             place = stand(ways, thing, float(bearing), clearance)
             if place is not None:
                 places.append(place[None])

@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.explore.floor import Array, Floor, Mask
 from recon.explore.sight import Sighting, polar
@@ -17,6 +18,8 @@ SAMPLE = 2.0
 """World units between two samples along a ray; less than half a thing's width."""
 NEW_SIDE_RAD = np.radians(90.0)
 """A bearing this far from all earlier ones shows a wholly new side of a thing."""
+SAME_PLACE, SAME_GAZE_RAD = 3.0, math.radians(20.0)
+"""A view nearer than both to an earlier one shows nothing that the earlier one did not."""
 MIN_NOVELTY = 0.25
 """Less of a new side than this is the old one."""
 
@@ -46,33 +49,56 @@ class Candidates:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outlook:
-    """How much unknown ground lies open round some places."""
+    """The ground that lies open round some places."""
 
-    cells: Array
-    """(C, NUM_RAYS) number of unknown cells in the field of a view along each azimuth."""
+    places: Array
+    """(C, 2) x, z."""
+    field_rad: float
+    """Width of a view."""
+    reach: float
+    """How far a view tells free ground, world units."""
+    barred: Mask
+    """(C, NUM_RAYS) views that nearly were taken before, and would show nothing more."""
+    _cell: NDArray[np.intp]
+    """(C, NUM_RAYS, R) cell under each sample of the rays; past the last where it is hidden."""
+    _area: Array
+    """(R,) cells that each sample stands for."""
 
-    def best(self) -> Array:
-        """(C,) azimuth of the view from each place that shows most."""
-        best: Array = AZIMUTHS_RAD[self.cells.argmax(axis=1)]
-        return best
+    @classmethod
+    def over(cls, floor: Floor, places: Array, field_rad: float, reach: float) -> "Outlook":
+        """Look out from every place (C, 2) as far as the mapped things allow."""
+        radii: Array = np.arange(SAMPLE / 2.0, reach, SAMPLE)
+        lines = floor.lines(places, AZIMUTHS_RAD, radii)
+        return cls(
+            places=places,
+            field_rad=field_rad,
+            reach=reach,
+            barred=np.zeros((len(places), NUM_RAYS), dtype=bool),
+            _cell=np.where(floor.open_samples(lines), lines.cell, floor.occupied.size),
+            _area=radii * SAMPLE * SPACING_RAD,
+        )
 
-    def along(self, azimuths_rad: Array) -> Array:
-        """(C,) what the view from each place along an azimuth would show."""
-        ray = np.rint(azimuths_rad / SPACING_RAD).astype(np.intp) % NUM_RAYS
-        shown: Array = self.cells[np.arange(len(ray)), ray]
-        return shown
+    def without(self, views: Iterable[tuple[Array, float]]) -> "Outlook":
+        """The same, with the views near those from a place (2,) along an azimuth barred."""
+        barred = self.barred.copy()
+        for place, azimuth in views:
+            is_near = np.hypot(*(self.places - place).T) <= SAME_PLACE
+            barred |= is_near[:, None] & (turn(AZIMUTHS_RAD, np.array(azimuth)) <= SAME_GAZE_RAD)
+        return replace(self, barred=barred)
+
+    def cells(self, unknown: Mask) -> Array:
+        """(C, NUM_RAYS) how many unknown cells a view along each azimuth would show."""
+        of_ray = np.append(unknown.ravel(), False)[self._cell] @ self._area
+        half = round(self.field_rad / SPACING_RAD / 2.0)
+        wrapped = np.concatenate([of_ray[:, -half:], of_ray, of_ray[:, :half]], axis=1)
+        window = np.lib.stride_tricks.sliding_window_view(wrapped, 2 * half + 1, axis=1)
+        return np.where(self.barred, 0.0, window.sum(axis=-1))
 
 
-def look_out(floor: Floor, unknown: Mask, places: Array, field_rad: float, reach: float) -> Outlook:
-    """Count the unknown cells that lie open round every place (C, 2)."""
-    radii: Array = np.arange(SAMPLE / 2.0, reach, SAMPLE)
-    lines = floor.lines(places, AZIMUTHS_RAD, radii)
-    new = np.append(unknown.ravel(), False)[lines.cell] & floor.open_samples(lines)
-    of_ray = new @ (radii * SAMPLE * SPACING_RAD)
-    half = round(field_rad / SPACING_RAD / 2.0)
-    wrapped = np.concatenate([of_ray[:, -half:], of_ray, of_ray[:, :half]], axis=1)
-    window = np.lib.stride_tricks.sliding_window_view(wrapped, 2 * half + 1, axis=1)
-    return Outlook(cells=window.sum(axis=-1))
+def ray_of(azimuths_rad: Array) -> NDArray[np.intp]:
+    """Number of the ray nearest to each azimuth."""
+    ray: NDArray[np.intp] = np.rint(azimuths_rad / SPACING_RAD).astype(np.intp) % NUM_RAYS
+    return ray
 
 
 def new_sides(

@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.ndimage import binary_closing
 
-from recon.explore.floor import Array, Floor, Mask
-from recon.explore.sight import Sight, Sighting, look, sightings, sigma_of
+from recon.explore.floor import NEIGHBOURS, Array, Floor, Mask
+from recon.explore.sight import Sight, Sighting, look, sightings, sigma_of, without_noise
 from recon.explore.things import Thing, Visits, columns, find_things
 from recon.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
@@ -55,12 +56,13 @@ class Memory:
         """Take in one more pair, whose sure points are in the map already."""
         height = cloud.points[:, 1]
         standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
-        sure = standing.select(sigma_of(standing) <= SURE_SIGMA)
         place = view.position[[0, 2]]
+        standing = without_noise(standing, place)
+        sure = standing.select(sigma_of(standing) <= SURE_SIGMA)
         self.visits.add(place, sure, self.floor)
         voxels = self.voxel_map.occupied(self.settings.map.min_count)
         voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
-        self.floor.occupied = self.floor.mask(columns(voxels))
+        self.floor.occupied = binary_closing(self.floor.mask(columns(voxels)), NEIGHBOURS)
         min_voxels = self.settings.recognition.min_voxels
         before = [thing for thing in self.things if thing.found is not None]
         things = find_things(voxels, self.floor, self.visits, min_voxels)

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import ConvexHull
 
-from recon.explore.floor import RAY_SPACING, Array, Floor, Mask
+from recon.explore.floor import NEIGHBOURS, RAY_SPACING, Array, Floor, Mask
 from recon.explore.sight import Sighting
 from recon.explore.state import State, Walk
 from recon.explore.things import Thing
@@ -188,7 +188,7 @@ def unexplored(floor: Floor, things: Iterable[Thing]) -> Mask:
     unknown = ~floor.known_free & ~floor.occupied
     for thing in things:
         unknown &= ~_inside(floor, thing.cells)
-    number, _ = label(unknown, np.ones((3, 3), dtype=bool))
+    number, _ = label(unknown, NEIGHBOURS)
     large = np.bincount(number.ravel()) >= MIN_POCKET
     large[0] = False
     return large[number]
@@ -214,7 +214,7 @@ def lookouts(ways: Ways, unknown: Mask) -> Array:
     is seen from afar.
     """
     reached = np.isfinite(ways.distance)
-    border = binary_dilation(unknown, np.ones((3, 3), dtype=bool), iterations=BORDER)
+    border = binary_dilation(unknown, NEIGHBOURS, iterations=BORDER)
     frontier = _one_a_block(np.argwhere(reached & border), ways.distance, FRONTIER_BLOCK)
     open_ground = _one_a_block(np.argwhere(reached), ways.distance, OPEN_BLOCK)
     return ways.floor.centres(np.vstack([frontier, open_ground]))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label, minimum_filter1d
 
-from recon.explore.floor import Array, azimuths
+from recon.explore.floor import NEIGHBOURS, Array, azimuths
 from recon.records import PointCloud, StereoPair, View
 
 BLUR_RAD = math.radians(1.5)
@@ -19,6 +19,9 @@ MIN_POINTS = 8
 MIN_POINTS_DISTANCE = 120.0
 """... nor are fewer than the square of this over the distance: a tree of two units' radius and
 eight units' height, of which a quarter of the usual features are found."""
+COMPANY_DISTANCE, COMPANY = 40.0, (4.0, 40.0)
+"""A point is noise where fewer than the square of this over the distance hang together with it,
+within these bounds."""
 RANGE_RATIO = 1.15
 """Points of one direction whose distances differ by more than this factor are of two things."""
 
@@ -101,46 +104,57 @@ def sigma_of(cloud: PointCloud) -> Array:
 
 
 def sightings(cloud: PointCloud, place: Array) -> list[Sighting]:
-    """Things in a cloud: groups of points that touch in direction and distance.
-
-    Distance is taken by its logarithm, in which the error of stereo grows slowest.
-    """
+    """Things in a cloud: groups of points that are large enough."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
-    ahead = np.angle(np.exp(1j * azimuth).sum())
-    side = np.angle(np.exp(1j * (azimuth - ahead)))
-    group = _groups(side, np.log(np.maximum(distance, MARGIN)))
+    side, ahead = _sideways(azimuth)
+    sigma, group = sigma_of(cloud), _groups(side, distance)
     found = []
     for number in range(group.max(initial=-1) + 1):
         rows = group == number
-        sighting = _sighting(cloud.select(rows), side[rows], place, ahead)
-        if rows.sum() >= max(MIN_POINTS, (MIN_POINTS_DISTANCE / sighting.distance) ** 2):
-            found.append(sighting)
+        if rows.sum() >= max(MIN_POINTS, (MIN_POINTS_DISTANCE / np.median(distance[rows])) ** 2):
+            found.append(_sighting(distance[rows], side[rows], sigma[rows], place, ahead))
     return found
 
 
-def _groups(azimuth: Array, log_distance: Array) -> NDArray[np.intp]:
-    """Number of the group of each point, by touching cells of a grid."""
-    if not len(azimuth):
+def without_noise(cloud: PointCloud, place: Array) -> PointCloud:
+    """The points that are not alone: a thing shows many, the more the nearer it is."""
+    azimuth, distance = polar(cloud.points[:, [0, 2]], place)
+    group = _groups(_sideways(azimuth)[0], distance)
+    size = np.bincount(group)[group]
+    return cloud.select(size >= np.clip((COMPANY_DISTANCE / distance) ** 2, *COMPANY))
+
+
+def _sideways(azimuth: Array) -> tuple[Array, float]:
+    """Azimuths counted from their mean direction, so that they do not wrap round; and that."""
+    ahead = float(np.angle(np.exp(1j * azimuth).sum()))
+    return np.angle(np.exp(1j * (azimuth - ahead))), ahead
+
+
+def _groups(side: Array, distance: Array) -> NDArray[np.intp]:
+    """Number of the group of each point: those that touch in direction and distance.
+
+    Distance is taken by its logarithm, in which the error of stereo grows slowest.
+    """
+    if not len(side):
         return np.empty(0, dtype=np.intp)
-    column = np.floor(azimuth / BLUR_RAD).astype(np.intp)
-    row = np.floor(log_distance / math.log(RANGE_RATIO)).astype(np.intp)
+    column = np.floor(side / BLUR_RAD).astype(np.intp)
+    row = np.floor(np.log(np.maximum(distance, MARGIN)) / math.log(RANGE_RATIO)).astype(np.intp)
     column -= column.min()
     row -= row.min()
     grid = np.zeros((column.max() + 1, row.max() + 1), dtype=bool)
     grid[column, row] = True
-    number, _ = label(grid, np.ones((3, 3), dtype=bool))
-    groups: NDArray[np.intp] = number[column, row].astype(np.intp) - 1
-    return groups
+    number, _ = label(grid, NEIGHBOURS)
+    group: NDArray[np.intp] = number[column, row].astype(np.intp) - 1
+    return group
 
 
-def _sighting(cloud: PointCloud, side: Array, place: Array, ahead: float) -> Sighting:
-    _, distance = polar(cloud.points[:, [0, 2]], place)
+def _sighting(distance: Array, side: Array, sigma: Array, place: Array, ahead: float) -> Sighting:
     middle = ahead + float(np.median(side))
     away = float(np.median(distance))
-    # Errors of one thing's points are not independent: their mean gains less than sqrt(N).
     return Sighting(
         centre=place + away * np.array([math.cos(middle), math.sin(middle)]),
         distance=away,
         radius=max(1.0, away * math.tan(float(np.ptp(side)) / 2.0)),
-        sigma=float(np.median(sigma_of(cloud))) / 2.0,
+        # Errors of one thing's points are not independent: their mean gains less than sqrt(N).
+        sigma=float(np.median(sigma)) / 2.0,
     )

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
-from recon.explore.floor import Array, Floor, Mask
+from recon.explore.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.records import FoundObject, PointCloud, Voxels
 
 MIN_POINTS_OF_VIEW = 30
@@ -81,9 +81,7 @@ def columns(voxels: Voxels) -> Array:
 
 def patches(occupied: Mask) -> NDArray[np.intp]:
     """(X, Z) number of the patch of each occupied cell, gaps of one cell closed; -1 = none."""
-    number, _ = label(
-        binary_dilation(occupied, np.ones((2, 2), dtype=bool)), np.ones((3, 3), dtype=bool)
-    )
+    number, _ = label(binary_dilation(occupied, np.ones((2, 2), dtype=bool)), NEIGHBOURS)
     return np.where(occupied, number.astype(np.intp) - 1, -1)
 
 
