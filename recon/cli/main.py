@@ -17,6 +17,7 @@ from recon.cli.fit import fit
 from recon.cli.info import info
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
+from recon.cli.train import train
 from recon.errors import InputError, ReconError
 
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
@@ -32,8 +33,8 @@ def program() -> None:
 
 
 for command in (
-    explore, reconstruct, disparity, evaluate, calibrate, recognise, fit, figure, export, info,
-    doctor,
+    explore, reconstruct, disparity, evaluate, train, calibrate, recognise, fit, figure, export,
+    info, doctor,
 ):  # fmt: skip
     program.add_command(command)
 

@@ -121,12 +121,17 @@ def _trials(
 
 def own_range(pair_dir: Path, truth: DisparityTruth) -> dict[str, Any]:
     """The search range of a pair: its calibration's, else a little more than its truth holds."""
+    high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
+    return stated_range(pair_dir) or {"min_disparity": 0, "max_disparity": high}
+
+
+def stated_range(pair_dir: Path) -> dict[str, Any] | None:
+    """The search range that a pair's calibration states; None where it has none."""
     try:
         stated = read_calibration(find_calibration(pair_dir)).disparity_range
     except InputError:
-        stated = None
-    low, high = stated or (0, math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX)
-    return {"min_disparity": low, "max_disparity": high}
+        return None
+    return stated and {"min_disparity": stated[0], "max_disparity": stated[1]}
 
 
 def trial_pictures(trial: Trial) -> dict[str, Image]:

@@ -115,7 +115,11 @@ def _model(path: str | None) -> Model:
     """The model of a file, or the one that recon ships, trained on Venus."""
     if path is None:
         return Model.from_json(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"))
-    return Model.from_json(Path(path).read_text("utf-8"), path)
+    try:
+        text = Path(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read ({error}): a model file is needed") from error
+    return Model.from_json(text, path)
 
 
 def table(model: Model, num_scales: int) -> Floats:
@@ -155,7 +159,10 @@ def train(
         wrong_pairs.append(_channels(left, right, best, _shifted(best, left, rng)))
         widths.add(left.widths_px)
     if len(widths) != 1:
-        raise InputError(f"examples have {len(widths)} sets of filter widths, but one is needed")
+        raise InputError(
+            f"{len(right_pairs)} examples have {len(widths)} sets of filter widths, but one "
+            "is needed"
+        )
     return _learned(
         np.concatenate(right_pairs, 1), np.concatenate(wrong_pairs, 1), widths, num_bins
     )

@@ -35,3 +35,16 @@ def test_a_pair_without_truth_is_one_line(tmp_path, capsys):
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "disp_left" in error
+
+
+def test_a_trained_model_is_used(tmp_path, capsys):
+    model = tmp_path / "model.json"
+    assert main(["train", str(PAIR), "-o", str(model), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["num_pairs"] == 1
+    argv = ["evaluate", str(PAIR), "--matcher", "vonmises", "--keep", "3000", "--json"]
+    assert main([*argv, "--set", f"matching.model={model}"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["pairs"]
+    assert 90 < row["success_all"] <= 100
+    model.write_text("{}")
+    assert main([*argv, "--set", f"matching.model={model}"]) == 2
+    assert main(["train", str(PAIR), "-o", str(model)]) == 2

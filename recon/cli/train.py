@@ -1,0 +1,46 @@
+"""`recon train`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import (
+    OUTPUT,
+    PATH,
+    SETTINGS,
+    build_settings,
+    print_json,
+    start_logging,
+    with_options,
+)
+
+
+@click.command(epilog="Example: recon train data/motorcycle -o model.json")
+@click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
+@click.option("-o", "--output", required=True, type=PATH, help="The model file.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing file.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@with_options(SETTINGS, OUTPUT)
+def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
+    """Learn a model for the von Mises matcher from pairs; no truth is needed.
+
+    Use it with --matcher vonmises --set matching.model=FILE.
+    """
+    start_logging(given["quiet"], given["verbose"])
+    from recon.runs.train import train_run
+
+    settings = build_settings(
+        preset=given["preset"],
+        settings_file=given["settings_file"],
+        overrides=given["overrides"],
+    )
+    report = train_run(
+        pair_dirs, settings, given["output"], seed=given["seed"], overwrite=given["overwrite"]
+    )
+    if given["as_json"]:
+        print_json(report)
+    elif not given["quiet"]:
+        click.echo(
+            f"{report['num_matches']} matches of {report['num_pairs']} pairs: {report['output']}"
+        )

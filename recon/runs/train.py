@@ -1,0 +1,56 @@
+"""A model for the von Mises matcher, learned from pairs (thesis 3.7)."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.files import atomic_path
+from recon.pipeline import match_features
+from recon.records import Features, Matches
+from recon.runs.evaluate import stated_range
+from recon.sequences.images import read_image
+from recon.sequences.pair_dir import find_picture
+from recon.settings import Settings, updated
+from recon.stereo.features import detect
+from recon.stereo.vonmises import train
+
+
+def train_run(
+    pair_dirs: Iterable[Path],
+    settings: Settings,
+    output: Path,
+    *,
+    seed: int = 0,
+    overwrite: bool = False,
+) -> dict[str, Any]:
+    """Learn from the confident matches of some pairs, and write the model; no truth is needed.
+
+    Returns
+    -------
+    dict
+        The document of `recon train --json`.
+    """
+    if output.exists() and not overwrite:
+        raise InputError(f"{output} exists; give --overwrite or another -o")
+    examples = list(_examples(pair_dirs, settings))
+    model = train(examples, np.random.default_rng(seed))
+    with atomic_path(output) as part:
+        part.write_text(model.to_json(), encoding="utf-8")
+    num_matches = sum(len(matches) for _, _, matches in examples)
+    return {"output": str(output), "num_pairs": len(examples), "num_matches": num_matches}
+
+
+def _examples(
+    pair_dirs: Iterable[Path], settings: Settings
+) -> Iterator[tuple[Features, Features, Matches]]:
+    for pair_dir in pair_dirs:
+        search = stated_range(pair_dir) or {}
+        chosen = updated(settings, {"matching": search | {"matcher": "phase"}})
+        left, right = (
+            detect(read_image(find_picture(pair_dir, side)), chosen.features)
+            for side in ("left", "right")
+        )
+        yield left, right, match_features(left, right, chosen)
