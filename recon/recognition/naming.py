@@ -58,7 +58,7 @@ class Naming:
     """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
 
     is_hovering: bool = False
-    """Whether it has no name, and nothing that is seen holds it."""
+    """Whether nothing that is seen holds it, and it is too small to do without."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
         """The record of it."""
@@ -209,10 +209,7 @@ def _is_whole(fit: Estimate[Stack], voxels: Voxels) -> bool:
     stack = fit.state
     extent = float(np.ptp(voxels.means, axis=0).max())
     within = max(2.0 * stack.widest.max(), stack.heights[-1] - voxels.means[:, 1].min())
-    unseen = _is_unseen(stack, voxels)
-    held = not unseen[0] and not _is_hovering(voxels, float(stack.heights[0]))
-    enough = held or len(voxels) >= HOVERING_CELLS
-    return bool(within < LARGEST_TO_EXTENT * extent and enough and not unseen[1:].any())
+    return bool(within < LARGEST_TO_EXTENT * extent and not _is_unseen(stack, voxels)[1:].any())
 
 
 def _is_unseen(stack: Stack, voxels: Voxels) -> NDArray[np.bool_]:
@@ -254,7 +251,8 @@ def _within(ratio: float, limits: tuple[float, float]) -> float:
 
 
 def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
-    stack = _with_thin_body(best.fit.state, voxels)
+    stack, ground = _with_thin_body(best.fit.state, voxels), float(best.fit.state.heights[0])
+    held = not _is_unseen(best.fit.state, voxels)[0] and not _is_hovering(voxels, ground)
     width = 2.0 * float(stack.widest.max())
     bottom, top = stack.heights[0], stack.heights[-1]
     return Naming(
@@ -264,6 +262,7 @@ def _named(voxels: Voxels, best: Hypothesis, probability: float) -> Naming:
         size=np.array([width, top - bottom, width]),
         parts=_parts(voxels, [part.role for part in best.kind.parts], solids(stack)),
         deviance=best.fit.bic * len(voxels) / len(best.fit.residuals) - _unknown_deviance(voxels),
+        is_hovering=len(voxels) < HOVERING_CELLS and not held,
     )
 
 

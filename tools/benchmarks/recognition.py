@@ -1,0 +1,156 @@
+"""Recognition: names, solids and CAD parts that come out right, and what they cost."""
+
+import json
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import Measurement
+from recon.recognition import recognise
+from recon.recognition.catalogue import read_catalogue
+from recon.recognition.naming import name_object
+from recon.recognition.shapes import fit
+from recon.recognition.stacks import Stack
+from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
+from recon.records import Voxels
+from recon.settings import RecognitionSettings
+
+DATA = Path(os.environ.get("RECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
+KINDS = ("apple tree", "pine tree", "cottage")
+SHAPES = ("sphere", "ellipsoid", "cylinder", "cone")
+COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
+NOISES_PX = (0.05, 0.1, 0.25)
+
+
+def measure(quick: bool) -> list[Measurement]:
+    """All numbers of the room; `quick` draws a tenth of the objects."""
+    count = 6 if quick else 60
+    return [*names(count), *solids(count), *cad_parts(), *costs()]
+
+
+def names(count: int) -> Iterator[Measurement]:
+    """Objects of nine views that get the right name, and how wide their bodies come out."""
+    for sigma_px in NOISES_PX:
+        for recogniser in ("robust", "thesis"):
+            settings = RecognitionSettings(recogniser=recogniser)
+            right = 0
+            for seed in range(count):
+                _, voxels = an_object(seed, sigma_px)
+                found = recognise(voxels, settings).objects
+                largest = max(found, key=lambda one: one.num_voxels, default=None)
+                right += largest is not None and largest.label == KINDS[seed % 3]
+            yield share(f"names_{recogniser}_{sigma_px}px", right / count)
+    yield share("body_radius_error", body_radius_error(count), better="lower", tolerance=0.5)
+
+
+def body_radius_error(count: int) -> float:
+    """Median share by which the radius of a body is off at 0.1 px."""
+    errors = []
+    for seed in range(count):
+        stack, voxels = an_object(seed, 0.1)
+        found = recognise(voxels, RecognitionSettings()).objects
+        largest = max(found, key=lambda one: one.num_voxels)
+        if largest.label == KINDS[seed % 3]:
+            errors.append(abs(largest.parts[0].solid.radius / stack.radii[0][0] - 1.0))
+    return float(np.median(errors))
+
+
+def solids(count: int) -> Iterator[Measurement]:
+    """Single solids told from the means of their cells, sphere and ellipsoid being one."""
+    for sigma_px in NOISES_PX:
+        for name, weighted in (("means", False), ("weighted_means", True)):
+            told = [
+                is_told(shape, 100 * seed + number, sigma_px, weighted)
+                for seed in range(count)
+                for number, shape in enumerate(SHAPES)
+            ]
+            yield share(f"solids_{name}_{sigma_px}px", float(np.mean(told)))
+
+
+def is_told(shape: str, seed: int, sigma_px: float, weighted: bool) -> bool:
+    """Whether one random solid is told from its cells."""
+    rng = np.random.default_rng(seed)
+    voxels = voxelise(observe(a_part(shape, rng), COLOURS[:1], Orbit(sigma_px=sigma_px), rng))
+    weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
+    found = fit(voxels.means, weights if weighted else None)
+    told = found.kind.removeprefix("truncated ") if found else ""
+    round_ones = {"sphere", "ellipsoid"}
+    return told == shape or {told, shape} == round_ones
+
+
+def cad_parts() -> Iterator[Measurement]:
+    """Parts of CAD models of the right type; nothing where the data is missing."""
+    told = []
+    for folder in sorted((DATA / "pointclouds").glob("fit4cad_*")):
+        cloud = np.load(folder / "cloud.npz")
+        for truth in json.loads((folder / "primitives.json").read_text()):
+            if truth["type"].lower() in (*SHAPES, "plane"):
+                found = fit(cloud["xyz"][cloud["label"] == truth["id"]])
+                name = found.kind.removeprefix("truncated ") if found else ""
+                told.append(name == truth["type"].lower())
+    if told:
+        yield share("cad_types", float(np.mean(told)))
+
+
+def costs() -> Iterator[Measurement]:
+    """Time of a part and of an object, next to a singular value decomposition."""
+    peer = seconds(lambda: np.linalg.svd(np.random.default_rng(0).normal(size=(300, 300))))
+    _, voxels = an_object(0, 0.1)
+    objects = voxels.select(voxels.centres[:, 1] > 1.0)
+    kinds = read_catalogue()
+    for name, work in (
+        ("part", lambda: fit(objects.means)),
+        ("object", lambda: name_object(objects, 0.0, kinds)),
+    ):
+        yield Measurement(
+            name=f"recognition.{name}_ratio",
+            value=seconds(work) / peer,
+            unit="of the time of a 300 x 300 SVD",
+            better="lower",
+            tolerance=0.5,
+        )
+
+
+def seconds(work: object) -> float:
+    """Least processor time of nine runs."""
+    times = []
+    for _ in range(9):
+        began = time.thread_time()
+        work()
+        times.append(time.thread_time() - began)
+    return min(times)
+
+
+def an_object(seed: int, sigma_px: float) -> tuple[Stack, Voxels]:
+    """A random object and its cells after nine views."""
+    rng = np.random.default_rng(seed)
+    stack = random_stack(KINDS[seed % 3], rng)
+    return stack, voxelise(observe(stack, COLOURS, Orbit(sigma_px=sigma_px), rng))
+
+
+def a_part(shape: str, rng: np.random.Generator) -> Stack:
+    """One random solid, radius 1 to 8 and height 2 to 12."""
+    radius, height, base = rng.uniform(1.0, 8.0), rng.uniform(2.0, 12.0), rng.uniform(0.0, 6.0)
+    stretch = float(rng.choice([1.0, -1.0])) * rng.uniform(np.log(1.4), np.log(2.2))
+    radii, top = {
+        "sphere": ([], base + 2.0 * radius),
+        "ellipsoid": ([radius], base + 2.0 * radius * np.exp(stretch)),
+        "cylinder": ([radius], base + height),
+        "cone": ([max(radius, 2.0), rng.uniform(0.0, 1.0)], base + height),
+    }[shape]
+    return Stack(
+        shapes=("truncated cone" if shape == "cone" else shape,),
+        axis=rng.uniform(-50.0, 50.0, 2),
+        heights=np.array([base, top]),
+        radii=(np.array(radii),),
+    )
+
+
+def share(name: str, value: float, better: str = "higher", tolerance: float = 0.02) -> Measurement:
+    """A share of one as a measurement."""
+    return Measurement(
+        name=f"recognition.{name}", value=value, unit="share", better=better, tolerance=tolerance
+    )
