@@ -49,6 +49,15 @@ class Matches:
     def __len__(self) -> int:
         return len(self.points_px)
 
+    @classmethod
+    def none(cls) -> "Matches":
+        """No match at all."""
+        number, index = np.zeros(0), np.zeros(0, np.int32)
+        return cls(
+            points_px=np.zeros((0, 2)), disparity_px=number, sigma_px=number, score=number,
+            index_left=index, index_right=index,
+        )  # fmt: skip
+
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_] | slice) -> "Matches":
         """The matches of `rows`, in that order."""
         return Matches(**{name: getattr(self, name)[rows] for name in Matches.__slots__})

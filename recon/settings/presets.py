@@ -31,7 +31,7 @@ QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
         "matching": {"cross_check": "exact", "members": "half"},
     },
     "fast": {
-        "features": {"share": 0.04, "widths_px": (2.0,)},
+        "features": {"share": 0.05, "widths_px": (2.0,)},
         "matching": {"cross_check": "row", "members": "quarter"},
     },
 }

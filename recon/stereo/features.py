@@ -14,6 +14,8 @@ from recon.stereo.sums import Floats, Integers
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
 
+_EQUAL = np.float32(1 + 1e-5)
+
 
 def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     """Find the oriented feature points of an image.
@@ -104,4 +106,5 @@ def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
     share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
     ahead = (1 - share) * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
     behind = (1 - share) * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
-    return bool(ahead < modulus[v, u] >= behind)
+    # Of two equal pixels exactly one is the ridge, however the sums are rounded.
+    return bool(ahead * _EQUAL < modulus[v, u] and behind <= modulus[v, u] * _EQUAL)

@@ -13,6 +13,8 @@ _SIGMA_PX = 0.25
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
     """Disparities of StereoSGBM at the left features, the strongest features first."""
+    if not len(left):
+        return Matches.none()
     disparity = compute(left, right, settings)
     u, v = left.points_px.astype(np.int64).T
     found = disparity[v, u]

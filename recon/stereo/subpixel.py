@@ -12,9 +12,9 @@ from recon.stereo.sums import Floats, Integers
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
-_PRIOR = 0.1
-"""Weight of "no change", as a share of the information a vertical edge would give: an edge along
-the row says nothing of the disparity, and must not break a good match."""
+_VAGUE_SHARE = 0.1
+"""Share of a vertical edge's information at which half of the change is taken: an edge along the
+row says nothing of the disparity, and must not break a good match."""
 _LARGEST_PHASE = 2.2
 """Radians; a larger difference has wrapped round, or belongs to nothing."""
 _LARGEST_CHANGE_PX = 0.7
@@ -24,9 +24,9 @@ _UNTUNED_SIGMA_PX = 0.4
 _SMALLEST_SIGMA_PX = 0.03
 # Variance of the tuned disparity, fitted to the errors of recorded pairs with truth (Venus,
 # Sawtooth, Cones, Map; the others confirm it): it grows with the discord of the channels, in
-# pixels, and with the share of the prior in the information.
-_DISCORD_WEIGHT = 0.21
-_IGNORANCE_WEIGHT = 0.11
+# pixels, and as trust goes.
+_DISCORD_WEIGHT = 0.26
+_VAGUENESS_WEIGHT = 0.14
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def _tune(
     change = np.empty(v.size)
     sigma = np.empty(v.size)
     for i in range(v.size):
-        sums = np.zeros(4)
+        sums = np.zeros(5)
         for s in scales:
             for o in range(left.shape[1]):
                 here = _response(left[s, o, 0, v[i]], left[s, o, 1, v[i]], u_left[i])
@@ -84,23 +84,29 @@ def _add_evidence(
         return
     frequency = 0.5 * _angle(here[1] + there[1])
     weight = min(_energy(here[0]), _energy(there[0]))
-    sums[0] += weight * (frequency**2 + _PRIOR * nominal**2)
+    sums[0] += weight * frequency**2
     sums[1] += weight * frequency * difference
     sums[2] += weight * difference**2
     sums[3] += weight * nominal**2
+    sums[4] += 1
 
 
 @njit(cache=True, error_model="numpy")
 def _solve(sums: Array) -> tuple[float, float]:
     """Change of the disparity, and its standard deviation."""
-    information, moment, power, prior = sums
-    if information <= 0.0 or abs(moment) > _LARGEST_CHANGE_PX * information:
+    information, moment, power, vertical, channels = sums
+    if information <= 1e-6 * vertical:
         return 0.0, _UNTUNED_SIGMA_PX
+    share_sq = (information / vertical) ** 2
+    trust = share_sq / (share_sq + _VAGUE_SHARE**2)
     change = moment / information
+    if trust * abs(change) > _LARGEST_CHANGE_PX:
+        return 0.0, _UNTUNED_SIGMA_PX
     discord = np.sqrt(max(power - moment * change, 0.0) / information)
-    ignorance = _PRIOR * prior / information
-    variance = _DISCORD_WEIGHT * discord + _IGNORANCE_WEIGHT * ignorance**2
-    return change, np.sqrt(variance + _SMALLEST_SIGMA_PX**2)
+    discord *= channels / max(channels - 1, 1)
+    variance = _DISCORD_WEIGHT * trust * discord + _VAGUENESS_WEIGHT * (1.0 - trust)
+    sigma = np.sqrt(variance + _SMALLEST_SIGMA_PX**2)
+    return trust * change, min(sigma, _UNTUNED_SIGMA_PX)
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,0 +1,24 @@
+"""Pairs and features that several tests of the room share."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from recon.settings import FeatureSettings
+from recon.stereo.features import detect
+from scenes import textured_pair
+
+
+@pytest.fixture(scope="session")
+def plane():
+    """A slanted plane: left, right, truth."""
+    return textured_pair()
+
+
+@pytest.fixture(scope="session")
+def plane_features(plane):
+    settings = FeatureSettings()
+    return detect(plane[0], settings), detect(plane[1], settings)

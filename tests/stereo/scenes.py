@@ -1,0 +1,32 @@
+"""Made-up pairs with exact truth: textured planes seen by two eyes."""
+
+import cv2
+import numpy as np
+
+
+def textured_pair(shape=(120, 160), slope=(0.02, 0.01), middle=8.0, noise=1.5, seed=0, row_shift=0):
+    """Left and right uint8 pictures of a slanted plane, and the left disparity."""
+    height, width = shape
+    rng = np.random.default_rng(seed)
+    white = rng.normal(size=(height, 2 * width)).astype(np.float32)
+    texture = sum(cv2.GaussianBlur(white, (0, 0), s) * s for s in (1, 2, 4))
+    texture = 128 + texture / texture.std() * 40
+    v, u = np.indices(shape, dtype=np.float32)
+    a, b = slope
+    # The right pixel of a left one lies at u - d(u, v), with d linear in u and v.
+    of_right = (u + middle - a * width / 2 + b * (v - height / 2)) / (1 - a)
+    left = cv2.remap(texture, u + width / 2, v, cv2.INTER_LANCZOS4)
+    right = cv2.remap(
+        texture, (of_right + width / 2).astype(np.float32), v - row_shift, cv2.INTER_LANCZOS4
+    )
+    truth = middle + a * (u - width / 2) + b * (v - height / 2)
+    return *(_picture(x, noise, rng) for x in (left, right)), truth.astype(np.float64)
+
+
+def _picture(image, noise, rng):
+    return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
+
+
+def truth_at(truth, matches):
+    u, v = matches.points_px.astype(int).T
+    return truth[v, u]

@@ -1,0 +1,73 @@
+"""Numbers of right and wrong, counted by hand."""
+
+import numpy as np
+import pytest
+from test_triangulation import matches_of
+
+from recon.errors import InputError
+from recon.records import Matches
+from recon.stereo.evaluation import coverage, evaluate, seen_by_both
+
+
+def flat_truth(value=4.0, shape=(40, 60)):
+    return np.full(shape, value)
+
+
+def test_hand_counted_numbers():
+    truth = flat_truth()
+    truth[5, 50] = np.nan
+    points = [[20, 5], [30, 5], [40, 5], [50, 5]]
+    found = evaluate(matches_of(points, [4.1, 4.5, 6.0, 9.0]), truth)
+    assert (found.num_judged, found.num_mismatches) == (3, 1)
+    assert found.success_all == pytest.approx(200 / 3)
+    assert found.bad_share == pytest.approx(1 / 3)
+    assert found.rms_px == pytest.approx(np.sqrt((0.01 + 0.25 + 4.0) / 3))
+    assert found.subpixel_median_px == pytest.approx(0.3)
+    assert found.subpixel_rms_px == pytest.approx(np.sqrt(0.13))
+
+
+def test_an_error_of_exactly_a_pixel_is_no_mismatch():
+    assert evaluate(matches_of([[20, 5]], [5.0]), flat_truth()).num_mismatches == 0
+
+
+@pytest.mark.parametrize(("step", "mismatches"), [(0.0, 1), (1.0, 0)])
+def test_disparities_are_rounded_where_the_truth_was(step, mismatches):
+    assert evaluate(matches_of([[20, 5]], [5.3]), flat_truth(), step).num_mismatches == mismatches
+
+
+def test_occluded_points_are_those_that_a_nearer_one_covers():
+    truth = flat_truth(2.0)
+    truth[:, 30:40] = 10.0
+    seen = seen_by_both(truth)
+    assert seen[:, 30:40].all()
+    # The near strip covers the right pixels 20..29, which far left pixels 22..29 had.
+    assert not seen[:, 22:30].any()
+    assert seen[:, 2:22].all()
+    assert not seen[:, :2].any()  # out of the right picture
+    found = evaluate(matches_of([[25, 5], [10, 5]], [9.0, 2.0]), truth)
+    assert (found.success_all, found.success_nonocc) == (50.0, 100.0)
+
+
+def test_a_right_truth_decides_where_there_is_one():
+    truth, right = flat_truth(2.0), flat_truth(2.0)
+    right[:, 10] = 7.0
+    seen = seen_by_both(truth, right)
+    assert not seen[:, 12].any()
+    assert seen[:, 13].all()
+
+
+def test_nothing_to_judge_is_nothing_known():
+    numbers = evaluate(Matches.none(), flat_truth()).as_metrics()
+    assert numbers["num_mismatches"] == 0
+    assert numbers["success_all"] is None
+    assert numbers["subpixel_median_px"] is None
+
+
+def test_a_truth_of_another_size_is_refused():
+    with pytest.raises(InputError, match=r"truth is 60 x 40 pixels, but a match lies at \(80, 5\)"):
+        evaluate(matches_of([[80, 5]], [1.0]), flat_truth())
+
+
+def test_coverage_counts_blocks():
+    assert coverage(matches_of([[0, 0], [31, 31], [33, 0]], [1, 1, 1]), (64, 64)) == 0.5
+    assert coverage(Matches.none(), (64, 64)) == 0.0

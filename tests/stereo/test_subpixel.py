@@ -1,0 +1,80 @@
+"""Fine tuning has the right sign, helps, never breaks a match, and knows how sure it is."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from recon.settings import FeatureSettings, MatchingSettings
+from recon.stereo import matching
+from recon.stereo.features import detect
+from recon.stereo.subpixel import refine
+from scenes import textured_pair, truth_at
+
+
+def coarse_and_fine(left, right, **features):
+    settings = FeatureSettings(**features)
+    pair = detect(left, settings), detect(right, settings)
+    coarse = matching.match(*pair, MatchingSettings(max_disparity=16))
+    return coarse, refine(coarse, *pair)
+
+
+@pytest.mark.parametrize("fraction", [-0.4, -0.2, 0.0, 0.3, 0.5])
+def test_fractions_of_a_pixel_come_out_with_their_sign(fraction):
+    left, right, truth = textured_pair(slope=(0.0, 0.0), middle=8 + fraction, noise=0.5)
+    _, fine = coarse_and_fine(left, right)
+    error = fine.disparity_px - truth_at(truth, fine)
+    assert abs(np.median(error)) < 0.03
+    if fraction:
+        # The other sign would err by twice the fraction.
+        assert np.median(np.abs(error)) < 0.3 * abs(2 * fraction)
+
+
+@pytest.mark.parametrize("widths", [(1.5, 3.0, 6.0), (2.0,), (2.0, 4.0)])
+def test_tuning_beats_whole_pixels_and_breaks_nothing(plane, widths):
+    coarse, fine = coarse_and_fine(*plane[:2], widths_px=widths)
+    truth = truth_at(plane[2], coarse)
+    before, after = (np.abs(m.disparity_px - truth) for m in (coarse, fine))
+    assert 0.2 < np.median(before) < 0.3
+    assert np.median(after) < 0.08
+    assert np.sum(after > 1) <= np.sum(before > 1)
+
+
+def test_sigma_is_of_the_size_of_the_error(plane):
+    _, fine = coarse_and_fine(*plane[:2])
+    error = fine.disparity_px - truth_at(plane[2], fine)
+    good = np.abs(error) <= 1
+    spread = np.std(error[good] / fine.sigma_px[good])
+    assert 0.25 < spread < 1.1  # it is fitted to recorded pairs, which err more than made-up ones
+
+
+def test_more_noise_gives_more_error_and_more_sigma():
+    def numbers(noise):
+        left, right, truth = textured_pair(noise=noise)
+        _, fine = coarse_and_fine(left, right)
+        error = np.abs(fine.disparity_px - truth_at(truth, fine))
+        return np.median(error), np.median(fine.sigma_px)
+
+    quiet, loud = numbers(0.5), numbers(12.0)
+    assert loud[0] > 1.2 * quiet[0]
+    assert loud[1] > 1.1 * quiet[1]
+
+
+def test_filters_too_fine_to_tune_leave_whole_pixels(plane):
+    coarse, fine = coarse_and_fine(*plane[:2], widths_px=(1.5,))
+    np.testing.assert_array_equal(coarse.disparity_px, fine.disparity_px)
+    assert (fine.sigma_px == 0.4).all()
+
+
+def test_what_is_tuned_already_is_left_alone(plane, plane_features):
+    coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
+    done = dataclasses.replace(coarse, sigma_px=np.full(len(coarse), 0.2))
+    again = refine(done, *plane_features)
+    np.testing.assert_array_equal(again.disparity_px, done.disparity_px)
+    np.testing.assert_array_equal(again.sigma_px, done.sigma_px)
+
+
+def test_before_tuning_sigma_is_unknown(plane_features):
+    coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
+    assert np.isnan(coarse.sigma_px).all()
+    assert (coarse.disparity_px == np.rint(coarse.disparity_px)).all()
