@@ -25,6 +25,8 @@ FIELDS = ([0], [0, 3], [0, 1, 2, 3, 4, 5])
 eyes that turn against each other leave, 1 and x^2; any quadratic."""
 MIN_GAIN = 0.02
 """Share of the held-out cost that a richer field must save: each term makes the scale less sure."""
+MIN_CALIBRATION_TRACKS = 1000
+"""Over all pairs; fewer sit on few things, whose sliding silhouettes look like a residual."""
 NUM_PASSES, NUM_ROUNDS = 2, 10
 SMALL_STEP_PX = 1e-3
 PRIOR_PX = 3.0
@@ -50,7 +52,7 @@ def _chosen(
     cost: Callable[[Sequence[Tracks], StereoRig, Field], float],
 ) -> Field:
     fitted, held_out = tracks[::2], tracks[1::2]
-    if not held_out:
+    if sum(len(seen) for seen in tracks) < MIN_CALIBRATION_TRACKS:
         return Field()
     best, least = None, cost(held_out, rig, Field())
     for used in FIELDS:

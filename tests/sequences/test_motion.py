@@ -109,3 +109,9 @@ def test_maps_look_where_the_point_really_is():
         u[0, [0, 600, 1199]], [0.5 - 0.2 + 1.0, 600.5, 1199 + 1.7], atol=1e-2
     )
     np.testing.assert_array_equal(v[:, 7], np.arange(RIG.height))
+
+
+def test_a_few_hundred_tracks_calibrate_nothing(rng):
+    field = np.array([1.2, 0, 0, 0, 0, 0])
+    seen = [tracks(rng, motion(rng), number=60, field=field) for _ in range(8)]
+    assert not estimate_residual(seen, RIG).disparity.coefficients.any()
