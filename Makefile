@@ -24,6 +24,7 @@ test: setup
 	$(BIN)/python -m pytest
 
 benchmark: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[benchmark]"
 	$(BIN)/python tools/benchmark.py
 
 clean:

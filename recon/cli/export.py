@@ -23,7 +23,7 @@ def export(source: Path, target: Path, **given: Any) -> None:
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:
-        click.echo(report["output"])
+        click.echo(f"{report['output']}, {report['up']} up, {report['bytes']} bytes")
 
 
 def parse_box(text: str | None) -> tuple[tuple[float, ...], tuple[float, ...]] | None:

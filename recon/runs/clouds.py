@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError, ReconError
-from recon.exports.formats import read, write
+from recon.exports.formats import format_of, read, write
 from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
 from recon.recognition.shapes import candidates
@@ -74,7 +74,12 @@ def export_run(
     if target.exists() and not overwrite:
         raise InputError(f"{target} exists; give --overwrite or another name")
     write(read(source), target, box=box)
-    return {"output": str(target), "bytes": target.stat().st_size}
+    files = [path for path in target.rglob("*") if path.is_file()] or [target]
+    return {
+        "output": str(target),
+        "up": format_of(target).up,
+        "bytes": sum(path.stat().st_size for path in files),
+    }
 
 
 def _as_cloud(data: VoxelMap | Voxels | PointCloud) -> PointCloud:

@@ -26,7 +26,7 @@ def describe(path: Path) -> Facts:
     """
     if not path.exists():
         raise InputError(f"{path} does not exist")
-    if path.is_dir():
+    if path.is_dir() and path.suffix != ".zarr":
         return _of_run(path) if (path / MANIFEST).exists() else _of_recording(path)
     if path.suffix == ".scene":
         return _of_scene(path)

@@ -110,16 +110,20 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
     return match_by(left, right, settings, table(model, len(left.widths_px)), probability)
 
 
-@cache
 def _model(path: str | None) -> Model:
     """The model of a file, or the one that recon ships, trained on Venus."""
     if path is None:
-        return Model.from_json(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"))
+        return _parsed(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"), _SHIPPED)
     try:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({error}): a model file is needed") from error
-    return Model.from_json(text, path)
+        raise InputError(f"model {path} cannot be read ({error})") from error
+    return _parsed(text, path)
+
+
+@cache
+def _parsed(text: str, source: str) -> Model:
+    return Model.from_json(text, source)
 
 
 def table(model: Model, num_scales: int) -> Floats:
