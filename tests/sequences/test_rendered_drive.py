@@ -1,4 +1,4 @@
-"""A drive through a simulated village, whose poses are known exactly, through a rig gone crooked."""
+"""A drive through a simulated village, its poses known exactly, seen by a rig gone crooked."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +26,8 @@ def drive():
         turn = 0.03 * number
         position = np.array([-40 + 5 * np.sin(3 * turn) + 2 * number, 5.0, 60.0 - 2 * number])
         ahead = np.array([0.8 * np.cos(turn + 0.2), 0.0, -1.0])
-        pair = world.take(View(position=position, target=position + 20 * ahead))
+        target = position + 20 * ahead / np.linalg.norm(ahead)  # one distance, so one rig
+        pair = world.take(View(position=position, target=target))
         pairs.append(replace(pair, stamp_s=float(number), name=str(number)))
     return pairs
 
