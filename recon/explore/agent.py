@@ -20,6 +20,7 @@ from recon.recognition import recognise
 from recon.records import Matches, PointCloud, Recognition, StereoPair, View
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import new_map, occupied
 from recon.world.world import World
 
 log = logging.getLogger(__name__)
@@ -112,7 +113,7 @@ class Agent:
         self.settings = settings
         self.take = take
         self.record = Record(world=world, baseline=settings.eyes.baseline)
-        self.memory = Memory(settings=settings, voxel_map=VoxelMap(settings.map.cell_size))
+        self.memory = Memory(settings=settings, voxel_map=new_map(settings.map))
         self.views: list[View] = []
         self.poses: list[Array] = []
         self.stamps_s: list[float] = []
@@ -211,7 +212,7 @@ class Agent:
 
     def exploration(self) -> Exploration:
         """All that there is, whatever ended it."""
-        voxels = self.memory.voxel_map.occupied(self.settings.map.min_count)
+        voxels = occupied(self.memory.voxel_map, self.settings.map)
         with self._timed("recognise"):
             recognition = recognise(voxels, self.settings.recognition)
         floor = self.memory.floor

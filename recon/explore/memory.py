@@ -12,6 +12,7 @@ from recon.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
 
 SURE_SIGMA = 1.0
 """A point has seen its thing well when its depth is known to one cell."""
@@ -60,7 +61,7 @@ class Memory:
         standing = without_noise(standing, place)
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA)
         self.visits.add(place, sure, self.floor)
-        voxels = self.voxel_map.occupied(self.settings.map.min_count)
+        voxels = occupied(self.voxel_map, self.settings.map)
         voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
         self.floor.occupied = binary_closing(self.floor.mask(columns(voxels)), NEIGHBOURS)
         min_voxels = self.settings.recognition.min_voxels
