@@ -19,7 +19,7 @@ _LARGEST_PHASE = 2.2
 """Radians; a larger difference has wrapped round, or belongs to nothing."""
 _LARGEST_CHANGE_PX = 0.7
 """A larger change means that phase and position disagree; position is kept then."""
-_UNTUNED_SIGMA_PX = 0.4
+UNTUNED_SIGMA_PX = 0.4
 """Of a disparity that is known to the pixel only."""
 _SMALLEST_SIGMA_PX = 0.03
 # Variance of the tuned disparity, fitted to the errors of recorded pairs with truth (Venus,
@@ -96,17 +96,17 @@ def _solve(sums: Array) -> tuple[float, float]:
     """Change of the disparity, and its standard deviation."""
     information, moment, power, vertical, channels = sums
     if information <= 1e-6 * vertical:
-        return 0.0, _UNTUNED_SIGMA_PX
+        return 0.0, UNTUNED_SIGMA_PX
     share_sq = (information / vertical) ** 2
     trust = share_sq / (share_sq + _VAGUE_SHARE**2)
     change = moment / information
     if trust * abs(change) > _LARGEST_CHANGE_PX:
-        return 0.0, _UNTUNED_SIGMA_PX
+        return 0.0, UNTUNED_SIGMA_PX
     discord = np.sqrt(max(power - moment * change, 0.0) / information)
     discord *= channels / max(channels - 1, 1)
     variance = _DISCORD_WEIGHT * trust * discord + _VAGUENESS_WEIGHT * (1.0 - trust)
     sigma = np.sqrt(variance + _SMALLEST_SIGMA_PX**2)
-    return trust * change, min(sigma, _UNTUNED_SIGMA_PX)
+    return trust * change, min(sigma, UNTUNED_SIGMA_PX)
 
 
 @njit(cache=True, error_model="numpy")

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from recon.records import Matches, PointCloud, StereoPair
 from recon.settings import TriangulationSettings
+from recon.stereo.subpixel import UNTUNED_SIGMA_PX
 
 
 def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSettings) -> PointCloud:
@@ -22,13 +23,16 @@ def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSetti
     -------
     PointCloud
         In the LEFT camera's frame, in the order of the matches, each with the standard deviation
-        of its depth; pairs without a depth, or with a less sure one than `max_sigma`, are left out.
+        of its depth; pairs without a depth, or with a less sure one than `max_sigma`, are left out,
+        and so are those that could not be tuned: an edge along the row, as the horizon is, fits
+        everywhere on it.
     """
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     sigma = pair.rig.depth_sigma(points[:, 2], matches.sigma_px)
     cloud = PointCloud(points=points, colours=_colours(matches, pair.left, settings), sigma=sigma)
     limit = np.inf if settings.max_sigma is None else settings.max_sigma
-    return cloud.select(np.isfinite(points).all(axis=1) & (sigma <= limit))
+    is_tuned = matches.sigma_px < UNTUNED_SIGMA_PX
+    return cloud.select(np.isfinite(points).all(axis=1) & (sigma <= limit) & is_tuned)
 
 
 def _colours(
