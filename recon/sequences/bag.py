@@ -172,4 +172,5 @@ def _opened(path: Path) -> Iterator[Any]:
     except InputError:
         raise
     except faults as error:
-        raise InputError(f"{path} cannot be read as a bag ({error})") from error
+        reason = str(error).partition("\n")[0]
+        raise InputError(f"{path} cannot be read as a bag ({reason})") from error

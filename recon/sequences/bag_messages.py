@@ -83,6 +83,8 @@ def calibration_of(left: Any, right: Any, *, is_rectified: bool) -> Calibration:
     rectified ones by their own R.
     """
     P_left, P_right = (_field(info, "P").reshape(3, 4) for info in (left, right))
+    if not (P_left[0, 0] > 0 and P_right[0, 0] > 0):
+        raise InputError("the camera info of the bag is empty, but a projection is needed")
     if is_rectified:
         return from_projections(P_left, P_right)
     step = np.linalg.solve(P_right[:, :3], P_right[:, 3])

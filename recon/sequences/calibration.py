@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_finite
 from recon.geometry import pose
 from recon.sequences.calibration_yaml import read_yaml_calibration
 from recon.sequences.cameras import Calibration, Camera
@@ -82,7 +82,11 @@ def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int])
     """The numbers of a key, row by row, brackets and semicolons left out."""
     fields = re.sub(r"[\[\];,]", " ", keys.get(name, "")).split()
     try:
-        return np.array([float(field) for field in fields]).reshape(shape)
+        numbers = np.array([float(field) for field in fields]).reshape(shape)
+        check_finite(f"{path}: {name}", numbers)
+        return numbers
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(
             f"{path}: {name} is {keys.get(name, 'missing')!r:.80}, but "

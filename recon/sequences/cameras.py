@@ -18,7 +18,7 @@ class Camera:
     matrix: Array
     """(3, 3) focal lengths and principal point, pixels."""
     distortion: Array
-    """(n,) in OpenCV's order; none, 4, 5, 8, 12 or 14 (4 where `is_fisheye`)."""
+    """(n,) in OpenCV's order: none, 4, 5, 8, 12 or 14 numbers, 4 where `is_fisheye`."""
     is_fisheye: bool = False
     """Equidistant (Kannala-Brandt) rather than radial-tangential."""
     size: tuple[int, int] | None = None
@@ -28,6 +28,11 @@ class Camera:
         check_shape("camera matrix", self.matrix, (3, 3))
         check_finite("camera matrix", self.matrix)
         check_finite("distortion", self.distortion)
+        numbers = (0, 4) if self.is_fisheye else (0, 4, 5, 8, 12, 14)
+        if self.distortion.shape not in [(number,) for number in numbers]:
+            raise InputError(
+                f"distortion has {self.distortion.size} numbers, but one of {numbers} is needed"
+            )
         if not (np.diag(self.matrix) > 0).all():
             raise InputError(
                 f"focal lengths are {self.matrix[0, 0]:g} and {self.matrix[1, 1]:g}, "

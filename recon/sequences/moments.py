@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_finite
 from recon.sequences.poses import Trajectory, read_lines
 
 Array = NDArray[np.float64]
@@ -108,4 +108,5 @@ def read_times(path: Path) -> Array | None:
             times += [float(line.split()[0])] if line.strip() else []
         except ValueError as error:
             raise InputError(f"{path}, line {number}: {line[:40]!r} is no time") from error
+    check_finite(str(path), np.array(times))
     return np.array(times)

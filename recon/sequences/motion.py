@@ -23,6 +23,8 @@ MAX_SIGMAS = 3.0
 TRACK_SIGMA_PX = 0.2
 """Of a followed corner, in each of u, v and disparity: what the fits of a drive leave (0.18)."""
 NUM_ROUNDS = 8
+DAMPING = 1e-12
+"""Of the trace: points on one line leave the turn about it open, which then stays."""
 SMALL_CHANGE = 1e-6
 """Radians and world units: far below what tracks tell."""
 
@@ -122,6 +124,7 @@ def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Arra
         at = linearise(T_second_first, tracks, rig)
         weighted = at.by_motion * at.weights[:, None, None]
         normal = np.einsum("nij,nik->jk", weighted, at.by_motion)
+        normal += DAMPING * np.trace(normal) * np.eye(6)
         change = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, at.residual))
         T_second_first = moved(T_second_first, change)
         if np.abs(change).max() < SMALL_CHANGE:

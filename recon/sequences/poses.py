@@ -153,7 +153,7 @@ def exact(name: str, T: Array) -> Array:
     """
     rotation = T[:3, :3]
     error = np.abs(rotation @ rotation.T - np.eye(3)).max()
-    if error > MAX_ROTATION_ERROR or np.linalg.det(rotation) < 0:
+    if not error <= MAX_ROTATION_ERROR or np.linalg.det(rotation) < 0:
         raise InputError(f"{name} is no rotation and step (R R^T is off by {error:.2g})")
     return pose(Rotation.from_matrix(rotation).as_matrix(), T[:3, 3])
 

@@ -243,3 +243,20 @@ def test_a_calibration_beside_a_bag_comes_before_its_own(tmp_path):
     (path.parent / "calib.txt").write_text("cam0=[1 2]\n")
     with pytest.raises(InputError, match=r"cam0 is '.1 2.', but 9 numbers are needed"):
         read(path)
+
+
+def test_a_reason_of_many_lines_becomes_one(tmp_path):
+    path = write_ros2(tmp_path / "recording")
+    (path / "metadata.yaml").write_text("rosbag2: [1, 2\nb: 3\n")
+    with pytest.raises(InputError, match="cannot be read as a bag") as caught:
+        read(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_times_that_are_no_numbers_are_refused(folder):
+    (folder / "times.txt").write_text("0\nnan\n2\n3\n")
+    with pytest.raises(InputError, match=r"times\.txt holds nan"):
+        read(folder)
+    (folder / "times.txt").write_text("0\nsoon\n2\n3\n")
+    with pytest.raises(InputError, match=r"times\.txt, line 2: 'soon' is no time"):
+        read(folder)
