@@ -15,6 +15,7 @@ from recon.cli.export import export
 from recon.cli.figure import figure
 from recon.cli.fit import fit
 from recon.cli.info import info
+from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
 from recon.cli.train import train
@@ -56,6 +57,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _say(str(error), FAILED)
     except OSError as error:
         return _say(f"{error.filename or 'file'}: {error.strerror or error}", WRONG_USE)
+    finally:
+        stop_logging()
     return code if isinstance(code, int) else DONE
 
 

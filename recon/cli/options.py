@@ -85,10 +85,26 @@ def _tree(flat: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return tree
 
 
+class StderrHandler(logging.Handler):
+    """Logs as lines on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one record."""
+        click.echo(f"recon: {record.getMessage()}", err=True)
+
+
 def start_logging(quiet: bool, verbose: bool) -> None:
     """Logs go to stderr: warnings, or everything with -v, or errors with -q."""
-    level = logging.ERROR if quiet else logging.INFO if verbose else logging.WARNING
-    logging.basicConfig(level=level, format="recon: %(message)s", force=True)
+    logger = logging.getLogger("recon")
+    logger.setLevel(logging.ERROR if quiet else logging.INFO if verbose else logging.WARNING)
+    logger.handlers[:] = [StderrHandler()]
+
+
+def stop_logging() -> None:
+    """Leave logging as a library has it: to whoever imports recon."""
+    logger = logging.getLogger("recon")
+    logger.setLevel(logging.NOTSET)
+    logger.handlers.clear()
 
 
 def print_json(document: object) -> None:
