@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 NUM_STARTS = 3
 """Axes that are followed further, of all that are tried."""
+PARALLEL = 0.998
+"""Cosine of two axes of which one is enough."""
 TIP_EVIDENCE = 4.6
 """A cone's tip is missing where even spreading would put that many points on it (p = 1 %)."""
 LARGEST_TO_EXTENT = 10.0
@@ -144,4 +146,8 @@ def _axes(points: Array, normals: Array) -> list[Array]:
     """Directions worth trying: where normals vary least, and the points' own moments."""
     moments = (normals.T @ normals, np.cov(normals.T), np.cov(points.T))
     vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
-    return [vectors[0][0], vectors[1][0], *vectors[2]]
+    axes: list[Array] = []
+    for axis in (vectors[0][0], vectors[1][0], *vectors[2]):
+        if all(abs(axis @ other) < PARALLEL for other in axes):
+            axes.append(axis)
+    return axes

@@ -15,8 +15,9 @@ State = TypeVar("State")
 
 DEGREES_OF_FREEDOM = 3.0
 """Of the Student-t noise: low enough that a tenth of gross outliers does not move a fit."""
-CONVERGED = 1e-3
+CONVERGED = 1e-2
 """A step that lowers -2 log likelihood by less than this has arrived."""
+NUM_RESCALINGS = 3
 MAX_DAMPING = 1e3
 
 
@@ -41,15 +42,20 @@ class Estimate(Generic[State]):
     """(N,) signed distances."""
     sigma: float
     """Scale of the Student-t noise."""
-    covariance: Array
-    """(P, P) of a step from the state."""
+    information: Array
+    """(P, P) inverse of the covariance of a step from the state."""
     deviance: float
     """Minus twice the log likelihood, up to a constant."""
 
     @property
     def bic(self) -> float:
         """Bayesian information criterion; the smallest is best."""
-        return self.deviance + len(self.covariance) * float(np.log(len(self.residuals)))
+        return self.deviance + len(self.information) * float(np.log(len(self.residuals)))
+
+    @property
+    def covariance(self) -> Array:
+        """(P, P) of a step from the state."""
+        return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
 
 
 def _deviance(residuals: Array, sigma: float, share: Array) -> float:
@@ -63,6 +69,14 @@ def _weights(residuals: Array, sigma: float, share: Array) -> Array:
     tails = DEGREES_OF_FREEDOM + (residuals / sigma) ** 2
     weights: Array = share * (DEGREES_OF_FREEDOM + 1.0) / tails
     return weights
+
+
+def _rescaled(residuals: Array, sigma: float, share: Array, floor: float) -> float:
+    """The scale after a few rounds of expectation maximisation."""
+    for _ in range(NUM_RESCALINGS):
+        variance = np.mean(_weights(residuals, sigma, share) * residuals**2)
+        sigma = max(floor, float(np.sqrt(variance)))
+    return sigma
 
 
 def minimise(
@@ -88,35 +102,36 @@ def minimise(
     residuals, jacobian = model.residuals(state)
     share = np.ones(len(residuals)) if weights is None else weights / weights.mean()
     sigma = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
+    deviance = _deviance(residuals, sigma, share)
     for _ in range(max_steps):
         step = _damped_step(residuals, jacobian, _weights(residuals, sigma, share), damping)
         moved = model.moved(state, step)
         moved_residuals, moved_jacobian = model.residuals(moved)
-        gain = _deviance(residuals, sigma, share) - _deviance(moved_residuals, sigma, share)
-        if gain > 0:
+        if _deviance(moved_residuals, sigma, share) < deviance:
             state, residuals, jacobian = moved, moved_residuals, moved_jacobian
-            variance = np.mean(_weights(residuals, sigma, share) * residuals**2)
-            sigma = max(floor, float(np.sqrt(variance)))
+            sigma = _rescaled(residuals, sigma, share, floor)
+            before, deviance = deviance, _deviance(residuals, sigma, share)
             damping = max(damping / 5.0, 1e-9)
+            if before - deviance < CONVERGED:
+                break
         else:
             damping *= 10.0
-        if 0 <= gain < CONVERGED or damping > MAX_DAMPING:
-            break
-    information = (jacobian * _weights(residuals, sigma, share)[:, None]).T @ jacobian
-    covariance = sigma**2 * np.linalg.pinv(information, hermitian=True)
+            if damping > MAX_DAMPING:
+                break
+    weighted = jacobian * _weights(residuals, sigma, share)[:, None]
     return Estimate(
         state=state,
         residuals=residuals,
         sigma=sigma,
-        covariance=covariance.astype(np.float64),
-        deviance=_deviance(residuals, sigma, share),
+        information=weighted.T @ jacobian / sigma**2,
+        deviance=deviance,
     )
 
 
 def _damped_step(residuals: Array, jacobian: Array, weights: Array, damping: float) -> Array:
     weighted = jacobian * weights[:, None]
     normal = weighted.T @ jacobian
-    diagonal = np.diag(normal)
-    normal = normal + np.diag(damping * diagonal + 1e-12 * diagonal.max() + 1e-300)
+    diagonal = normal.diagonal()
+    normal.flat[:: len(normal) + 1] += damping * diagonal + 1e-12 * diagonal.max() + 1e-300
     step = -np.linalg.solve(normal, weighted.T @ residuals)
     return step.astype(np.float64)

@@ -28,6 +28,8 @@ AS_GOOD = 0.1
 """Fits are equally good that differ by less in BIC a point (5 percent of noise), or by one
 parameter, however many points say so: cells and facets err together, which no criterion over single
 points knows."""
+ROUGH_STEPS = 4
+"""Steps that show which of several starts is promising."""
 INLIER_SIGMAS = 4.0
 """Points nearer than so many scales lie on a fit, and set its ends."""
 
@@ -139,8 +141,11 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
         return FitFailure("too few points for the shape")
     floor = RELATIVE_FLOOR * float(np.sqrt(points.var(axis=0).sum()))
     search = partial(minimise, model, floor=floor, weights=weights)
-    rough = [search(start, max_steps=5) for start in model.starts()]
-    estimate = search(min(rough, key=lambda one: one.deviance).state)
+    starts = model.starts()
+    if len(starts) > 1:
+        rough = [search(start, max_steps=ROUGH_STEPS) for start in starts]
+        starts = [min(rough, key=lambda one: one.deviance).state]
+    estimate = search(starts[0])
     inliers = points[np.abs(estimate.residuals) <= INLIER_SIGMAS * estimate.sigma]
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):
