@@ -19,7 +19,7 @@ class ExplorationSettings:
     """Turn round an object at each step."""
     robot_turn_deg: float = Field(default=45.0, gt=0, le=180)
     """Turn on the spot at each step."""
-    walk_clearance: Positive = 2.5
+    walk_clearance: Positive = 3.0
     """Distance kept from everything while walking, world units."""
     sight_range: Positive = 90.0
     """How far off a thing is surely noticed: ground with nothing on it is known free up to here."""

@@ -156,7 +156,9 @@ WRONG = {
     "a View or None is needed": lambda: "left",
     "runs into an object": lambda: View(position=[20, 5, 12], target=[0, 5, 1]),
     "no horizontal direction": lambda: View(position=[0, 5, 0], target=[0, 9, 0]),
-    "focal_length is": lambda: View(position=[0, 5, 0], target=[1, 9, 0], focal_length=1, fov_deg=9),
+    "focal_length is": lambda: View(
+        position=[0, 5, 0], target=[1, 9, 0], focal_length=1, fov_deg=9
+    ),
 }
 
 
@@ -185,5 +187,3 @@ def test_a_controller_that_ends_with_words_of_its_own_knows_all(explore_discs, m
     monkeypatch.setattr(Wrong, "answer", staticmethod(lambda: None))
     done = explore_discs(TREES, controller="wrong")
     assert (done.stop_reason, done.message) == ("all known", "seen enough")
-
-
