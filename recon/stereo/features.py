@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
-from recon.stereo.sums import Floats, Integers
+from recon.stereo.sums import Floats
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
@@ -40,7 +40,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     if settings.method == "population":
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    u, v = _ridges(modulus, cosine, sine)
+    v, u = np.nonzero(_ridges(modulus, cosine, sine))
     strength = modulus[v, u]
     threshold = _threshold(strength, modulus.size, settings)
     rows = strength >= threshold
@@ -80,18 +80,14 @@ def _threshold(strength: Floats, num_pixels: int, settings: FeatureSettings) -> 
 
 
 @njit(cache=True, error_model="numpy")
-def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> tuple[Integers, Integers]:
-    """Pixels u, v where the modulus is the largest along the normal of the edge."""
+def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
+    """Where the modulus is the largest along the normal of the edge."""
     height, width = modulus.shape
-    us = np.empty(modulus.size, np.int64)
-    vs = np.empty(modulus.size, np.int64)
-    count = 0
+    ridge = np.zeros((height, width), np.bool_)
     for v in range(1, height - 1):
         for u in range(1, width - 1):
-            if _is_ridge(modulus, v, u, cosine[v, u], sine[v, u]):
-                us[count], vs[count] = u, v
-                count += 1
-    return us[:count].copy(), vs[:count].copy()
+            ridge[v, u] = _is_ridge(modulus, v, u, cosine[v, u], sine[v, u])
+    return ridge
 
 
 @njit(cache=True, error_model="numpy")
@@ -107,4 +103,4 @@ def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
     ahead = (1 - share) * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
     behind = (1 - share) * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
     # Of two equal pixels exactly one is the ridge, however the sums are rounded.
-    return bool(ahead * _EQUAL < modulus[v, u] and behind <= modulus[v, u] * _EQUAL)
+    return (ahead * _EQUAL < modulus[v, u]) & (behind <= modulus[v, u] * _EQUAL)

@@ -7,6 +7,7 @@ that a pyramid would give at it, and nothing has to be interpolated.
 
 import math
 from functools import cache
+from math import comb
 from typing import NamedTuple
 
 import cv2
@@ -20,11 +21,11 @@ Array = NDArray[np.float32]
 
 WAVELENGTH_OF_WIDTH = 2.22
 """Wavelength of the strongest response, in widths."""
-ORIENTATIONS = 6
-"""Sampled directions over half a turn; the fewest that leave the second harmonic unaliased."""
 DESCRIPTORS = 3
-"""Every second of them describes a pixel in matching: 0, 60 and 120 degrees."""
+"""Directions that describe a pixel in matching: 0, 60 and 120 degrees."""
 
+_TILE = 256
+"""Columns that are filtered at once, so that the rows in work stay in the fastest memory."""
 _SUPPORT = 2.75
 """Half support in widths; the filter has fallen to 3e-3 there."""
 _SPREAD_WIDTH = 2.0
@@ -80,14 +81,43 @@ def kernels(width_px: float) -> Array:
     return np.array(factors, dtype=np.float32) / np.float32(width_px)
 
 
+_Numbers = tuple[np.float32, ...]
+
+
+class _Steering(NamedTuple):
+    """How the basis makes responses; first index 0 for G's basis filters, 1 for H's.
+
+    Tuples, so that the compiler sees numbers and no memory that might change.
+    """
+
+    weights: tuple[tuple[_Numbers, ...], ...]
+    """(2, DESCRIPTORS, 6) of the descriptors' real and imaginary parts (Eqs 12, 13)."""
+    forms: tuple[tuple[_Numbers, ...], ...]
+    """(2, 3, 21) quadratic forms, the upper triangles: mean energy over all directions, and the
+    cosine and sine of its second harmonic."""
+
+
 @cache
-def steering() -> tuple[Array, Array]:
-    """(ORIENTATIONS, 5) weights of G's basis and (ORIENTATIONS, 6) of H's (Eqs 12, 13)."""
-    theta = np.arange(ORIENTATIONS) * np.pi / ORIENTATIONS
+def steering() -> _Steering:
+    """Weights of the directions 0, 60 and 120 degrees, and the energy's harmonics in closed form.
+
+    Twelve directions are enough for exact sums: the energy is a polynomial of degree 10 in the
+    direction's cosine and sine.
+    """
+    theta = np.arange(12) * np.pi / 12
     c, s = np.cos(theta), np.sin(theta)
-    real = [_G * math.comb(4, k) * c ** (4 - k) * s**k for k in range(5)]
-    imag = [-_H * math.comb(5, k) * c ** (5 - k) * s**k for k in range(6)]
-    return np.array(real, np.float32).T.copy(), np.array(imag, np.float32).T.copy()
+    weights = np.zeros((2, 12, 6))
+    weights[0, :, :5] = np.transpose([_G * comb(4, k) * c ** (4 - k) * s**k for k in range(5)])
+    weights[1] = np.transpose([-_H * comb(5, k) * c ** (5 - k) * s**k for k in range(6)])
+    harmonics = np.array([np.ones(12), 2 * np.cos(2 * theta), 2 * np.sin(2 * theta)]) / 12
+    forms = np.einsum("ht,pti,ptj->phij", harmonics, weights, weights)
+    forms = (2 * forms - forms * np.eye(6))[..., *np.triu_indices(6)]
+    return _Steering(_as_tuples(weights[:, ::4]), _as_tuples(forms))
+
+
+def _as_tuples(numbers: NDArray[np.float64]) -> tuple[tuple[_Numbers, ...], ...]:
+    """The numbers of a (K, L, M) array."""
+    return tuple(tuple(tuple(np.float32(x) for x in row) for row in part) for part in numbers)
 
 
 class _Lattice(NamedTuple):
@@ -95,12 +125,14 @@ class _Lattice(NamedTuple):
 
     picture: Array
     """(H + 2 P, W + 2 P) with a margin for the filter."""
+    margin: int
+    """P"""
     column_starts: Integers
     """(K,) from the first row of a window, in the flat picture."""
     column_weights: Array
     """(9, K)"""
     row_starts: Integers
-    """(11, K') in the nine column sums of a row, one after the other."""
+    """(11, K') in the nine column sums of a tile's row, one after the other."""
     row_weights: Array
     """(11, K')"""
 
@@ -113,6 +145,7 @@ def _lattice(grey: Array, width_px: float) -> _Lattice:
     smooth = _smoothed(grey, level(width_px))
     picture = cv2.copyMakeBorder(smooth, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
     stride = picture.shape[1]
+    tile = _TILE + 2 * pad
     column_starts = np.zeros(filled(size), np.int64)
     column_starts[:size] = np.arange(size) * step * stride
     column_weights = np.zeros((_COLUMN_KERNELS, filled(size)), np.float32)
@@ -122,9 +155,9 @@ def _lattice(grey: Array, width_px: float) -> _Lattice:
     for i, products in enumerate(_PRODUCTS):
         for j, (column, row) in enumerate(products):
             part = slice(j * size, (j + 1) * size)
-            row_starts[i, part] = column * stride + np.arange(size) * step
+            row_starts[i, part] = column * tile + np.arange(size) * step
             row_weights[i, part] = taps[row]
-    return _Lattice(picture, column_starts, column_weights, row_starts, row_weights)
+    return _Lattice(picture, pad, column_starts, column_weights, row_starts, row_weights)
 
 
 def _smoothed(grey: Array, level: int) -> Array:
@@ -168,79 +201,76 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _filter(
-    lattices: tuple[_Lattice, ...], steering: tuple[Array, Array], responses: Responses
-) -> None:
+def _filter(lattices: tuple[_Lattice, ...], steering: _Steering, responses: Responses) -> None:
     height, width = responses.modulus.shape
-    basis = np.zeros((11, width), np.float32)
-    harmonics = np.zeros((3, width), np.float32)
-    for v in range(height):
-        harmonics[:] = 0.0
-        for s in range(len(lattices)):
-            _filter_row(lattices[s], v, basis)
-            _steer(basis, steering, responses.planes[s, :, :, v], harmonics)
-        mean, cosine, sine = harmonics[0], harmonics[1], harmonics[2]
-        modulus = responses.modulus[v]
-        for u in range(width):
-            modulus[u] = np.sqrt(mean[u] + np.sqrt(cosine[u] * cosine[u] + sine[u] * sine[u]))
-        responses.cosine[v] = cosine
-        responses.sine[v] = sine
+    for first in range(0, width, _TILE):
+        tile = slice(first, min(first + _TILE, width))
+        basis = np.zeros((12, tile.stop - first), np.float32)
+        harmonics = np.zeros((3, tile.stop - first), np.float32)
+        for v in range(height):
+            harmonics[:] = 0.0
+            for s in range(len(lattices)):
+                _filter_row(lattices[s], v, first, basis)
+                _steer(basis, steering, responses.planes[s, :, :, v, tile], harmonics)
+            _measure(harmonics, responses.modulus[v, tile])
+            responses.cosine[v, tile] = harmonics[1]
+            responses.sine[v, tile] = harmonics[2]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _filter_row(lattice: _Lattice, v: int, basis: Array) -> None:
-    """Write the eleven basis filters of a row."""
-    stride = lattice.picture.shape[1]
-    columns = np.empty((_COLUMN_KERNELS, stride), np.float32)
-    rows = lattice.picture.reshape(-1)[v * stride :]
+def _filter_row(lattice: _Lattice, v: int, first: int, basis: Array) -> None:
+    """Write the basis filters of a tile's row: five of G, one left empty, six of H."""
+    columns = np.empty((_COLUMN_KERNELS, _TILE + 2 * lattice.margin), np.float32)
+    size = basis.shape[1] + 2 * lattice.margin
+    rows = lattice.picture.reshape(-1)[v * lattice.picture.shape[1] + first :]
     for i in range(_COLUMN_KERNELS):
-        weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i])
+        weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i, :size])
     for i in range(lattice.row_weights.shape[0]):
         # Only two of the basis filters are sums of two products.
         size = lattice.row_weights.shape[1] if i in (7, 8) else lattice.column_starts.size
         starts, weights = lattice.row_starts[i, :size], lattice.row_weights[i, :size]
-        weighted_sum(columns.reshape(-1), starts, weights, basis[i])
+        weighted_sum(columns.reshape(-1), starts, weights, basis[i if i < 5 else i + 1])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _steer(basis: Array, steering: tuple[Array, Array], planes: Array, harmonics: Array) -> None:
-    """Responses of one row in all directions; every second one is a descriptor."""
-    real, imag = steering
-    width = basis.shape[1]
-    re, im = np.empty(width, np.float32), np.empty(width, np.float32)
-    for i in range(ORIENTATIONS):
-        _mix(basis[:5], real[i], re)
-        _mix(basis[5:10], imag[i], im)
-        _add(basis[10], imag[i, 5], im)
-        angle = 2.0 * np.pi * i / ORIENTATIONS
-        _add_harmonics(re, im, (1.0, 2.0 * np.cos(angle), 2.0 * np.sin(angle)), harmonics)
-        if i % 2 == 0:
-            planes[i // 2, 0] = re
-            planes[i // 2, 1] = im
+def _measure(harmonics: Array, modulus: Array) -> None:
+    """Strength of the response: an isotropic part, and what lies in one direction."""
+    mean, cosine, sine = harmonics[0], harmonics[1], harmonics[2]
+    for u in range(modulus.size):
+        along = np.sqrt(cosine[u] * cosine[u] + sine[u] * sine[u])
+        modulus[u] = np.sqrt(mean[u] + along)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _mix(basis: Array, weights: Array, out: Array) -> None:
-    """Weighted sum of five rows."""
-    a, b, c, d, e = basis[0], basis[1], basis[2], basis[3], basis[4]
-    p, q, r, s, t = weights[0], weights[1], weights[2], weights[3], weights[4]
-    for u in range(out.size):
-        out[u] = p * a[u] + q * b[u] + r * c[u] + s * d[u] + t * e[u]
+def _steer(basis: Array, steering: _Steering, planes: Array, harmonics: Array) -> None:
+    """Descriptors and harmonics of one row."""
+    for part in range(2):
+        own = basis[6 * part : 6 * part + 6]
+        for i in range(planes.shape[0]):
+            _mix(own, steering.weights[part][i], planes[i, part])
+        for k in range(3):
+            _add_form(own, steering.forms[part][k], harmonics[k])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _add(row: Array, weight: float, out: Array) -> None:
-    for u in range(out.size):
-        out[u] += weight * row[u]
+def _mix(basis: Array, w: _Numbers, out: Array) -> None:
+    """Weighted sum of the six rows."""
+    a, b, c, d, e, f = basis[0], basis[1], basis[2], basis[3], basis[4], basis[5]
+    for i in range(out.size):
+        out[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i] + w[3] * d[i] + w[4] * e[i] + w[5] * f[i]
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _add_harmonics(
-    re: Array, im: Array, factors: tuple[float, float, float], harmonics: Array
-) -> None:
-    """Add the energy of a direction to the harmonics, each by its factor."""
-    for k in range(3):
-        factor = np.float32(factors[k] / ORIENTATIONS)
-        out = harmonics[k]
-        for u in range(re.size):
-            out[u] += factor * (re[u] * re[u] + im[u] * im[u])
+def _add_form(basis: Array, m: _Numbers, out: Array) -> None:
+    """Add a quadratic form of the six rows, given by its upper triangle."""
+    a, b, c, d, e, f = basis[0], basis[1], basis[2], basis[3], basis[4], basis[5]
+    for i in range(out.size):
+        p, q, r, s, t, w = a[i], b[i], c[i], d[i], e[i], f[i]
+        out[i] += (
+            p * (m[0] * p + m[1] * q + m[2] * r + m[3] * s + m[4] * t + m[5] * w)
+            + q * (m[6] * q + m[7] * r + m[8] * s + m[9] * t + m[10] * w)
+            + r * (m[11] * r + m[12] * s + m[13] * t + m[14] * w)
+            + s * (m[15] * s + m[16] * t + m[17] * w)
+            + t * (m[18] * t + m[19] * w)
+            + w * m[20] * w
+        )
