@@ -56,7 +56,7 @@ def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
     (info / "METADATA").write_text("Name: broken\nVersion: 1\n")
     (info / "entry_points.txt").write_text("[recon.controllers]\nbroken = nowhere:Nobody\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(InputError, match="'broken' .*nowhere:Nobody.* does not load"):
+    with pytest.raises(InputError, match=r"'broken' .*nowhere:Nobody.* does not load"):
         make_controller("broken")
 
 
