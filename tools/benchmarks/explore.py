@@ -1,0 +1,83 @@
+"""The explorer in the village and in random worlds, rendered and matched for real."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks import Measurement
+from recon.explore.agent import Exploration, explore
+from recon.settings import Settings, updated, with_quality
+from recon.world.generator import random_scene
+from recon.world.world import World
+
+VILLAGE = Path(__file__).parents[2] / "scenes" / "village.scene"
+COUNTS = (3, 4, 5, 6, 8, 9, 10, 12)
+GAPS = (22.0, 4.0, 12.0, 6.0, 16.0, 4.0, 8.0, 5.0, 10.0, 14.0, 4.0)
+
+
+def measure(quick: bool) -> list[Measurement]:
+    """What the frontier controller needs beside the thesis's, and that nothing is lost."""
+    return [*village(), *random_worlds(2 if quick else 20)]
+
+
+def settings_for(controller: str) -> Settings:
+    """The settings of `recon explore`."""
+    changes = {
+        "matching": {"min_disparity": -10, "max_disparity": 20},
+        "exploration": {"controller": controller},
+    }
+    return updated(with_quality(Settings(), "fast"), changes)
+
+
+def village() -> Iterator[Measurement]:
+    """Pairs, coverage and path against the thesis's controller."""
+    runs = {}
+    for controller in ("frontier", "thesis"):
+        settings = settings_for(controller)
+        runs[controller] = explore(World.from_file(VILLAGE, settings), settings).metrics
+    frontier, thesis = runs["frontier"], runs["thesis"]
+    yield number("village_pairs_until_objects", frontier["pairs_until_objects"], "pairs (bar 60)")
+    yield number("village_pairs", frontier["num_pairs"], "pairs")
+    for name, bar, better in (("coverage", "0.95", "higher"), ("path_length", "0.7", "lower")):
+        share = frontier[name] / thesis[name]
+        yield number(f"village_{name}_share", share, f"of the thesis's (bar {bar})", better)
+
+
+def random_worlds(count: int) -> Iterator[Measurement]:
+    """Worlds of 3 to 12 objects, gaps from 22 down to 4 units."""
+    settings = settings_for("frontier")
+    lost, clearance, unended = 0, np.inf, 0
+    for seed in range(count):
+        world = world_of(seed, settings)
+        done = explore(world, settings)
+        lost += sum(not is_found(done, true) for true in world.objects)
+        clearance = min(clearance, done.metrics["min_clearance"])
+        unended += done.stop_reason != "all known"
+    yield number(f"random_{count}_objects_lost", lost, "objects (bar 0)")
+    yield number(f"random_{count}_min_clearance", clearance, "units (bar 1)", "higher")
+    yield number(f"random_{count}_not_all_known", unended, "worlds")
+
+
+def world_of(seed: int, settings: Settings) -> World:
+    """A random world; its gap shrinks where so many objects do not fit."""
+    rng = np.random.default_rng(seed)
+    count, gap = COUNTS[seed % len(COUNTS)], GAPS[seed % len(GAPS)]
+    scene = random_scene(rng, count, min(gap, 60.0 / count))
+    return World(scene, settings.eyes, settings.render, settings.world)
+
+
+def is_found(done: Exploration, true: Any) -> bool:
+    """Whether an object of the right name stands within a unit of a true one."""
+    return any(
+        found.label == true.label and np.linalg.norm((found.centre - true.centre)[[0, 2]]) < 1.0
+        for found in done.recognition.objects
+    )
+
+
+def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
+    """A measurement of this room."""
+    return Measurement(
+        name=f"explore.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
+    )
