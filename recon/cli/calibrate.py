@@ -21,7 +21,7 @@ def calibrate(left_dir: Path, right_dir: Path, **given: Any) -> None:
 
     SQUARE is the side of a square in metres; it sets the unit of the baseline.
     """
-    start_logging(given["quiet"], given["verbose"])
+    start_logging(given)
     from recon.runs.calibrate import calibrate_run
 
     report = calibrate_run(

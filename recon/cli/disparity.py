@@ -6,12 +6,14 @@ from typing import Any
 import click
 
 from recon.cli.options import (
+    FOLDER,
     MATCHING,
     OUTPUT,
     PATH,
     SETTINGS,
     build_settings,
     print_json,
+    run_order,
     start_logging,
     with_options,
 )
@@ -20,34 +22,23 @@ from recon.cli.options import (
 @click.command(epilog="Example: recon disparity left.png right.png --max-disparity 64 -o out")
 @click.argument("left", type=PATH)
 @click.argument("right", type=PATH)
-@click.option("--min-disparity", type=int)
-@click.option("--max-disparity", type=int)
+@click.option("--min-disparity", "matching__min_disparity", type=int)
+@click.option("--max-disparity", "matching__max_disparity", type=int)
 @click.option("--truth", type=PATH, help="Disparity image of the left view; 0 or NaN = unknown.")
 @click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True), default=1.0)
 @click.option("--calib", type=PATH, help="Calibration; its search range is the default.")
-@click.option("-o", "--output", type=PATH, help="Folder for matches.npz and disparity.png.")
-@with_options(MATCHING, SETTINGS, OUTPUT)
+@with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:
-    """Match two rectified images."""
-    start_logging(given["quiet"], given["verbose"])
+    """Match two rectified images; -o leaves matches.npz and a figure."""
+    start_logging(given)
     from recon.runs.disparity import disparity_run, search_range
+    from recon.runs.order import unwatched
 
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-        quality=given["quality"],
-        base=search_range(given["calib"]) if given["calib"] else {},
-        flags={
-            "matching.min_disparity": given["min_disparity"],
-            "matching.max_disparity": given["max_disparity"],
-            "matching.matcher": given["matcher"],
-            "matching.keep": given["keep"],
-        },
-    )
+    settings = build_settings(given, search_range(given["calib"]) if given["calib"] else {})
     report = disparity_run(
-        left, right, settings, output=given["output"], truth_path=given["truth"],
-        truth_scale=given["truth_scale"],
+        left, right, settings,
+        order=run_order(given, "disparity", unwatched) if given["output"] else None,
+        truth_path=given["truth"], truth_scale=given["truth_scale"],
     )  # fmt: skip
     if given["as_json"]:
         print_json(report)

@@ -10,7 +10,7 @@ from recon.errors import ReconError
 @with_options(OUTPUT)
 def doctor(as_json: bool, quiet: bool, verbose: bool) -> None:
     """Check that this machine has what recon needs, and say what cures what is missing."""
-    start_logging(quiet, verbose)
+    start_logging({"quiet": quiet, "verbose": verbose})
     from recon.runs.doctor import examine
 
     findings = examine()

@@ -6,11 +6,13 @@ from typing import Any
 import click
 
 from recon.cli.options import (
+    FOLDER,
     OUTPUT,
     PATH,
     SETTINGS,
     build_settings,
     print_json,
+    run_order,
     start_logging,
     with_options,
 )
@@ -34,30 +36,22 @@ COLUMNS = {
 @click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
 @click.option("--matcher", "matchers", multiple=True, default=["phase"], help="May be repeated.")
 @click.option("--quality", type=click.Choice(["best", "fast"]))
-@click.option("--keep", type=click.IntRange(min=1), help="Keep the K most confident pairs.")
+@click.option(
+    "--keep", "matching__keep", type=click.IntRange(min=1), help="Keep the K most confident pairs."
+)
 @click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
-@click.option("-o", "--output", type=PATH, help="Folder for figures and metrics.json.")
-@click.option("--overwrite", is_flag=True, help="Replace an existing run.")
-@with_options(SETTINGS, OUTPUT)
+@with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers on pairs whose disparity is known."""
-    start_logging(given["quiet"], given["verbose"])
-    from recon.runs.evaluate import evaluate_run, evaluation_folder
+    """Judge matchers on pairs whose disparity is known; -o leaves figures."""
+    start_logging(given)
+    from recon.runs.evaluate import evaluate_run
 
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-        quality=given["quality"],
-        flags={"matching.keep": given["keep"]},
-    )
-    output = given["output"] and evaluation_folder(
-        given["output"], pair_dirs, settings, overwrite=given["overwrite"]
-    )
+    settings = build_settings(given)
     with progress_bar("pairs", given["quiet"]) as progress:
         report = evaluate_run(
             pair_dirs, settings, given["matchers"], truth_scale=given["truth_scale"],
-            run=output, progress=progress,
+            order=run_order(given, "evaluation", progress) if given["output"] else None,
+            progress=progress,
         )  # fmt: skip
     if given["as_json"]:
         print_json(report)

@@ -13,6 +13,7 @@ from recon.cli.options import (
     SETTINGS,
     build_settings,
     print_json,
+    run_order,
     start_logging,
     with_options,
 )
@@ -31,39 +32,22 @@ BASE = {
 
 @click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
 @click.argument("scene", type=PATH)
-@click.option("--controller", help="frontier, thesis, or a plug-in's name.")
-@click.option("--recogniser", type=click.Choice(["robust", "thesis"]))
-@click.option("--renderer", type=click.Choice(["raycast", "filament"]))
-@click.option("--max-pairs", type=click.IntRange(min=1), help="Stop after N stereo pairs.")
+@click.option(
+    "--controller", "exploration__controller", help="frontier, thesis, or a plug-in's name."
+)
+@click.option("--recogniser", "recognition__recogniser", type=click.Choice(["robust", "thesis"]))
+@click.option("--renderer", "render__renderer", type=click.Choice(["raycast", "filament"]))
+@click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world: map it, name its objects."""
-    start_logging(given["quiet"], given["verbose"])
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-        quality=given["quality"],
-        base=BASE,
-        base_quality=BASE_QUALITY,
-        flags={
-            "exploration.controller": given["controller"],
-            "exploration.max_pairs": given["max_pairs"],
-            "recognition.recogniser": given["recogniser"],
-            "render.renderer": given["renderer"],
-            "render.noise_seed": given["seed"],
-            "matching.matcher": given["matcher"],
-            "matching.keep": given["keep"],
-        },
-    )
+    start_logging(given)
+    base = BASE | {"render.noise_seed": given["seed"]}
+    settings = build_settings(given, base, BASE_QUALITY)
     from recon.runs.explore import explore_run
 
-    run_path = given["output"] or Path("runs") / scene.stem
     with progress_bar("pairs", given["quiet"]) as progress:
-        report = explore_run(
-            scene, run_path, settings, seed=given["seed"], overwrite=given["overwrite"],
-            resume=given["resume"], progress=progress,
-        )  # fmt: skip
+        report = explore_run(scene, settings, run_order(given, scene.stem, progress))
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:

@@ -16,7 +16,7 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @with_options(OUTPUT)
 def export(source: Path, target: Path, **given: Any) -> None:
     """Write a map or a cloud in another format, by the ending of OUT."""
-    start_logging(given["quiet"], given["verbose"])
+    start_logging(given)
     from recon.runs.clouds import export_run
 
     report = export_run(source, target, box=parse_box(given["box"]), overwrite=given["overwrite"])

@@ -18,7 +18,7 @@ def figure(
     verbose: bool,
 ) -> None:  # fmt: skip
     """Draw the figures of a run again."""
-    start_logging(quiet, verbose)
+    start_logging({"quiet": quiet, "verbose": verbose})
     from recon.runs.figures import figure_run
 
     paths = figure_run(run, kind=kind, view=view, size=_parse_size(size))

@@ -12,7 +12,7 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @with_options(OUTPUT)
 def fit(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
     """Fit one solid to one cloud: sphere, ellipsoid, cylinder, cone, plane or box."""
-    start_logging(quiet, verbose)
+    start_logging({"quiet": quiet, "verbose": verbose})
     from recon.runs.clouds import fit_run
 
     report = fit_run(file)

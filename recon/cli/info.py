@@ -12,7 +12,7 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @with_options(OUTPUT)
 def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
     """Say what a run folder, map, cloud, scene, sequence or image is."""
-    start_logging(quiet, verbose)
+    start_logging({"quiet": quiet, "verbose": verbose})
     from recon.runs.info import describe
 
     facts = describe(file)

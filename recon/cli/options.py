@@ -30,11 +30,15 @@ FOLDER = [
     click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
 ]
 
+# An option whose name in Python is STAGE__NAME sets that value.
 MATCHING = [
-    click.option("--matcher", help="phase, vonmises, sgbm, or a plug-in's name."),
+    click.option("--matcher", "matching__matcher", help="phase, vonmises, sgbm, or a plug-in's."),
     click.option("--quality", type=click.Choice(["best", "fast"])),
-    click.option("--keep", type=click.IntRange(min=1), help="Keep the K most confident pairs."),
-]
+    click.option(
+        "--keep", "matching__keep", type=click.IntRange(min=1),
+        help="Keep the K most confident pairs.",
+    ),
+]  # fmt: skip
 
 
 def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Command], Command]:
@@ -49,40 +53,51 @@ def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Comma
 
 
 def build_settings(
-    *,
-    preset: str = "default",
-    settings_file: Path | None = None,
-    overrides: tuple[str, ...] = (),
-    quality: str | None = None,
-    flags: dict[str, Any] | None = None,
-    base: dict[str, Any] | None = None,
-    base_quality: str = "best",
+    given: dict[str, Any], base: dict[str, Any] | None = None, base_quality: str = "best"
 ) -> Any:
-    """Settings from weakest to strongest: base, preset, file, quality, flags, --set.
+    """Settings from weakest to strongest: base, preset, file, quality, options, --set.
 
-    `flags` and `base` map "stage.name" to a value; flags that are None were not given. The base
-    is what a command asks for by itself.
+    Parameters
+    ----------
+    given : dict
+        The options of a command.
+    base : dict
+        By "stage.name", what the command asks for by itself.
+    base_quality : {"best", "fast"}
     """
     from recon.settings import Settings, parse_overrides, read_toml, updated, with_preset
     from recon.settings import with_quality as qualified
 
-    settings = qualified(Settings(), "fast" if base_quality == "fast" else "best")
-    settings = with_preset(updated(settings, _tree(base or {})), preset)
-    if settings_file is not None:
-        settings = updated(settings, read_toml(settings_file), str(settings_file))
-    if quality is not None:
-        settings = qualified(settings, "fast" if quality == "fast" else "best")
-    settings = updated(settings, _tree(flags or {}), "options")
-    return updated(settings, parse_overrides(overrides), "--set")
+    settings = updated(qualified(Settings(), base_quality), tree(base or {}))
+    settings = with_preset(settings, given["preset"])
+    if given["settings_file"] is not None:
+        file = given["settings_file"]
+        settings = updated(settings, read_toml(file), str(file))
+    if given.get("quality") is not None:
+        settings = qualified(settings, given["quality"])
+    options = {name.replace("__", "."): value for name, value in given.items() if "__" in name}
+    settings = updated(settings, tree(options), "options")
+    return updated(settings, parse_overrides(given["overrides"]), "--set")
 
 
-def _tree(flat: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    tree: dict[str, dict[str, Any]] = {}
+def tree(flat: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Tables by stage of values by "stage.name"; what is None was not given."""
+    tables: dict[str, dict[str, Any]] = {}
     for key, value in flat.items():
         stage, _, name = key.partition(".")
         if value is not None:
-            tree.setdefault(stage, {})[name] = value
-    return tree
+            tables.setdefault(stage, {})[name] = value
+    return tables
+
+
+def run_order(given: dict[str, Any], name: str, progress: Any) -> Any:
+    """Where a run goes: `runs/NAME` where no -o says otherwise."""
+    from recon.runs.order import RunOrder
+
+    return RunOrder(
+        path=given["output"] or Path("runs") / name, seed=given["seed"],
+        overwrite=given["overwrite"], resume=given["resume"], progress=progress,
+    )  # fmt: skip
 
 
 class StderrHandler(logging.Handler):
@@ -93,10 +108,11 @@ class StderrHandler(logging.Handler):
         click.echo(f"recon: {record.getMessage()}", err=True)
 
 
-def start_logging(quiet: bool, verbose: bool) -> None:
+def start_logging(given: dict[str, Any]) -> None:
     """Logs go to stderr: warnings, or everything with -v, or errors with -q."""
+    loudest = logging.INFO if given["verbose"] else logging.WARNING
     logger = logging.getLogger("recon")
-    logger.setLevel(logging.ERROR if quiet else logging.INFO if verbose else logging.WARNING)
+    logger.setLevel(logging.ERROR if given["quiet"] else loudest)
     logger.handlers[:] = [StderrHandler()]
 
 

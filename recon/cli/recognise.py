@@ -19,24 +19,15 @@ from recon.cli.options import (
 @click.command(epilog="Example: recon recognise runs/village/map.npz")
 @click.argument("file", type=PATH)
 @click.option("--up", type=click.Choice(["y", "-y", "z", "-z"]), default="y", show_default=True)
-@click.option("--recogniser", type=click.Choice(["robust", "thesis"]))
-@click.option("--catalogue", type=PATH, help="TOML file of names and their rules.")
+@click.option("--recogniser", "recognition__recogniser", type=click.Choice(["robust", "thesis"]))
+@click.option("--catalogue", "recognition__catalogue", help="TOML file of names and their rules.")
 @with_options(SETTINGS, OUTPUT)
 def recognise(file: Path, **given: Any) -> None:
     """Name the objects of a map or a cloud."""
-    start_logging(given["quiet"], given["verbose"])
+    start_logging(given)
     from recon.runs.clouds import recognise_run
 
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-        flags={
-            "recognition.recogniser": given["recogniser"],
-            "recognition.catalogue": given["catalogue"] and str(given["catalogue"]),
-        },
-    )
-    report = recognise_run(file, settings, up=given["up"])
+    report = recognise_run(file, build_settings(given), up=given["up"])
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:

@@ -13,6 +13,7 @@ from recon.cli.options import (
     SETTINGS,
     build_settings,
     print_json,
+    run_order,
     start_logging,
     with_options,
 )
@@ -21,37 +22,34 @@ from recon.cli.progress import progress_bar
 FORMATS = ["auto", "folder", "kitti", "euroc", "middlebury", "ring", "video", "bag"]
 
 
+def parse_roi(
+    _context: click.Context, _option: click.Parameter, text: str | None
+) -> list[int] | None:
+    """Pixels of "x,y,width,height"."""
+    if text is None:
+        return None
+    words = text.split(",")
+    if len(words) != 4 or not all(word.strip().isdecimal() for word in words):
+        raise click.BadParameter(f"{text!r} is no region, but x,y,width,height are needed")
+    return [int(word) for word in words]
+
+
 @click.command(epilog="Example: recon reconstruct data/motorcycle -o runs/motorcycle")
 @click.argument("sequence", type=PATH)
-@click.option("--format", "format_", type=click.Choice(FORMATS))
-@click.option("--poses", type=click.Choice(["given", "estimated", "none"]))
-@click.option("--every", type=click.IntRange(min=1), help="Read every Nth pair.")
+@click.option("--format", "sequence__format", type=click.Choice(FORMATS))
+@click.option("--poses", "sequence__poses", type=click.Choice(["given", "estimated", "none"]))
+@click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
+@click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
-    start_logging(given["quiet"], given["verbose"])
+    start_logging(given)
     from recon.runs.reconstruct import base_values, reconstruct_run
 
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-        quality=given["quality"],
-        base=base_values(sequence, given["format_"] or "auto"),
-        flags={
-            "sequence.format": given["format_"],
-            "sequence.poses": given["poses"],
-            "sequence.every": given["every"],
-            "matching.matcher": given["matcher"],
-            "matching.keep": given["keep"],
-        },
-    )
-    run_path = given["output"] or Path("runs") / sequence.resolve().name
+    settings = build_settings(given, base_values(sequence, given["sequence__format"] or "auto"))
     with progress_bar("pairs", given["quiet"]) as progress:
-        report = reconstruct_run(
-            sequence, run_path, settings, seed=given["seed"], overwrite=given["overwrite"],
-            resume=given["resume"], progress=progress,
-        )  # fmt: skip
+        order = run_order(given, sequence.resolve().name, progress)
+        report = reconstruct_run(sequence, settings, order)
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:

@@ -27,14 +27,10 @@ def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
 
     Use it with --matcher vonmises --set matching.model=FILE.
     """
-    start_logging(given["quiet"], given["verbose"])
+    start_logging(given)
     from recon.runs.train import train_run
 
-    settings = build_settings(
-        preset=given["preset"],
-        settings_file=given["settings_file"],
-        overrides=given["overrides"],
-    )
+    settings = build_settings(given)
     report = train_run(
         pair_dirs, settings, given["output"], seed=given["seed"], overwrite=given["overwrite"]
     )

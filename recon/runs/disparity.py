@@ -12,13 +12,13 @@ from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
 from recon.pipeline import match_features
 from recon.records import Matches, check_images
-from recon.runfolder import RunFolder, RunPlan
 from recon.runs.figures import write_figures
+from recon.runs.order import RunOrder
 from recon.runs.products import as_document, write_metrics
 from recon.sequences.calibration import read_calibration
 from recon.sequences.images import read_image
 from recon.sequences.truth import DisparityTruth, read_truth_file
-from recon.settings import Settings, to_toml
+from recon.settings import Settings
 from recon.stereo.evaluation import evaluate
 from recon.stereo.features import detect
 
@@ -57,23 +57,18 @@ def disparity_run(
     right_path: Path,
     settings: Settings,
     *,
-    output: Path | None = None,
-    overwrite: bool = False,
+    order: RunOrder | None = None,
     truth_path: Path | None = None,
     truth_scale: float | None = None,
 ) -> dict[str, Any]:
-    """Match two pictures; leave a run folder where `output` names one.
+    """Match two pictures; leave a run folder where one is ordered.
 
     Returns
     -------
     dict
         The document of `recon disparity --json`.
     """
-    plan = RunPlan(
-        command="disparity", settings_toml=to_toml(settings), seed=0,
-        inputs=(left_path, right_path),
-    )  # fmt: skip
-    run = output and RunFolder.prepare(output, plan, overwrite=overwrite, resume=False)
+    run = order and order.folder("disparity", settings, (left_path, right_path))
     pair = match_files(left_path, right_path, settings)
     truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
     metrics = as_document(measure(pair, truth))

@@ -12,16 +12,16 @@ from recon.errors import InputError
 from recon.figures.canvas import Image
 from recon.figures.matching import error_map, side_by_side, tuning
 from recon.pipeline import match_images
-from recon.runfolder import RunFolder, RunPlan
 from recon.runs.disparity import match_files, measure
 from recon.runs.figures import write_figures
-from recon.runs.products import Progress, as_document
+from recon.runs.order import Progress, RunOrder, unwatched
+from recon.runs.products import as_document
 from recon.sequences.calibration import read_calibration
 from recon.sequences.folder import find_calibration
 from recon.sequences.images import read_image
 from recon.sequences.pair_dir import find_picture
 from recon.sequences.truth import DisparityTruth, read_truth
-from recon.settings import Settings, to_toml, updated
+from recon.settings import Settings, updated
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
 from recon.stereo.matching import match
@@ -62,8 +62,8 @@ def evaluate_run(
     matchers: Iterable[str],
     *,
     truth_scale: float | None = None,
-    run: RunFolder | None = None,
-    progress: Progress | None = None,
+    order: RunOrder | None = None,
+    progress: Progress = unwatched,
 ) -> dict[str, Any]:
     """Judge every matcher on every pair.
 
@@ -75,38 +75,29 @@ def evaluate_run(
     matchers : iterable of str
     truth_scale : float, optional
         Stored truth / this = disparity; each pair's own where not given.
-    run : RunFolder, optional
+    order : RunOrder, optional
         Where figures and numbers are left.
+    progress : callable
 
     Returns
     -------
     dict
         The document of `recon evaluate --json`.
     """
-    names = list(matchers)
-    trials = [t for path in pair_dirs for t in _trials(path, settings, names, truth_scale)]
+    names, paths = list(matchers), tuple(pair_dirs)
+    run = order and order.folder("evaluate", settings, paths)
+    trials = [t for path in paths for t in _trials(path, settings, names, truth_scale)]
     rows = []
     for trial in trials:
         rows.append(trial.row())
-        if progress is not None:
-            progress(len(rows), len(trials))
+        progress(len(rows), len(trials))
     report = {"pairs": rows}
-    if run is not None:
+    if run:
         with run.opened():
             run.write_json("metrics.json", report)
             for trial in trials:
                 write_figures(run.path, trial_pictures(trial))
     return report
-
-
-def evaluation_folder(
-    path: Path, pair_dirs: Iterable[Path], settings: Settings, *, overwrite: bool
-) -> RunFolder:
-    """The run folder of an evaluation."""
-    plan = RunPlan(
-        command="evaluate", settings_toml=to_toml(settings), seed=0, inputs=tuple(pair_dirs)
-    )
-    return RunFolder.prepare(path, plan, overwrite=overwrite, resume=False)
 
 
 def _trials(

@@ -7,28 +7,20 @@ from typing import Any
 from recon.explore.agent import Exploration, Step, explore
 from recon.exports.ply import CloudWriter
 from recon.records import StereoPair, View
-from recon.runfolder import RunFolder, RunPlan
+from recon.runfolder import RunFolder
 from recon.runs.contents import RunContents, Trajectory
 from recon.runs.figures import add_pair, draw_always, write_figures
-from recon.runs.products import Progress, with_views, write_metrics, write_products
+from recon.runs.order import Progress, RunOrder
+from recon.runs.products import with_views, write_metrics, write_products
 from recon.runs.replay import SavedPairs
 from recon.runs.report import read_report
-from recon.settings import Settings, to_toml
+from recon.settings import Settings
 from recon.voxelmap.occupancy import occupied
 from recon.world.textures import scene_files
 from recon.world.world import World
 
 
-def explore_run(
-    scene: Path,
-    run_path: Path,
-    settings: Settings,
-    *,
-    seed: int = 0,
-    overwrite: bool = False,
-    resume: bool = False,
-    progress: Progress | None = None,
-) -> dict[str, Any]:
+def explore_run(scene: Path, settings: Settings, order: RunOrder) -> dict[str, Any]:
     """Explore a world and leave its run folder.
 
     Returns
@@ -37,22 +29,14 @@ def explore_run(
         The document of `recon explore --json`: metrics.json with `run` and `objects`.
     """
     world = World.from_file(scene, settings)
-    plan = RunPlan(
-        command="explore",
-        settings_toml=to_toml(settings),
-        seed=seed,
-        inputs=(scene, *scene_files(world.scene)),
-    )
-    run = RunFolder.prepare(run_path, plan, overwrite=overwrite, resume=resume)
+    run = order.folder("explore", settings, (scene, *scene_files(world.scene)))
     if not run.is_finished:
         with run.opened():
-            _explore_into(run, world, settings, progress)
+            _explore_into(run, world, settings, order.progress)
     return read_report(run.path)
 
 
-def _explore_into(
-    run: RunFolder, world: World, settings: Settings, progress: Progress | None
-) -> None:
+def _explore_into(run: RunFolder, world: World, settings: Settings, progress: Progress) -> None:
     began = time.perf_counter()
     recorder = Recorder(run=run, world=world, settings=settings, progress=progress)
     with CloudWriter(run.path / "cloud.ply") as recorder.cloud:
@@ -68,7 +52,7 @@ class Recorder:
     cloud: CloudWriter
 
     def __init__(
-        self, *, run: RunFolder, world: World, settings: Settings, progress: Progress | None
+        self, *, run: RunFolder, world: World, settings: Settings, progress: Progress
     ) -> None:
         self.saved = SavedPairs(folder=run.partial)
         self.world = world
@@ -91,8 +75,7 @@ class Recorder:
         self.cloud.append(step.cloud, step.number)
         if self.clearest is None or len(step.matches) > len(self.clearest.matches):
             self.clearest = step
-        if self.progress is not None:
-            self.progress(step.number + 1, self.max_pairs)
+        self.progress(step.number + 1, self.max_pairs)
 
 
 def _write(

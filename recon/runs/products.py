@@ -1,6 +1,5 @@
 """What every run leaves besides its cloud and its figures."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +13,6 @@ from recon.records.objects import as_json
 from recon.runfolder import RunFolder
 from recon.runs.contents import Trajectory
 from recon.voxelmap import VoxelMap
-
-Progress = Callable[[int, int], None]
-"""Called with the pairs done and the most there can be."""
 
 # A pair has seen an object when it put this many points on it (metrics of the run folder).
 MIN_POINTS_OF_VIEW = 10

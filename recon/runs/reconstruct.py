@@ -12,17 +12,18 @@ from recon.geometry import transform
 from recon.pipeline import match_images
 from recon.recognition import recognise
 from recon.records import PairSource, StereoPair
-from recon.runfolder import RunFolder, RunPlan
+from recon.runfolder import RunFolder
 from recon.runs.contents import RunContents
 from recon.runs.figures import add_pair, draw_always, write_figures
-from recon.runs.products import Progress, with_views, write_metrics, write_products
+from recon.runs.order import Progress, RunOrder
+from recon.runs.products import with_views, write_metrics, write_products
 from recon.runs.report import read_report
 from recon.runs.tally import Tally
 from recon.sequences.odometry import EstimatedPoses
 from recon.sequences.open import open_sequence
 from recon.sequences.ring import is_ring
 from recon.sequences.truth import read_truth
-from recon.settings import Settings, to_toml, updated, with_quality
+from recon.settings import Settings, updated, with_quality
 from recon.voxelmap.occupancy import occupied
 
 # At middle depth a cell is so many times as long as the uncertainty of a well-matched point, and as
@@ -74,16 +75,7 @@ def rounded(length: float) -> float:
     return float(f"{min(steps, key=lambda step: abs(np.log(step / length))):g}")
 
 
-def reconstruct_run(
-    path: Path,
-    run_path: Path,
-    settings: Settings,
-    *,
-    seed: int = 0,
-    overwrite: bool = False,
-    resume: bool = False,
-    progress: Progress | None = None,
-) -> dict[str, Any]:
+def reconstruct_run(path: Path, settings: Settings, order: RunOrder) -> dict[str, Any]:
     """Rebuild what a recording saw and leave its run folder.
 
     Returns
@@ -92,18 +84,15 @@ def reconstruct_run(
         The document of `recon reconstruct --json`: metrics.json with `run` and `objects`.
     """
     source = open_sequence(path, settings.sequence)
-    plan = RunPlan(
-        command="reconstruct", settings_toml=to_toml(settings), seed=seed, inputs=(path,)
-    )
-    run = RunFolder.prepare(run_path, plan, overwrite=overwrite, resume=resume)
+    run = order.folder("reconstruct", settings, (path,))
     if not run.is_finished:
         with run.opened():
-            _reconstruct_into(run, path, source, settings, progress)
+            _reconstruct_into(run, path, source, settings, order.progress)
     return read_report(run.path)
 
 
 def _reconstruct_into(
-    run: RunFolder, path: Path, source: PairSource, settings: Settings, progress: Progress | None
+    run: RunFolder, path: Path, source: PairSource, settings: Settings, progress: Progress
 ) -> None:
     began = time.perf_counter()
     tally = Tally(settings)
@@ -111,8 +100,7 @@ def _reconstruct_into(
         for pair in source:
             for seen in tally.take(pair):
                 writer.append(seen.cloud, seen.number)
-            if progress is not None:
-                progress(tally.num_pairs, len(source))
+            progress(tally.num_pairs, len(source))
         for seen in tally.finish():
             writer.append(seen.cloud, seen.number)
     run.seconds |= {"stereo": tally.stereo_s, "map": tally.map_s}

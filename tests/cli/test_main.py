@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from recon.cli import main
+from recon.cli.options import build_settings
 
 HEAVY = ("cv2", "open3d", "pyvista", "matplotlib", "numba", "scipy", "pydantic")
 
@@ -76,3 +77,24 @@ def test_doctor_prints_one_json_document(capsys):
     checks = {check["name"]: check["ok"] for check in json.loads(out)["checks"]}
     assert checks["open3d"]
     assert checks["rendering"]
+
+
+@pytest.mark.parametrize("roi", ["1,2,3", "a,b,c,d", "0,0,-5,5"])
+def test_a_region_that_is_none_is_refused(capsys, roi):
+    code, _, err = run(capsys, "reconstruct", "somewhere", "--roi", roi)
+    assert code == 2
+    assert "--roi" in err
+
+
+def test_options_are_stronger_than_files_and_set_is_the_strongest(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text("[matching]\nkeep = 10\nmax_disparity = 30\n[map]\ncell_size = 0.5\n")
+    given = {
+        "preset": "thesis", "settings_file": file, "quality": "fast",
+        "overrides": ("matching.max_disparity=40",),
+        "matching__keep": 20, "matching__max_disparity": 35, "matching__matcher": None,
+    }  # fmt: skip
+    settings = build_settings(given, {"map.cell_size": 3.0, "map.min_count": 7})
+    assert (settings.matching.keep, settings.matching.max_disparity) == (20, 40)
+    assert settings.matching.row_permission == 1
+    assert settings.map.cell_size == 0.5
