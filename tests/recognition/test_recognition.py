@@ -1,11 +1,16 @@
 """Objects of a map get the right name, place and size."""
 
+import dataclasses
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from recon.geometry import pose, rotation_about_y, transform
 from recon.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
-from recon.records import Voxels
+from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings
 
 SETTINGS = RecognitionSettings()
@@ -54,3 +59,77 @@ def test_the_order_of_cells_does_not_matter():
     straight, mixed = recognise(voxels, SETTINGS), recognise(shuffled, SETTINGS)
     assert [thing.label for thing in straight.objects] == [thing.label for thing in mixed.objects]
     assert (straight.label[order] == mixed.label).all()
+
+
+@settings(max_examples=9, deadline=None, derandomize=True)
+@given(
+    kind=st.sampled_from(["apple tree", "pine tree", "cottage"]),
+    angle=st.floats(0.0, 6.28),
+    shift=st.tuples(st.floats(-99.0, 99.0), st.floats(-99.0, 99.0)),
+)
+def test_turning_and_moving_a_world_never_changes_a_name(kind, angle, shift):
+    rng = np.random.default_rng(11)
+    stack = random_stack(kind, rng)
+    cloud = observe(stack, COLOURS, NEAR, rng)
+    T = pose(rotation_about_y(angle), [shift[0], 0.0, shift[1]])
+    found = recognise(voxelise(cloud.moved(T)), SETTINGS)
+    assert [thing.label for thing in found.objects if thing.num_voxels > 40] == [kind]
+    axis = transform(T, np.array([[stack.axis[0], 0.0, stack.axis[1]]]))[0]
+    assert found.objects[0].centre[::2] == pytest.approx(axis[::2], abs=0.2)
+
+
+@pytest.mark.parametrize("cell_size", [0.5, 2.0])
+def test_the_size_of_a_cell_does_not_matter(cell_size):
+    rng = np.random.default_rng(2)
+    stack = random_stack("cottage", rng)
+    voxels = voxelise(observe(stack, COLOURS, NEAR, rng), cell_size, 4)
+    found = max(recognise(voxels, SETTINGS).objects, key=lambda thing: thing.num_voxels)
+    assert found.label == "cottage"
+
+
+@pytest.mark.parametrize("colour", [(0, 0, 0), (128, 128, 128), (40, 150, 40)])
+def test_shape_alone_names_what_has_one_colour(colour):
+    _, voxels = orbit_of("pine tree", 1)
+    plain = dataclasses.replace(voxels, colours=np.tile(np.uint8(colour), (len(voxels), 1)))
+    assert [thing.label for thing in recognise(plain, SETTINGS).objects] == ["pine tree"]
+
+
+def test_one_cell_is_counted_and_is_no_object():
+    _, voxels = orbit_of("cottage", 0)
+    one = voxels.select(voxels.centres[:, 1] > 5).select(slice(0, 1))
+    found = recognise(one, SETTINGS)
+    assert found.objects == ()
+    assert found.failures == {"fewer than 12 cells": 1}
+
+
+def test_a_speck_over_the_ground_is_no_object():
+    rng = np.random.default_rng(0)
+    points = rng.uniform([40, 5, 40], [46, 6, 43], (300, 3))
+    cloud = PointCloud(points=points, colours=np.zeros((300, 3), np.uint8))
+    found = recognise(voxelise(cloud), SETTINGS)
+    assert found.objects == ()
+    assert found.failures == {"hovers over the ground, held by nothing known": 1}
+
+
+def test_a_wall_is_unknown():
+    rng = np.random.default_rng(0)
+    points = rng.uniform([0, 0, 0], [20, 8, 0.2], (9000, 3))
+    cloud = PointCloud(points=points, colours=np.zeros((9000, 3), np.uint8))
+    found = recognise(voxelise(cloud), SETTINGS).objects
+    assert [thing.label for thing in found] == ["unknown"]
+    assert found[0].size == pytest.approx([20, 8, 0.2], abs=1.2)
+
+
+def test_probabilities_come_true():
+    chances, rights = [], []
+    for seed in range(60):
+        rng = np.random.default_rng(1000 + seed)
+        kind = ["apple tree", "pine tree", "cottage"][seed % 3]
+        orbit = Orbit(sigma_px=0.2, num_views=3, arc_rad=2.0)
+        voxels = voxelise(observe(random_stack(kind, rng), COLOURS, orbit, rng))
+        for thing in recognise(voxels, SETTINGS).objects:
+            if thing.label != "unknown" and thing.num_voxels > 40:
+                chances.append(thing.probability)
+                rights.append(thing.label == kind)
+    assert len(rights) > 40
+    assert np.mean(rights) == pytest.approx(np.mean(chances), abs=0.08)
