@@ -11,6 +11,7 @@ from recon.cli.options import (
     OUTPUT,
     PATH,
     SETTINGS,
+    Quality,
     build_settings,
     print_json,
     run_order,
@@ -22,7 +23,7 @@ from recon.cli.progress import progress_bar
 # What a world asks for where nobody says otherwise. With both eyes on the target, disparities lie
 # round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against its
 # whole row: a phantom before the eyes walls the agent in.
-BASE_QUALITY = "fast"
+BASE_QUALITY: Quality = "fast"
 BASE = {
     "matching.min_disparity": -10,
     "matching.max_disparity": 20,

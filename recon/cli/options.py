@@ -4,10 +4,11 @@ import json
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import click
 
+Quality = Literal["best", "fast"]
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
@@ -53,7 +54,7 @@ def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Comma
 
 
 def build_settings(
-    given: dict[str, Any], base: dict[str, Any] | None = None, base_quality: str = "best"
+    given: dict[str, Any], base: dict[str, Any] | None = None, base_quality: Quality = "best"
 ) -> Any:
     """Settings from weakest to strongest: base, preset, file, quality, options, --set.
 
