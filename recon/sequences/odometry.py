@@ -3,63 +3,57 @@
 import logging
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cached_property
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import invert
 from recon.records import PairSource, StereoPair
 from recon.sequences.frames import DerivedSource
 from recon.sequences.motion import estimate_motion
 from recon.sequences.poses import T_up_recorded
-from recon.sequences.residual import Maps, Residual
-from recon.sequences.selfcalibration import estimate_residual
-from recon.sequences.tracking import Tracks, track
+from recon.sequences.residual import Residual
+from recon.sequences.straightening import StraightenedPairs, full_residual
+from recon.sequences.tracking import track
 
 Array = NDArray[np.float64]
 
 log = logging.getLogger(__name__)
 
-MAX_CALIBRATION_PAIRS = 30
-"""From which the residual is estimated, evenly spread over the recording."""
-
 
 class EstimatedPoses(DerivedSource):
     """A `PairSource` whose pairs carry estimated poses and are freed of what rectification left.
 
-    The world is the first left camera's frame turned so that y is up. A first pass over the
-    recording, when the first pair is asked for, estimates the residual; the second gives the
-    pairs, one at a time. Poses that the source itself has are what the drift is told by.
+    The world is the first left camera's frame turned so that y is up. Poses that the source
+    itself has are what the drift is told by.
     """
 
     def __init__(self, source: PairSource) -> None:
-        super().__init__(source)
+        self._straight = StraightenedPairs(source, full_residual)
+        super().__init__(self._straight)
         self.carried: list[str] = []
         """Names of the frames, so far, that could not be tracked: they got the last motion."""
         self._estimated: list[Array] = []
         self._true: list[Array | None] = []
 
-    @cached_property
+    @property
     def residual(self) -> Residual:
         """Of rows and disparities, estimated from the pictures and taken out of the pairs."""
-        return estimate_residual(*_sample(self.source))
+        return self._straight.residual
 
     def __iter__(self) -> Iterator[StereoPair]:
         self.carried, self._estimated, self._true = [], [], []
         T_world_left = T_up_recorded(np.eye(4))
         T_first_second = np.eye(4)
         last: StereoPair | None = None
-        for pair in self.source:
+        for pair in self._straight:
             if last is not None:
                 T_first_second = self._motion(last, pair, T_first_second)
                 T_world_left = T_world_left @ T_first_second
             self._estimated.append(T_world_left)
             self._true.append(pair.T_world_left)
-            yield replace(self._straight(pair), T_world_left=T_world_left)
+            yield replace(pair, T_world_left=T_world_left)
             last = pair
 
     @property
@@ -72,42 +66,14 @@ class EstimatedPoses(DerivedSource):
             numbers["drift_percent"] = drift_percent(estimated, true)
         return numbers
 
-    @cached_property
-    def _maps(self) -> Maps | None:
-        return self.residual.maps(next(iter(self.source)).rig)
-
-    def _straight(self, pair: StereoPair) -> StereoPair:
-        if self._maps is None:
-            return pair
-        return replace(pair, right=cv2.remap(pair.right, *self._maps, cv2.INTER_CUBIC))
-
     def _motion(self, first: StereoPair, second: StereoPair, usual: Array) -> Array:
         """`T_first_second` (4, 4); the usual one where too little can be tracked."""
-        tracks = self.residual.corrected(track(first, second), first.rig)
-        T_second_first = estimate_motion(tracks, first.rig)
+        T_second_first = estimate_motion(track(first, second), first.rig)
         if T_second_first is not None:
             return invert(T_second_first)
         log.warning("frame %s could not be tracked: the last motion goes on", second.name)
         self.carried.append(second.name)
         return usual
-
-
-def _sample(source: PairSource) -> tuple[list[Tracks], StereoRig]:
-    """Tracks between pairs spread evenly over a recording, and its rig."""
-    pairs = iter(source)
-    first = next(pairs)
-    rig, tracks = first.rig, []
-    stride = -(-len(source) // MAX_CALIBRATION_PAIRS)
-    for number, second in enumerate(pairs):
-        if second.rig != rig:
-            raise InputError(
-                f"{second.name} has another rig than {first.name}, but poses are estimated "
-                "for one moving rig"
-            )
-        if number % stride == 0:
-            tracks.append(track(first, second))
-        first = second
-    return tracks, rig
 
 
 def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:

@@ -17,6 +17,7 @@ from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
 from recon.sequences.region import RegionSource
 from recon.sequences.ring import is_ring, open_ring
 from recon.sequences.simulated import is_simulated, open_simulated
+from recon.sequences.straightening import StraightenedPairs, row_residual
 from recon.sequences.video import is_video, open_video
 from recon.settings import SequenceSettings
 
@@ -49,6 +50,7 @@ def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
     """The pairs of a recording, read one at a time as they are asked for.
 
     They are rectified, cut to the region and posed as the settings say, in recon's world (y up).
+    Where the first pairs show that rows do not quite correspond, the right pictures are resampled.
 
     Raises
     ------
@@ -60,6 +62,7 @@ def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
         source = RegionSource(source, settings.roi)
     if settings.poses == "estimated":
         return EstimatedPoses(source)
+    source = StraightenedPairs(source, row_residual)
     return PosedPairs(source) if settings.poses == "given" else source
 
 

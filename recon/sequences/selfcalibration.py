@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +17,10 @@ from recon.sequences.motion import (
     refine_motion,
 )
 from recon.sequences.residual import NUM_TERMS, Field, Residual, terms
-from recon.sequences.tracking import Tracks
+from recon.sequences.tracking import Sightings, Tracks
 
 Array = NDArray[np.float64]
+Seen = TypeVar("Seen", Sightings, Tracks)
 
 FIELDS = ([0], [0, 3], [0, 1, 2, 3, 4, 5])
 """Terms of the fields that are tried beside none, each richer than the one before: constant; what
@@ -41,25 +43,30 @@ def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
     A field is fitted to every other pair of pairs and judged by its robust cost on the rest;
     the best is then fitted to all.
     """
-    row = _chosen(tracks, rig, _fit_row, _row_cost)
+    row = estimate_row_residual([seen.first for seen in tracks], rig).row
     return Residual(row=row, disparity=_chosen(tracks, rig, _fit_disparity, _disparity_cost))
 
 
+def estimate_row_residual(seen: Sequence[Sightings], rig: StereoRig) -> Residual:
+    """What single pairs of one rig say is left of rows; disparities are let be."""
+    return Residual(row=_chosen(seen, rig, _fit_row, _row_cost))
+
+
 def _chosen(
-    tracks: Sequence[Tracks],
+    data: Sequence[Seen],
     rig: StereoRig,
-    fit: Callable[[Sequence[Tracks], StereoRig, list[int]], Field],
-    cost: Callable[[Sequence[Tracks], StereoRig, Field], float],
+    fit: Callable[[Sequence[Seen], StereoRig, list[int]], Field],
+    cost: Callable[[Sequence[Seen], StereoRig, Field], float],
 ) -> Field:
-    fitted, held_out = tracks[::2], tracks[1::2]
-    if sum(len(seen) for seen in tracks) < MIN_CALIBRATION_TRACKS:
+    fitted, held_out = data[::2], data[1::2]
+    if sum(len(seen) for seen in data) < MIN_CALIBRATION_TRACKS or not held_out:
         return Field()
     best, least = None, cost(held_out, rig, Field())
     for used in FIELDS:
         now = cost(held_out, rig, fit(fitted, rig, used))
         if now < (1.0 - MIN_GAIN) * least:
             best, least = used, now
-    return fit(tracks, rig, best) if best else Field()
+    return fit(data, rig, best) if best else Field()
 
 
 def _field(used: list[int], values: Array) -> Field:
@@ -69,9 +76,9 @@ def _field(used: list[int], values: Array) -> Field:
     return Field(coefficients=coefficients)
 
 
-def _fit_row(tracks: Sequence[Tracks], rig: StereoRig, used: list[int]) -> Field:
-    points = np.concatenate([t.first.right_points_px for t in tracks])
-    offset = np.concatenate([t.first.row_offset_px for t in tracks])
+def _fit_row(seen: Sequence[Sightings], rig: StereoRig, used: list[int]) -> Field:
+    points = np.concatenate([s.right_points_px for s in seen])
+    offset = np.concatenate([s.row_offset_px for s in seen])
     design = terms(points, rig)[:, used]
     coefficients = np.zeros(len(used))
     for _ in range(NUM_ROUNDS):
@@ -81,8 +88,8 @@ def _fit_row(tracks: Sequence[Tracks], rig: StereoRig, used: list[int]) -> Field
     return _field(used, coefficients)
 
 
-def _row_cost(tracks: Sequence[Tracks], rig: StereoRig, row: Field) -> float:
-    offsets = [t.first.row_offset_px - row.at(t.first.right_points_px, rig) for t in tracks]
+def _row_cost(seen: Sequence[Sightings], rig: StereoRig, row: Field) -> float:
+    offsets = [s.row_offset_px - row.at(s.right_points_px, rig) for s in seen]
     return float(np.log1p((np.concatenate(offsets) / ROW_SIGMA_PX) ** 2).sum())
 
 

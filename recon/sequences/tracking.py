@@ -80,6 +80,13 @@ def track(first: StereoPair, second: StereoPair) -> Tracks:
     )
 
 
+def sight(pair: StereoPair) -> Sightings:
+    """Corners that both eyes see."""
+    left = _grey(pair.left)
+    seen, is_seen = _seen_by_both(left, _grey(pair.right), corners(left))
+    return seen.select(is_seen)
+
+
 def corners(image: Image) -> NDArray[np.float32]:
     """(N, 2) corners, spread over the picture."""
     height, width = image.shape

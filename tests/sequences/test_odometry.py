@@ -1,5 +1,7 @@
 """Poses from pictures, on pictures whose motion is known."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,8 @@ from recon.geometry import pose
 from recon.records import StereoPair
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.odometry import EstimatedPoses, drift_percent
-from recon.sequences.tracking import track
+from recon.sequences.straightening import StraightenedPairs, row_residual
+from recon.sequences.tracking import sight
 
 RIG = StereoRig(
     width=320, height=160, focal_px=200.0, cx_left_px=160.0, cx_right_px=160.0, cy_px=80.0,
@@ -57,6 +60,18 @@ def recording(pairs):
     return Recording([Frame(name=p.name, stamp_s=p.stamp_s, load=lambda p=p: p) for p in pairs])
 
 
+def lowered(pair):
+    """The right picture moved down by 0.6 pixels; no pose."""
+    shift = np.float32([[1, 0, 0], [0, 1, 0.6]])
+    size = (RIG.width, RIG.height)
+    right = cv2.warpAffine(pair.right, shift, size, borderMode=cv2.BORDER_REPLICATE)
+    return replace(pair, right=right, T_world_left=None)
+
+
+def row_offset(pair):
+    return np.median(sight(pair).row_offset_px)
+
+
 @pytest.fixture(scope="module")
 def drive():
     return [corridor(number) for number in range(8)]
@@ -74,26 +89,33 @@ def test_the_path_comes_out_with_its_scale(drive):
 
 
 def test_a_row_offset_is_found_and_taken_out_of_the_pictures(drive):
-    def lowered(pair):
-        shift = np.float32([[1, 0, 0], [0, 1, 0.6]])
-        right = cv2.warpAffine(
-            pair.right, shift, (RIG.width, RIG.height), borderMode=cv2.BORDER_REPLICATE
-        )
-        return StereoPair(
-            left=pair.left, right=right, rig=RIG, stamp_s=pair.stamp_s, name=pair.name
-        )
-
     crooked = [lowered(pair) for pair in drive]
     source = EstimatedPoses(recording(crooked))
     straight = list(source)
     assert source.residual.row.coefficients[0] == pytest.approx(0.6, abs=0.1)
 
-    def row_offset(pair):
-        return np.median(track(pair, pair).first.row_offset_px)
-
     assert abs(row_offset(crooked[3])) > 0.5
     assert abs(row_offset(straight[3])) < 0.1
     assert "drift_percent" not in source.metrics  # there are no true poses
+
+
+def test_rows_of_given_poses_are_straightened_too_and_disparities_stay(drive):
+    source = StraightenedPairs(recording([lowered(pair) for pair in drive]), row_residual)
+    straight = list(source)
+    assert source.residual.row.coefficients[0] == pytest.approx(0.6, abs=0.1)
+    assert not source.residual.disparity.coefficients.any()
+    assert abs(row_offset(straight[3])) < 0.1
+
+
+def test_a_straight_rig_is_left_alone_and_so_are_pairs_of_many_rigs(drive):
+    for pair, straight in zip(
+        drive, StraightenedPairs(recording(drive), row_residual), strict=True
+    ):
+        assert straight is pair
+    rigs = [replace(p, rig=replace(RIG, baseline=0.5 + 0.01 * n)) for n, p in enumerate(drive)]
+    source = StraightenedPairs(recording([lowered(pair) for pair in rigs]), row_residual)
+    assert not source.residual.row.coefficients.any()
+    assert len(list(source)) == len(drive)
 
 
 def test_a_frame_that_cannot_be_tracked_gets_the_last_motion(drive):
@@ -125,8 +147,6 @@ def test_one_pair_stands_at_the_origin(drive):
 
 
 def test_a_rig_that_changes_is_refused(drive):
-    from dataclasses import replace
-
     other = replace(drive[1], rig=replace(RIG, focal_px=210.0))
     with pytest.raises(InputError, match="000001 has another rig than 000000"):
         list(EstimatedPoses(recording([drive[0], other])))
