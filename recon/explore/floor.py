@@ -77,7 +77,8 @@ class Floor:
 
     def holds(self, cells: NDArray[np.intp]) -> Mask:
         """Which of the cells (..., 2) lie on the floor."""
-        inside: Mask = np.all((cells >= 0) & (cells < np.array(self.shape)), axis=-1)
+        x, z = cells[..., 0], cells[..., 1]
+        inside: Mask = (x >= 0) & (x < self.shape[0]) & (z >= 0) & (z < self.shape[1])
         return inside
 
     def flat(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:

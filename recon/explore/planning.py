@@ -222,9 +222,10 @@ def lookouts(ways: Ways, unknown: Mask) -> Array:
 
 def _one_a_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDArray[np.intp]:
     """The nearest of the cells (N, 2) in each square of block x block cells."""
-    nearest_first = cells[np.argsort(distance[tuple(cells.T)], kind="stable")]
-    _, first = np.unique(nearest_first // block, axis=0, return_index=True)
-    return nearest_first[np.sort(first)]
+    number = cells // block @ np.array([1 + distance.shape[1] // block, 1])
+    nearest_first = np.lexsort((distance[tuple(cells.T)], number))
+    _, first = np.unique(number[nearest_first], return_index=True)
+    return cells[nearest_first[first]]
 
 
 def stand(
