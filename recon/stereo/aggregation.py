@@ -213,7 +213,7 @@ def _reject(points: Points, room: _Room, margin: int, v: int, result: _Result) -
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
     """Compare the evidence of both half discs of each matched point of a row."""
-    points, total = task.points, room.total
+    points = task.points
     shift, score, _, side = result
     for i in range(points.starts[v], points.starts[v + 1]):
         if score[i] < 0:
@@ -221,11 +221,13 @@ def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -
         u, best = points.u[i], shift[i] - task.search.first
         direction = min(int(points.orientation[i] * DIRECTIONS / np.pi), DIRECTIONS - 1)
         row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
-        near = ring.scores[(u >> 1) * ring.lanes :]
-        weighted_sum(near, room.ahead[u & 1, direction], task.ahead.weight[row], total)
-        side[i] = _evidence(total, best)
-        weighted_sum(near, room.behind[u & 1, direction], task.behind.weight[row], total)
-        side[i] -= _evidence(total, best)
+        # The shift itself and those of the background come from here on.
+        near = ring.scores[(u >> 1) * ring.lanes + best :]
+        average = room.total[best:]
+        weighted_sum(near, room.ahead[u & 1, direction], task.ahead.weight[row], average)
+        side[i] = _evidence(average)
+        weighted_sum(near, room.behind[u & 1, direction], task.behind.weight[row], average)
+        side[i] -= _evidence(average)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -253,14 +255,14 @@ def _rival(total: Floats, best: int) -> float:
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _evidence(average: Floats, best: int) -> float:
-    """How much a half disc has a shift itself, and is not explained better as background.
+def _evidence(average: Floats) -> float:
+    """How much a half disc has the first shift itself, and is not explained better as background.
 
     Shifts grow as disparities fall: what is farther away comes after.
     """
     background = np.float32(0.0)
-    after = average[best + 2 :]
+    after = average[2:]
     for k in range(after.size):
         background = max(background, after[k])
-    evidence: float = average[best] - np.float32(0.5) * background
+    evidence: float = average[0] - np.float32(0.5) * background
     return evidence

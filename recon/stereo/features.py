@@ -40,11 +40,11 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     if settings.method == "population":
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    v, u = np.nonzero(_ridges(modulus, cosine, sine))
-    strength = modulus[v, u]
+    ridge = np.flatnonzero(_ridges(modulus, cosine, sine))
+    strength = modulus.reshape(-1)[ridge]
     threshold = _threshold(strength, modulus.size, settings)
     rows = strength >= threshold
-    u, v = u[rows], v[rows]
+    v, u = np.divmod(ridge[rows], grey.shape[1])
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
         orientation_rad=np.mod(np.arctan2(sine[v, u], cosine[v, u]) / 2, np.pi),
@@ -103,4 +103,5 @@ def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
     ahead = (1 - share) * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
     behind = (1 - share) * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
     # Of two equal pixels exactly one is the ridge, however the sums are rounded.
-    return (ahead * _EQUAL < modulus[v, u]) & (behind <= modulus[v, u] * _EQUAL)
+    is_ridge: bool = (ahead * _EQUAL < modulus[v, u]) & (behind <= modulus[v, u] * _EQUAL)
+    return is_ridge

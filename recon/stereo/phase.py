@@ -136,13 +136,11 @@ def _moved(points: Points, support: Support, rows: Rows) -> Rows:
 
 def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
     """Rows of the features at some pixels; -1 = there is none."""
-    if not len(features):
-        return np.full(len(u), -1, np.int32)
-    width = features.grey.shape[1]
+    index = np.full(features.grey.shape, -1, np.int32)
     columns, lines = features.points_px.astype(np.int64).T
-    places, wanted = lines * width + columns, v * width + u
-    index = np.minimum(np.searchsorted(places, wanted), len(places) - 1)
-    return np.where(places[index] == wanted, index, -1).astype(np.int32)
+    index[lines, columns] = np.arange(len(features))
+    found: NDArray[np.int32] = index[v, u]
+    return found
 
 
 def _first_at(places: Rows, num_places: int) -> NDArray[np.bool_]:

@@ -63,8 +63,9 @@ def _tune(
     u_left, v, u_right = pixels
     change = np.empty(v.size)
     sigma = np.empty(v.size)
+    sums = np.zeros(5)
     for i in range(v.size):
-        sums = np.zeros(5)
+        sums[:] = 0.0
         for s in scales:
             for o in range(left.shape[1]):
                 here = _response(left[s, o, 0, v[i]], left[s, o, 1, v[i]], u_left[i])
