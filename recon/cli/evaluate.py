@@ -33,7 +33,8 @@ COLUMNS = {
 
 
 @click.command(epilog="Example: recon evaluate data/motorcycle --matcher phase --matcher sgbm")
-@click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
+@click.argument("pair_dirs", nargs=-1, type=PATH)
+@click.option("--worlds", type=click.IntRange(min=1), help="Judge labels in N random worlds.")
 @click.option("--matcher", "matchers", multiple=True, default=["phase"], help="May be repeated.")
 @click.option("--quality", type=click.Choice(["best", "fast"]))
 @click.option(
@@ -42,8 +43,42 @@ COLUMNS = {
 @click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers on pairs whose disparity is known; -o leaves figures."""
+    """Judge matchers on pairs whose disparity is known, or labels in random worlds.
+
+    -o leaves figures.
+    """
     start_logging(given)
+    if bool(pair_dirs) == bool(given["worlds"]):
+        raise click.UsageError("PAIR_DIRS or --worlds N is needed, and not both")
+    if given["worlds"]:
+        _evaluate_worlds(given)
+    else:
+        _evaluate_pairs(pair_dirs, given)
+
+
+def _evaluate_worlds(given: dict[str, Any]) -> None:
+    from recon.runs.explore import BASE, BASE_QUALITY
+    from recon.runs.worlds import worlds_run
+
+    settings = build_settings(given, BASE, BASE_QUALITY)
+    with progress_bar("worlds", given["quiet"]) as progress:
+        report = worlds_run(
+            given["worlds"], settings, seed=given["seed"],
+            order=run_order(given, "worlds", progress) if given["output"] else None,
+            progress=progress,
+        )  # fmt: skip
+    if given["as_json"]:
+        print_json(report)
+    elif not given["quiet"]:
+        for name in ("robust", "thesis"):
+            counts = report[name]
+            click.echo(
+                f"{name:8} {counts['num_right']} of {counts['num_objects']} labels right, "
+                f"{counts['success']:.1f} %"
+            )
+
+
+def _evaluate_pairs(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> None:
     from recon.runs.evaluate import evaluate_run
 
     settings = build_settings(given)

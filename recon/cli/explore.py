@@ -11,7 +11,6 @@ from recon.cli.options import (
     OUTPUT,
     PATH,
     SETTINGS,
-    Quality,
     build_settings,
     print_json,
     run_order,
@@ -19,16 +18,6 @@ from recon.cli.options import (
     with_options,
 )
 from recon.cli.progress import progress_bar
-
-# What a world asks for where nobody says otherwise. With both eyes on the target, disparities lie
-# round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against its
-# whole row: a phantom before the eyes walls the agent in.
-BASE_QUALITY: Quality = "fast"
-BASE = {
-    "matching.min_disparity": -10,
-    "matching.max_disparity": 20,
-    "matching.cross_check": "exact",
-}
 
 
 @click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
@@ -43,10 +32,10 @@ BASE = {
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world: map it, name its objects."""
     start_logging(given)
+    from recon.runs.explore import BASE, BASE_QUALITY, explore_run
+
     base = BASE | {"render.noise_seed": given["seed"]}
     settings = build_settings(given, base, BASE_QUALITY)
-    from recon.runs.explore import explore_run
-
     with progress_bar("pairs", given["quiet"]) as progress:
         report = explore_run(scene, settings, run_order(given, scene.stem, progress))
     if given["as_json"]:
