@@ -57,9 +57,16 @@ class EstimatedPoses(DerivedSource):
             last = pair
 
     @property
-    def metrics(self) -> dict[str, float]:
-        """Numbers about the poses given so far: frames carried, drift where the truth is known."""
-        numbers: dict[str, float] = {"num_carried": len(self.carried)}
+    def metrics(self) -> dict[str, float | list[float]]:
+        """Numbers about the poses given so far: frames carried, drift where the truth is known.
+
+        What was taken out of rows and disparities goes with them, as coefficients of `Field`.
+        """
+        numbers: dict[str, float | list[float]] = {
+            "num_carried": len(self.carried),
+            "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
+            "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
+        }
         both = [(e, t) for e, t in zip(self._estimated, self._true, strict=True) if t is not None]
         if len(both) > 1:
             estimated, true = np.array(both).swapaxes(0, 1)

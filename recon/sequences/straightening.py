@@ -37,7 +37,13 @@ class StraightenedPairs(DerivedSource):
     def residual(self) -> Residual:
         """What is taken out; estimated by a pass of its own when the first pair is asked for."""
         residual = self._estimate(self.source)
-        log.info("left by rectification, taken out: %s", residual)
+        for name, field in (("rows", residual.row), ("disparities", residual.disparity)):
+            if field.coefficients.any():
+                log.info(
+                    "%s are off by %s px (of 1, x, y, x^2, xy, y^2 across the picture); corrected",
+                    name,
+                    field.coefficients.round(2).tolist(),
+                )
         return residual
 
     def __iter__(self) -> Iterator[StereoPair]:

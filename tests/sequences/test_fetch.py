@@ -1,0 +1,48 @@
+"""The golden pair that make setup puts beside its committed calibration."""
+
+import importlib.util
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.sequences import open_sequence, read_truth
+from recon.settings import SequenceSettings
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def motorcycle(tmp_path, monkeypatch):
+    spec = importlib.util.spec_from_file_location("fetch", ROOT / "tools" / "fetch_motorcycle.py")
+    fetch = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(fetch)
+    for name in ("calib.txt", "meta.json"):
+        shutil.copy(ROOT / "data" / "motorcycle" / name, tmp_path)
+    monkeypatch.setattr(fetch, "FOLDER", tmp_path)
+    fetch.main()
+    before = (tmp_path / "left.png").stat().st_mtime_ns
+    fetch.main()  # quick, and touches nothing, where all is there
+    assert (tmp_path / "left.png").stat().st_mtime_ns == before
+    return tmp_path
+
+
+def test_its_truth_is_that_of_the_left_picture_in_metres(motorcycle):
+    source = open_sequence(motorcycle, SequenceSettings())
+    (pair,) = source
+    assert pair.left.shape == (500, 741, 3)
+    disparity, step = read_truth(motorcycle)
+    assert step == 0
+    known = np.isfinite(disparity)
+    assert 0.9 < known.mean() < 0.95
+    low, high = source.disparity_range
+    assert low < np.nanmin(disparity) < np.nanmax(disparity) < high
+    depth = pair.rig.depth(disparity[known])
+    assert 2 < depth.min() < depth.max() < 6  # a garage
+    v, u = np.nonzero(known & (np.arange(741) > 80))
+    right = pair.right[v, np.rint(u - disparity[v, u]).astype(int)]
+    other = pair.right[v, np.clip(np.rint(u + disparity[v, u]).astype(int), 0, 740)]
+    left = pair.left[v, u].astype(int)
+    assert np.median(np.abs(left - right)) < 6
+    assert np.median(np.abs(left - other)) > 15
