@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.figures.canvas import INK, PAPER, Image, Size
 from recon.figures.solids import mesh as solid_mesh
+from recon.geometry import look_at
 from recon.libraries import load_pyvista
 from recon.records import UNKNOWN, FoundObject, Voxels
 from recon.voxelmap.faces import exposed_faces
 
 SIZE: Size = (1200, 900)
 
-# The sphere round the map fits the picture; the map itself, flat as worlds are, may be larger.
-ZOOM = 1.45
-
-STRAY = 0.01
+VIEW_ANGLE_DEG = 28.0
+FRAME = 1.1
+"""Room round the map, for the names over it."""
+STRAY = 0.02
 """Share of the cells, on each side, that may lie outside the picture."""
 
 # Directions from which the camera looks at the middle of the map.
@@ -125,12 +126,19 @@ def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
 
 
 def _look(plotter: Any, voxels: Voxels, direction: tuple[float, float, float]) -> None:
+    """Stand as near as the whole box of the cells allows."""
     # Stray cells far out must not make the rest small.
     low, high = np.quantile(voxels.centres, (STRAY, 1.0 - STRAY), axis=0)
+    low, high = low - voxels.cell_size, high + voxels.cell_size
     centre = (low + high) / 2.0
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    T_centre_camera = look_at(np.asarray(direction), np.zeros(3))
+    seen = (corners - 0.5) * (high - low) @ T_centre_camera[:3, :3]
+    width, height = plotter.window_size
+    half = np.tan(np.radians(VIEW_ANGLE_DEG) / 2.0) * np.array([width / height, 1.0])
+    distance = FRAME * float((np.abs(seen[:, :2]) / half - seen[:, 2:]).max())
     plotter.camera.focal_point = tuple(centre)
-    plotter.camera.position = tuple(centre + np.asarray(direction))
+    plotter.camera.position = tuple(centre - distance * T_centre_camera[:3, 2])
     plotter.camera.up = (0.0, 1.0, 0.0)
-    plotter.camera.view_angle = 28.0
-    plotter.reset_camera(render=False, bounds=np.column_stack([low, high]).ravel())
-    plotter.camera.zoom(ZOOM)
+    plotter.camera.view_angle = VIEW_ANGLE_DEG
+    plotter.renderer.reset_camera_clipping_range()

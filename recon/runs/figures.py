@@ -11,6 +11,8 @@ from recon.figures import map3d, topview
 from recon.figures.canvas import Image, Size, save_png
 from recon.figures.disparity import disparity
 from recon.figures.overview import overview
+from recon.figures.parts import SIZE as PARTS_SIZE
+from recon.figures.parts import parts
 from recon.figures.slices import SIZE as SLICES_SIZE
 from recon.figures.slices import slices
 from recon.records import Matches
@@ -37,6 +39,7 @@ KINDS = {
         ),
         size=map3d.SIZE,
     ),
+    "parts": Kind(draw=lambda run, _, size: parts(run.voxels, run.objects, size), size=PARTS_SIZE),
     "counts": Kind(
         draw=lambda run, view, size: map3d.map3d(
             run.voxels, (), view, size, colours=map3d.by_value(np.log10(run.voxels.counts))
