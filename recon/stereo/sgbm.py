@@ -2,7 +2,9 @@
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 
@@ -30,10 +32,16 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
     )
 
 
-def compute(left: Features, right: Features, settings: MatchingSettings) -> np.ndarray:
+def compute(left: Features, right: Features, settings: MatchingSettings) -> NDArray[np.float64]:
     """(H, W) float64 disparity of every left pixel, NaN where there is none."""
-    lowest = settings.min_disparity
-    wanted = settings.max_disparity - lowest + 1
+    width = left.grey.shape[1]
+    lowest = max(settings.min_disparity, 1 - width)
+    wanted = min(settings.max_disparity, width - 1) - lowest + 1
+    if wanted < 1:
+        raise InputError(
+            f"disparities {settings.min_disparity}..{settings.max_disparity} all lie outside "
+            f"the picture, whose width is {width}"
+        )
     matcher = cv2.StereoSGBM.create(
         minDisparity=lowest,
         numDisparities=-(-wanted // 16) * 16,
@@ -46,7 +54,17 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> np.n
         speckleRange=2,
     )
     # Fixed point with four bits below the pixel; below the lowest disparity means none.
-    disparity = matcher.compute(left.grey, right.grey) / 16.0
+    disparity = matcher.compute(*(_widened(x.grey, lowest, wanted) for x in (left, right))) / 16.0
+    disparity = disparity[:, (disparity.shape[1] - width) // 2 :][:, :width]
     outside = (disparity < lowest) | (disparity > settings.max_disparity)
     disparity[outside] = np.nan
     return np.asarray(disparity)
+
+
+def _widened(grey: NDArray[np.uint8], lowest: int, wanted: int) -> NDArray[np.uint8]:
+    """The picture, with margins where OpenCV would refuse it as narrower than the search."""
+    reach = max(abs(lowest), abs(lowest + wanted)) + wanted + 16
+    if reach < grey.shape[1]:
+        return grey
+    margin = ((0, 0), (reach, reach))
+    return np.pad(grey, margin, mode="edge")

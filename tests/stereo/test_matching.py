@@ -78,16 +78,21 @@ def test_both_ends_of_the_range_are_searched():
         assert np.median(matches.disparity_px) == pytest.approx(7.0, abs=0.05)
 
 
+@pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(-1000, 1000), (0, 500), (-500, 20)])
-def test_a_range_wider_than_the_picture_is_cut(plane, search):
-    matches = solve(*plane[:2], min_disparity=search[0], max_disparity=search[1])
+def test_a_range_wider_than_the_picture_is_cut(plane, search, matcher):
+    low, high = search
+    matches = solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
+    assert len(matches) > 500
     assert share_right(matches, plane[2]) > 0.95
 
 
+@pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(500, 600), (-900, -400)])
-def test_a_range_outside_the_picture_is_refused(plane, search):
+def test_a_range_outside_the_picture_is_refused(plane, search, matcher):
+    low, high = search
     with pytest.raises(InputError, match="all lie outside the picture, whose width is 160"):
-        solve(*plane[:2], min_disparity=search[0], max_disparity=search[1])
+        solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
 
 
 def test_row_permission_cures_rows_that_are_off():
