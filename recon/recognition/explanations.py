@@ -14,8 +14,6 @@ from recon.records import FitFailure, Solid, Voxels
 
 Array = NDArray[np.float64]
 
-NOISE_FLOOR = 0.05
-"""Smallest noise believed of a cell's mean, in cells."""
 FORMLESS_NOISE = 0.5
 """Scale of the residuals, in cells, that a thing of no form would leave."""
 MEAN_DEVIANCE = 2.27
@@ -94,9 +92,11 @@ def _alone(cells: Voxels, ground: float) -> list[Explanation]:
 
 def _whole(cells: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Explanation]:
     """Whole fits of every combination of shapes that the kinds know, with and without a name."""
-    weights, floor = _weights(cells), NOISE_FLOOR * cells.cell_size
+    weights = _weights(cells)
     combinations = sorted({shapes for kind in kinds for shapes in kind.stacks})
-    fits = [fit_stack(shapes, cells.means, ground, floor, weights) for shapes in combinations]
+    fits = [
+        fit_stack(shapes, cells.means, ground, cells.cell_size, weights) for shapes in combinations
+    ]
     fits = [fit for fit in fits if _is_whole(fit.state, cells)]
     opinions = colour_opinions([fit.state for fit in fits], cells)
     found = []

@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
 """Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+BELOW_CELLS = 0.3
+"""How far the mean of the lowest cell of a part lies over its rim, on average; the narrow end, seen
+from below, has next to nothing to add."""
+NOISE_FLOOR = 0.05
+"""Smallest noise believed of a cell's mean, in cells."""
 BULK = (0.1, 0.9)
 """Shares of the points below the ends of the bulk, in whose middle the axis is first looked for."""
 INLIER_SIGMAS = 3.0
@@ -114,7 +119,7 @@ class StackModel:
 
 
 def fit_stack(
-    shapes: tuple[str, ...], points: Array, ground: float, floor: float, weights: Array
+    shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
 ) -> Estimate[Stack]:
     """The most likely stack of `shapes` that stands on the ground.
 
@@ -124,18 +129,20 @@ def fit_stack(
         World, y up.
     ground : float
         Height of the ground.
-    floor : float
-        Smallest noise believed, world units.
+    cell_size : float
+        Side of the cells that the points are the means of, world units.
+    weights : (N,) float64
+        How much each point counts.
     """
-    model = StackModel(points)
+    model, floor = StackModel(points), NOISE_FLOOR * cell_size
     starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
     rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
     best = min(rough, key=lambda estimate: estimate.deviance)
     fit = minimise(model, best.state, floor=floor, weights=weights)
-    return replace(fit, state=_trimmed(fit, model))
+    return replace(fit, state=_trimmed(fit, model, cell_size))
 
 
-def _trimmed(fit: Estimate[Stack], model: StackModel) -> Stack:
+def _trimmed(fit: Estimate[Stack], model: StackModel, cell_size: float) -> Stack:
     """The stack, its last part cut where its points end: too long a part costs a fit nothing."""
     stack = fit.state
     if stack.shapes[-1] in ("sphere", "ellipsoid"):
@@ -144,7 +151,8 @@ def _trimmed(fit: Estimate[Stack], model: StackModel) -> Stack:
     own = (nearest == len(stack.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
     if not own.any():
         return stack
-    ends = np.clip(np.quantile(model.points[own, 1], ENDS), *stack.heights[-2:])
+    ends = np.quantile(model.points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
+    ends = np.clip(ends, *stack.heights[-2:])
     if len(stack.shapes) == 1:
         ends[0] = stack.heights[0]
     radii = np.interp(ends, stack.heights[-2:], stack.radii[-1][[0, -1]])[-len(stack.radii[-1]) :]
