@@ -11,7 +11,7 @@ from recon.exports.ply import CloudWriter
 from recon.geometry import transform
 from recon.pipeline import match_images
 from recon.recognition import recognise
-from recon.records import PairSource, StereoPair
+from recon.records import StereoPair
 from recon.runfolder import RunFolder
 from recon.runs.contents import RunContents
 from recon.runs.figures import add_pair, draw_always, write_figures
@@ -19,7 +19,7 @@ from recon.runs.order import Progress, RunOrder
 from recon.runs.products import with_views, write_metrics, write_products
 from recon.runs.report import read_report
 from recon.runs.tally import Tally
-from recon.sequences.odometry import EstimatedPoses
+from recon.sequences.frames import DerivedSource
 from recon.sequences.open import open_sequence
 from recon.sequences.ring import is_ring
 from recon.sequences.truth import read_truth
@@ -92,7 +92,7 @@ def reconstruct_run(path: Path, settings: Settings, order: RunOrder) -> dict[str
 
 
 def _reconstruct_into(
-    run: RunFolder, path: Path, source: PairSource, settings: Settings, progress: Progress
+    run: RunFolder, path: Path, source: DerivedSource, settings: Settings, progress: Progress
 ) -> None:
     began = time.perf_counter()
     tally = Tally(settings)
@@ -106,8 +106,7 @@ def _reconstruct_into(
     run.seconds |= {"stereo": tally.stereo_s, "map": tally.map_s}
     _write(run, tally, settings)
     metrics = tally.metrics | {"num_skipped": len(source.skipped)} | _surface_distance(path, tally)
-    if isinstance(source, EstimatedPoses):
-        metrics |= source.metrics
+    metrics |= source.metrics
     run.seconds["total"] = time.perf_counter() - began
     write_metrics(run, metrics | {"seconds": run.seconds})
 

@@ -89,6 +89,9 @@ class Recording:
         return self.skipped[0].reason if self.skipped else "the sequence is empty"
 
 
+Metrics = dict[str, float | list[float]]
+
+
 class DerivedSource:
     """A `PairSource` that changes the pairs of another one as they come."""
 
@@ -102,8 +105,16 @@ class DerivedSource:
         """What was left out, so far."""
         return self.source.skipped
 
+    @property
+    def metrics(self) -> Metrics:
+        """Numbers about the pairs given so far, by their names in metrics.json."""
+        return self.source.metrics if isinstance(self.source, DerivedSource) else {}
+
     def __len__(self) -> int:
         return len(self.source)
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        return iter(self.source)
 
 
 def _check_later(frame: Frame, last: Frame | None) -> None:

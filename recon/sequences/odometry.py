@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from recon.errors import InputError
 from recon.geometry import invert
 from recon.records import PairSource, StereoPair
-from recon.sequences.frames import DerivedSource
+from recon.sequences.frames import DerivedSource, Metrics
 from recon.sequences.motion import estimate_motion
 from recon.sequences.poses import T_up_recorded
 from recon.sequences.residual import Residual
@@ -57,16 +57,9 @@ class EstimatedPoses(DerivedSource):
             last = pair
 
     @property
-    def metrics(self) -> dict[str, float | list[float]]:
-        """Numbers about the poses given so far: frames carried, drift where the truth is known.
-
-        What was taken out of rows and disparities goes with them, as coefficients of `Field`.
-        """
-        numbers: dict[str, float | list[float]] = {
-            "num_carried": len(self.carried),
-            "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
-            "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
-        }
+    def metrics(self) -> Metrics:
+        """Also how many frames were carried, and the drift where the true poses are known."""
+        numbers = super().metrics | {"num_carried": len(self.carried)}
         both = [(e, t) for e, t in zip(self._estimated, self._true, strict=True) if t is not None]
         if len(both) > 1:
             estimated, true = np.array(both).swapaxes(0, 1)

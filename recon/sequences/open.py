@@ -46,10 +46,10 @@ READERS = {  # tried in this order: a ring may have pictures called like a pair'
 }
 
 
-def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
+def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
     """The pairs of a recording, read one at a time as they are asked for.
 
-    They are rectified, cut to the region and posed as the settings say, in recon's world (y up).
+    They are rectified, posed and cut to the region as the settings say, in recon's world (y up).
     Where the first pairs show that rows do not quite correspond, the right pictures are resampled.
 
     Raises
@@ -57,13 +57,15 @@ def open_sequence(path: Path, settings: SequenceSettings) -> PairSource:
     InputError
         Where nothing is at `path`, no reader knows it, or nothing of it can be used.
     """
-    source = _recording(Path(path), settings)
-    if settings.roi is not None:
-        source = RegionSource(source, settings.roi)
+    recording = _recording(Path(path), settings)
+    source: DerivedSource
     if settings.poses == "estimated":
-        return EstimatedPoses(source)
-    source = StraightenedPairs(source, row_residual)
-    return PosedPairs(source) if settings.poses == "given" else source
+        source = EstimatedPoses(recording)
+    else:
+        source = StraightenedPairs(recording, row_residual)
+    if settings.poses == "given":
+        source = PosedPairs(source)
+    return source if settings.roi is None else RegionSource(source, settings.roi)
 
 
 class PosedPairs(DerivedSource):

@@ -13,7 +13,7 @@ import cv2
 
 from recon.errors import InputError
 from recon.records import PairSource, StereoPair
-from recon.sequences.frames import DerivedSource
+from recon.sequences.frames import DerivedSource, Metrics
 from recon.sequences.residual import Maps, Residual
 from recon.sequences.selfcalibration import estimate_residual, estimate_row_residual
 from recon.sequences.tracking import Tracks, sight, track
@@ -46,6 +46,14 @@ class StraightenedPairs(DerivedSource):
                 )
         return residual
 
+    @property
+    def metrics(self) -> Metrics:
+        """What was taken out of rows and disparities, as the coefficients of `Field`."""
+        return super().metrics | {
+            "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
+            "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
+        }
+
     def __iter__(self) -> Iterator[StereoPair]:
         # Other passes come before this one: a source counts what it skips in one pass at a time.
         maps = self.residual.maps(next(iter(self.source)).rig)
@@ -60,11 +68,14 @@ def _resampled(pair: StereoPair, maps: Maps) -> StereoPair:
 
 def row_residual(source: PairSource) -> Residual:
     """What is left of rows in the first pairs; none where their rigs differ."""
-    pairs = [*islice(source, NUM_ROW_PAIRS)]
-    rig = pairs[0].rig
-    if any(pair.rig != rig for pair in pairs):
-        return Residual()
-    return estimate_row_residual([sight(pair) for pair in pairs], rig)
+    pairs = islice(source, NUM_ROW_PAIRS)
+    first = next(pairs)
+    seen = [sight(first)]
+    for pair in pairs:
+        if pair.rig != first.rig:
+            return Residual()
+        seen.append(sight(pair))
+    return estimate_row_residual(seen, first.rig)
 
 
 def full_residual(source: PairSource) -> Residual:
