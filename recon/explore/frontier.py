@@ -27,7 +27,7 @@ from recon.explore.things import Thing
 from recon.explore.tour import first_stop
 from recon.records import UNKNOWN, View
 
-SIDE_AREA = 1000.0
+SIDE_AREA = 2000.0
 """A new side of a thing is worth so many cells of unknown ground."""
 MUCH_AREA = 300.0
 """Ground beyond so many cells hardly counts while there are things to look at."""
