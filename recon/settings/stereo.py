@@ -69,7 +69,7 @@ class TriangulationSettings:
 class DenseSettings:
     """How matches are spread over the picture (the thesis's future work)."""
 
-    segment_px: Positive = 12.0
+    segment_px: Positive = 9.0
     """Side of a segment, in pixels."""
     min_matches: Count = 3
     """Fewest matches on a segment's plane; below, nothing is known of the segment."""
