@@ -27,6 +27,8 @@ FRONTIER_BLOCK, OPEN_BLOCK = 8, 16
 """Places are tried one a square of so many cells."""
 BORDER = 4
 """Cells between the unknown and a place to look at it from: the clearance, in cells."""
+UNKNOWN_CLEARANCE = 2.0
+"""World units kept from unknown ground: the side of a thing that nobody saw may begin there."""
 MIN_POCKET = 10
 """Unknown patches of fewer cells are chinks between rays, not places to go and see."""
 
@@ -120,14 +122,23 @@ def _walkable(state: State, through_unknown: bool) -> Mask:
     things = floor.occupied.copy()
     for sighting in state.sightings:
         things |= floor.disc(sighting.centre, sighting.radius)
-    room = distance_transform_edt(~things) if things.any() else np.full(floor.shape, np.inf)
-    offset = np.indices(floor.shape) - np.reshape(here, (2, 1, 1))
-    close = np.hypot(*offset) <= 2.0 * clearance
-    needed = np.where(close, min(clearance, float(room[here])), clearance)
-    free = ~things if through_unknown else ~things & floor.known_free
-    walkable: Mask = free & (room >= needed)
+    walkable = ~things & _away_from(things, clearance, here)
+    if not through_unknown:
+        unknown = unexplored(floor, state.things)
+        walkable &= floor.known_free & _away_from(unknown, UNKNOWN_CLEARANCE, here)
     walkable[here] = True
     return walkable
+
+
+def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
+    """(X, Z) cells that keep a clearance, but near `here` no more than is kept there."""
+    if not cells.any():
+        return np.ones_like(cells)
+    room = distance_transform_edt(~cells)
+    offset = np.indices(cells.shape) - np.reshape(here, (2, 1, 1))
+    close = np.hypot(*offset) <= 2.0 * clearance
+    away: Mask = room >= np.where(close, min(clearance, float(room[here])), clearance)
+    return away
 
 
 def _graph(walkable: Mask) -> "csr_array[np.float64, tuple[int, int]]":
