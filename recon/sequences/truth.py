@@ -17,7 +17,7 @@ class DisparityTruth(NamedTuple):
     disparity_px: NDArray[np.float64]
     """(H, W) of the left image, NaN where unknown."""
     quantisation_px: float
-    """Step of the stored numbers; 0 for floats."""
+    """Step of the truth: a pixel where all is in whole pixels; 0 for floats."""
 
 
 def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTruth:
@@ -45,7 +45,13 @@ def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTr
     scale = truth_scale or (_scale_beside(path) if whole else 1.0)
     disparity = stored.astype(np.float64) / scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
-    return DisparityTruth(disparity, 1.0 / scale if whole else 0.0)
+    return DisparityTruth(disparity, _step_px(disparity, scale) if whole else 0.0)
+
+
+def _step_px(disparity: NDArray[np.float64], scale: float) -> float:
+    """A pixel where all truth is in whole pixels, else the step of the stored numbers."""
+    known = disparity[np.isfinite(disparity)]
+    return 1.0 if (known == np.rint(known)).all() else 1.0 / scale
 
 
 def _read_numbers(path: Path) -> NDArray[np.generic]:

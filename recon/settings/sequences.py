@@ -19,6 +19,6 @@ class SequenceSettings:
     roi: tuple[int, int, int, int] | None = None
     """x, y, width, height in pixels of the rectified pictures: the rest is cut off both."""
     max_confirmed_depth: Positive = 30.0
-    """Only points nearer than this many world units count for the share that other pairs confirm."""
+    """Only points nearer than this, world units, count for the share that other pairs confirm."""
     only_confirmed: bool = False
     """Keep only the points that the pair before or after confirms; a single pair keeps all."""

@@ -66,13 +66,13 @@ def _row_offsets(pair):
 
 
 @pytest.mark.parametrize(
-    ("pair", "scale"), [("middlebury2001/tsukuba", 16), ("middlebury2003/cones", 4)]
+    ("pair", "step"), [("middlebury2001/tsukuba", 1.0), ("middlebury2003/cones", 1 / 4)]
 )
-def test_truth_has_the_sign_and_scale_it_says(data_dir, pair, scale):
+def test_truth_has_the_sign_and_scale_it_says(data_dir, pair, step):
     """A left pixel is found in the right picture at x - disparity, and not at x + disparity."""
     path = data_dir / pair
     truth = read_truth(path)
-    assert truth.quantisation_px == 1 / scale
+    assert truth.quantisation_px == step
     left, right = (
         cv2.imread(str(path / f"{side}.png"), 0).astype(np.float32) for side in ("left", "right")
     )

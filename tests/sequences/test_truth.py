@@ -13,15 +13,15 @@ from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
 
 def test_the_scale_is_in_the_meta_file(tmp_path):
     disparity, step = read_truth(write_pair_dir(tmp_path / "pair"))
-    assert step == 1 / 8
+    assert step == 1  # all of it is in whole pixels
     assert np.isnan(disparity[:, :DISPARITY_PX]).all()
     np.testing.assert_array_equal(disparity[:, DISPARITY_PX:], DISPARITY_PX)
 
 
 def test_a_given_scale_comes_first(tmp_path):
-    disparity, step = read_truth(write_pair_dir(tmp_path / "pair"), truth_scale=16)
-    assert step == 1 / 16
-    assert np.nanmax(disparity) == DISPARITY_PX / 2
+    disparity, step = read_truth(write_pair_dir(tmp_path / "pair"), truth_scale=32)
+    assert step == 1 / 32
+    assert np.nanmax(disparity) == DISPARITY_PX / 4
 
 
 @pytest.mark.parametrize("ending", ["pfm", "tiff"])
@@ -41,7 +41,7 @@ def test_whole_numbers_need_a_scale(tmp_path, meta):
         (path / "meta.json").write_text(json.dumps(meta))
     with pytest.raises(InputError, match="truth_scale"):
         read_truth(path)
-    assert read_truth(path, truth_scale=8).quantisation_px == 1 / 8
+    assert read_truth(path, truth_scale=7).quantisation_px == 1 / 7
 
 
 def test_a_missing_or_broken_truth_is_refused(tmp_path):
