@@ -23,14 +23,17 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
     """The pictures of two folders, paired by name and sorted; a missing partner is None.
 
     Names are the same on both sides, or hold the same last number (left07.jpg, right07.jpg), or
-    are as many on both sides and go in sorted order.
+    are as many on both sides and go in sorted order. One folder may hold both sides, where the
+    names say "left" and "right".
 
     Raises
     ------
     InputError
         Where a folder is missing or empty, or where it is not certain what belongs together.
     """
-    lefts, rights = (_pictures(folder) for folder in (left_dir, right_dir))
+    lefts, rights = _pictures(left_dir), _pictures(right_dir)
+    if lefts == rights:
+        lefts, rights = _of_side(left_dir, "left"), _of_side(left_dir, "right")
     for key in (_stem, _last_number):
         left, right = ({key(path): path for path in paths} for paths in (lefts, rights))
         unique = len(left) == len(lefts) and len(right) == len(rights)
@@ -76,6 +79,13 @@ def _pictures(folder: Path) -> list[Path]:
     if not found:
         raise InputError(f"{folder} holds no pictures ({', '.join(sorted(ENDINGS))})")
     return sorted(found, key=lambda path: natural(path.stem))
+
+
+def _of_side(folder: Path, side: str) -> list[Path]:
+    found = [path for path in _pictures(folder) if side in path.stem.lower()]
+    if not found:
+        raise InputError(f"{folder} is given for both sides, but no name in it says {side}")
+    return found
 
 
 def _stem(path: Path) -> str:

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 from recon.errors import InputError
 from recon.sequences.boards import calibrate, write_calibration
 from recon.sequences.calibration import read_calibration
+from recon.sequences.listing import list_pairs
 
 SIZE = (480, 360)
 BOARD, SQUARE = (7, 5), 0.03
@@ -86,3 +87,18 @@ def test_opencvs_boards_give_a_quarter_of_a_pixel(data_dir, tmp_path):
     assert found.num_pairs == 13
     assert 0.1 < found.rms_px < 0.25
     assert found.calibration.baseline == pytest.approx(3.33 * 0.025, rel=0.01)
+
+
+def test_one_folder_may_hold_both_sides_but_never_mixes_them(tmp_path):
+    for side in ("left", "right"):
+        for number in (1, 2):
+            cv2.imwrite(str(tmp_path / f"{side}{number:02d}.png"), np.zeros((9, 9), np.uint8))
+    listed = list_pairs(tmp_path, tmp_path)
+    assert [(pair.left.name, pair.right.name) for pair in listed] == [
+        ("left01.png", "right01.png"),
+        ("left02.png", "right02.png"),
+    ]
+    for path in tmp_path.glob("right*"):
+        path.unlink()
+    with pytest.raises(InputError, match="no name in it says right"):
+        list_pairs(tmp_path, tmp_path)
