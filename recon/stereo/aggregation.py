@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.scores import Picture, Ring, Search, fill_row, locate, make_ring
-from recon.stereo.sums import FAST, Floats, Integers, weighted_sum
+from recon.stereo.sums import FAST, Floats, Integers, kernel, weighted_sum
 from recon.stereo.support import DIRECTIONS, LIKENESS, SIDE_RADIUS, Members, disc, half_disc
 
 _RIVAL_GAP = 3
@@ -146,7 +146,7 @@ def _make_room(task: _Task, ring: Ring) -> _Room:
     )
 
 
-@njit(cache=True)
+@kernel
 def _open(mask: NDArray[np.bool_], room: _Room, margin: int) -> None:
     """Make ready for the candidates of another row, that nobody has claimed yet."""
     room.claims[:] = _CLOSED
@@ -154,7 +154,7 @@ def _open(mask: NDArray[np.bool_], room: _Room, margin: int) -> None:
         room.closed[margin + u] = np.float32(0.0) if mask[u] else _CLOSED
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _choose(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
     """Find the best supported shift of each point of a row."""
     points, search, grey, total = task.points, task.search, task.base.grey, room.total
@@ -178,7 +178,7 @@ def _choose(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> No
             rival[i] = _rival(total, best) / highest
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _weigh(
     picture: NDArray[np.uint8], middle: int, offsets: Integers, weight: Floats, weights: Floats
 ) -> float:
@@ -193,7 +193,7 @@ def _weigh(
     return float(np.float32(1.0) / total)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _claim(total: Floats, share: float, closed: Floats, claims: Floats) -> None:
     """Turn sums into means, shut those without a candidate, and note the highest of each."""
     for k in range(total.size):
@@ -201,7 +201,7 @@ def _claim(total: Floats, share: float, closed: Floats, claims: Floats) -> None:
         claims[k] = max(claims[k], total[k])
 
 
-@njit(cache=True)
+@kernel
 def _reject(points: Points, room: _Room, margin: int, v: int, result: _Result) -> None:
     """Forget points whose partner supports another point of the row more."""
     shift, score, _, _ = result
@@ -210,7 +210,7 @@ def _reject(points: Points, room: _Room, margin: int, v: int, result: _Result) -
             score[i] = -np.inf
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
     """Compare the evidence of both half discs of each matched point of a row."""
     points = task.points
@@ -230,7 +230,7 @@ def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -
         side[i] -= _evidence(average)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _highest(total: Floats) -> tuple[int, float]:
     highest = total[0]
     for k in range(total.size):
@@ -241,7 +241,7 @@ def _highest(total: Floats) -> tuple[int, float]:
     return best, highest
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _rival(total: Floats, best: int) -> float:
     """The highest support that is not next to the best."""
     highest = np.float32(0.0)
@@ -254,7 +254,7 @@ def _rival(total: Floats, best: int) -> float:
     return float(highest)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _evidence(average: Floats) -> float:
     """How much a half disc has the first shift itself, and is not explained better as background.
 

@@ -100,8 +100,9 @@ def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
     dv, du = (0, 1) if c > 0 else (across, 0)
     # Tangent of the angle to the nearer axis, from its double.
     share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
-    ahead = (1 - share) * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
-    behind = (1 - share) * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
+    rest = np.float32(1) - share
+    ahead = rest * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
+    behind = rest * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
     # Of two equal pixels exactly one is the ridge, however the sums are rounded.
     is_ridge: bool = (ahead * _EQUAL < modulus[v, u]) & (behind <= modulus[v, u] * _EQUAL)
     return is_ridge

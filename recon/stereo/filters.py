@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.sums import FAST, Integers, filled, weighted_sum
+from recon.stereo.sums import FAST, Integers, filled, kernel, weighted_sum
 
 Array = NDArray[np.float32]
 
@@ -94,7 +94,8 @@ class _Steering(NamedTuple):
     """(2, DESCRIPTORS, 6) of the descriptors' real and imaginary parts (Eqs 12, 13)."""
     forms: tuple[tuple[_Numbers, ...], ...]
     """(2, 3, 21) quadratic forms, the upper triangles: mean energy over all directions, and the
-    cosine and sine of its second harmonic."""
+    cosine and sine of its second harmonic. In mean and cosine, rows of the basis meet only where
+    the sum of their numbers is even, in the sine only where it is odd."""
 
 
 @cache
@@ -127,6 +128,8 @@ class _Lattice(NamedTuple):
     """(H + 2 P, W + 2 P) with a margin for the filter."""
     margin: int
     """P"""
+    stride: int
+    """From one of a tile's nine column sums to the next."""
     column_starts: Integers
     """(K,) from the first row of a window, in the flat picture."""
     column_weights: Array
@@ -144,10 +147,9 @@ def _lattice(grey: Array, width_px: float) -> _Lattice:
     pad = step * (size // 2)
     smooth = _smoothed(grey, level(width_px))
     picture = cv2.copyMakeBorder(smooth, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
-    stride = picture.shape[1]
-    tile = _TILE + 2 * pad
+    stride = _TILE + 2 * pad
     column_starts = np.zeros(filled(size), np.int64)
-    column_starts[:size] = np.arange(size) * step * stride
+    column_starts[:size] = np.arange(size) * step * picture.shape[1]
     column_weights = np.zeros((_COLUMN_KERNELS, filled(size)), np.float32)
     column_weights[:, :size] = taps[:_COLUMN_KERNELS]
     row_starts = np.zeros((len(_PRODUCTS), filled(2 * size)), np.int64)
@@ -155,9 +157,9 @@ def _lattice(grey: Array, width_px: float) -> _Lattice:
     for i, products in enumerate(_PRODUCTS):
         for j, (column, row) in enumerate(products):
             part = slice(j * size, (j + 1) * size)
-            row_starts[i, part] = column * tile + np.arange(size) * step
+            row_starts[i, part] = column * stride + np.arange(size) * step
             row_weights[i, part] = taps[row]
-    return _Lattice(picture, pad, column_starts, column_weights, row_starts, row_weights)
+    return _Lattice(picture, pad, stride, column_starts, column_weights, row_starts, row_weights)
 
 
 def _smoothed(grey: Array, level: int) -> Array:
@@ -196,12 +198,15 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
         np.empty((len(widths_px), DESCRIPTORS, 2, *grey.shape), np.float32),
         *(np.empty(grey.shape, np.float32) for _ in range(3)),
     )
-    _filter(lattices, steering(), responses)
+    columns = np.empty(_COLUMN_KERNELS * max(lattice.stride for lattice in lattices), np.float32)
+    _filter(lattices, steering(), columns, responses)
     return responses
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _filter(lattices: tuple[_Lattice, ...], steering: _Steering, responses: Responses) -> None:
+def _filter(
+    lattices: tuple[_Lattice, ...], steering: _Steering, columns: Array, responses: Responses
+) -> None:
     height, width = responses.modulus.shape
     for first in range(0, width, _TILE):
         tile = slice(first, min(first + _TILE, width))
@@ -210,29 +215,30 @@ def _filter(lattices: tuple[_Lattice, ...], steering: _Steering, responses: Resp
         for v in range(height):
             harmonics[:] = 0.0
             for s in range(len(lattices)):
-                _filter_row(lattices[s], v, first, basis)
-                _steer(basis, steering, responses.planes[s, :, :, v, tile], harmonics)
+                _filter_row(lattices[s], v, first, columns, basis)
+                _describe(basis, steering, responses.planes[s], v, first)
+                _add_energy(basis, steering, harmonics)
             _measure(harmonics, responses.modulus[v, tile])
             responses.cosine[v, tile] = harmonics[1]
             responses.sine[v, tile] = harmonics[2]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _filter_row(lattice: _Lattice, v: int, first: int, basis: Array) -> None:
+@kernel
+def _filter_row(lattice: _Lattice, v: int, first: int, columns: Array, basis: Array) -> None:
     """Write the basis filters of a tile's row: five of G, one left empty, six of H."""
-    columns = np.empty((_COLUMN_KERNELS, _TILE + 2 * lattice.margin), np.float32)
     size = basis.shape[1] + 2 * lattice.margin
     rows = lattice.picture.reshape(-1)[v * lattice.picture.shape[1] + first :]
     for i in range(_COLUMN_KERNELS):
-        weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], columns[i, :size])
+        column = columns[i * lattice.stride :][:size]
+        weighted_sum(rows, lattice.column_starts, lattice.column_weights[i], column)
     for i in range(lattice.row_weights.shape[0]):
         # Only two of the basis filters are sums of two products.
         size = lattice.row_weights.shape[1] if i in (7, 8) else lattice.column_starts.size
         starts, weights = lattice.row_starts[i, :size], lattice.row_weights[i, :size]
-        weighted_sum(columns.reshape(-1), starts, weights, basis[i if i < 5 else i + 1])
+        weighted_sum(columns, starts, weights, basis[i if i < 5 else i + 1])
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _measure(harmonics: Array, modulus: Array) -> None:
     """Strength of the response: an isotropic part, and what lies in one direction."""
     mean, cosine, sine = harmonics[0], harmonics[1], harmonics[2]
@@ -241,18 +247,17 @@ def _measure(harmonics: Array, modulus: Array) -> None:
         modulus[u] = np.sqrt(mean[u] + along)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _steer(basis: Array, steering: _Steering, planes: Array, harmonics: Array) -> None:
-    """Descriptors and harmonics of one row."""
+@kernel
+def _describe(basis: Array, steering: _Steering, planes: Array, v: int, first: int) -> None:
+    """Write the descriptors (DESCRIPTORS, 2, H, W) of a stretch of row v."""
     for part in range(2):
         own = basis[6 * part : 6 * part + 6]
         for i in range(planes.shape[0]):
-            _mix(own, steering.weights[part][i], planes[i, part])
-        for k in range(3):
-            _add_form(own, steering.forms[part][k], harmonics[k])
+            # A slice of the last axis alone, or the compiler does not see neighbours in memory.
+            _mix(own, steering.weights[part][i], planes[i, part, v, first : first + own.shape[1]])
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _mix(basis: Array, w: _Numbers, out: Array) -> None:
     """Weighted sum of the six rows."""
     a, b, c, d, e, f = basis[0], basis[1], basis[2], basis[3], basis[4], basis[5]
@@ -260,17 +265,32 @@ def _mix(basis: Array, w: _Numbers, out: Array) -> None:
         out[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i] + w[3] * d[i] + w[4] * e[i] + w[5] * f[i]
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _add_form(basis: Array, m: _Numbers, out: Array) -> None:
-    """Add a quadratic form of the six rows, given by its upper triangle."""
+@kernel
+def _add_energy(basis: Array, steering: _Steering, harmonics: Array) -> None:
+    """Add the energy of one scale, and its second harmonic."""
+    for part in range(2):
+        own = basis[6 * part : 6 * part + 6]
+        for k in range(2):
+            _add_even(own, steering.forms[part][k], harmonics[k])
+        _add_odd(own, steering.forms[part][2], harmonics[2])
+
+
+@kernel
+def _add_even(basis: Array, m: _Numbers, out: Array) -> None:
+    """Add a quadratic form of the six rows in which odd and even rows do not meet."""
     a, b, c, d, e, f = basis[0], basis[1], basis[2], basis[3], basis[4], basis[5]
     for i in range(out.size):
         p, q, r, s, t, w = a[i], b[i], c[i], d[i], e[i], f[i]
-        out[i] += (
-            p * (m[0] * p + m[1] * q + m[2] * r + m[3] * s + m[4] * t + m[5] * w)
-            + q * (m[6] * q + m[7] * r + m[8] * s + m[9] * t + m[10] * w)
-            + r * (m[11] * r + m[12] * s + m[13] * t + m[14] * w)
-            + s * (m[15] * s + m[16] * t + m[17] * w)
-            + t * (m[18] * t + m[19] * w)
-            + w * m[20] * w
-        )
+        out[i] += p * (m[0] * p + m[2] * r + m[4] * t) + q * (m[6] * q + m[8] * s + m[10] * w)
+        out[i] += r * (m[11] * r + m[13] * t) + s * (m[15] * s + m[17] * w)
+        out[i] += m[18] * t * t + m[20] * w * w
+
+
+@kernel
+def _add_odd(basis: Array, m: _Numbers, out: Array) -> None:
+    """Add a quadratic form of the six rows in which odd rows meet even ones alone."""
+    a, b, c, d, e, f = basis[0], basis[1], basis[2], basis[3], basis[4], basis[5]
+    for i in range(out.size):
+        p, q, r, s, t, w = a[i], b[i], c[i], d[i], e[i], f[i]
+        out[i] += p * (m[1] * q + m[3] * s + m[5] * w) + q * (m[7] * r + m[9] * t)
+        out[i] += r * (m[12] * s + m[14] * w) + t * (m[16] * s + m[19] * w)

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.sums import FAST, Floats, Integers
+from recon.stereo.sums import FAST, Floats, Integers, kernel
 from recon.stereo.support import SIDE_RADIUS, Members
 
 SLACK = np.float32(0.9)
@@ -70,7 +70,7 @@ def make_ring(width: int, num_shifts: int) -> Ring:
     return Ring(np.zeros(2 * _ROWS * columns * lanes, np.float32), columns, lanes)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def locate(ring: Ring, v: int, members: Members, starts: Integers) -> None:
     """Where the members of windows with middle row v lie, for even (0) and odd (1) columns.
 
@@ -96,7 +96,7 @@ def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) 
     start = v % _ROWS * size
     exact = ring.scores[start : start + size]
     slack = ring.scores[start + _ROWS * size : start + (_ROWS + 1) * size]
-    height, width = base.mask.shape
+    height = base.mask.shape[0]
     v_other = v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
         exact[:] = 0.0
@@ -106,18 +106,35 @@ def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) 
     beyond = max(0, search.first) + search.num_shifts
     here = _row(base, v, 0, 0)
     there = _row(other, v_other, margin, beyond)
-    for u in range(v & 1, width, 2):
-        lane = ((u + _MARGIN) >> 1) * ring.lanes
-        lanes = exact[lane : lane + search.num_shifts]
-        if not base.mask[v, u]:
-            lanes[:] = 0.0
-            slack[lane : lane + search.num_shifts] = 0.0
+    start = margin + search.first
+    lines = exact.reshape(-1, ring.lanes), slack.reshape(-1, ring.lanes)
+    _score(base.mask[v], v & 1, here, there, start, search, lines)
+
+
+@kernel
+def _score(
+    mask: NDArray[np.bool_],
+    odd: int,
+    here: Floats,
+    there: Floats,
+    start: int,
+    search: Search,
+    lines: tuple[Floats, Floats],
+) -> None:
+    """Scores, exact and slack, of every second pixel of a row, the first of which is `odd`."""
+    for u in range(odd, mask.size, 2):
+        column = (u + _MARGIN) >> 1
+        exact = lines[0][column, : search.num_shifts]
+        slack = lines[1][column, : search.num_shifts]
+        if not mask[u]:
+            exact[:] = 0.0
+            slack[:] = 0.0
+            continue
+        if search.table.size:
+            _look_up(here, u, there[:, :, start + u :], search.table, exact)
         else:
-            if search.table.size:
-                _look_up(here, u, there[:, :, margin + u + search.first :], search.table, lanes)
-            else:
-                _compare(here, u, there, margin + u + search.first, lanes)
-            _slacken(lanes, slack[lane : lane + search.num_shifts])
+            _compare(here, u, there, start + u, exact)
+        _slacken(exact, slack)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -140,7 +157,7 @@ def _row(picture: Picture, v: int, margin: int, beyond: int) -> Floats:
     return row
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _compare(here: Floats, u: int, there: Floats, start: int, scores: Floats) -> None:
     """Mean over scales and orientations of c cos(phase difference), where that is positive.
 
@@ -166,7 +183,7 @@ def _compare(here: Floats, u: int, there: Floats, start: int, scores: Floats) ->
         scores[i] = max(scores[i], np.float32(0.0))
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _look_up(here: Floats, u: int, there: Floats, table: Floats, scores: Floats) -> None:
     """Mean over scales and orientations of the table's similarity, where that is positive."""
     scales, num_c, num_cos = table.shape
@@ -188,7 +205,7 @@ def _look_up(here: Floats, u: int, there: Floats, table: Floats, scores: Floats)
         scores[i] = max(total / channels, np.float32(0.0))
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel
 def _slacken(exact: Floats, slack: Floats) -> None:
     """The best of a score and its neighbours', these at a discount."""
     size = exact.size

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.records import Features, Matches
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
-from recon.stereo.sums import Floats, Integers
+from recon.stereo.sums import Floats, Integers, kernel
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
@@ -40,6 +40,8 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     already, and left as they are.
     """
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
+    # In the order of the picture, as memory is slow to jump about in.
+    rows = rows[np.argsort(matches.points_px[rows] @ (1, left.grey.shape[1]))]
     tuned = np.flatnonzero(np.asarray(left.widths_px) >= _FINEST_WIDTH_PX)
     if not rows.size:
         return matches
@@ -67,15 +69,23 @@ def _tune(
     for i in range(v.size):
         sums[:] = 0.0
         for s in scales:
-            for o in range(left.shape[1]):
-                here = _response(left[s, o, 0, v[i]], left[s, o, 1, v[i]], u_left[i])
-                there = _response(right[s, o, 0, v[i]], right[s, o, 1, v[i]], u_right[i])
-                _add_evidence(here, there, nominal[s], sums)
+            here, there = left[s, :, :, v[i]], right[s, :, :, v[i]]
+            _add_scale(here, u_left[i], there, u_right[i], nominal[s], sums)
         change[i], sigma[i] = _solve(sums)
     return change, sigma
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
+def _add_scale(
+    here: Floats, u_here: int, there: Floats, u_there: int, nominal: float, sums: Array
+) -> None:
+    """Add what all orientations of one scale say; `here` and `there` are rows of responses."""
+    for o in range(here.shape[0]):
+        response = _response(here[o, 0], here[o, 1], u_here)
+        _add_evidence(response, _response(there[o, 0], there[o, 1], u_there), nominal, sums)
+
+
+@kernel
 def _add_evidence(
     here: tuple[complex, complex], there: tuple[complex, complex], nominal: float, sums: Array
 ) -> None:
@@ -92,7 +102,7 @@ def _add_evidence(
     sums[4] += 1
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _solve(sums: Array) -> tuple[float, float]:
     """Change of the disparity, and its standard deviation."""
     information, moment, power, vertical, channels = sums
@@ -110,7 +120,7 @@ def _solve(sums: Array) -> tuple[float, float]:
     return trust * change, min(sigma, UNTUNED_SIGMA_PX)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _response(real: Floats, imag: Floats, u: int) -> tuple[complex, complex]:
     """Response at a pixel of a row, and its turn over the two pixels round it."""
     before, after = max(u - 1, 0), min(u + 1, real.size - 1)
@@ -118,12 +128,12 @@ def _response(real: Floats, imag: Floats, u: int) -> tuple[complex, complex]:
     return complex(real[u], imag[u]), turn
 
 
-@njit(cache=True)
+@kernel
 def _angle(z: complex) -> float:
     angle: float = np.arctan2(z.imag, z.real)
     return angle
 
 
-@njit(cache=True)
+@kernel
 def _energy(z: complex) -> float:
     return z.real * z.real + z.imag * z.imag
