@@ -17,8 +17,6 @@ Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
 """Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
-FULL_RIM = 0.5
-"""Share of a rim's cells from which a part is seen to end there."""
 BELOW_CELLS = 0.3
 """How far the mean of the lowest cell of a part lies over its rim, on average; the narrow end, seen
 from below, has next to nothing to add."""
@@ -159,20 +157,15 @@ def _trimmed(fit: Estimate[Stack], model: StackModel, cell_size: float) -> Stack
         ends[0] = stack.heights[0]
     slope = float(stack.radii[-1][-1] - stack.radii[-1][0]) / max(np.diff(stack.heights)[-1], 1e-9)
     rim = stack.radii[-1][0] + slope * (ends - stack.heights[-2])
-    if slope < 0 and _fades(model.points[own, 1], ends[1], rim[1], cell_size):
-        # The top lies between the last cell and the tip: the middle is off by half at most.
+    if slope < 0:
+        # Eyes below see the tip last, if at all. The end lies between the last cell and the tip:
+        # the middle is off by half of that at most.
         rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
         ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
     radii = rim[-len(stack.radii[-1]) :]
     return replace(
         stack, heights=np.append(stack.heights[:-2], ends), radii=(*stack.radii[:-1], radii)
     )
-
-
-def _fades(heights: Array, top: float, radius: float, cell_size: float) -> bool:
-    """Whether the last cells are too few for a rim: the part goes on, unseen."""
-    last = np.count_nonzero(heights > top - cell_size)
-    return bool(last < FULL_RIM * 2.0 * np.pi * radius / cell_size)
 
 
 def _splits(num_parts: int) -> list[tuple[float, ...]]:
