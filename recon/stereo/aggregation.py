@@ -109,7 +109,7 @@ def aggregate_rows(
 def _aggregate(task: _Task, result: _Result) -> None:
     base, other, points, search = task.base, task.other, task.points, task.search
     height, width = base.mask.shape
-    ring = make_ring(width, search.num_shifts)
+    ring = make_ring(width, search.num_shifts, search.every)
     room = _make_room(task, ring)
     for v in range(SIDE_RADIUS):
         fill_row(ring, v, base, other, search)

@@ -16,7 +16,6 @@ from recon.stereo.support import SIDE_RADIUS, Members
 SLACK = np.float32(0.9)
 """What a member's vote for the neighbouring shift is worth."""
 
-_ROWS = 2 * SIDE_RADIUS + 1
 _MARGIN = SIDE_RADIUS
 _TINY = np.float32(1e-12)
 
@@ -56,18 +55,26 @@ class Ring(NamedTuple):
     """Scores of the last rows: every second pixel of a row, and for it one lane a shift."""
 
     scores: Floats
-    """(2 * _ROWS * columns * lanes,) exact scores, then those that a slanted surface may use."""
+    """(2 * rows * columns * lanes,) exact scores, then those that a slanted surface may use."""
+    rows: int
+    every: int
+    """Which rows of the picture have scores; see `Search`."""
+    lines: Integers
+    """(2 * SIDE_RADIUS + 1,) where the rows of a window begin; room for `locate`."""
     columns: int
     lanes: int
     """Shifts, filled up to a multiple of 16."""
 
 
 @njit(cache=True)
-def make_ring(width: int, num_shifts: int) -> Ring:
+def make_ring(width: int, num_shifts: int, every: int) -> Ring:
     """An empty ring."""
     lanes = (num_shifts + 15) // 16 * 16
     columns = (width + 2 * _MARGIN) // 2 + 1
-    return Ring(np.zeros(2 * _ROWS * columns * lanes, np.float32), columns, lanes)
+    rows = 2 * SIDE_RADIUS // every + 1
+    scores = np.zeros(2 * rows * columns * lanes, np.float32)
+    lines = np.zeros(2 * SIDE_RADIUS + 1, np.int64)
+    return Ring(scores, rows, every, lines, columns, lanes)
 
 
 @kernel
@@ -76,26 +83,29 @@ def locate(ring: Ring, v: int, members: Members, starts: Integers) -> None:
 
     Counted from the column `u >> 1` of the window's middle u.
     """
-    slack_shift = _ROWS * ring.columns * ring.lanes
+    slack_shift = ring.rows * ring.columns * ring.lanes
+    for k in range(ring.lines.size):
+        line = (v + k - SIDE_RADIUS) // ring.every % ring.rows
+        ring.lines[k] = line * ring.columns * ring.lanes
     for odd in range(2):
         for i in range(starts.shape[1]):
             row = (2 * (v & 1) + odd) * starts.shape[1] + i
             for k in range(starts.shape[2]):
-                line = (v + members.dv[row, k]) % _ROWS * ring.columns
+                line = ring.lines[members.dv[row, k] + SIDE_RADIUS]
                 column = (odd + members.du[row, k] + _MARGIN) >> 1
                 shift = members.slack[row, k] * slack_shift
-                starts[odd, i, k] = (line + column) * ring.lanes + shift
+                starts[odd, i, k] = line + column * ring.lanes + shift
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) -> None:
     """Compute the scores of row v of `base`; rows outside the picture score nothing."""
-    if v % search.every:
+    if v % ring.every:
         return
     size = ring.columns * ring.lanes
-    start = v % _ROWS * size
+    start = v // ring.every % ring.rows * size
     exact = ring.scores[start : start + size]
-    slack = ring.scores[start + _ROWS * size : start + (_ROWS + 1) * size]
+    slack = ring.scores[start + ring.rows * size :][:size]
     height = base.mask.shape[0]
     v_other = v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):

@@ -25,12 +25,13 @@ def filled(size: int) -> int:
 @kernel
 def weighted_sum(buffer: Floats, starts: Integers, weights: Floats, total: Floats) -> None:
     """Write to `total` the sum of `weights[k] * buffer[starts[k] + i]` over k, for every i."""
-    size = total.size
     total[:] = 0.0
     for k in range(0, weights.size, UNROLL):
-        # Slices, as an index that might be negative keeps the loop from being vectorised.
-        a, b = buffer[starts[k] :][:size], buffer[starts[k + 1] :][:size]
-        c, d = buffer[starts[k + 2] :][:size], buffer[starts[k + 3] :][:size]
+        # Unsigned, as an index that might be negative keeps the loop from being vectorised.
+        a, b = np.uint64(starts[k]), np.uint64(starts[k + 1])
+        c, d = np.uint64(starts[k + 2]), np.uint64(starts[k + 3])
         p, q, r, s = weights[k], weights[k + 1], weights[k + 2], weights[k + 3]
-        for i in range(size):
-            total[i] += p * a[i] + q * b[i] + r * c[i] + s * d[i]
+        for i in range(np.uint64(total.size)):
+            total[i] += (
+                p * buffer[a + i] + q * buffer[b + i] + r * buffer[c + i] + s * buffer[d + i]
+            )
