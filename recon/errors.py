@@ -26,6 +26,8 @@ def check_shape(name: str, array: NDArray[np.generic], shape: Sequence[int | Non
     InputError
         "disparity_px has shape (4,), but (3,) is needed".
     """
+    if not isinstance(array, np.ndarray):
+        raise InputError(f"{name} is a {type(array).__name__}, but an array is needed")
     fits = array.ndim == len(shape) and all(
         need is None or need == have for need, have in zip(shape, array.shape, strict=True)
     )

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
-from recon.settings import Quality, Settings, updated, with_quality
+from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.features import detect
 from recon.stereo.matching import match
 from recon.stereo.subpixel import refine
@@ -33,7 +34,7 @@ def match_pair(
     right: NDArray[np.uint8],
     *,
     min_disparity: int = 0,
-    max_disparity: int = 64,
+    max_disparity: int = 20,
     quality: Quality = "best",
 ) -> Matches:
     """Match two rectified images.
@@ -51,6 +52,8 @@ def match_pair(
     Matches
         Most confident first.
     """
+    if quality not in QUALITIES:
+        raise InputError(f"quality is {quality!r}, but one of {', '.join(QUALITIES)} is needed")
     check_images(left, right)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
     return match_images(

@@ -17,6 +17,8 @@ from recon.files import atomic_path
 
 MANIFEST = "manifest.json"
 PARTIAL = "partial"
+KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
+"""What every manifest of recon has."""
 LIBRARIES = ("recon", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
 
 
@@ -36,7 +38,7 @@ class RunPlan:
             "command": self.command,
             "seed": self.seed,
             "settings_sha256": hashlib.sha256(self.settings_toml.encode()).hexdigest(),
-            "inputs": {path.name: digest(path) for path in self.inputs},
+            "inputs": [{"name": p.name, "sha256": digest(p)} for p in self.inputs],
         }
 
 
@@ -51,6 +53,8 @@ class RunFolder:
     state: str = "running"
     is_finished: bool = False
     """Whether an earlier call had finished the very same run: nothing is left to do."""
+    replaces: bool = False
+    """Whether another run stands here that goes when this one begins."""
 
     @classmethod
     def prepare(cls, path: Path, plan: RunPlan, *, overwrite: bool, resume: bool) -> Self:
@@ -68,8 +72,19 @@ class RunFolder:
         if resume and path.exists():
             run._check_same(read_manifest(path))
         elif path.exists():
-            _remove_run(path)
+            run._check_replaceable()
         return run
+
+    def _check_replaceable(self) -> None:
+        """Refuse to replace what is no run, or holds an input."""
+        if not self.path.is_dir():
+            raise InputError(f"{self.path} is no folder; give another -o")
+        if any(self.path.iterdir()):
+            read_manifest(self.path)
+        for source in self.plan.inputs:
+            if self.path.resolve() in [source.resolve(), *source.resolve().parents]:
+                raise InputError(f"{source} lies in {self.path}, which it would be lost with")
+        self.replaces = True
 
     def _check_same(self, manifest: dict[str, Any]) -> None:
         for name, value in self.plan.identity().items():
@@ -84,8 +99,12 @@ class RunFolder:
     def opened(self) -> Iterator[Self]:
         """Make the folder and close it with the state it ended in.
 
-        A run that ends by bad input before it wrote anything leaves no folder behind.
+        A run that ends by bad input leaves no folder behind, or the one that it was to replace.
         """
+        before = self.path.with_name(f".{self.path.name}.before")
+        if self.replaces:
+            shutil.rmtree(before, ignore_errors=True)
+            self.path.rename(before)
         is_new = not self.path.exists()
         self.path.mkdir(parents=True, exist_ok=True)
         self.write_text("settings.toml", self.plan.settings_toml)
@@ -96,10 +115,14 @@ class RunFolder:
         except BaseException as error:
             if is_new and isinstance(error, InputError):
                 shutil.rmtree(self.path)
+                if self.replaces:
+                    before.rename(self.path)
             else:
                 self.state = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
                 self._write_manifest(error=str(error))
             raise
+        finally:
+            shutil.rmtree(before, ignore_errors=True)
         self.seconds["total"] = time.perf_counter() - began
         if self.state == "running":
             self.state = "finished"
@@ -154,8 +177,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
         document = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(f"{path} is no run folder: its {MANIFEST} cannot be read") from error
-    if not isinstance(document, dict):
-        raise InputError(f"{path / MANIFEST} is no manifest, but a JSON object is needed")
+    if not isinstance(document, dict) or not document.keys() >= KEYS:
+        raise InputError(f"{path} is no run folder: its {MANIFEST} is not one of recon's")
     return document
 
 
@@ -175,9 +198,3 @@ def versions() -> dict[str, str]:
     """Versions of Python and of the libraries whose numbers end up in a run."""
     found = {"python": platform.python_version()}
     return found | {name: importlib.metadata.version(name) for name in LIBRARIES}
-
-
-def _remove_run(path: Path) -> None:
-    if any(path.iterdir()) and not (path / MANIFEST).is_file():
-        raise InputError(f"{path} is no run folder, so it is not overwritten; give another -o")
-    shutil.rmtree(path)

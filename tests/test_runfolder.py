@@ -28,7 +28,7 @@ def test_a_finished_run_says_what_it_is(tmp_path, plan):
     finish(tmp_path / "run", plan)
     manifest = read_manifest(tmp_path / "run")
     assert manifest["state"] == "finished"
-    assert manifest["inputs"] == {"a.scene": digest(plan.inputs[0])}
+    assert manifest["inputs"] == [{"name": "a.scene", "sha256": digest(plan.inputs[0])}]
     assert set(manifest["outputs"]) == {"metrics.json", "settings.toml"}
     assert manifest["outputs"]["metrics.json"] == digest(tmp_path / "run" / "metrics.json")
 
@@ -42,11 +42,15 @@ def test_an_existing_run_is_refused_without_a_flag(tmp_path, plan):
 def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
     finish(tmp_path / "run", plan)
     (tmp_path / "run" / "old.txt").write_text("x")
-    prepare(tmp_path / "run", plan, overwrite=True)
-    assert not (tmp_path / "run").exists()
+    finish(tmp_path / "run", plan, overwrite=True)
+    assert not (tmp_path / "run" / "old.txt").exists()
+    assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "only_copy.tex").write_text("x")
-    with pytest.raises(InputError, match="no run folder, so it is not overwritten"):
+    with pytest.raises(InputError, match="is no run folder"):
+        prepare(tmp_path / "thesis", plan, overwrite=True)
+    (tmp_path / "thesis" / "manifest.json").write_text('{"name": "a web app"}')
+    with pytest.raises(InputError, match="is not one of recon's"):
         prepare(tmp_path / "thesis", plan, overwrite=True)
     assert (tmp_path / "thesis" / "only_copy.tex").exists()
 
@@ -93,3 +97,39 @@ def test_an_interrupted_run_keeps_what_it_needs_to_go_on(tmp_path, plan):
 def test_a_folder_that_is_no_run_is_named(tmp_path):
     with pytest.raises(InputError, match="is no run folder"):
         read_manifest(tmp_path)
+
+
+def test_what_was_there_stays_until_the_new_run_can_be_made(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    (tmp_path / "run" / "old.txt").write_text("x")
+    run = prepare(tmp_path / "run", plan, overwrite=True)
+    assert (tmp_path / "run" / "old.txt").exists()
+
+    def fail():
+        with run.opened():
+            raise InputError("bad")
+
+    with pytest.raises(InputError, match="bad"):
+        fail()
+    assert (tmp_path / "run" / "old.txt").exists()
+
+
+def test_an_input_inside_the_folder_is_not_overwritten(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    inside = tmp_path / "run" / "left.png"
+    inside.write_text("x")
+    other = RunPlan(command="disparity", settings_toml="", seed=0, inputs=(inside,))
+    with pytest.raises(InputError, match=r"left\.png lies in"):
+        prepare(tmp_path / "run", other, overwrite=True)
+
+
+def test_inputs_of_one_name_are_told_apart(tmp_path, plan):
+    for side in ("a", "b"):
+        (tmp_path / side).mkdir()
+        (tmp_path / side / "x.png").write_text(side)
+    inputs = (tmp_path / "a" / "x.png", tmp_path / "b" / "x.png")
+    both = RunPlan(command="disparity", settings_toml="", seed=0, inputs=inputs)
+    finish(tmp_path / "run", both)
+    inputs[0].write_text("changed")
+    with pytest.raises(InputError, match="another inputs"):
+        prepare(tmp_path / "run", both, resume=True)

@@ -6,6 +6,8 @@ import click
 
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
 
+MIN_SIDE, MAX_SIDE = 100, 8192
+
 
 @click.command(epilog="Example: recon figure runs/village --kind map3d --view top")
 @click.argument("run", type=PATH)
@@ -35,4 +37,6 @@ def _parse_size(text: str | None) -> tuple[int, int] | None:
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         raise click.BadParameter(f"{text!r} is no size, but WxH such as 1200x900 is needed")
+    if not all(MIN_SIDE <= int(side) <= MAX_SIDE for side in (width, height)):
+        raise click.BadParameter(f"{text} is out of range: {MIN_SIDE} to {MAX_SIDE} pixels a side")
     return int(width), int(height)

@@ -18,6 +18,6 @@ def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
     facts = describe(file)
     if as_json:
         print_json(facts)
-    else:
+    elif not quiet:
         for name, value in facts.items():
             click.echo(f"{name:16} {value}")

@@ -8,6 +8,8 @@ from typing import Any, Literal, TypeVar
 
 import click
 
+import recon
+
 Quality = Literal["best", "fast"]
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
@@ -16,6 +18,7 @@ OUTPUT = [
     click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
     click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
     click.option("-v", "--verbose", is_flag=True, help="Say what is being done."),
+    click.version_option(recon.__version__, prog_name="recon"),
 ]
 
 SETTINGS = [

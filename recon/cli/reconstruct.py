@@ -19,8 +19,6 @@ from recon.cli.options import (
 )
 from recon.cli.progress import progress_bar
 
-FORMATS = ["auto", "folder", "kitti", "euroc", "middlebury", "ring", "video", "bag"]
-
 
 def parse_roi(
     _context: click.Context, _option: click.Parameter, text: str | None
@@ -36,7 +34,7 @@ def parse_roi(
 
 @click.command(epilog="Example: recon reconstruct data/motorcycle -o runs/motorcycle")
 @click.argument("sequence", type=PATH)
-@click.option("--format", "sequence__format", type=click.Choice(FORMATS))
+@click.option("--format", "sequence__format", help="auto, folder, kitti, euroc, ...")
 @click.option("--poses", "sequence__poses", type=click.Choice(["given", "estimated", "none"]))
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")

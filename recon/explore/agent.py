@@ -129,9 +129,11 @@ class Agent:
         view: View | None = start
         while view is not None:
             try:
-                step = self._look(view)
+                with self._timed("render"):
+                    pair = self.take(view)
             except InputError as error:
                 return self.stop("controller failed", f"its view cannot be taken: {error}")
+            step = self._look(view, pair)
             yield step
             if len(self.views) >= self.settings.exploration.max_pairs:
                 return self.stop("limit", f"{len(self.views)} pairs are taken")
@@ -141,13 +143,12 @@ class Agent:
     def stop(self, reason: str, message: str) -> None:
         """Note why the exploration ended."""
         self.stop_reason, self.message = reason, message
-        log.info("%s: %s", reason, message)
+        level = logging.WARNING if reason == "controller failed" else logging.INFO
+        log.log(level, "%s: %s", reason, message)
 
-    def _look(self, view: View) -> Step:
-        """Take a pair, and put it into the map and the memory."""
+    def _look(self, view: View, pair: StereoPair) -> Step:
+        """Put a pair into the map and the memory."""
         number = len(self.views)
-        with self._timed("render"):
-            pair = self.take(view)
         result = process_pair(pair, self.settings, self.memory.voxel_map, number)
         self.seconds["stereo"] += result.stereo_s
         self.seconds["map"] += result.map_s

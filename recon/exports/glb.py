@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from recon.errors import InputError
 from recon.files import atomic_path
 from recon.libraries import load_extra
 from recon.records import PointCloud, Voxels
@@ -13,6 +14,8 @@ from recon.voxelmap.faces import exposed_faces
 
 def write(path: Path, data: PointCloud | Voxels) -> None:
     """Write the outside of the cells, or points, in their colours."""
+    if isinstance(data, PointCloud) and not len(data):
+        raise InputError(f"nothing is there to be written as {path.name}, but a point is needed")
     trimesh = load_extra("trimesh", "mesh")
     scene = trimesh.Scene(
         _points(trimesh, data) if isinstance(data, PointCloud) else _faces(trimesh, data)

@@ -65,7 +65,9 @@ def read_catalogue(path: Path | None = None) -> tuple[Kind, ...]:
     try:
         with source.open("rb") as file:
             return TypeAdapter(Catalogue).validate_python(tomllib.load(file)).object
-    except tomllib.TOMLDecodeError as error:
+    except OSError as error:
+        raise InputError(f"{source}: {error.strerror}, but a catalogue is needed") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{source} is no TOML: {error}") from error
     except ValidationError as error:
         fault = error.errors()[0]

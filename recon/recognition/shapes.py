@@ -30,6 +30,8 @@ parameter, however many points say so: cells and facets err together, which no c
 points knows."""
 ROUGH_STEPS = 4
 """Steps that show which of several starts is promising."""
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Extent and reach whose fourth powers are still numbers."""
 INLIER_SIGMAS = 4.0
 """Points nearer than so many scales lie on a fit, and set its ends."""
 
@@ -127,6 +129,9 @@ def _fault(points: Array) -> str:
     distinct = np.unique(points, axis=0)
     if len(distinct) < 4:
         return f"{len(distinct)} distinct points are too few; 4 are needed"
+    extent = float(np.ptp(distinct, axis=0).max())
+    if not (extent > SMALLEST and np.abs(distinct).max() < LARGEST):
+        return f"the points reach over {extent:g}, beyond what can be computed with"
     spread = np.linalg.svd(distinct - distinct.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-6 * spread[0]:
         return "the points lie on one line"

@@ -21,15 +21,19 @@ class PointCloud:
     colours: NDArray[np.uint8]
     """(M, 3) RGB."""
     sigma: NDArray[np.float64] | None = None
-    """(M,) world units; None where nothing is known of it."""
+    """(M,) world units; NaN or None where nothing is known of it."""
 
     def __post_init__(self) -> None:
         check_shape("points", self.points, (None, 3))
+        if self.points.dtype.kind not in "fiu":
+            raise InputError(f"points are {self.points.dtype}, but real numbers are needed")
         check_shape("colours", self.colours, (len(self.points), 3))
         if self.colours.dtype != np.uint8:
             raise InputError(f"colours are {self.colours.dtype}, but uint8 is needed")
         if self.sigma is not None:
             check_shape("sigma", self.sigma, (len(self.points),))
+            if (self.sigma < 0).any():
+                raise InputError(f"sigma is {self.sigma.min()}, but 0 or more is needed")
 
     def __len__(self) -> int:
         return len(self.points)

@@ -73,6 +73,8 @@ class StereoPair:
 def check_images(left: NDArray[np.uint8], right: NDArray[np.uint8], name: str = "pair") -> None:
     """Raise `InputError` unless both are uint8 images, grey or RGB, of one size."""
     for side, image in (("left", left), ("right", right)):
+        if not isinstance(image, np.ndarray):
+            raise InputError(f"{name}: {side} image is a {type(image).__name__}, no array")
         if image.dtype != np.uint8:
             raise InputError(f"{name}: {side} image is {image.dtype}, but uint8 is needed")
         if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3) or not image.size:

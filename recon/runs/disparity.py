@@ -15,6 +15,7 @@ from recon.records import Matches, check_images
 from recon.runs.figures import write_figures
 from recon.runs.order import RunOrder
 from recon.runs.products import as_document, write_metrics
+from recon.runs.report import read_json
 from recon.sequences.calibration import read_calibration
 from recon.sequences.images import read_image
 from recon.sequences.truth import DisparityTruth, read_truth_file
@@ -68,7 +69,10 @@ def disparity_run(
     dict
         The document of `recon disparity --json`.
     """
-    run = order and order.folder("disparity", settings, (left_path, right_path))
+    inputs = tuple(path for path in (left_path, right_path, truth_path) if path)
+    run = order and order.folder("disparity", settings, inputs)
+    if run and run.is_finished:
+        return dict(read_json(run.path / "metrics.json"))
     pair = match_files(left_path, right_path, settings)
     truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
     metrics = as_document(measure(pair, truth))

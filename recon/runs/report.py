@@ -25,6 +25,8 @@ def read_json(path: Path) -> Any:
 
 def read_report(run_path: Path) -> dict[str, Any]:
     """The metrics of a run with its folder and its objects."""
-    metrics: dict[str, Any] = read_json(run_path / "metrics.json")
+    metrics = read_json(run_path / "metrics.json")
     objects = read_json(run_path / "objects.json")
+    if not (isinstance(metrics, dict) and isinstance(objects, dict) and "objects" in objects):
+        raise InputError(f"{run_path} holds damaged metrics.json or objects.json")
     return {"run": str(run_path)} | metrics | {"objects": objects["objects"]}

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError
+from recon.errors import InputError, ReconError
 from recon.files import atomic_path
 from recon.pipeline import match_features
 from recon.records import Features, Matches
@@ -36,6 +36,8 @@ def train_run(
     if output.exists() and not overwrite:
         raise InputError(f"{output} exists; give --overwrite or another -o")
     examples = list(_examples(pair_dirs, settings))
+    if not any(len(matches) for _, _, matches in examples):
+        raise ReconError("nothing was matched in any pair, so there is nothing to learn from")
     model = train(examples, np.random.default_rng(seed))
     with atomic_path(output) as part:
         part.write_text(model.to_json(), encoding="utf-8")

@@ -86,6 +86,10 @@ def _recording(path: Path, settings: SequenceSettings) -> PairSource:
         raise InputError(f"{path} does not exist, but a recording is needed")
     readers = READERS | _plug_ins()
     if settings.format != "auto":
+        if settings.format not in readers:
+            raise InputError(
+                f"format is {settings.format!r}, but one of {', '.join(readers)} is needed"
+            )
         return readers[settings.format].open(path, settings)
     for reader in readers.values():
         if reader.fits(path):

@@ -91,4 +91,7 @@ def _checked(tree: Mapping[str, Any], source: str) -> Settings:
     except ValidationError as error:
         first = error.errors()[0]
         name = ".".join(str(step) for step in first["loc"])
-        raise InputError(f"{source}: {name} is {first['input']!r}: {first['msg']}") from error
+        message = first["msg"].removeprefix("Value error, ")
+        # What is wrong with a whole stage says its own values.
+        value = "" if isinstance(first["input"], dict) else f" is {first['input']!r}"
+        raise InputError(f"{source}: {name}{value}: {message}") from error

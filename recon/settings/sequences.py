@@ -11,9 +11,8 @@ from recon.settings.stage import STRICT, Count, Positive
 class SequenceSettings:
     """Which pairs of a recording are read, and where their poses come from."""
 
-    format: Literal["auto", "folder", "kitti", "euroc", "middlebury", "ring", "video", "bag"] = (
-        "auto"
-    )
+    format: str = "auto"
+    """auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in's name."""
     poses: Literal["given", "estimated", "none"] = "given"
     every: Count = 1
     roi: tuple[int, int, int, int] | None = None

@@ -28,9 +28,10 @@ class FeatureSettings:
 class MatchingSettings:
     """How features of two images become pairs (thesis 3.4)."""
 
-    matcher: Literal["phase", "vonmises", "sgbm"] = "phase"
+    matcher: str = "phase"
+    """phase, vonmises, sgbm, or a plug-in's name."""
     min_disparity: int = 0
-    max_disparity: int = 64
+    max_disparity: int = 20
     """The search includes both ends."""
     row_permission: int = Field(default=0, ge=0)
     """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""

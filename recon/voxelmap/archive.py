@@ -129,7 +129,24 @@ def _content(columns: Columns) -> Content:
     )
 
 
+def _check_cells(columns: Columns) -> None:
+    """Whole numbers, points in every cell, every cell once and in order."""
+    num = columns["count"].size
+    for name, shape in {"count": (num,), "index": (3, num), "position": (3, num)}.items():
+        column = columns.get(name, np.zeros(shape, np.int64))
+        if column.dtype.kind not in "iu" or column.shape != shape:
+            raise InputError(f"{name} is no array of {shape} whole numbers")
+    if num and columns["count"].min() < 1:
+        raise InputError("its counts cannot come from points")
+    index = np.cumsum(columns["index"], axis=1, dtype=np.uint32).view(np.int32).astype(np.int64)
+    step = np.diff(index, axis=1)
+    first = np.where(step[0] != 0, step[0], np.where(step[1] != 0, step[1], step[2]))
+    if (first <= 0).any():
+        raise InputError("its cells are not in order, or not all different")
+
+
 def _rows(columns: Columns) -> Rows:
+    _check_cells(columns)
     count, colour = columns["count"].astype(np.uint64), columns["colour"]
     position = columns.get("position")
     if position is None:
