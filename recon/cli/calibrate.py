@@ -5,14 +5,14 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_logging, with_options
 
 
 @click.command(epilog="Example: recon calibrate left right --board 9x6 --square 0.025")
 @click.argument("left_dir", type=PATH)
 @click.argument("right_dir", type=PATH)
 @click.option("--board", required=True, metavar="CxR", help="Inner corners, as 9x6.")
-@click.option("--square", required=True, type=click.FloatRange(min=0, min_open=True))
+@click.option("--square", required=True, type=PositiveNumber())
 @click.option("-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True)
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)

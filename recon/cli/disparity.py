@@ -11,6 +11,7 @@ from recon.cli.options import (
     OUTPUT,
     PATH,
     SETTINGS,
+    PositiveNumber,
     build_settings,
     print_json,
     run_order,
@@ -25,7 +26,7 @@ from recon.cli.options import (
 @click.option("--min-disparity", "matching__min_disparity", type=int)
 @click.option("--max-disparity", "matching__max_disparity", type=int)
 @click.option("--truth", type=PATH, help="Disparity image of the left view; 0 or NaN = unknown.")
-@click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
+@click.option("--truth-scale", type=PositiveNumber())
 @click.option("--calib", type=PATH, help="Calibration; its search range is the default.")
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:

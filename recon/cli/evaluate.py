@@ -10,6 +10,7 @@ from recon.cli.options import (
     OUTPUT,
     PATH,
     SETTINGS,
+    PositiveNumber,
     build_settings,
     print_json,
     run_order,
@@ -40,7 +41,7 @@ COLUMNS = {
 @click.option(
     "--keep", "matching__keep", type=click.IntRange(min=1), help="Keep the K most confident pairs."
 )
-@click.option("--truth-scale", type=click.FloatRange(min=0, min_open=True))
+@click.option("--truth-scale", type=PositiveNumber())
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Judge matchers on pairs whose disparity is known, or labels in random worlds.

@@ -11,7 +11,7 @@ MIN_SIDE, MAX_SIDE = 100, 8192
 
 @click.command(epilog="Example: recon figure runs/village --kind map3d --view top")
 @click.argument("run", type=PATH)
-@click.option("--kind", help="One of the run's kinds; all where not given.")
+@click.option("--kind", help="map3d, solids, parts, counts, slices, occupancy, ...")
 @click.option("--view", default="default", help="default, top, front or side, of map3d.")
 @click.option("--size", metavar="WxH", help="Pixels, as 1200x900.")
 @with_options(OUTPUT)

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -14,6 +15,23 @@ Quality = Literal["best", "fast"]
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
+
+class PositiveNumber(click.FloatRange):
+    """A finite number over 0."""
+
+    def __init__(self) -> None:
+        super().__init__(min=0, min_open=True)
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number that `value` says."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is no finite number.", param, ctx)
+        return number
+
+
 OUTPUT = [
     click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
     click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
@@ -24,8 +42,11 @@ OUTPUT = [
 SETTINGS = [
     click.option("--settings", "settings_file", type=PATH, help="A TOML file of settings."),
     click.option("--set", "overrides", multiple=True, metavar="STAGE.NAME=VALUE"),
-    click.option("--preset", type=click.Choice(["default", "thesis"]), default="default"),
-]
+    click.option(
+        "--preset", type=click.Choice(["default", "thesis"]), default="default",
+        help="Where settings start from.",
+    ),
+]  # fmt: skip
 
 FOLDER = [
     click.option("-o", "--output", type=PATH, help="The run folder; runs/NAME where not given."),

@@ -74,6 +74,7 @@ def path(trajectory: Array, voxels: Voxels, size: Size = SIZE) -> Image:
     at, gaze = trajectory[:, :3, 3], trajectory[:, :3, 2]
     axes.plot(at[:, 0], at[:, 2], color=INK, lw=0.8, alpha=0.6, zorder=2)
     order = np.arange(len(at))
+    axes.update_datalim((at + gaze)[:, [0, 2]])
     axes.quiver(
         at[:, 0], at[:, 2], gaze[:, 0], gaze[:, 2], order, cmap="plasma", zorder=3,
         angles="xy", scale=40, width=0.0025,
@@ -95,7 +96,7 @@ def _frame(axes: Any) -> None:
     box = axes.dataLim
     if not np.isfinite(box.bounds).all():
         return
-    half = 0.6 * max(box.width, box.height, 1e-9)
+    half = 0.6 * max(box.width, box.height) or 1.0
     middle_x, middle_z = (box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0
     axes.set(xlim=(middle_x - half, middle_x + half), ylim=(middle_z + half, middle_z - half))
 

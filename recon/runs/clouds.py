@@ -71,15 +71,22 @@ def export_run(
     dict
         The document of `recon export --json`.
     """
-    if target.exists() and not overwrite:
-        raise InputError(f"{target} exists; give --overwrite or another name")
+    written = [target.with_suffix(s) for s in (".pgm", ".yaml")] if is_nav2(target) else [target]
+    for path in written:
+        if path.exists() and not overwrite:
+            raise InputError(f"{path} exists; give --overwrite or another name")
     write(read(source), target, box=box)
-    files = [path for path in target.rglob("*") if path.is_file()] or [target]
+    files = [path for path in target.rglob("*") if path.is_file()] or written
     return {
         "output": str(target),
         "up": format_of(target).up,
         "bytes": sum(path.stat().st_size for path in files),
     }
+
+
+def is_nav2(path: Path) -> bool:
+    """Whether a picture and its description are written together."""
+    return path.suffix.lower() in (".pgm", ".yaml")
 
 
 def _as_cloud(data: VoxelMap | Voxels | PointCloud) -> PointCloud:

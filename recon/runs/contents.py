@@ -72,6 +72,8 @@ class RunContents:
 
 def read_contents(run_path: Path) -> RunContents:
     """Read map, objects and trajectory of a run folder."""
+    if not (run_path / "map.npz").exists():
+        raise InputError(f"{run_path} holds no map.npz: its figures are drawn when it is made only")
     settings_path = run_path / "settings.toml"
     settings = updated(Settings(), read_toml(settings_path), str(settings_path))
     return RunContents(

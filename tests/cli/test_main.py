@@ -3,11 +3,17 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from recon.cli import main
 from recon.cli.options import build_settings
+from recon.exports.formats import write
+from recon.records import PointCloud
+
+SCENES = Path(__file__).parents[2] / "scenes"
 
 HEAVY = ("cv2", "open3d", "pyvista", "matplotlib", "numba", "scipy", "pydantic")
 
@@ -98,3 +104,35 @@ def test_options_are_stronger_than_files_and_set_is_the_strongest(tmp_path):
     assert (settings.matching.keep, settings.matching.max_disparity) == (20, 40)
     assert settings.matching.row_permission == 1
     assert settings.map.cell_size == 0.5
+
+
+@pytest.mark.parametrize("scale", ["nan", "inf", "0", "-1", "much"])
+def test_a_scale_is_a_finite_number_over_zero(capsys, scale):
+    code, _, err = run(capsys, "disparity", "a.png", "b.png", "--truth-scale", scale)
+    assert code == 2
+    assert "--truth-scale" in err
+
+
+def test_a_matcher_nobody_knows_is_named_with_those_that_are(capsys, tmp_path):
+    argv = ["--matcher", "foo", "--max-pairs", "1", "-o", str(tmp_path / "run")]
+    code, _, err = run(capsys, "explore", str(SCENES / "three_apples.scene"), *argv)
+    assert code == 2
+    assert "matcher is 'foo', but one of phase" in err
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_catalogue_that_is_none_is_one_line(capsys, tmp_path):
+    broken = tmp_path / "mine.toml"
+    broken.write_bytes(b"\xff\xfe")
+    cloud = tmp_path / "dot.ply"
+    write(PointCloud(points=np.zeros((1, 3)), colours=np.zeros((1, 3), np.uint8)), cloud)
+    code, _, err = run(capsys, "recognise", str(cloud), "--catalogue", str(broken))
+    assert code == 2
+    assert err.count("\n") == 1
+    assert "mine.toml" in err
+
+
+def test_a_size_beyond_reason_is_refused(capsys):
+    code, _, err = run(capsys, "figure", "run", "--size", "999999x999999")
+    assert code == 2
+    assert "out of range" in err

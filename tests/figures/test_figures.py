@@ -102,3 +102,7 @@ def test_errors_stand_out_where_they_are():
     assert (right_everywhere != wrong_once).any()
     unknown = error_map(left, matches, np.full((60, 100), np.nan))
     assert (unknown != wrong_once).any()
+
+
+def test_a_single_place_and_no_cells_make_a_picture(nothing):
+    assert topview.path(np.eye(4)[None], nothing, size=(300, 280)).shape == (280, 300, 3)
