@@ -1,6 +1,7 @@
 """`recon figure`."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,20 +14,21 @@ MIN_SIDE, MAX_SIDE = 100, 8192
 @click.argument("run", type=PATH)
 @click.option("--kind", help="map3d, solids, parts, counts, slices, occupancy, ...")
 @click.option("--view", default="default", help="default, top, front or side, of map3d.")
+@click.option("--data", "with_data", is_flag=True, help="Also the arrays that are drawn, as .npz.")
 @click.option("--size", metavar="WxH", help="Pixels, as 1200x900.")
 @with_options(OUTPUT)
-def figure(
-    run: Path, kind: str | None, view: str, size: str | None, as_json: bool, quiet: bool,
-    verbose: bool,
-) -> None:  # fmt: skip
+def figure(run: Path, **given: Any) -> None:
     """Draw the figures of a run again."""
-    start_logging({"quiet": quiet, "verbose": verbose})
+    start_logging(given)
     from recon.runs.figures import figure_run
 
-    paths = figure_run(run, kind=kind, view=view, size=_parse_size(size))
-    if as_json:
+    paths = figure_run(
+        run, kind=given["kind"], view=given["view"], size=_parse_size(given["size"]),
+        with_data=given["with_data"],
+    )  # fmt: skip
+    if given["as_json"]:
         print_json({"figures": [str(path) for path in paths]})
-    elif not quiet:
+    elif not given["quiet"]:
         for path in paths:
             click.echo(path)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.figures import map3d, topview
@@ -15,9 +16,47 @@ from recon.figures.parts import SIZE as PARTS_SIZE
 from recon.figures.parts import parts
 from recon.figures.slices import SIZE as SLICES_SIZE
 from recon.figures.slices import slices
+from recon.files import atomic_path
 from recon.records import Matches
 from recon.runfolder import read_manifest
 from recon.runs.contents import RunContents, read_contents
+from recon.voxelmap.ground import height_sum
+from recon.voxelmap.weights import Weights
+
+Data = dict[str, NDArray[np.generic]]
+
+
+def _cells(run: RunContents) -> Data:
+    kept = ("index", "means", "counts", "colours", "weights")
+    values = {name: getattr(run.voxels, name) for name in kept}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _solids(run: RunContents) -> Data:
+    return _cells(run) | {
+        "label": np.array([found.label for found in run.objects], dtype=np.str_),
+        "probability": np.array([found.probability for found in run.objects]),
+        "centre": np.array([found.centre for found in run.objects]).reshape(-1, 3),
+        "size": np.array([found.size for found in run.objects]).reshape(-1, 3),
+    }
+
+
+def _floor(run: RunContents) -> Data:
+    floor = height_sum(run.voxels)
+    return {"cells": floor.cells, "origin_xz": floor.origin_xz}
+
+
+def _way(run: RunContents) -> Data:
+    return {"stamps_s": run.trajectory.stamps_s, "T_world_left": run.trajectory.T_world_left}
+
+
+def _sigma(run: RunContents) -> NDArray[np.float64]:
+    """(K,) the sigma, in cells, that points of a cell's mean weight have."""
+    if run.voxels.weights is None:
+        raise InputError('the map keeps no weights; make it with map.occupancy = ["weight"]')
+    mean = np.clip(run.voxels.weights / run.voxels.counts, 1e-9, 1.0)
+    sigma: NDArray[np.float64] = Weights.SIGMA_OF_HALF * np.sqrt(1.0 / mean - 1.0)
+    return sigma
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,39 +65,64 @@ class Kind:
 
     draw: Callable[[RunContents, str, Size], Image]
     size: Size
+    data: Callable[[RunContents], Data]
+    """The arrays that are drawn, by name."""
+    needs_weights: bool = False
+    """Whether the map must keep weights (the rule `weight` of map.occupancy)."""
 
 
 KINDS = {
     "map3d": Kind(
         draw=lambda run, view, size: map3d.map3d(run.voxels, run.objects, view, size),
         size=map3d.SIZE,
+        data=_solids,
     ),
     "solids": Kind(
         draw=lambda run, view, size: map3d.map3d(
             run.voxels, run.objects, view, size, with_solids=True
         ),
         size=map3d.SIZE,
+        data=_solids,
     ),
-    "parts": Kind(draw=lambda run, _, size: parts(run.voxels, run.objects, size), size=PARTS_SIZE),
+    "parts": Kind(
+        draw=lambda run, _, size: parts(run.voxels, run.objects, size),
+        size=PARTS_SIZE,
+        data=_solids,
+    ),
     "counts": Kind(
         draw=lambda run, view, size: map3d.map3d(
             run.voxels, (), view, size, colours=map3d.by_value(np.log10(run.voxels.counts))
         ),
         size=map3d.SIZE,
+        data=_cells,
     ),
-    "slices": Kind(draw=lambda run, _, size: slices(run.voxels, size), size=SLICES_SIZE),
+    "sigma": Kind(
+        draw=lambda run, view, size: map3d.map3d(
+            run.voxels, (), view, size, colours=map3d.by_value(_sigma(run), "cividis")
+        ),
+        size=map3d.SIZE,
+        data=lambda run: _cells(run) | {"sigma_cells": _sigma(run)},
+        needs_weights=True,
+    ),
+    "slices": Kind(
+        draw=lambda run, _, size: slices(run.voxels, size), size=SLICES_SIZE, data=_cells
+    ),
     "occupancy": Kind(
-        draw=lambda run, _, size: topview.occupancy(run.voxels, size), size=topview.SIZE
+        draw=lambda run, _, size: topview.occupancy(run.voxels, size),
+        size=topview.SIZE,
+        data=_floor,
     ),
     "labels": Kind(
         draw=lambda run, _, size: topview.labels(
             run.voxels, run.objects, run.trajectory.positions, size
         ),
         size=topview.SIZE,
+        data=_solids,
     ),
     "trajectory": Kind(
         draw=lambda run, _, size: topview.path(run.trajectory.T_world_left, run.voxels, size),
         size=topview.SIZE,
+        data=_way,
     ),
 }
 
@@ -93,10 +157,23 @@ def write_figures(run_path: Path, pictures: dict[str, Image]) -> list[Path]:
     return paths
 
 
+def write_data(run_path: Path, name: str, data: Data) -> Path:
+    """Write `figures/NAME.npz`, the arrays that the figure shows."""
+    path = run_path / "figures" / f"{name}.npz"
+    with atomic_path(path) as part:
+        np.savez_compressed(part, allow_pickle=False, **data)
+    return path
+
+
 def figure_run(
-    run_path: Path, *, kind: str | None = None, view: str = "default", size: Size | None = None
+    run_path: Path,
+    *,
+    kind: str | None = None,
+    view: str = "default",
+    size: Size | None = None,
+    with_data: bool = False,
 ) -> list[Path]:
-    """Draw one kind of figure of a run, or all, into its folder.
+    """Draw one kind of figure of a run, or all that its map allows, into its folder.
 
     Raises
     ------
@@ -107,8 +184,10 @@ def figure_run(
         raise InputError(f"kind is {kind!r}, but one of {', '.join(KINDS)} is needed")
     read_manifest(run_path)
     contents = read_contents(run_path)
-    pictures = {
-        name: KINDS[name].draw(contents, view, size or KINDS[name].size)
-        for name in ([kind] if kind else KINDS)
-    }
-    return write_figures(run_path, pictures)
+    has_weights = contents.voxels.weights is not None
+    wanted = [kind] if kind else [k for k in KINDS if has_weights or not KINDS[k].needs_weights]
+    pictures = {k: KINDS[k].draw(contents, view, size or KINDS[k].size) for k in wanted}
+    paths = write_figures(run_path, pictures)
+    if with_data:
+        paths += [write_data(run_path, k, KINDS[k].data(contents)) for k in wanted]
+    return paths

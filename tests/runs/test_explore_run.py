@@ -112,6 +112,27 @@ def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
     assert main(["figure", str(run), "--size", "bigxbig"]) == 2
 
 
+def test_every_figure_is_also_data(run, capsys):
+    assert main(["figure", str(run), "--data", "--json"]) == 0
+    paths = [Path(path) for path in json.loads(capsys.readouterr().out)["figures"]]
+    data = {path.stem: np.load(path, allow_pickle=False) for path in paths if path.suffix == ".npz"}
+    assert set(data) == {path.stem for path in paths if path.suffix == ".png"}
+    metrics = json.loads((run / "metrics.json").read_text())
+    assert len(data["labels"]["label"]) == metrics["num_objects"]
+    assert data["occupancy"]["cells"].sum() == data["map3d"]["counts"].sum()
+    assert len(data["trajectory"]["T_world_left"]) == PAIRS
+    assert main(["figure", str(run), "--kind", "sigma"]) == 2
+    assert "keeps no weights" in capsys.readouterr().err
+
+
+def test_sigma_is_drawn_where_the_map_keeps_weights(tmp_path):
+    folder = tmp_path / "weighed"
+    assert explore(folder, "--set", 'map.occupancy=["count", "weight"]') == 0
+    assert main(["figure", str(folder), "--kind", "sigma", "--data", "-q"]) == 0
+    sigma = np.load(folder / "figures" / "sigma.npz", allow_pickle=False)["sigma_cells"]
+    assert 0 < np.median(sigma) < 1
+
+
 def test_info_knows_runs_maps_clouds_scenes_and_pictures(run, capsys):
     for name, kind in {
         ".": "run", "map.npz": "map", "cloud.ply": "cloud", "figures/map3d.png": "picture",
