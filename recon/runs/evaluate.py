@@ -85,6 +85,7 @@ def evaluate_run(
         The document of `recon evaluate --json`.
     """
     names, paths = list(matchers), tuple(pair_dirs)
+    check_names(paths)
     run = order and order.folder("evaluate", settings, paths)
     trials = [t for path in paths for t in _trials(path, settings, names, truth_scale)]
     rows = []
@@ -98,6 +99,14 @@ def evaluate_run(
             for trial in trials:
                 write_figures(run.path, trial_pictures(trial))
     return report
+
+
+def check_names(paths: tuple[Path, ...]) -> None:
+    """Raise `InputError` where two pair folders have one name."""
+    called = [path.resolve().name for path in paths]
+    for name in called:
+        if called.count(name) > 1:
+            raise InputError(f"two pair folders are called {name}: nothing could tell them apart")
 
 
 def _trials(

@@ -37,6 +37,11 @@ def test_a_pair_without_truth_is_one_line(tmp_path, capsys):
     assert "disp_left" in error
 
 
+def test_pairs_of_one_name_are_refused(capsys):
+    assert main(["evaluate", str(PAIR), str(PAIR)]) == 2
+    assert "called motorcycle" in capsys.readouterr().err
+
+
 def test_a_trained_model_is_used(tmp_path, capsys):
     model = tmp_path / "model.json"
     assert main(["train", str(PAIR), "-o", str(model), "--json"]) == 0
