@@ -105,13 +105,6 @@ def rotation_about_y(angle_rad: float) -> Array:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def wrap_angle(angle_rad: ArrayLike) -> Array:
-    """Angles brought into [-pi, pi)."""
-    angle = np.asarray(angle_rad, dtype=np.float64)
-    wrapped: Array = np.mod(angle + np.pi, 2.0 * np.pi) - np.pi
-    return wrapped
-
-
 def hue_distance_deg(a_deg: ArrayLike, b_deg: ArrayLike) -> Array:
     """Distance of two hues round the colour circle, 0 to 180 degrees."""
     difference = np.mod(np.asarray(a_deg, float) - np.asarray(b_deg, float), 360.0)

@@ -15,7 +15,6 @@ from recon.geometry import (
     pose,
     rotation_about_y,
     transform,
-    wrap_angle,
 )
 
 ANGLES = [0.0, 1e-7, 0.5, np.pi - 1e-7, np.pi]
@@ -86,11 +85,6 @@ def test_check_rigid_fires_on_scale_mirror_and_nan():
     for broken in (np.diag([2.0, 2, 2, 1]), np.diag([-1.0, 1, 1, 1]), np.full((4, 4), np.nan)):
         with pytest.raises(InputError):
             check_rigid("T", broken)
-
-
-def test_angles_wrap_into_their_half_open_range():
-    assert wrap_angle(np.pi) == -np.pi
-    np.testing.assert_allclose(wrap_angle([3 * np.pi / 2, -7]), [-np.pi / 2, -7 + 2 * np.pi])
 
 
 def test_hue_runs_round_a_circle():
