@@ -48,6 +48,8 @@ class RunFolder:
 
     path: Path
     plan: RunPlan
+    identity: dict[str, Any]
+    """The plan's, taken once: its inputs may be many and large."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Wall time by stage, for the manifest."""
     state: str = "running"
@@ -68,7 +70,7 @@ class RunFolder:
         """
         if path.exists() and not (overwrite or resume):
             raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
-        run = cls(path=path, plan=plan)
+        run = cls(path=path, plan=plan, identity=plan.identity())
         if resume and path.exists():
             run._check_same(read_manifest(path))
         elif path.exists():
@@ -87,7 +89,7 @@ class RunFolder:
         self.replaces = True
 
     def _check_same(self, manifest: dict[str, Any]) -> None:
-        for name, value in self.plan.identity().items():
+        for name, value in self.identity.items():
             if manifest.get(name) != value:
                 raise InputError(
                     f"{self.path} was made with another {name.removesuffix('_sha256')}; "
@@ -151,7 +153,7 @@ class RunFolder:
 
     def _write_manifest(self, error: str | None = None) -> None:
         outputs = sorted(p for p in self.path.rglob("*") if p.is_file() and p.name != MANIFEST)
-        document = self.plan.identity() | {
+        document = self.identity | {
             "state": self.state,
             "error": error,
             "versions": versions(),

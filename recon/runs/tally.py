@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -106,4 +106,4 @@ class Tally:
         insert(cloud, seen.pair, self.settings, self.voxel_map, seen.number)
         self.map_s += time.perf_counter() - began
         self.num_points += len(cloud)
-        return Seen(number=seen.number, pair=seen.pair, matches=seen.matches, cloud=cloud)
+        return replace(seen, cloud=cloud)
