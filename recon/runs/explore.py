@@ -9,7 +9,7 @@ from recon.exports.ply import CloudWriter
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder
 from recon.runs.contents import RunContents, Trajectory
-from recon.runs.figures import add_pair, draw_always, write_figures
+from recon.runs.figures import leave_figures
 from recon.runs.order import Progress, RunOrder
 from recon.runs.products import with_views, write_metrics, write_products
 from recon.runs.replay import SavedPairs
@@ -101,10 +101,8 @@ def _write(
     write_products(run, exploration.voxel_map, recognition, trajectory)
     drawing = time.perf_counter()
     contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=trajectory)
-    pictures = draw_always(contents)
-    if clearest is not None:
-        pictures = add_pair(pictures, clearest.pair.left, clearest.matches)
-    write_figures(run.path, pictures)
+    seen = None if clearest is None else (clearest.pair.left, clearest.matches)
+    leave_figures(run.path, contents, seen)
     ended = time.perf_counter()
     seconds = exploration.seconds | {"figures": ended - drawing, "total": ended - began}
     run.seconds.update(seconds)

@@ -148,6 +148,16 @@ def add_pair(pictures: dict[str, Image], left: Image, matches: Matches) -> dict[
     return pictures | {"disparity": drawn, "overview": overview(sheet)}
 
 
+def leave_figures(
+    run_path: Path, contents: RunContents, clearest: tuple[Image, Matches] | None
+) -> None:
+    """Draw and write what every run leaves; `clearest` is the left picture with most matches."""
+    pictures = draw_always(contents)
+    if clearest is not None:
+        pictures = add_pair(pictures, *clearest)
+    write_figures(run_path, pictures)
+
+
 def write_figures(run_path: Path, pictures: dict[str, Image]) -> list[Path]:
     """Write `figures/NAME.png` for every picture; return their paths."""
     (run_path / "figures").mkdir(exist_ok=True)

@@ -14,7 +14,7 @@ from recon.recognition import recognise
 from recon.records import StereoPair
 from recon.runfolder import RunFolder
 from recon.runs.contents import RunContents
-from recon.runs.figures import add_pair, draw_always, write_figures
+from recon.runs.figures import leave_figures
 from recon.runs.order import Progress, RunOrder
 from recon.runs.products import with_views, write_metrics, write_products
 from recon.runs.report import read_report
@@ -119,10 +119,9 @@ def _write(run: RunFolder, tally: Tally, settings: Settings) -> None:
     )
     write_products(run, tally.voxel_map, recognition, tally.trajectory)
     contents = RunContents(voxels=voxels, objects=recognition.objects, trajectory=tally.trajectory)
-    pictures = draw_always(contents)
-    if tally.clearest is not None:
-        pictures = add_pair(pictures, tally.clearest.pair.left, tally.clearest.matches)
-    write_figures(run.path, pictures)
+    clearest = tally.clearest
+    seen = None if clearest is None else (clearest.pair.left, clearest.matches)
+    leave_figures(run.path, contents, seen)
 
 
 def _surface_distance(path: Path, tally: Tally) -> dict[str, float]:
