@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.scores import Picture, Ring, Search, fill_row, locate, make_ring
-from recon.stereo.sums import FAST, Floats, Integers, kernel, weighted_sum
+from recon.stereo.lanes import FAST, Floats, Integers, kernel, weighted_sum
 from recon.stereo.support import DIRECTIONS, LIKENESS, SIDE_RADIUS, Members, disc, half_disc
 
 _RIVAL_GAP = 3

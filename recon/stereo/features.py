@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
-from recon.stereo.sums import Floats
+from recon.stereo.lanes import Floats, kernel
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
@@ -40,11 +40,11 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     if settings.method == "population":
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    ridge = np.flatnonzero(_ridges(modulus, cosine, sine))
-    strength = modulus.reshape(-1)[ridge]
+    place = np.flatnonzero(_ridges(modulus, cosine, sine))
+    strength = modulus.reshape(-1)[place]
     threshold = _threshold(strength, modulus.size, settings)
-    rows = strength >= threshold
-    v, u = np.divmod(ridge[rows], grey.shape[1])
+    rows = np.flatnonzero(strength >= threshold)
+    v, u = np.divmod(place[rows], grey.shape[1])
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
         orientation_rad=np.mod(np.arctan2(sine[v, u], cosine[v, u]) / 2, np.pi),
@@ -85,24 +85,32 @@ def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
     height, width = modulus.shape
     ridge = np.zeros((height, width), np.bool_)
     for v in range(1, height - 1):
-        for u in range(1, width - 1):
-            ridge[v, u] = _is_ridge(modulus, v, u, cosine[v, u], sine[v, u])
+        rows = modulus[v - 1], modulus[v], modulus[v + 1]
+        _find_ridges(rows, cosine[v], sine[v], ridge[v])
     return ridge
 
 
-@njit(cache=True, error_model="numpy")
-def _is_ridge(modulus: Floats, v: int, u: int, c: float, s: float) -> bool:
-    """Whether the neighbours along the normal are weaker; they are mixed of two pixels each.
+@kernel
+def _find_ridges(
+    rows: tuple[Floats, Floats, Floats], cosine: Floats, sine: Floats, ridge: NDArray[np.bool_]
+) -> None:
+    """Mark the pixels of a row whose neighbours along the normal are weaker.
 
-    The normal's doubled angle has cosine and sine proportional to c and s.
+    These are mixed of two pixels each: of the nearer axis, and of the diagonal. The normal's
+    doubled angle has cosine and sine proportional to those given. All neighbours are read before
+    one is chosen, or the loop could not be vectorised.
     """
-    across = 1 if s > 0 else -1
-    dv, du = (0, 1) if c > 0 else (across, 0)
-    # Tangent of the angle to the nearer axis, from its double.
-    share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
-    rest = np.float32(1) - share
-    ahead = rest * modulus[v + dv, u + du] + share * modulus[v + across, u + 1]
-    behind = rest * modulus[v - dv, u - du] + share * modulus[v - across, u - 1]
-    # Of two equal pixels exactly one is the ridge, however the sums are rounded.
-    is_ridge: bool = (ahead * _EQUAL < modulus[v, u]) & (behind <= modulus[v, u] * _EQUAL)
-    return is_ridge
+    above, middle, below = rows
+    for i in range(ridge.size - 2):
+        c, s = cosine[i + 1], sine[i + 1]
+        # Tangent of the angle to the nearer axis, from its double.
+        share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
+        a, b, d = above[i], above[i + 1], above[i + 2]
+        e, here, f = middle[i], middle[i + 1], middle[i + 2]
+        g, h, j = below[i], below[i + 1], below[i + 2]
+        ahead = f if c > 0 else (h if s > 0 else b)
+        behind = e if c > 0 else (b if s > 0 else h)
+        ahead += share * ((j if s > 0 else d) - ahead)
+        behind += share * ((a if s > 0 else g) - behind)
+        # Of two equal pixels exactly one is the ridge, however the sums are rounded.
+        ridge[i + 1] = (ahead * _EQUAL < here) & (behind <= here * _EQUAL)

@@ -10,7 +10,7 @@ from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 from recon.stereo.aggregation import Points, Support, aggregate_rows
 from recon.stereo.scores import C_COS, Picture, Search
-from recon.stereo.sums import Floats
+from recon.stereo.lanes import Floats
 from recon.stereo.support import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3

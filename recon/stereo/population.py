@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.sums import Floats
+from recon.stereo.lanes import Floats
 
 _NUM_FILTERS = 8
 _SIGMA_OF_WAVELENGTH = 0.4

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.sums import FAST, Floats, Integers, kernel
+from recon.stereo.lanes import FAST, Floats, Integers, kernel
 from recon.stereo.support import SIDE_RADIUS, Members
 
 SLACK = np.float32(0.9)

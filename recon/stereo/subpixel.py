@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.records import Features, Matches
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
-from recon.stereo.sums import Floats, Integers, kernel
+from recon.stereo.lanes import Floats, Integers, kernel
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""

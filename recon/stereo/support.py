@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.sums import Floats, Integers, filled
+from recon.stereo.lanes import Floats, Integers, filled
 
 RADIUS = 7
 """Of the disc whose pixels support a disparity."""

@@ -21,7 +21,7 @@ from recon.settings import MatchingSettings
 from recon.stereo.aggregation import Support
 from recon.stereo.mixture import Mixture, fit
 from recon.stereo.phase import match_by
-from recon.stereo.sums import Floats
+from recon.stereo.lanes import Floats
 
 Array = NDArray[np.float64]
 
