@@ -7,8 +7,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.scores import Picture, Ring, Search, fill_row, locate, make_ring
-from recon.stereo.lanes import FAST, Floats, Integers, kernel, weighted_sum
+from recon.stereo.lanes import (
+    FAST, NUM_LANES, Floats, Integers, kernel, larger, largest, load, repeat, room, spread, store,
+    total,
+)  # fmt: skip
+from recon.stereo.scores import Picture, Ring, Search, fill_row, line_start, make_ring
 from recon.stereo.support import DIRECTIONS, LIKENESS, SIDE_RADIUS, Members, disc, half_disc
 
 _RIVAL_GAP = 3
@@ -47,6 +50,18 @@ class Support:
 _Result = tuple[Integers, Floats, Floats, Floats]
 
 
+class _Window(NamedTuple):
+    """Members of the windows of one kind, as places in a ring; (T, K) by parities and direction."""
+
+    line: Integers
+    """Rows from the uppermost that a ring holds."""
+    offset: Integers
+    """From the scores of the window's middle, but for the line."""
+    pixel: Integers
+    """From the middle in the flat picture with its margin."""
+    weight: Floats
+
+
 class _Task(NamedTuple):
     """The points of one picture that are sought in the other."""
 
@@ -54,25 +69,29 @@ class _Task(NamedTuple):
     other: Picture
     points: Points
     search: Search
-    disc: Members
-    ahead: Members
-    behind: Members
+    disc: _Window
+    ahead: _Window
+    behind: _Window
 
 
 class _Room(NamedTuple):
-    """Room for where the members of a row's windows lie, and for the sums of one window."""
+    """Room for what one point needs, and for what the points of a row share."""
 
+    lines: Integers
+    """Where the lines of a ring begin, the uppermost row of a window first."""
     disc: Integers
-    ahead: Integers
-    behind: Integers
-    offsets: Integers
-    """(4, K) of the disc's members in the flat picture with its margin."""
+    """(2, K) where the scores of the disc's members begin, for even and odd columns."""
+    side: Integers
+    """(K',) the same of a half disc."""
     weights: Floats
-    total: Floats
+    """Of the disc's members."""
+    support: Floats
+    """Of each shift, filled up to whole lanes."""
     closed: Floats
-    """Of the other row: 0, or `_CLOSED` where there is no candidate; with room on both sides."""
+    """Of the other row: 0, or `_CLOSED` where there is no candidate."""
     claims: Floats
-    """Highest support that any point of the row has for each pixel of the other row."""
+    """(H, ...) highest support that any point of a row has for each pixel of the other row; (0, 0)
+    where nobody asks."""
 
 
 def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> Support:
@@ -85,11 +104,42 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
         side=np.zeros(size, np.float32),
         row_shift=np.full(size, search.row_shift, np.int64),
     )
-    every = search.every
-    windows = disc(every), half_disc(+1, every), half_disc(-1, every)
+    ring = make_ring(base, search)
+    kinds = disc(search.every), half_disc(+1, search.every), half_disc(-1, search.every)
+    windows = (_window(members, ring, base.mask.shape[1] + 2 * SIDE_RADIUS) for members in kinds)
     task = _Task(base, other, points, search, *windows)
-    _aggregate(task, (support.shift, support.score, support.rival, support.side))
+    _aggregate(
+        task, ring, _make_room(task, ring),
+        (support.shift, support.score, support.rival, support.side),
+    )  # fmt: skip
     return support
+
+
+def _window(members: Members, ring: Ring, stride: int) -> _Window:
+    odd = np.arange(len(members.du)).reshape(4, -1) // (len(members.du) // 4) % 2
+    column = (odd.reshape(-1, 1) + members.du) >> 1
+    slack = members.slack * (ring.rows * ring.columns * ring.lanes)
+    return _Window(
+        line=members.dv + SIDE_RADIUS,
+        offset=column * ring.lanes + slack,
+        pixel=members.dv * stride + members.du,
+        weight=members.weight,
+    )
+
+
+def _make_room(task: _Task, ring: Ring) -> _Room:
+    height, width = task.base.mask.shape
+    num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
+    reach = width + abs(task.search.first) + ring.lanes
+    return _Room(
+        lines=np.zeros(2 * SIDE_RADIUS + 1, np.int64),
+        disc=np.zeros((2, num_disc), np.int64),
+        side=np.zeros(num_side, np.int64),
+        weights=room(num_disc),
+        support=room(ring.lanes),
+        closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
+        claims=np.full((height, reach) if task.search.is_unique else (0, 0), _CLOSED),
+    )
 
 
 def aggregate_rows(
@@ -106,163 +156,211 @@ def aggregate_rows(
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _aggregate(task: _Task, result: _Result) -> None:
-    base, other, points, search = task.base, task.other, task.points, task.search
-    height, width = base.mask.shape
-    ring = make_ring(width, search.num_shifts, search.every)
-    room = _make_room(task, ring)
-    for v in range(SIDE_RADIUS):
-        fill_row(ring, v, base, other, search)
-    for v in range(height):
-        fill_row(ring, v + SIDE_RADIUS, base, other, search)
-        v_other = v + search.row_shift
-        if points.starts[v] == points.starts[v + 1] or not 0 <= v_other < height:
-            continue
-        _open(other.mask[v_other], room, max(0, -search.first))
-        locate(ring, v, task.disc, room.disc)
-        _choose(ring, task, room, v, result)
-        if search.is_unique:
-            _reject(points, room, max(0, -search.first), v, result)
-        if points.orientation.size:
-            locate(ring, v, task.ahead, room.ahead)
-            locate(ring, v, task.behind, room.behind)
-            _take_sides(ring, task, room, v, result)
-
-
-@njit(cache=True)
-def _make_room(task: _Task, ring: Ring) -> _Room:
-    width = task.base.mask.shape[1]
-    members = task.disc.weight.shape[1]
-    reach = abs(task.search.first) + width + task.search.num_shifts
-    return _Room(
-        np.zeros((2, 1, members), np.int64),
-        np.zeros((2, DIRECTIONS, task.ahead.weight.shape[1]), np.int64),
-        np.zeros((2, DIRECTIONS, task.behind.weight.shape[1]), np.int64),
-        task.disc.dv * task.base.grey.shape[1] + task.disc.du,
-        np.zeros(members, np.float32),
-        np.zeros(task.search.num_shifts, np.float32),
-        np.full(reach, _CLOSED, np.float32),
-        np.full(reach, _CLOSED, np.float32),
-    )
+def _aggregate(task: _Task, ring: Ring, room: _Room, result: _Result) -> None:
+    points, search = task.points, task.search
+    height, width = task.base.mask.shape
+    begin = points.starts[:-1].copy()
+    end = begin.copy()
+    for first in range(0, width, ring.width):
+        for v in range(SIDE_RADIUS):
+            fill_row(ring, v, first, task.base, task.other, search)
+        for v in range(height):
+            fill_row(ring, v + SIDE_RADIUS, first, task.base, task.other, search)
+            while end[v] < points.starts[v + 1] and points.u[end[v]] < first + ring.width:
+                end[v] += 1
+            if begin[v] < end[v] and 0 <= v + search.row_shift < height:
+                _judge(task, ring, room, (v, first, begin[v], end[v]), result)
+            begin[v] = end[v]
+    if search.is_unique:
+        _reject(points, search, room.claims, result)
 
 
 @kernel
-def _open(mask: NDArray[np.bool_], room: _Room, margin: int) -> None:
-    """Make ready for the candidates of another row, that nobody has claimed yet."""
-    room.claims[:] = _CLOSED
-    for u in range(mask.size):
-        room.closed[margin + u] = np.float32(0.0) if mask[u] else _CLOSED
+def _judge(
+    task: _Task, ring: Ring, room: _Room, stretch: tuple[int, int, int, int], result: _Result
+) -> None:
+    """Find shift and side of the points of a row of a strip: from one number to another."""
+    v, first, begin, end = stretch
+    left = first - SIDE_RADIUS
+    _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
+    for k in range(room.lines.size):
+        room.lines[k] = line_start(ring, v + k - SIDE_RADIUS)
+    for odd in range(2):
+        _locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
+    for i in range(begin, end):
+        place = ((task.points.u[i] - left) >> 1) * ring.lanes
+        _choose(task, ring, room, (i, v, left, place), result)
+        if task.points.orientation.size and result[1][i] > 0:
+            _take_side(task, ring, room, (i, v, place), result)
 
 
 @kernel
-def _choose(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
-    """Find the best supported shift of each point of a row."""
-    points, search, grey, total = task.points, task.search, task.base.grey, room.total
+def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
+    """Mark the candidates of another row, from a column on."""
+    closed[:] = _CLOSED
+    for k in range(max(0, -start), min(closed.size, mask.size - start)):
+        closed[k] = np.float32(0.0) if mask[start + k] else _CLOSED
+
+
+@kernel
+def _locate(window: _Window, row: int, lines: Integers, starts: Integers) -> None:
+    """Write where the scores of a window's members begin, from its middle's on in its line."""
+    line, offset = window.line[row], window.offset[row]
+    for k in range(starts.size):
+        starts[k] = lines[np.uint64(line[k])] + offset[k]
+
+
+@kernel
+def _choose(
+    task: _Task, ring: Ring, room: _Room, point: tuple[int, int, int, int], result: _Result
+) -> None:
+    """Find the best supported shift of a point."""
+    i, v, left, place = point
+    u, search, support = task.points.u[i], task.search, room.support
     shift, score, rival, _ = result
-    picture = grey.reshape(-1)
-    for i in range(points.starts[v], points.starts[v + 1]):
-        u = points.u[i]
-        parity = 2 * (v & 1) + (u & 1)
-        middle = (v + SIDE_RADIUS) * grey.shape[1] + u + SIDE_RADIUS
-        share = _weigh(
-            picture, middle, room.offsets[parity], task.disc.weight[parity], room.weights
-        )
-        near = ring.scores[(u >> 1) * ring.lanes :]
-        weighted_sum(near, room.disc[u & 1, 0], room.weights, total)
-        start = max(0, -search.first) + u + search.first
-        _claim(total, share, room.closed[start:], room.claims[start:])
-        best, highest = _highest(total)
-        if highest > 0:
-            shift[i] = search.first + best
-            score[i] = highest
-            rival[i] = _rival(total, best) / highest
+    stride = task.base.mask.shape[1] + 2 * SIDE_RADIUS
+    middle = (v + SIDE_RADIUS) * stride + u + SIDE_RADIUS
+    row = 2 * (v & 1) + (u & 1)
+    share = _weigh(task.base.grey, middle, task.disc, row, room.weights)
+    _sum(ring.scores, place, room.disc[u & 1], room.weights, support)
+    _close(support, share, room.closed[u - left :], search.num_shifts)
+    if search.is_unique:
+        _claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
+    highest = _highest(support)
+    if highest > 0:
+        best = 0
+        while support[np.uint64(best)] < highest:
+            best += 1
+        shift[i] = search.first + best
+        score[i] = highest
+        _forget(support, best - _RIVAL_GAP + 1, best + _RIVAL_GAP)
+        rival[i] = max(_highest(support), np.float32(0.0)) / highest
 
 
 @kernel
 def _weigh(
-    picture: NDArray[np.uint8], middle: int, offsets: Integers, weight: Floats, weights: Floats
+    picture: NDArray[np.uint8], middle: int, window: _Window, row: int, weights: Floats
 ) -> float:
     """Write the weights of the disc's members, the more alike the more; return 1 / their sum."""
     here = np.int64(picture[middle])
+    pixel, weight = window.pixel[row], window.weight[row]
     for k in range(weight.size):
-        there = np.int64(picture[np.uint64(middle + offsets[k])])
+        there = np.int64(picture[np.uint64(middle + pixel[k])])
         weights[k] = weight[k] * LIKENESS[np.uint64(abs(there - here))]
-    total = np.float32(1e-6)
-    for k in range(weight.size):
-        total += weights[k]
-    return float(np.float32(1.0) / total)
+    together = spread(0.0)
+    for k in range(0, weight.size, NUM_LANES):
+        together += load(weights, k)
+    return float(np.float32(1.0) / (total(together) + np.float32(1e-6)))
 
 
 @kernel
-def _claim(total: Floats, share: float, closed: Floats, claims: Floats) -> None:
-    """Turn sums into means, shut those without a candidate, and note the highest of each."""
-    for k in range(total.size):
-        total[k] = total[k] * share + closed[k]
-        claims[k] = max(claims[k], total[k])
+def _sum(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    """Write the weighted sums of the members' scores, shift by shift, from `place` on."""
+    i = 0
+    while i + 4 * NUM_LANES <= sums.size:
+        _sum_four(scores, place + i, starts, weights, sums[i:])
+        i += 4 * NUM_LANES
+    if i < sums.size:
+        _sum_two(scores, place + i, starts, weights, sums[i:])
 
 
 @kernel
-def _reject(points: Points, room: _Room, margin: int, v: int, result: _Result) -> None:
+def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    a = b = c = d = spread(0.0)
+    for k in range(starts.size):
+        weight, start = repeat(weights, k), place + starts[k]
+        a += weight * load(scores, start)
+        b += weight * load(scores, start + NUM_LANES)
+        c += weight * load(scores, start + 2 * NUM_LANES)
+        d += weight * load(scores, start + 3 * NUM_LANES)
+    store(sums, 0, a)
+    store(sums, NUM_LANES, b)
+    store(sums, 2 * NUM_LANES, c)
+    store(sums, 3 * NUM_LANES, d)
+
+
+@kernel
+def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    a = b = spread(0.0)
+    for k in range(starts.size):
+        weight, start = repeat(weights, k), place + starts[k]
+        a += weight * load(scores, start)
+        b += weight * load(scores, start + NUM_LANES)
+    store(sums, 0, a)
+    store(sums, NUM_LANES, b)
+
+
+@kernel
+def _close(support: Floats, share: float, closed: Floats, num_shifts: int) -> None:
+    """Turn sums into means, and shut the shifts without a candidate and those beyond the last."""
+    for k in range(0, support.size, NUM_LANES):
+        store(support, k, share * load(support, k) + load(closed, k))
+    support[num_shifts:] = _CLOSED
+
+
+@kernel
+def _claim(support: Floats, claims: Floats) -> None:
+    """Note the highest support of each pixel of the other row."""
+    for k in range(0, support.size, NUM_LANES):
+        store(claims, k, larger(load(support, k), load(claims, k)))
+
+
+@kernel
+def _highest(support: Floats) -> float:
+    highest = load(support, 0)
+    for k in range(NUM_LANES, support.size, NUM_LANES):
+        highest = larger(highest, load(support, k))
+    return float(largest(highest))
+
+
+@kernel
+def _forget(support: Floats, first: int, end: int) -> None:
+    """Shut the shifts from one to another."""
+    for k in range(max(0, first), min(support.size, end)):
+        support[k] = _CLOSED
+
+
+@kernel
+def _reject(points: Points, search: Search, claims: Floats, result: _Result) -> None:
     """Forget points whose partner supports another point of the row more."""
     shift, score, _, _ = result
-    for i in range(points.starts[v], points.starts[v + 1]):
-        if score[i] < room.claims[margin + points.u[i] + shift[i]]:
-            score[i] = -np.inf
+    margin = max(0, -search.first)
+    for v in range(claims.shape[0]):
+        for i in range(points.starts[v], points.starts[v + 1]):
+            if score[i] < claims[v, margin + points.u[i] + shift[i]]:
+                score[i] = -np.inf
 
 
 @kernel
-def _take_sides(ring: Ring, task: _Task, room: _Room, v: int, result: _Result) -> None:
-    """Compare the evidence of both half discs of each matched point of a row."""
-    points = task.points
-    shift, score, _, side = result
-    for i in range(points.starts[v], points.starts[v + 1]):
-        if score[i] < 0:
-            continue
-        u, best = points.u[i], shift[i] - task.search.first
-        direction = min(int(points.orientation[i] * DIRECTIONS / np.pi), DIRECTIONS - 1)
-        row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
-        # The shift itself and those of the background come from here on.
-        near = ring.scores[(u >> 1) * ring.lanes + best :]
-        average = room.total[best:]
-        weighted_sum(near, room.ahead[u & 1, direction], task.ahead.weight[row], average)
-        side[i] = _evidence(average)
-        weighted_sum(near, room.behind[u & 1, direction], task.behind.weight[row], average)
-        side[i] -= _evidence(average)
+def _take_side(
+    task: _Task, ring: Ring, room: _Room, point: tuple[int, int, int], result: _Result
+) -> None:
+    """Compare the evidence of both half discs of a matched point."""
+    i, v, place = point
+    u, orientation = task.points.u[i], task.points.orientation[i]
+    best = result[0][i] - task.search.first
+    direction = min(int(orientation * DIRECTIONS / np.pi), DIRECTIONS - 1)
+    row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
+    side = result[3]
+    side[i] = _evidence(task, task.ahead, ring, room, (row, place, best))
+    side[i] -= _evidence(task, task.behind, ring, room, (row, place, best))
 
 
 @kernel
-def _highest(total: Floats) -> tuple[int, float]:
-    highest = total[0]
-    for k in range(total.size):
-        highest = max(highest, total[k])
-    best = 0
-    while total[best] < highest:
-        best += 1
-    return best, highest
-
-
-@kernel
-def _rival(total: Floats, best: int) -> float:
-    """The highest support that is not next to the best."""
-    highest = np.float32(0.0)
-    before = total[: max(0, best - _RIVAL_GAP + 1)]
-    for k in range(before.size):
-        highest = max(highest, before[k])
-    after = total[best + _RIVAL_GAP :]
-    for k in range(after.size):
-        highest = max(highest, after[k])
-    return float(highest)
-
-
-@kernel
-def _evidence(average: Floats) -> float:
-    """How much a half disc has the first shift itself, and is not explained better as background.
+def _evidence(
+    task: _Task, window: _Window, ring: Ring, room: _Room, point: tuple[int, int, int]
+) -> float:
+    """How much a half disc has the best shift, and is not explained better as background.
 
     Shifts grow as disparities fall: what is farther away comes after.
     """
-    background = np.float32(0.0)
-    after = average[2:]
-    for k in range(after.size):
-        background = max(background, after[k])
-    evidence: float = average[0] - np.float32(0.5) * background
+    row, place, best = point
+    _locate(window, row, room.lines, room.side)
+    first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
+    support = room.support[first:]
+    _sum(ring.scores, place + first, room.side, window.weight[row], support)
+    support[task.search.num_shifts - first :] = 0.0
+    own = support[best - first]
+    support[: best + 2 - first] = 0.0
+    evidence: float = own - np.float32(0.5) * _highest(support)
     return evidence

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -92,10 +93,11 @@ def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Poin
 
 
 def _picture(features: Features) -> Picture:
+    height = len(features.grey)
     return Picture(
-        features.planes.reshape(-1, 2, *features.grey.shape),
+        features.planes.reshape(height, -1, 2, features.planes.shape[-1]),
         features.candidate_mask,
-        np.pad(features.grey, SIDE_RADIUS, mode="edge"),
+        cv2.copyMakeBorder(features.grey, *[SIDE_RADIUS] * 4, cv2.BORDER_REPLICATE).reshape(-1),
     )
 
 

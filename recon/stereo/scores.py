@@ -1,22 +1,27 @@
 """Similarity of a pixel to those of the other picture's row, at every shift (Eqs 16 to 18).
 
-The scores of the rows round the current one stay in a ring, so that memory does not grow with the
-height of the picture.
+The picture is gone through in strips, from top to bottom, and the scores of the last rows of a
+strip stay in a ring: memory does not grow with the picture, and the ring stays in the fast one.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.lanes import FAST, Floats, Integers, kernel
-from recon.stereo.support import SIDE_RADIUS, Members
+from recon.stereo.lanes import (
+    NUM_LANES, Floats, Lanes, filled, kernel, larger, load, repeat, room, smaller, spread,
+    store,
+)  # fmt: skip
+from recon.stereo.support import SIDE_RADIUS
 
 SLACK = np.float32(0.9)
 """What a member's vote for the neighbouring shift is worth."""
 
-_MARGIN = SIDE_RADIUS
+_RING_BYTES = 1 << 20
+"""A ring should not be larger; it is used up again and again."""
+_NARROWEST = 64
+"""Columns of a strip at least, as it is computed with a margin on both sides."""
 _TINY = np.float32(1e-12)
 
 
@@ -24,11 +29,11 @@ class Picture(NamedTuple):
     """One picture of the two, as the loops want it."""
 
     planes: Floats
-    """(C, 2, H, W) real and imaginary responses; C = scales * orientations."""
+    """(H, C, 2, W') real and imaginary responses; C = scales * orientations."""
     mask: NDArray[np.bool_]
     """(H, W) pixels that may be matched."""
     grey: NDArray[np.uint8]
-    """(H + 2 R, W + 2 R) brightness with a margin of R = SIDE_RADIUS."""
+    """((H + 2 R) * (W + 2 R),) brightness, row by row, with a margin of R = SIDE_RADIUS."""
 
 
 class Search(NamedTuple):
@@ -52,178 +57,196 @@ C_COS = np.zeros((0, 0, 0), np.float32)
 
 
 class Ring(NamedTuple):
-    """Scores of the last rows: every second pixel of a row, and for it one lane a shift."""
+    """Scores of the last rows of a strip: every second pixel of a row, for it one lane a shift."""
 
     scores: Floats
     """(2 * rows * columns * lanes,) exact scores, then those that a slanted surface may use."""
     rows: int
     every: int
     """Which rows of the picture have scores; see `Search`."""
-    lines: Integers
-    """(2 * SIDE_RADIUS + 1,) where the rows of a window begin; room for `locate`."""
     columns: int
     lanes: int
-    """Shifts, filled up to a multiple of 16."""
+    """Shifts, filled up to whole pairs of `NUM_LANES`."""
+    width: int
+    """Columns of the picture in a strip; with a margin of SIDE_RADIUS on both sides they are twice
+    as many as `columns`."""
+    here: Floats
+    """(C * 3 * reach,) responses and inverse energies of the strip's current row."""
+    there: Floats
+    """(C * 3 * reach,) the same of the row of the other picture."""
+    reach: int
+    line: Floats
+    """The scores of one pixel, with room for `NUM_LANES` before and after."""
 
 
-@njit(cache=True)
-def make_ring(width: int, num_shifts: int, every: int) -> Ring:
-    """An empty ring."""
-    lanes = (num_shifts + 15) // 16 * 16
-    columns = (width + 2 * _MARGIN) // 2 + 1
-    rows = 2 * SIDE_RADIUS // every + 1
-    scores = np.zeros(2 * rows * columns * lanes, np.float32)
-    lines = np.zeros(2 * SIDE_RADIUS + 1, np.int64)
-    return Ring(scores, rows, every, lines, columns, lanes)
+def make_ring(base: Picture, search: Search) -> Ring:
+    """An empty ring for strips of a picture."""
+    channels, padded = base.planes.shape[1], base.planes.shape[3]
+    lanes = filled(search.num_shifts, 2 * NUM_LANES)
+    rows = 2 * SIDE_RADIUS // search.every + 1
+    fitting = _RING_BYTES // (2 * rows * lanes * 4) * 2 - 2 * SIDE_RADIUS
+    width = min(filled(max(fitting, _NARROWEST)), padded)
+    columns = width // 2 + SIDE_RADIUS
+    reach = filled(2 * columns + 2 * NUM_LANES + lanes)
+    return Ring(
+        scores=room(2 * rows * columns * lanes),
+        rows=rows,
+        every=search.every,
+        columns=columns,
+        lanes=lanes,
+        width=width,
+        here=room(channels * 3 * reach),
+        there=room(channels * 3 * reach),
+        reach=reach,
+        line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
+    )
 
 
 @kernel
-def locate(ring: Ring, v: int, members: Members, starts: Integers) -> None:
-    """Where the members of windows with middle row v lie, for even (0) and odd (1) columns.
+def line_start(ring: Ring, v: int) -> int:
+    """Where the exact scores of a row of the picture begin."""
+    return v // ring.every % ring.rows * ring.columns * ring.lanes
 
-    Counted from the column `u >> 1` of the window's middle u.
+
+@kernel
+def fill_row(ring: Ring, v: int, first: int, base: Picture, other: Picture, search: Search) -> None:
+    """Compute the scores of row v, in the strip from column `first` on.
+
+    Rows outside the picture score nothing.
     """
-    slack_shift = ring.rows * ring.columns * ring.lanes
-    for k in range(ring.lines.size):
-        line = (v + k - SIDE_RADIUS) // ring.every % ring.rows
-        ring.lines[k] = line * ring.columns * ring.lanes
-    for odd in range(2):
-        for i in range(starts.shape[1]):
-            row = (2 * (v & 1) + odd) * starts.shape[1] + i
-            for k in range(starts.shape[2]):
-                line = ring.lines[members.dv[row, k] + SIDE_RADIUS]
-                column = (odd + members.du[row, k] + _MARGIN) >> 1
-                shift = members.slack[row, k] * slack_shift
-                starts[odd, i, k] = line + column * ring.lanes + shift
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def fill_row(ring: Ring, v: int, base: Picture, other: Picture, search: Search) -> None:
-    """Compute the scores of row v of `base`; rows outside the picture score nothing."""
     if v % ring.every:
         return
     size = ring.columns * ring.lanes
-    start = v // ring.every % ring.rows * size
-    exact = ring.scores[start : start + size]
-    slack = ring.scores[start + ring.rows * size :][:size]
-    height = base.mask.shape[0]
-    v_other = v + search.row_shift
+    start = line_start(ring, v)
+    lines = ring.scores[start:][:size], ring.scores[start + ring.rows * size :][:size]
+    height, v_other = base.mask.shape[0], v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
-        exact[:] = 0.0
-        slack[:] = 0.0
+        lines[0][:] = 0.0
+        lines[1][:] = 0.0
         return
-    margin = max(0, -search.first)
-    beyond = max(0, search.first) + search.num_shifts
-    here = _row(base, v, 0, 0)
-    there = _row(other, v_other, margin, beyond)
-    start = margin + search.first
-    lines = exact.reshape(-1, ring.lanes), slack.reshape(-1, ring.lanes)
-    _score(base.mask[v], v & 1, here, there, start, search, lines)
+    left = first - SIDE_RADIUS
+    behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
+    _read(base, v, left - behind, ring.here, ring.reach)
+    _read(other, v_other, left + search.first - behind_other, ring.there, ring.reach)
+    # Of even rows the even pixels are members, of odd rows the odd ones.
+    _score(ring, (v & 1) + behind, (v & 1) + behind_other, search, lines)
+
+
+@kernel
+def _read(picture: Picture, v: int, origin: int, row: Floats, reach: int) -> None:
+    """Write responses and inverse energies from a column on, a multiple of lanes.
+
+    Inverse energies are 0 where nothing can be matched.
+    """
+    channels, _, padded = picture.planes.shape[1:]
+    share = np.float32(1.0) / np.float32(channels)
+    mask = picture.mask[v]
+    first = max(0, -origin)
+    weights = row[2 * reach : 3 * reach]
+    weights[:] = 0.0
+    for i in range(first, min(reach, mask.size - origin)):
+        weights[i] = share if mask[origin + i] else np.float32(0.0)
+    # The first channel last, as its inverse energies take the place of the weights.
+    for c in range(channels - 1, -1, -1):
+        real, imag = picture.planes[v, c, 0], picture.planes[v, c, 1]
+        for i in range(first, min(reach, padded - origin), NUM_LANES):
+            re, im = load(real, origin + i), load(imag, origin + i)
+            place = 3 * c * reach + i
+            store(row, place, re)
+            store(row, place + reach, im)
+            inverse = load(weights, i) / (re * re + im * im + spread(_TINY))
+            store(row, place + 2 * reach, inverse)
 
 
 @kernel
 def _score(
-    mask: NDArray[np.bool_],
-    odd: int,
-    here: Floats,
-    there: Floats,
-    start: int,
-    search: Search,
-    lines: tuple[Floats, Floats],
+    ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]
 ) -> None:
-    """Scores, exact and slack, of every second pixel of a row, the first of which is `odd`."""
-    for u in range(odd, mask.size, 2):
-        column = (u + _MARGIN) >> 1
-        exact = lines[0][column, : search.num_shifts]
-        slack = lines[1][column, : search.num_shifts]
-        if not mask[u]:
-            exact[:] = 0.0
-            slack[:] = 0.0
+    """Scores, exact and slack, of every second pixel of a row, from the given columns on."""
+    for column in range(ring.columns):
+        u = here + 2 * column
+        if ring.here[2 * ring.reach + u] == 0.0:
+            lines[0][column * ring.lanes :][: ring.lanes] = 0.0
+            lines[1][column * ring.lanes :][: ring.lanes] = 0.0
             continue
         if search.table.size:
-            _look_up(here, u, there[:, :, start + u :], search.table, exact)
+            _look_up(ring, u, there + 2 * column, search.table)
         else:
-            _compare(here, u, there, start + u, exact)
-        _slacken(exact, slack)
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _row(picture: Picture, v: int, margin: int, beyond: int) -> Floats:
-    """(C, 3, ...) responses and inverse energies of a row, with room before and behind."""
-    channels, _, _, width = picture.planes.shape
-    row = np.zeros((channels, 3, margin + width + beyond), np.float32)
-    share = np.float32(1.0 / channels)
-    mask = picture.mask[v]
-    for c in range(channels):
-        real, imag = picture.planes[c, 0, v], picture.planes[c, 1, v]
-        re, im = row[c, 0, margin:], row[c, 1, margin:]
-        inverse = row[c, 2, margin:]
-        for u in range(width):
-            re[u] = real[u]
-            im[u] = imag[u]
-            # No candidate: no score, whatever the phase.
-            weight = share if mask[u] else np.float32(0.0)
-            inverse[u] = weight / (real[u] * real[u] + imag[u] * imag[u] + _TINY)
-    return row
+            _compare(ring, u, there + 2 * column)
+        ring.line[NUM_LANES + search.num_shifts :] = 0.0
+        _slacken(ring.line, column * ring.lanes, lines)
 
 
 @kernel
-def _compare(here: Floats, u: int, there: Floats, start: int, scores: Floats) -> None:
-    """Mean over scales and orientations of c cos(phase difference), where that is positive.
+def _compare(ring: Ring, u: int, start: int) -> None:
+    """Mean over scales and orientations of c cos(phase difference).
 
     ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without an angle or a root.
     """
-    # Unsigned, as an index that might be negative keeps the loop from being vectorised.
-    first = np.uint64(start)
-    size = np.uint64(scores.size)
-    scores[:] = 0.0
-    for c in range(0, here.shape[0], 3):
-        a, b, d = there[c], there[c + 1], there[c + 2]
-        a_re, a_im, a_inv = here[c, 0, u], here[c, 1, u], here[c, 2, u]
-        b_re, b_im, b_inv = here[c + 1, 0, u], here[c + 1, 1, u], here[c + 1, 2, u]
-        d_re, d_im, d_inv = here[c + 2, 0, u], here[c + 2, 1, u], here[c + 2, 2, u]
-        for i in range(size):
-            k = first + i
-            scores[i] += (
-                (a_re * a[0, k] + a_im * a[1, k]) * min(a_inv, a[2, k])
-                + (b_re * b[0, k] + b_im * b[1, k]) * min(b_inv, b[2, k])
-                + (d_re * d[0, k] + d_im * d[1, k]) * min(d_inv, d[2, k])
-            )
-    for i in range(size):
-        scores[i] = max(scores[i], np.float32(0.0))
+    here, there, line, reach = ring.here, ring.there, ring.line, ring.reach
+    # The orientations of one scale at a time.
+    for scale in range(0, here.size, 9 * reach):
+        a = _response(here, scale + u, reach)
+        b = _response(here, scale + 3 * reach + u, reach)
+        d = _response(here, scale + 6 * reach + u, reach)
+        for i in range(0, ring.lanes, NUM_LANES):
+            k = scale + start + i
+            score = _alike(a, there, k, reach)
+            score += _alike(b, there, k + 3 * reach, reach)
+            score += _alike(d, there, k + 6 * reach, reach)
+            if scale:
+                score += load(line, NUM_LANES + i)
+            store(line, NUM_LANES + i, score)
 
 
 @kernel
-def _look_up(here: Floats, u: int, there: Floats, table: Floats, scores: Floats) -> None:
-    """Mean over scales and orientations of the table's similarity, where that is positive."""
+def _response(here: Floats, k: int, reach: int) -> tuple[Lanes, Lanes, Lanes]:
+    """Response and inverse energy of one pixel in one channel."""
+    return repeat(here, k), repeat(here, k + reach), repeat(here, k + 2 * reach)
+
+
+@kernel
+def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: int) -> Lanes:
+    """c cos of a response and those of the other row from one place on."""
+    real, imag, inverse = response
+    dot = real * load(there, k) + imag * load(there, k + reach)
+    return dot * smaller(inverse, load(there, k + 2 * reach))
+
+
+@kernel
+def _look_up(ring: Ring, u: int, start: int, table: Floats) -> None:
+    """Mean over scales and orientations of the table's similarity."""
     scales, num_c, num_cos = table.shape
-    channels = here.shape[0]
-    for i in range(scores.size):
-        scores[i] = 0.0
-        if there[0, 2, i] == 0.0:
+    here = ring.here.reshape(-1, 3, ring.reach)
+    there = ring.there.reshape(-1, 3, ring.reach)
+    channels = len(here)
+    for k in range(start, start + ring.lanes):
+        ring.line[NUM_LANES + k - start] = 0.0
+        if there[0, 2, k] == 0.0:
             continue
         total = np.float32(0.0)
         for c in range(channels):
-            dot = here[c, 0, u] * there[c, 0, i] + here[c, 1, u] * there[c, 1, i]
+            dot = here[c, 0, u] * there[c, 0, k] + here[c, 1, u] * there[c, 1, k]
             # The inverse energies of both have the same factor.
-            ratio = here[c, 2, u] / there[c, 2, i]
+            ratio = here[c, 2, u] / there[c, 2, k]
             like = np.sqrt(min(ratio, 1.0 / ratio))
-            cosine = dot * channels * np.sqrt(here[c, 2, u] * there[c, 2, i])
+            cosine = dot * channels * np.sqrt(here[c, 2, u] * there[c, 2, k])
             row = min(int(like * num_c), num_c - 1)
             column = min(max(int((cosine + 1.0) * 0.5 * num_cos), 0), num_cos - 1)
             total += table[c * scales // channels, row, column]
-        scores[i] = max(total / channels, np.float32(0.0))
+        ring.line[NUM_LANES + k - start] = total / channels
 
 
 @kernel
-def _slacken(exact: Floats, slack: Floats) -> None:
-    """The best of a score and its neighbours', these at a discount."""
-    size = exact.size
-    if size == 1:
-        slack[0] = exact[0]
-        return
-    slack[0] = max(exact[0], SLACK * exact[1])
-    slack[size - 1] = max(exact[size - 1], SLACK * exact[size - 2])
-    before, middle, after, out = exact[: size - 2], exact[1 : size - 1], exact[2:], slack[1:]
-    for d in range(size - 2):
-        out[d] = max(middle[d], SLACK * max(before[d], after[d]))
+def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
+    """Write the scores where they are positive, and the best of each and its neighbours'.
+
+    These count at a discount.
+    """
+    nothing = spread(0.0)
+    for i in range(NUM_LANES, line.size - NUM_LANES, NUM_LANES):
+        exact = larger(load(line, i), nothing)
+        beside = larger(load(line, i - 1), load(line, i + 1))
+        place = start + i - NUM_LANES
+        store(lines[0], place, exact)
+        store(lines[1], place, larger(exact, SLACK * beside))

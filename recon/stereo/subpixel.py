@@ -69,7 +69,7 @@ def _tune(
     for i in range(v.size):
         sums[:] = 0.0
         for s in scales:
-            here, there = left[s, :, :, v[i]], right[s, :, :, v[i]]
+            here, there = left[v[i], s], right[v[i], s]
             _add_scale(here, u_left[i], there, u_right[i], nominal[s], sums)
         change[i], sigma[i] = _solve(sums)
     return change, sigma
