@@ -1,6 +1,7 @@
 """The best supported shift of each point, its rivals, and its side of an edge."""
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.lanes import (
-    FAST, NUM_LANES, Floats, Integers, kernel, larger, largest, load, repeat, room, spread, store,
+    FAST, NUM_LANES, Floats, Integers, Lanes, kernel, larger, largest, load, repeat, room, spread, store,
     total,
 )  # fmt: skip
 from recon.stereo.scores import Picture, Ring, Search, fill_row, line_start, make_ring
@@ -48,6 +49,7 @@ class Support:
 
 
 _Result = tuple[Integers, Floats, Floats, Floats]
+_Four = tuple[Lanes, Lanes, Lanes, Lanes]
 
 
 class _Window(NamedTuple):
@@ -105,9 +107,7 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
         row_shift=np.full(size, search.row_shift, np.int64),
     )
     ring = make_ring(base, search)
-    kinds = disc(search.every), half_disc(+1, search.every), half_disc(-1, search.every)
-    windows = (_window(members, ring, base.mask.shape[1] + 2 * SIDE_RADIUS) for members in kinds)
-    task = _Task(base, other, points, search, *windows)
+    task = _Task(base, other, points, search, *_windows(*_layout(ring, base)))
     _aggregate(
         task, ring, _make_room(task, ring),
         (support.shift, support.score, support.rival, support.side),
@@ -115,13 +115,27 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
     return support
 
 
-def _window(members: Members, ring: Ring, stride: int) -> _Window:
-    odd = np.arange(len(members.du)).reshape(4, -1) // (len(members.du) // 4) % 2
-    column = (odd.reshape(-1, 1) + members.du) >> 1
-    slack = members.slack * (ring.rows * ring.columns * ring.lanes)
+def _layout(ring: Ring, base: Picture) -> tuple[int, int, int, int]:
+    """What the windows' places depend on."""
+    half = ring.rows * ring.columns * ring.lanes
+    return ring.every, ring.lanes, half, base.mask.shape[1] + 2 * SIDE_RADIUS
+
+
+@lru_cache(maxsize=16)
+def _windows(every: int, lanes: int, half: int, stride: int) -> tuple[_Window, _Window, _Window]:
+    """The disc, and the half discs ahead and behind."""
+    kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
+    ours, ahead, behind = (_window(members, lanes, half, stride) for members in kinds)
+    return ours, ahead, behind
+
+
+def _window(members: Members, lanes: int, half: int, stride: int) -> _Window:
+    # Rows of the tables are by parity of the middle's row, then of its column.
+    odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
+    column = (odd[:, None] + members.du) >> 1
     return _Window(
         line=members.dv + SIDE_RADIUS,
-        offset=column * ring.lanes + slack,
+        offset=column * lanes + members.slack * half,
         pixel=members.dv * stride + members.du,
         weight=members.weight,
     )
@@ -223,10 +237,9 @@ def _choose(
     row = 2 * (v & 1) + (u & 1)
     share = _weigh(task.base.grey, middle, task.disc, row, room.weights)
     _sum(ring.scores, place, room.disc[u & 1], room.weights, support)
-    _close(support, share, room.closed[u - left :], search.num_shifts)
+    highest = _close(support, share, room.closed[u - left :])
     if search.is_unique:
         _claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
-    highest = _highest(support)
     if highest > 0:
         best = 0
         while support[np.uint64(best)] < highest:
@@ -266,36 +279,51 @@ def _sum(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Fl
 
 @kernel
 def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    a = b = c = d = spread(0.0)
-    for k in range(starts.size):
-        weight, start = repeat(weights, k), place + starts[k]
-        a += weight * load(scores, start)
-        b += weight * load(scores, start + NUM_LANES)
-        c += weight * load(scores, start + 2 * NUM_LANES)
-        d += weight * load(scores, start + 3 * NUM_LANES)
-    store(sums, 0, a)
-    store(sums, NUM_LANES, b)
-    store(sums, 2 * NUM_LANES, c)
-    store(sums, 3 * NUM_LANES, d)
+    # Two sums side by side, as one would wait for itself.
+    nothing = spread(0.0)
+    even = odd = nothing, nothing, nothing, nothing
+    for k in range(0, starts.size, 2):
+        even = _add_four(even, repeat(weights, k), scores, place + starts[k])
+        odd = _add_four(odd, repeat(weights, k + 1), scores, place + starts[k + 1])
+    store(sums, 0, even[0] + odd[0])
+    store(sums, NUM_LANES, even[1] + odd[1])
+    store(sums, 2 * NUM_LANES, even[2] + odd[2])
+    store(sums, 3 * NUM_LANES, even[3] + odd[3])
+
+
+@kernel
+def _add_four(sums: _Four, weight: Lanes, scores: Floats, k: int) -> _Four:
+    return (
+        sums[0] + weight * load(scores, k),
+        sums[1] + weight * load(scores, k + NUM_LANES),
+        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
+        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
+    )
 
 
 @kernel
 def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    a = b = spread(0.0)
-    for k in range(starts.size):
+    a = b = c = d = spread(0.0)
+    for k in range(0, starts.size, 2):
         weight, start = repeat(weights, k), place + starts[k]
         a += weight * load(scores, start)
         b += weight * load(scores, start + NUM_LANES)
-    store(sums, 0, a)
-    store(sums, NUM_LANES, b)
+        weight, start = repeat(weights, k + 1), place + starts[k + 1]
+        c += weight * load(scores, start)
+        d += weight * load(scores, start + NUM_LANES)
+    store(sums, 0, a + c)
+    store(sums, NUM_LANES, b + d)
 
 
 @kernel
-def _close(support: Floats, share: float, closed: Floats, num_shifts: int) -> None:
-    """Turn sums into means, and shut the shifts without a candidate and those beyond the last."""
+def _close(support: Floats, share: float, closed: Floats) -> float:
+    """Turn sums into means, and shut the shifts without a candidate; return the highest."""
+    highest = spread(_CLOSED)
     for k in range(0, support.size, NUM_LANES):
-        store(support, k, share * load(support, k) + load(closed, k))
-    support[num_shifts:] = _CLOSED
+        mean = share * load(support, k) + load(closed, k)
+        store(support, k, mean)
+        highest = larger(highest, mean)
+    return float(largest(highest))
 
 
 @kernel
@@ -359,7 +387,6 @@ def _evidence(
     first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
     support = room.support[first:]
     _sum(ring.scores, place + first, room.side, window.weight[row], support)
-    support[task.search.num_shifts - first :] = 0.0
     own = support[best - first]
     support[: best + 2 - first] = 0.0
     evidence: float = own - np.float32(0.5) * _highest(support)

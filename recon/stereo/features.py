@@ -9,11 +9,13 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
+from recon.stereo.angle import angles
 from recon.stereo.lanes import Floats, kernel
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
 
+_HALF_TURN = np.float32(np.pi)
 _EQUAL = np.float32(1 + 1e-5)
 
 
@@ -40,20 +42,30 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     if settings.method == "population":
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    place = np.flatnonzero(_ridges(modulus, cosine, sine))
-    strength = modulus.reshape(-1)[place]
+    ridge = np.flatnonzero(_ridges(modulus, cosine, sine))
+    strength = modulus.reshape(-1)[ridge]
     threshold = _threshold(strength, modulus.size, settings)
     rows = np.flatnonzero(strength >= threshold)
-    v, u = np.divmod(place[rows], grey.shape[1])
+    place = ridge[rows]
+    v, u = np.divmod(place, grey.shape[1])
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
-        orientation_rad=np.mod(np.arctan2(sine[v, u], cosine[v, u]) / 2, np.pi),
+        orientation_rad=_orientation(cosine.reshape(-1)[place], sine.reshape(-1)[place]),
         modulus=strength[rows],
         grey=grey,
         widths_px=settings.widths_px,
         planes=responses.planes,
         candidate_mask=modulus >= _CANDIDATE_SHARE * threshold,
     )
+
+
+def _orientation(cosine: Floats, sine: Floats) -> Floats:
+    """Angles in [0, pi) from vectors at twice the angle."""
+    double = np.empty_like(cosine)
+    angles(cosine, sine, double)
+    half = np.where(double < 0, double / 2 + _HALF_TURN, double / 2)
+    half[half >= _HALF_TURN] = 0.0
+    return half
 
 
 def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

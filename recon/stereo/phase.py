@@ -4,12 +4,14 @@ from collections.abc import Callable
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 from recon.stereo.aggregation import Points, Support, aggregate_rows
+from recon.stereo.order import falling
 from recon.stereo.scores import C_COS, Picture, Search
 from recon.stereo.lanes import Floats
 from recon.stereo.support import SIDE_RADIUS
@@ -73,12 +75,17 @@ def _agrees(
     left, right = pictures
     height, width = left.mask.shape
     partner = (points.v + support.row_shift) * width + points.u + support.shift
-    numbers, inverse = np.unique(partner[rows], return_inverse=True)
+    is_partner = np.zeros(height * width, np.bool_)
+    is_partner[partner[rows]] = True
+    numbers = np.flatnonzero(is_partner)
+    number = np.empty(height * width, np.int32)
+    number[numbers] = np.arange(len(numbers), dtype=np.int32)
     pixels = np.column_stack([numbers % width, numbers // width])
     nobody = np.zeros(0, np.float32)
     back = aggregate_rows(right, left, _points(pixels, nobody, height), *search)
-    agrees: NDArray[np.bool_] = (back.shift[inverse] == -support.shift[rows]) & (
-        back.row_shift[inverse] == -support.row_shift[rows]
+    place = number[partner[rows]]
+    agrees: NDArray[np.bool_] = (back.shift[place] == -support.shift[rows]) & (
+        back.row_shift[place] == -support.row_shift[rows]
     )
     return agrees
 
@@ -105,35 +112,52 @@ def _ranked(
     right: Features, points: Points, support: Support, confidence: Floats, rows: Rows
 ) -> Matches:
     """The pairs as matches, most confident first, of those that met at a pixel the first."""
-    height, width = right.grey.shape
-    rows = rows[np.argsort(-confidence[rows], kind="stable")]
-    pixels = _moved(points, support, rows)
-    disparity = -support.shift[rows]
-    # A step must not leave either picture.
-    inside = ((pixels >= 0) & (pixels < (width, height))).all(axis=1)
-    inside &= (pixels[:, 0] - disparity >= 0) & (pixels[:, 0] - disparity < width)
-    keep = np.flatnonzero(inside)
-    keep = keep[_first_at(pixels[keep, 1] * width + pixels[keep, 0], height * width)]
-    rows = rows[keep]
+    rows = rows[falling(confidence[rows])]
+    pixels = np.empty((len(rows), 2), np.int64)
+    is_taken = np.zeros(right.grey.shape, np.bool_)
+    keep = np.flatnonzero(_settle(points, support.shift, support.side, rows, is_taken, pixels))
+    rows, disparity = rows[keep], -support.shift[rows[keep]]
     return Matches(
         points_px=pixels[keep].astype(np.float64),
-        disparity_px=disparity[keep].astype(np.float64),
+        disparity_px=disparity.astype(np.float64),
         sigma_px=np.full(len(keep), np.nan),
         score=confidence[rows].astype(np.float64),
         index_left=rows.astype(np.int32),
         index_right=_index_at(
-            right, points.u[rows] - disparity[keep], points.v[rows] + support.row_shift[rows]
+            right, points.u[rows] - disparity, points.v[rows] + support.row_shift[rows]
         ),
     )
 
 
-def _moved(points: Points, support: Support, rows: Rows) -> Rows:
-    """Pixels (M, 2) one step toward the side of the edge that has the disparity."""
-    side = support.side[rows]
-    step = np.where(np.abs(side) > _DEAD_ZONE, np.sign(side), 0.0)
-    u = points.u[rows] + np.rint(step * np.cos(points.orientation[rows])).astype(np.int64)
-    v = points.v[rows] + np.rint(step * np.sin(points.orientation[rows])).astype(np.int64)
-    return np.column_stack([u, v])
+@njit(cache=True)
+def _settle(
+    points: Points, shift: Rows, side: Floats, rows: Rows, is_taken: NDArray[np.bool_], pixels: Rows
+) -> NDArray[np.bool_]:
+    """Move pairs one pixel toward the side of the edge that has the disparity.
+
+    Writes their pixels, and tells which pairs stay: the first at each pixel, and only where the
+    step leaves neither picture.
+    """
+    height, width = is_taken.shape
+    stays = np.zeros(len(rows), np.bool_)
+    for k, i in enumerate(rows):
+        step = 0 if abs(side[i]) <= _DEAD_ZONE else (1 if side[i] > 0 else -1)
+        du, dv = _neighbour(points.orientation[i])
+        u, v = points.u[i] + step * du, points.v[i] + step * dv
+        pixels[k] = u, v
+        inside = 0 <= min(u, u + shift[i]) and max(u, u + shift[i]) < width and 0 <= v < height
+        if inside and not is_taken[v, u]:
+            is_taken[v, u] = stays[k] = True
+    return stays
+
+
+@njit(cache=True)
+def _neighbour(orientation: float) -> tuple[int, int]:
+    """Step to the neighbour along a direction in [0, pi]: its cosine and sine, rounded."""
+    third, sixth = np.pi / 3, np.pi / 6
+    du = 1 if orientation < third else (-1 if orientation > 2 * third else 0)
+    dv = 1 if sixth < orientation < 5 * sixth else 0
+    return du, dv
 
 
 def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
@@ -143,11 +167,3 @@ def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
     index[lines, columns] = np.arange(len(features))
     found: NDArray[np.int32] = index[v, u]
     return found
-
-
-def _first_at(places: Rows, num_places: int) -> NDArray[np.bool_]:
-    """Which entries are the first at their place."""
-    first = np.empty(num_places, np.int32)
-    first[places[::-1]] = np.arange(len(places), dtype=np.int32)[::-1]
-    mask: NDArray[np.bool_] = first[places] == np.arange(len(places))
-    return mask

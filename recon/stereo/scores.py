@@ -175,6 +175,7 @@ def _score(
             _compare(ring, u, there + 2 * column)
         ring.line[NUM_LANES + search.num_shifts :] = 0.0
         _slacken(ring.line, column * ring.lanes, lines)
+        lines[1][column * ring.lanes + search.num_shifts : (column + 1) * ring.lanes] = 0.0
 
 
 @kernel

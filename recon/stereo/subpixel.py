@@ -1,22 +1,25 @@
 """Fine tuning: the part of the disparity below a pixel, from phase differences (Eqs 20, 21)."""
 
 import dataclasses
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from recon.records import Features, Matches
+from recon.stereo.angle import angles
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
-from recon.stereo.lanes import Floats, Integers, kernel
+from recon.stereo.lanes import NUM_LANES, Floats, Integers, kernel, load, spread, store
+from recon.stereo.order import order
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
-_VAGUE_SHARE = 0.1
-"""Share of a vertical edge's information at which half of the change is taken: an edge along the
+_VAGUE_SHARE_SQ = np.float32(0.1**2)
+"""Square of the share of a vertical edge's information at which half of the change is taken: an edge along the
 row says nothing of the disparity, and must not break a good match."""
-_LARGEST_PHASE = 2.2
-"""Radians; a larger difference has wrapped round, or belongs to nothing."""
+_LEAST_COSINE = np.float32(np.cos(2.2))
+"""Of a phase difference; a larger one has wrapped round, or belongs to nothing."""
 _LARGEST_CHANGE_PX = 0.7
 """A larger change means that phase and position disagree; position is kept then."""
 UNTUNED_SIGMA_PX = 0.4
@@ -30,6 +33,9 @@ _VAGUENESS_WEIGHT = 0.14
 
 Array = NDArray[np.float64]
 
+_CHUNK = 64
+"""Pairs that are tuned at once, so that what is known of them stays in the fastest memory."""
+
 
 def refine(matches: Matches, left: Features, right: Features) -> Matches:
     """Tune whole-pixel disparities by the phase that is left over at the matched pixels.
@@ -40,18 +46,42 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     already, and left as they are.
     """
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
-    # In the order of the picture, as memory is slow to jump about in.
-    rows = rows[np.argsort(matches.points_px[rows] @ (1, left.grey.shape[1]))]
-    tuned = np.flatnonzero(np.asarray(left.widths_px) >= _FINEST_WIDTH_PX)
-    if not rows.size:
-        return matches
-    nominal = 2 * np.pi / (WAVELENGTH_OF_WIDTH * np.asarray(left.widths_px))
     u, v = matches.points_px[rows].astype(np.int64).T
+    # In the order of the picture, as memory is slow to jump about in.
+    along = order(v * left.grey.shape[1] + u)
+    rows, u, v = rows[along], u[along], v[along]
+    widths = np.asarray(left.widths_px, dtype=np.float32)
+    scales = np.flatnonzero(widths >= _FINEST_WIDTH_PX)
     delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
-    change, sigma[rows] = _tune(left.planes, right.planes, tuned, nominal, (u, v, u - delta))
+    change, sigma[rows] = _tune(
+        left.planes, right.planes, scales, nominal_rad(widths), (u, v, u - delta)
+    )
     disparity[rows] = delta + change
     return dataclasses.replace(matches, disparity_px=disparity, sigma_px=sigma)
+
+
+def nominal_rad(widths_px: Floats) -> Floats:
+    """Phase a pixel to which filters of some widths answer most."""
+    frequency: Floats = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths_px
+    return frequency
+
+
+class _Channels(NamedTuple):
+    """What each channel says of a chunk of pairs; (C, _CHUNK), a channel a scale's orientation."""
+
+    product: Floats
+    """(2, C, _CHUNK) real and imaginary part of right times conjugate left response."""
+    turn: Floats
+    """(2, C, _CHUNK) of the turn of the response over two pixels of the row, of both pictures."""
+    difference: Floats
+    """Phase that is left over."""
+    double_frequency: Floats
+    """Local frequency along the row, in radians for two pixels."""
+    weight: Floats
+    """Energy of the weaker response; 0 where the phase has wrapped, or belongs to nothing."""
+    is_counted: Floats
+    """1, or 0 where the weight is."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -59,81 +89,124 @@ def _tune(
     left: Floats,
     right: Floats,
     scales: Integers,
-    nominal: Array,
+    nominal: Floats,
     pixels: tuple[Integers, Integers, Integers],
 ) -> tuple[Array, Array]:
-    u_left, v, u_right = pixels
-    change = np.empty(v.size)
-    sigma = np.empty(v.size)
-    sums = np.zeros(5)
-    for i in range(v.size):
-        sums[:] = 0.0
-        for s in scales:
-            here, there = left[v[i], s], right[v[i], s]
-            _add_scale(here, u_left[i], there, u_right[i], nominal[s], sums)
-        change[i], sigma[i] = _solve(sums)
+    """Change of each disparity, and its standard deviation."""
+    num_pairs = pixels[0].size
+    change, sigma = np.zeros(num_pairs), np.full(num_pairs, UNTUNED_SIGMA_PX)
+    num_channels = scales.size * left.shape[2]
+    both, single = (2, num_channels, _CHUNK), (num_channels, _CHUNK)
+    channels = _Channels(
+        np.zeros(both, np.float32), np.zeros(both, np.float32), np.zeros(single, np.float32),
+        np.zeros(single, np.float32), np.zeros(single, np.float32), np.zeros(single, np.float32),
+    )  # fmt: skip
+    sums = np.zeros((5, _CHUNK), np.float32)
+    if num_channels:
+        for first in range(0, num_pairs, _CHUNK):
+            chunk = slice(first, min(first + _CHUNK, num_pairs))
+            places = pixels[0][chunk], pixels[1][chunk], pixels[2][chunk]
+            _compare(left, right, scales, places, channels)
+            _add_up(channels, scales, nominal, sums)
+            _solve(sums, change[chunk], sigma[chunk])
     return change, sigma
 
 
 @kernel
-def _add_scale(
-    here: Floats, u_here: int, there: Floats, u_there: int, nominal: float, sums: Array
+def _compare(
+    left: Floats,
+    right: Floats,
+    scales: Integers,
+    pixels: tuple[Integers, Integers, Integers],
+    channels: _Channels,
 ) -> None:
-    """Add what all orientations of one scale say; `here` and `there` are rows of responses."""
-    for o in range(here.shape[0]):
-        response = _response(here[o, 0], here[o, 1], u_here)
-        _add_evidence(response, _response(there[o, 0], there[o, 1], u_there), nominal, sums)
+    """Write what the channels of some pairs say, but for the angles."""
+    u_left, v, u_right = pixels
+    for i in range(v.size):
+        for s in range(scales.size):
+            here, there = left[v[i], scales[s]], right[v[i], scales[s]]
+            for o in range(here.shape[0]):
+                place = s * here.shape[0] + o, i
+                _compare_channel(here[o], u_left[i], there[o], u_right[i], channels, place)
 
 
 @kernel
-def _add_evidence(
-    here: tuple[complex, complex], there: tuple[complex, complex], nominal: float, sums: Array
+def _compare_channel(
+    here: Floats,
+    u_here: int,
+    there: Floats,
+    u_there: int,
+    channels: _Channels,
+    place: tuple[int, int],
 ) -> None:
-    """Add one channel to the sums of the least squares problem, unless its phase has wrapped."""
-    difference = _angle(there[0] * here[0].conjugate())
-    if abs(difference) > _LARGEST_PHASE:
-        return
-    frequency = 0.5 * _angle(here[1] + there[1])
-    weight = min(_energy(here[0]), _energy(there[0]))
-    sums[0] += weight * frequency**2
-    sums[1] += weight * frequency * difference
-    sums[2] += weight * difference**2
-    sums[3] += weight * nominal**2
-    sums[4] += 1
+    c, i = place
+    real, imag = _turn(here, u_here, there, u_there)
+    energy_here, _ = _turn(here, u_here, here, u_here)
+    energy_there, _ = _turn(there, u_there, there, u_there)
+    is_counted = real >= _LEAST_COSINE * np.sqrt(energy_here * energy_there)
+    channels.product[0, c, i] = real
+    channels.product[1, c, i] = imag
+    channels.is_counted[c, i] = np.float32(is_counted)
+    channels.weight[c, i] = np.float32(is_counted) * min(energy_here, energy_there)
+    last = here.shape[1] - 1
+    before, after = max(u_here - 1, 0), min(u_here + 1, last)
+    real, imag = _turn(here, before, here, after)
+    before, after = max(u_there - 1, 0), min(u_there + 1, last)
+    real_there, imag_there = _turn(there, before, there, after)
+    channels.turn[0, c, i] = real + real_there
+    channels.turn[1, c, i] = imag + imag_there
 
 
 @kernel
-def _solve(sums: Array) -> tuple[float, float]:
-    """Change of the disparity, and its standard deviation."""
-    information, moment, power, vertical, channels = sums
-    if information <= 1e-6 * vertical:
-        return 0.0, UNTUNED_SIGMA_PX
-    share_sq = (information / vertical) ** 2
-    trust = share_sq / (share_sq + _VAGUE_SHARE**2)
-    change = moment / information
-    if trust * abs(change) > _LARGEST_CHANGE_PX:
-        return 0.0, UNTUNED_SIGMA_PX
-    discord = np.sqrt(max(power - moment * change, 0.0) / information)
-    discord *= channels / max(channels - 1, 1)
-    variance = _DISCORD_WEIGHT * trust * discord + _VAGUENESS_WEIGHT * (1.0 - trust)
-    sigma = np.sqrt(variance + _SMALLEST_SIGMA_PX**2)
-    return trust * change, min(sigma, UNTUNED_SIGMA_PX)
+def _turn(a: Floats, u: int, b: Floats, w: int) -> tuple[float, float]:
+    """Response of one row's pixel times the conjugate of another's: their turn, and its weight."""
+    # Unsigned, as negative indices would count from the end.
+    u_a, u_b = np.uint64(u), np.uint64(w)
+    real = b[0, u_b] * a[0, u_a] + b[1, u_b] * a[1, u_a]
+    imag = b[1, u_b] * a[0, u_a] - b[0, u_b] * a[1, u_a]
+    return real, imag
 
 
 @kernel
-def _response(real: Floats, imag: Floats, u: int) -> tuple[complex, complex]:
-    """Response at a pixel of a row, and its turn over the two pixels round it."""
-    before, after = max(u - 1, 0), min(u + 1, real.size - 1)
-    turn = complex(real[after], imag[after]) * complex(real[before], -imag[before])
-    return complex(real[u], imag[u]), turn
+def _add_up(channels: _Channels, scales: Integers, nominal: Floats, sums: Floats) -> None:
+    """Write the sums (5, _CHUNK) of the least squares problem of each pair."""
+    difference, double_frequency = channels.difference, channels.double_frequency
+    num_channels = len(difference)
+    for c in range(num_channels):
+        angles(channels.product[0, c], channels.product[1, c], difference[c])
+        angles(channels.turn[0, c], channels.turn[1, c], double_frequency[c])
+    for i in range(0, _CHUNK, NUM_LANES):
+        information = moment = power = vertical = count = spread(0.0)
+        for c in range(num_channels):
+            k = nominal[scales[c * scales.size // num_channels]]
+            weight, rest = load(channels.weight[c], i), load(difference[c], i)
+            frequency = 0.5 * load(double_frequency[c], i)
+            information += weight * frequency * frequency
+            moment += weight * frequency * rest
+            power += weight * rest * rest
+            vertical += k * k * weight
+            count += load(channels.is_counted[c], i)
+        store(sums[0], i, information)
+        store(sums[1], i, moment)
+        store(sums[2], i, power)
+        store(sums[3], i, vertical)
+        store(sums[4], i, count)
 
 
 @kernel
-def _angle(z: complex) -> float:
-    angle: float = np.arctan2(z.imag, z.real)
-    return angle
-
-
-@kernel
-def _energy(z: complex) -> float:
-    return z.real * z.real + z.imag * z.imag
+def _solve(sums: Floats, change: Array, sigma: Array) -> None:
+    """Write the changes of disparities, and their standard deviations; 0 where nothing is known."""
+    for i in range(change.size):
+        information, moment, power, vertical, channels = sums[:, i]
+        if information <= np.float32(1e-6) * vertical:
+            continue
+        share_sq = (information / vertical) ** 2
+        trust = share_sq / (share_sq + _VAGUE_SHARE_SQ)
+        whole = moment / information
+        if trust * abs(whole) > _LARGEST_CHANGE_PX:
+            continue
+        discord = np.sqrt(max(power - moment * whole, np.float32(0.0)) / information)
+        discord *= channels / max(channels - 1, np.float32(1.0))
+        variance = _DISCORD_WEIGHT * trust * discord + _VAGUENESS_WEIGHT * (1 - trust)
+        change[i] = trust * whole
+        sigma[i] = min(np.sqrt(variance + _SMALLEST_SIGMA_PX**2), UNTUNED_SIGMA_PX)
