@@ -17,7 +17,14 @@ demo: setup
 	$(BIN)/recon doctor --quiet
 	$(BIN)/recon explore scenes/village.scene -o runs/village --overwrite
 
-test: setup
+# numba's cache knows the file of a kernel, not those of the kernels it calls.
+KERNELS := $(wildcard recon/stereo/*.py recon/world/*.py recon/voxelmap/*.py recon/recognition/*.py)
+
+$(VENV)/kernels: $(VENV)/ready $(KERNELS)
+	find recon -name '*.nb[ci]' -delete
+	touch $@
+
+test: setup $(VENV)/kernels
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

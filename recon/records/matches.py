@@ -21,7 +21,8 @@ class Features:
     widths_px: tuple[float, ...]
     """(S,) widths of the filters."""
     planes: NDArray[np.float32]
-    """(S, O, 2, H, W) real and imaginary response of each pixel at S scales and O orientations."""
+    """(H, S, O, 2, W') real and imaginary response of each pixel at S scales and O orientations;
+    rows are filled up to W' >= W columns, of which those beyond W mean nothing."""
     candidate_mask: NDArray[np.bool_]
     """(H, W) pixels strong enough to be matched with, or to support a match."""
 

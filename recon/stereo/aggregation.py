@@ -1,24 +1,20 @@
 """The best supported shift of each point, its rivals, and its side of an edge."""
 
 from dataclasses import dataclass, fields
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.lanes import (
-    FAST, NUM_LANES, Floats, Integers, Lanes, kernel, larger, largest, load, repeat, room, spread, store,
-    total,
-)  # fmt: skip
+from recon.stereo.lanes import FAST, NUM_LANES, Floats, Integers, kernel
+from recon.stereo.memory import aligned_zeros
 from recon.stereo.scores import Picture, Ring, Search, fill_row, line_start, make_ring
-from recon.stereo.support import DIRECTIONS, LIKENESS, SIDE_RADIUS, Members, disc, half_disc
+from recon.stereo.support import DIRECTIONS, SIDE_RADIUS, Window, windows
+from recon.stereo.votes import CLOSED, add_up, claim, close, forget, locate, peak, weigh
 
 _RIVAL_GAP = 3
 """From so many shifts away another maximum is a rival: repetition, or an edge along a row."""
-_CLOSED = np.float32(-1e9)
-"""Support of a shift to a pixel that is no candidate."""
 
 
 class Points(NamedTuple):
@@ -49,19 +45,6 @@ class Support:
 
 
 _Result = tuple[Integers, Floats, Floats, Floats]
-_Four = tuple[Lanes, Lanes, Lanes, Lanes]
-
-
-class _Window(NamedTuple):
-    """Members of the windows of one kind, as places in a ring; (T, K) by parities and direction."""
-
-    line: Integers
-    """Rows from the uppermost that a ring holds."""
-    offset: Integers
-    """From the scores of the window's middle, but for the line."""
-    pixel: Integers
-    """From the middle in the flat picture with its margin."""
-    weight: Floats
 
 
 class _Task(NamedTuple):
@@ -71,9 +54,9 @@ class _Task(NamedTuple):
     other: Picture
     points: Points
     search: Search
-    disc: _Window
-    ahead: _Window
-    behind: _Window
+    disc: Window
+    ahead: Window
+    behind: Window
 
 
 class _Room(NamedTuple):
@@ -90,7 +73,7 @@ class _Room(NamedTuple):
     support: Floats
     """Of each shift, filled up to whole lanes."""
     closed: Floats
-    """Of the other row: 0, or `_CLOSED` where there is no candidate."""
+    """Of the other row: 0, or `CLOSED` where there is no candidate."""
     claims: Floats
     """(H, ...) highest support that any point of a row has for each pixel of the other row; (0, 0)
     where nobody asks."""
@@ -107,7 +90,7 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
         row_shift=np.full(size, search.row_shift, np.int64),
     )
     ring = make_ring(base, search)
-    task = _Task(base, other, points, search, *_windows(*_layout(ring, base)))
+    task = _Task(base, other, points, search, *_windows(base, ring))
     _aggregate(
         task, ring, _make_room(task, ring),
         (support.shift, support.score, support.rival, support.side),
@@ -115,30 +98,9 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
     return support
 
 
-def _layout(ring: Ring, base: Picture) -> tuple[int, int, int, int]:
-    """What the windows' places depend on."""
+def _windows(base: Picture, ring: Ring) -> tuple[Window, Window, Window]:
     half = ring.rows * ring.columns * ring.lanes
-    return ring.every, ring.lanes, half, base.mask.shape[1] + 2 * SIDE_RADIUS
-
-
-@lru_cache(maxsize=16)
-def _windows(every: int, lanes: int, half: int, stride: int) -> tuple[_Window, _Window, _Window]:
-    """The disc, and the half discs ahead and behind."""
-    kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
-    ours, ahead, behind = (_window(members, lanes, half, stride) for members in kinds)
-    return ours, ahead, behind
-
-
-def _window(members: Members, lanes: int, half: int, stride: int) -> _Window:
-    # Rows of the tables are by parity of the middle's row, then of its column.
-    odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
-    column = (odd[:, None] + members.du) >> 1
-    return _Window(
-        line=members.dv + SIDE_RADIUS,
-        offset=column * lanes + members.slack * half,
-        pixel=members.dv * stride + members.du,
-        weight=members.weight,
-    )
+    return windows(ring.every, ring.lanes, half, base.mask.shape[1] + 2 * SIDE_RADIUS)
 
 
 def _make_room(task: _Task, ring: Ring) -> _Room:
@@ -149,10 +111,10 @@ def _make_room(task: _Task, ring: Ring) -> _Room:
         lines=np.zeros(2 * SIDE_RADIUS + 1, np.int64),
         disc=np.zeros((2, num_disc), np.int64),
         side=np.zeros(num_side, np.int64),
-        weights=room(num_disc),
-        support=room(ring.lanes),
+        weights=aligned_zeros(num_disc),
+        support=aligned_zeros(ring.lanes),
         closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
-        claims=np.full((height, reach) if task.search.is_unique else (0, 0), _CLOSED),
+        claims=np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED),
     )
 
 
@@ -200,7 +162,7 @@ def _judge(
     for k in range(room.lines.size):
         room.lines[k] = line_start(ring, v + k - SIDE_RADIUS)
     for odd in range(2):
-        _locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
+        locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
     for i in range(begin, end):
         place = ((task.points.u[i] - left) >> 1) * ring.lanes
         _choose(task, ring, room, (i, v, left, place), result)
@@ -211,17 +173,9 @@ def _judge(
 @kernel
 def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
     """Mark the candidates of another row, from a column on."""
-    closed[:] = _CLOSED
+    closed[:] = CLOSED
     for k in range(max(0, -start), min(closed.size, mask.size - start)):
-        closed[k] = np.float32(0.0) if mask[start + k] else _CLOSED
-
-
-@kernel
-def _locate(window: _Window, row: int, lines: Integers, starts: Integers) -> None:
-    """Write where the scores of a window's members begin, from its middle's on in its line."""
-    line, offset = window.line[row], window.offset[row]
-    for k in range(starts.size):
-        starts[k] = lines[np.uint64(line[k])] + offset[k]
+        closed[k] = np.float32(0.0) if mask[start + k] else CLOSED
 
 
 @kernel
@@ -235,117 +189,19 @@ def _choose(
     stride = task.base.mask.shape[1] + 2 * SIDE_RADIUS
     middle = (v + SIDE_RADIUS) * stride + u + SIDE_RADIUS
     row = 2 * (v & 1) + (u & 1)
-    share = _weigh(task.base.grey, middle, task.disc, row, room.weights)
-    _sum(ring.scores, place, room.disc[u & 1], room.weights, support)
-    highest = _close(support, share, room.closed[u - left :])
+    share = weigh(task.base.grey, middle, task.disc, row, room.weights)
+    add_up(ring.scores, place, room.disc[u & 1], room.weights, support)
+    highest = close(support, share, room.closed[u - left :])
     if search.is_unique:
-        _claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
+        claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
     if highest > 0:
         best = 0
         while support[np.uint64(best)] < highest:
             best += 1
         shift[i] = search.first + best
         score[i] = highest
-        _forget(support, best - _RIVAL_GAP + 1, best + _RIVAL_GAP)
-        rival[i] = max(_highest(support), np.float32(0.0)) / highest
-
-
-@kernel
-def _weigh(
-    picture: NDArray[np.uint8], middle: int, window: _Window, row: int, weights: Floats
-) -> float:
-    """Write the weights of the disc's members, the more alike the more; return 1 / their sum."""
-    here = np.int64(picture[middle])
-    pixel, weight = window.pixel[row], window.weight[row]
-    for k in range(weight.size):
-        there = np.int64(picture[np.uint64(middle + pixel[k])])
-        weights[k] = weight[k] * LIKENESS[np.uint64(abs(there - here))]
-    together = spread(0.0)
-    for k in range(0, weight.size, NUM_LANES):
-        together += load(weights, k)
-    return float(np.float32(1.0) / (total(together) + np.float32(1e-6)))
-
-
-@kernel
-def _sum(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    """Write the weighted sums of the members' scores, shift by shift, from `place` on."""
-    i = 0
-    while i + 4 * NUM_LANES <= sums.size:
-        _sum_four(scores, place + i, starts, weights, sums[i:])
-        i += 4 * NUM_LANES
-    if i < sums.size:
-        _sum_two(scores, place + i, starts, weights, sums[i:])
-
-
-@kernel
-def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    # Two sums side by side, as one would wait for itself.
-    nothing = spread(0.0)
-    even = odd = nothing, nothing, nothing, nothing
-    for k in range(0, starts.size, 2):
-        even = _add_four(even, repeat(weights, k), scores, place + starts[k])
-        odd = _add_four(odd, repeat(weights, k + 1), scores, place + starts[k + 1])
-    store(sums, 0, even[0] + odd[0])
-    store(sums, NUM_LANES, even[1] + odd[1])
-    store(sums, 2 * NUM_LANES, even[2] + odd[2])
-    store(sums, 3 * NUM_LANES, even[3] + odd[3])
-
-
-@kernel
-def _add_four(sums: _Four, weight: Lanes, scores: Floats, k: int) -> _Four:
-    return (
-        sums[0] + weight * load(scores, k),
-        sums[1] + weight * load(scores, k + NUM_LANES),
-        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
-        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
-    )
-
-
-@kernel
-def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    a = b = c = d = spread(0.0)
-    for k in range(0, starts.size, 2):
-        weight, start = repeat(weights, k), place + starts[k]
-        a += weight * load(scores, start)
-        b += weight * load(scores, start + NUM_LANES)
-        weight, start = repeat(weights, k + 1), place + starts[k + 1]
-        c += weight * load(scores, start)
-        d += weight * load(scores, start + NUM_LANES)
-    store(sums, 0, a + c)
-    store(sums, NUM_LANES, b + d)
-
-
-@kernel
-def _close(support: Floats, share: float, closed: Floats) -> float:
-    """Turn sums into means, and shut the shifts without a candidate; return the highest."""
-    highest = spread(_CLOSED)
-    for k in range(0, support.size, NUM_LANES):
-        mean = share * load(support, k) + load(closed, k)
-        store(support, k, mean)
-        highest = larger(highest, mean)
-    return float(largest(highest))
-
-
-@kernel
-def _claim(support: Floats, claims: Floats) -> None:
-    """Note the highest support of each pixel of the other row."""
-    for k in range(0, support.size, NUM_LANES):
-        store(claims, k, larger(load(support, k), load(claims, k)))
-
-
-@kernel
-def _highest(support: Floats) -> float:
-    highest = load(support, 0)
-    for k in range(NUM_LANES, support.size, NUM_LANES):
-        highest = larger(highest, load(support, k))
-    return float(largest(highest))
-
-
-@kernel
-def _forget(support: Floats, first: int, end: int) -> None:
-    """Shut the shifts from one to another."""
-    for k in range(max(0, first), min(support.size, end)):
-        support[k] = _CLOSED
+        forget(support, best - _RIVAL_GAP + 1, best + _RIVAL_GAP)
+        rival[i] = max(peak(support), np.float32(0.0)) / highest
 
 
 @kernel
@@ -376,18 +232,18 @@ def _take_side(
 
 @kernel
 def _evidence(
-    task: _Task, window: _Window, ring: Ring, room: _Room, point: tuple[int, int, int]
+    task: _Task, window: Window, ring: Ring, room: _Room, point: tuple[int, int, int]
 ) -> float:
     """How much a half disc has the best shift, and is not explained better as background.
 
     Shifts grow as disparities fall: what is farther away comes after.
     """
     row, place, best = point
-    _locate(window, row, room.lines, room.side)
+    locate(window, row, room.lines, room.side)
     first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
     support = room.support[first:]
-    _sum(ring.scores, place + first, room.side, window.weight[row], support)
+    add_up(ring.scores, place + first, room.side, window.weight[row], support)
     own = support[best - first]
     support[: best + 2 - first] = 0.0
-    evidence: float = own - np.float32(0.5) * _highest(support)
+    evidence: float = own - np.float32(0.5) * peak(support)
     return evidence

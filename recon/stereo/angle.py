@@ -14,7 +14,7 @@ _TERMS = tuple(
 )  # fmt: skip
 _HALF_TURN = np.float32(np.pi)
 _QUARTER_TURN = np.float32(np.pi / 2)
-_TINY = np.float32(1e-30)
+_TINY = np.finfo(np.float32).tiny
 
 
 @kernel

@@ -165,7 +165,9 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def _filter(lattices: tuple[_Lattice, ...], responses: Responses) -> None:
     height, width = responses.modulus.shape
-    widest = max([lattice.picture.shape[1] for lattice in lattices])
+    widest = 0
+    for lattice in lattices:
+        widest = max(widest, lattice.picture.shape[1])
     sums = np.empty((_NUM_SUMS, widest), np.float32)
     energy = np.empty((3, responses.planes.shape[4]), np.float32)
     for v in range(height):

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
+from numba.core.errors import TypingError
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 from numpy.typing import NDArray
@@ -32,8 +33,6 @@ Lanes = Any
 
 _VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
 _FLOAT_BYTES = 4
-_LINE_BYTES = 64
-"""Of the processor's memory: what lies across two lines is read twice."""
 
 
 class _LanesType(types.Type):  # type: ignore[misc]
@@ -59,12 +58,11 @@ def filled(size: int, whole: int = NUM_LANES) -> int:
     return -(-size // whole) * whole
 
 
-def room(size: int) -> Floats:
-    """(size,) zeros that begin where a line of the memory does."""
-    spare = _LINE_BYTES // _FLOAT_BYTES
-    buffer = np.zeros(size + spare, np.float32)
-    first = -buffer.ctypes.data % _LINE_BYTES // _FLOAT_BYTES
-    return buffer[first : first + size]
+def _check_array(array: Any) -> None:
+    """Refuse to compile what would read past numbers of another size, or over gaps."""
+    is_flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
+    if not is_flat or array.dtype != types.float32:
+        raise TypingError(f"{array} is no contiguous (N,) float32 array, as lanes need")
 
 
 def _place(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -73,9 +71,11 @@ def _place(context: Any, builder: Any, array_type: Any, array: Any, index: Any) 
     return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def load(typing_context: Any, array: Any, index: Any) -> Any:
     """The lanes ``array[index : index + NUM_LANES]`` of a contiguous (N,) float32 array."""
+
+    _check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         place = _place(context, builder, signature.args[0], *arguments)
@@ -84,9 +84,11 @@ def load(typing_context: Any, array: Any, index: Any) -> Any:
     return _lanes(array, types.intp), generate
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def store(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     """Write lanes to ``array[index : index + NUM_LANES]`` of a contiguous (N,) float32 array."""
+
+    _check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         place = _place(context, builder, signature.args[0], *arguments[:2])
@@ -96,7 +98,7 @@ def store(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     return types.void(array, types.intp, _lanes), generate
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def spread(typing_context: Any, number: Any) -> Any:
     """Lanes that all hold the same number."""
 
@@ -113,9 +115,11 @@ def _spread(builder: Any, number: Any) -> Any:
     return builder.shuffle_vector(first, nothing, every)
 
 
-@intrinsic  # type: ignore[misc]
+@intrinsic
 def repeat(typing_context: Any, array: Any, index: Any) -> Any:
     """Lanes that all hold one entry of a contiguous (N,) float32 array."""
+
+    _check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -126,9 +130,7 @@ def repeat(typing_context: Any, array: Any, index: Any) -> Any:
 
 def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
     """Some of the numbers of a vector."""
-    which = ir.Constant(
-        ir.VectorType(ir.IntType(32), count), [first + i for i in range(count)]
-    )
+    which = ir.Constant(ir.VectorType(ir.IntType(32), count), [first + i for i in range(count)])
     return builder.shuffle_vector(value, ir.Constant(value.type, ir.Undefined), which)
 
 

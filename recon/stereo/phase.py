@@ -11,9 +11,9 @@ from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 from recon.stereo.aggregation import Points, Support, aggregate_rows
+from recon.stereo.lanes import Floats
 from recon.stereo.order import falling
 from recon.stereo.scores import C_COS, Picture, Search
-from recon.stereo.lanes import Floats
 from recon.stereo.support import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
@@ -100,12 +100,11 @@ def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Poin
 
 
 def _picture(features: Features) -> Picture:
-    height = len(features.grey)
-    return Picture(
-        features.planes.reshape(height, -1, 2, features.planes.shape[-1]),
-        features.candidate_mask,
-        cv2.copyMakeBorder(features.grey, *[SIDE_RADIUS] * 4, cv2.BORDER_REPLICATE).reshape(-1),
-    )
+    height, _, _, _, padded = features.planes.shape
+    margin, edge = SIDE_RADIUS, cv2.BORDER_REPLICATE
+    grey = cv2.copyMakeBorder(features.grey, margin, margin, margin, margin, edge)
+    planes = features.planes.reshape(height, -1, 2, padded)
+    return Picture(planes, features.candidate_mask, grey.reshape(-1))
 
 
 def _ranked(
@@ -113,9 +112,10 @@ def _ranked(
 ) -> Matches:
     """The pairs as matches, most confident first, of those that met at a pixel the first."""
     rows = rows[falling(confidence[rows])]
+    step = np.where(np.abs(support.side) > _DEAD_ZONE, np.sign(support.side), 0).astype(np.int64)
     pixels = np.empty((len(rows), 2), np.int64)
     is_taken = np.zeros(right.grey.shape, np.bool_)
-    keep = np.flatnonzero(_settle(points, support.shift, support.side, rows, is_taken, pixels))
+    keep = np.flatnonzero(_settle(points, (support.shift, step), rows, is_taken, pixels))
     rows, disparity = rows[keep], -support.shift[rows[keep]]
     return Matches(
         points_px=pixels[keep].astype(np.float64),
@@ -131,21 +131,25 @@ def _ranked(
 
 @njit(cache=True)
 def _settle(
-    points: Points, shift: Rows, side: Floats, rows: Rows, is_taken: NDArray[np.bool_], pixels: Rows
+    points: Points,
+    moves: tuple[Rows, Rows],
+    rows: Rows,
+    is_taken: NDArray[np.bool_],
+    pixels: Rows,
 ) -> NDArray[np.bool_]:
-    """Move pairs one pixel toward the side of the edge that has the disparity.
+    """Move pairs along their normals toward the side of the edge that has the disparity.
 
-    Writes their pixels, and tells which pairs stay: the first at each pixel, and only where the
-    step leaves neither picture.
+    `moves` are the points' shifts and their steps along the normal. Writes the pixels, and tells
+    which pairs stay: the first at each pixel, and only where the step leaves neither picture.
     """
     height, width = is_taken.shape
+    shift, step = moves
     stays = np.zeros(len(rows), np.bool_)
     for k, i in enumerate(rows):
-        step = 0 if abs(side[i]) <= _DEAD_ZONE else (1 if side[i] > 0 else -1)
         du, dv = _neighbour(points.orientation[i])
-        u, v = points.u[i] + step * du, points.v[i] + step * dv
+        u, v = points.u[i] + step[i] * du, points.v[i] + step[i] * dv
         pixels[k] = u, v
-        inside = 0 <= min(u, u + shift[i]) and max(u, u + shift[i]) < width and 0 <= v < height
+        inside = min(u, u + shift[i]) >= 0 and max(u, u + shift[i]) < width and 0 <= v < height
         if inside and not is_taken[v, u]:
             is_taken[v, u] = stays[k] = True
     return stays

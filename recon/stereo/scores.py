@@ -10,15 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.stereo.lanes import (
-    NUM_LANES, Floats, Lanes, filled, kernel, larger, load, repeat, room, smaller, spread,
+    NUM_LANES,
+    Floats,
+    Lanes,
+    filled,
+    kernel,
+    larger,
+    load,
+    repeat,
+    smaller,
+    spread,
     store,
-)  # fmt: skip
+)
+from recon.stereo.memory import aligned_zeros
 from recon.stereo.support import SIDE_RADIUS
 
 SLACK = np.float32(0.9)
 """What a member's vote for the neighbouring shift is worth."""
 
-_RING_BYTES = 1 << 20
+_RING_BYTES = 2 << 20
 """A ring should not be larger; it is used up again and again."""
 _NARROWEST = 64
 """Columns of a strip at least, as it is computed with a margin on both sides."""
@@ -89,14 +99,14 @@ def make_ring(base: Picture, search: Search) -> Ring:
     columns = width // 2 + SIDE_RADIUS
     reach = filled(2 * columns + 2 * NUM_LANES + lanes)
     return Ring(
-        scores=room(2 * rows * columns * lanes),
+        scores=aligned_zeros(2 * rows * columns * lanes),
         rows=rows,
         every=search.every,
         columns=columns,
         lanes=lanes,
         width=width,
-        here=room(channels * 3 * reach),
-        there=room(channels * 3 * reach),
+        here=aligned_zeros(channels * 3 * reach),
+        there=aligned_zeros(channels * 3 * reach),
         reach=reach,
         line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
     )
@@ -159,9 +169,7 @@ def _read(picture: Picture, v: int, origin: int, row: Floats, reach: int) -> Non
 
 
 @kernel
-def _score(
-    ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]
-) -> None:
+def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
     """Scores, exact and slack, of every second pixel of a row, from the given columns on."""
     for column in range(ring.columns):
         u = here + 2 * column

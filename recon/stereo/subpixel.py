@@ -16,8 +16,8 @@ from recon.stereo.order import order
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
 _VAGUE_SHARE_SQ = np.float32(0.1**2)
-"""Square of the share of a vertical edge's information at which half of the change is taken: an edge along the
-row says nothing of the disparity, and must not break a good match."""
+"""Square of the share of a vertical edge's information at which half of the change is taken: an
+edge along the row says nothing of the disparity, and must not break a good match."""
 _LEAST_COSINE = np.float32(np.cos(2.2))
 """Of a phase difference; a larger one has wrapped round, or belongs to nothing."""
 _LARGEST_CHANGE_PX = 0.7

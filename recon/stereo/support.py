@@ -4,7 +4,7 @@ Every second pixel, as on a chessboard, is a member: nothing is lost by it. The 
 are listed once, by the parity of its middle, so that the loop over them has no branches.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 from itertools import product
 from typing import NamedTuple
 
@@ -96,6 +96,50 @@ def half_disc(sign: int, every: int) -> Members:
             rows = ahead & chosen
             windows.append((dv[rows], du[rows], weight[rows] / weight[rows].sum()))
     return _stacked(windows)
+
+
+class Window(NamedTuple):
+    """Members of the windows of one kind, as places in a ring; (T, K) by parities and direction."""
+
+    line: Integers
+    """Rows from the uppermost that a ring holds."""
+    offset: Integers
+    """From the scores of the window's middle, but for the line."""
+    pixel: Integers
+    """From the middle in the flat picture with its margin."""
+    weight: Floats
+
+
+@lru_cache(maxsize=16)
+def windows(every: int, lanes: int, half: int, stride: int) -> tuple[Window, Window, Window]:
+    """The disc, and the half discs ahead and behind, in a ring and in a flat picture.
+
+    Parameters
+    ----------
+    every : int
+        2: pixels of every second row alone are members; 1: every second pixel of all rows.
+    lanes : int
+        From the scores of one member of a row to those of the next.
+    half : int
+        From exact scores to slack ones.
+    stride : int
+        From row to row of the picture.
+    """
+    kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
+    ours, ahead, behind = (_window(members, lanes, half, stride) for members in kinds)
+    return ours, ahead, behind
+
+
+def _window(members: Members, lanes: int, half: int, stride: int) -> Window:
+    # Rows of the tables are by parity of the middle's row, then of its column.
+    odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
+    column = (odd[:, None] + members.du) >> 1
+    return Window(
+        line=members.dv + SIDE_RADIUS,
+        offset=column * lanes + members.slack * half,
+        pixel=members.dv * stride + members.du,
+        weight=members.weight,
+    )
 
 
 LIKENESS = np.exp(-np.arange(256) / _CONTRAST).astype(np.float32)

@@ -19,9 +19,9 @@ from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 from recon.stereo.aggregation import Support
+from recon.stereo.lanes import Floats
 from recon.stereo.mixture import Mixture, fit
 from recon.stereo.phase import match_by
-from recon.stereo.lanes import Floats
 
 Array = NDArray[np.float64]
 
@@ -223,6 +223,6 @@ def _complex(
     features: Features, u: NDArray[np.int64], v: NDArray[np.int64]
 ) -> NDArray[np.complex64]:
     """(S, O, M) responses at some pixels."""
-    planes = features.planes[..., v, u]
-    response: NDArray[np.complex64] = planes[:, :, 0] + 1j * planes[:, :, 1]
-    return response
+    planes = features.planes[v, :, :, :, u]
+    response: NDArray[np.complex64] = planes[..., 0] + 1j * planes[..., 1]
+    return np.moveaxis(response, 0, -1)

@@ -14,7 +14,7 @@ PICTURE = RNG.integers(0, 256, (40, 50)).astype(np.uint8)
 
 def eq_11(width, theta):
     """G - jH sampled on the square that the separable taps cover, G without its mean."""
-    radius = filters.kernels(width).shape[1] // 2
+    radius = len(filters.taps(width).columns) - 1
     y, x = np.mgrid[-radius : radius + 1, -radius : radius + 1] / width
     u = x * np.cos(theta) + y * np.sin(theta)
     gauss = np.exp(-x * x - y * y)
@@ -23,10 +23,16 @@ def eq_11(width, theta):
     return (g - 1j * h) / width**2
 
 
+def planes_of(picture, width, descriptor):
+    """Real and imaginary responses (2, H, W)."""
+    planes = filters.respond(picture, (width,)).planes[:, 0, descriptor, :, : picture.shape[1]]
+    return np.moveaxis(planes, 0, 1)
+
+
 @pytest.mark.parametrize("width", [1.5, 2.0, 3.0])
 @pytest.mark.parametrize("descriptor", [0, 1, 2])
 def test_separable_equals_eq_11(width, descriptor):
-    planes = filters.respond(PICTURE, (width,)).planes[0, descriptor]
+    planes = planes_of(PICTURE, width, descriptor)
     kernel = eq_11(width, np.pi / 3 * descriptor)
     wanted = [
         correlate(PICTURE.astype(float), k, mode="nearest") for k in (kernel.real, kernel.imag)
@@ -46,7 +52,7 @@ def wave(wavelength, angle=0.0, shape=(40, 80)):
 @pytest.mark.parametrize("width", [2.0, 3.0, 4.0, 6.0])
 def test_phase_grows_with_the_pixel_by_the_wave(width):
     wavelength = filters.WAVELENGTH_OF_WIDTH * width
-    real, imag = filters.respond(wave(wavelength), (width,)).planes[0, 0]
+    real, imag = planes_of(wave(wavelength), width, 0)
     row = (real + 1j * imag)[20, 30:50]
     turn = np.angle(row[1:] * row[:-1].conj())
     assert np.median(turn) == pytest.approx(2 * np.pi / wavelength, rel=0.03)
@@ -79,5 +85,7 @@ def test_a_constant_picture_answers_nothing(value):
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 3)])
 def test_pictures_smaller_than_the_filters(shape):
     responses = filters.respond(np.full(shape, 9, np.uint8), (1.5, 6.0))
-    assert responses.planes.shape == (2, 3, 2, *shape)
+    height, width = shape
+    assert responses.planes.shape == (height, 2, 3, 2, 8 * -(-width // 8))
+    assert responses.modulus.shape == shape
     assert np.isfinite(responses.planes).all()

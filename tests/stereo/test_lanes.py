@@ -1,0 +1,96 @@
+"""Lanes do to eight numbers what Python does to one."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numba import njit
+from numba.core.errors import TypingError
+
+from recon.stereo import lanes
+from recon.stereo.lanes import (
+    NUM_LANES,
+    kernel,
+    larger,
+    largest,
+    load,
+    repeat,
+    smaller,
+    spread,
+    store,
+    total,
+)
+from recon.stereo.memory import aligned_zeros
+
+numbers = arrays(np.float32, 2 * NUM_LANES, elements=st.floats(-100, 100, width=16))
+
+
+@kernel
+def calculate(a, b, out):
+    for i in range(0, a.size, NUM_LANES):
+        x, y = load(a, i), load(b, i)
+        x += 2 * y
+        store(out, i, smaller(x - y, repeat(b, 3)) * larger(x, y) / spread(4.0))
+
+
+@kernel
+def reduce(a):
+    return largest(load(a, 1)), total(load(a, 1))
+
+
+@settings(deadline=None, max_examples=50)
+@given(numbers, numbers)
+def test_arithmetic_is_that_of_arrays(a, b):
+    out = np.zeros_like(a)
+    calculate(a, b, out)
+    x = a + 2 * b
+    wanted = np.minimum(x - b, b[3]) * np.maximum(x, b) / 4
+    np.testing.assert_allclose(out, wanted, rtol=1e-5, atol=1e-3)
+
+
+@settings(deadline=None, max_examples=50)
+@given(numbers)
+def test_reductions_take_in_every_number_once(a):
+    highest, added = reduce(a)
+    assert highest == a[1 : 1 + NUM_LANES].max()
+    assert added == pytest.approx(a[1 : 1 + NUM_LANES].sum(dtype=float), abs=1e-3)
+
+
+def test_a_store_writes_eight_numbers_and_no_more():
+    @njit
+    def write(out):
+        store(out, 3, spread(7.0))
+
+    out = np.zeros(20, np.float32)
+    write(out)
+    np.testing.assert_array_equal(np.flatnonzero(out), np.arange(3, 3 + NUM_LANES))
+
+
+@pytest.mark.parametrize(
+    "array",
+    [np.zeros(16), np.zeros((2, 8), np.float32), np.zeros(32, np.float32)[::2]],
+    ids=["float64", "two axes", "gaps"],
+)
+def test_what_is_no_row_of_floats_does_not_compile(array):
+    @njit
+    def read(array):
+        return total(load(array, 0))
+
+    with pytest.raises(TypingError, match="is no contiguous \\(N,\\) float32 array"):
+        read(array)
+
+
+@pytest.mark.parametrize(
+    ("size", "whole", "wanted"), [(0, 8, 0), (1, 8, 8), (16, 8, 16), (17, 16, 32)]
+)
+def test_filled_is_the_next_multiple(size, whole, wanted):
+    assert lanes.filled(size, whole) == wanted
+
+
+@pytest.mark.parametrize("size", [1, 37, 5000])
+def test_rooms_begin_where_a_line_of_the_memory_does(size):
+    room = aligned_zeros(size)
+    assert room.shape == (size,)
+    assert room.ctypes.data % 64 == 0
+    assert not room.any()
