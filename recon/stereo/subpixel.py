@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.stereo.angle import angles
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
@@ -50,21 +51,25 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     # In the order of the picture, as memory is slow to jump about in.
     along = order(v * left.grey.shape[1] + u)
     rows, u, v = rows[along], u[along], v[along]
+    delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
+    _check_inside(left.grey.shape, u, v, u - delta)
     widths = np.asarray(left.widths_px, dtype=np.float32)
     scales = np.flatnonzero(widths >= _FINEST_WIDTH_PX)
-    delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
+    nominal = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
-    change, sigma[rows] = _tune(
-        left.planes, right.planes, scales, nominal_rad(widths), (u, v, u - delta)
-    )
+    change, sigma[rows] = _tune(left.planes, right.planes, scales, nominal, (u, v, u - delta))
     disparity[rows] = delta + change
     return dataclasses.replace(matches, disparity_px=disparity, sigma_px=sigma)
 
 
-def nominal_rad(widths_px: Floats) -> Floats:
-    """Phase a pixel to which filters of some widths answer most."""
-    frequency: Floats = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths_px
-    return frequency
+def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Integers) -> None:
+    """Refuse pixels that are not there, as compiled loops would read whatever lies in memory."""
+    height, width = shape
+    columns = np.concatenate([u, u_right])
+    if ((columns < 0) | (columns >= width)).any() or ((v < 0) | (v >= height)).any():
+        raise InputError(
+            f"matches lie outside the image of {width} x {height} pixels, in the left or the right"
+        )
 
 
 class _Channels(NamedTuple):

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from recon.errors import InputError
 from recon.settings import FeatureSettings, MatchingSettings
 from recon.stereo import matching
 from recon.stereo.features import detect
@@ -78,3 +79,19 @@ def test_before_tuning_sigma_is_unknown(plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     assert np.isnan(coarse.sigma_px).all()
     assert (coarse.disparity_px == np.rint(coarse.disparity_px)).all()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"points_px": np.array([1000.0, 5.0])}, {"points_px": np.array([5.0, -1.0])},
+     {"disparity_px": np.array(500.0)}, {"disparity_px": np.array(-500.0)}],
+    ids=["right of it", "above it", "partner left of it", "partner right of it"],
+)  # fmt: skip
+def test_matches_outside_the_picture_are_refused(plane_features, change):
+    coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
+    ((name, value),) = change.items()
+    numbers = getattr(coarse, name).copy()
+    numbers[7] = value
+    wrong = dataclasses.replace(coarse, **{name: numbers})
+    with pytest.raises(InputError, match="matches lie outside the image of 160 x 120 pixels"):
+        refine(wrong, *plane_features)
