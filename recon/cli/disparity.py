@@ -28,9 +28,16 @@ from recon.cli.options import (
 @click.option("--truth", type=PATH, help="Disparity image of the left view; 0 or NaN = unknown.")
 @click.option("--truth-scale", type=PositiveNumber())
 @click.option("--calib", type=PATH, help="Calibration; its search range is the default.")
+@click.option(
+    "--dense",
+    "dense__wanted",
+    is_flag=True,
+    default=None,
+    help="A disparity for every pixel that the pictures support, too: dense.pfm.",
+)
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:
-    """Match two rectified images; -o leaves matches.npz and a figure."""
+    """Match two rectified images; -o leaves matches.npz and figures."""
     start_logging(given)
     from recon.runs.disparity import disparity_run, search_range
     from recon.runs.order import unwatched

@@ -1,4 +1,4 @@
-"""Disparity of the matched points, drawn on the left image."""
+"""Disparity of the matched points, or of every pixel, drawn on the left image."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,5 +17,17 @@ def disparity(left: NDArray[np.uint8], matches: Matches, size: Size = SIZE) -> I
     dots = draw_points(axes, matches.points_px, matches.disparity_px, "turbo")
     if len(matches):
         bar = figure.colorbar(dots, ax=axes, shrink=0.75, pad=0.01)
+        bar.set_label("disparity [px]", color=INK, fontsize=9)
+    return to_image(figure)
+
+
+def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.float64], size: Size = SIZE) -> Image:
+    """Every pixel in the colour of its disparity; the pale left image where it is unknown."""
+    figure = new_figure(size)
+    known = np.isfinite(disparity_px)
+    axes = picture(figure, 111, left, f"Disparity of {known.mean():.0%} of the pixels")
+    shown = axes.imshow(np.ma.masked_where(~known, disparity_px), cmap="turbo")
+    if known.any():
+        bar = figure.colorbar(shown, ax=axes, shrink=0.75, pad=0.01)
         bar.set_label("disparity [px]", color=INK, fontsize=9)
     return to_image(figure)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.figures.disparity import dense as draw_dense
 from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
 from recon.pipeline import match_features
@@ -18,9 +19,10 @@ from recon.runs.products import as_document, write_metrics
 from recon.runs.report import read_json
 from recon.sequences.calibration import read_calibration
 from recon.sequences.images import read_image
-from recon.sequences.truth import DisparityTruth, read_truth_file
+from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
 from recon.settings import Settings
-from recon.stereo.evaluation import evaluate
+from recon.stereo.dense import densify
+from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
 
@@ -32,6 +34,8 @@ class MatchedPair:
     matches: Matches
     num_features: int
     seconds: float
+    dense_px: NDArray[np.float64] | None
+    """(H, W) disparity of every pixel, NaN = unknown, where the settings want it."""
 
 
 def match_files(left_path: Path, right_path: Path, settings: Settings) -> MatchedPair:
@@ -39,10 +43,13 @@ def match_files(left_path: Path, right_path: Path, settings: Settings) -> Matche
     left, right = read_image(left_path), read_image(right_path)
     check_images(left, right, f"{left_path} and {right_path}")
     began = time.perf_counter()
-    features = detect(left, settings.features)
-    matches = match_features(features, detect(right, settings.features), settings)
+    features = detect(left, settings.features), detect(right, settings.features)
+    matches = match_features(*features, settings)
     seconds = time.perf_counter() - began
-    return MatchedPair(left=left, matches=matches, num_features=len(features), seconds=seconds)
+    dense = densify(matches, *features, left, settings.dense) if settings.dense.wanted else None
+    return MatchedPair(
+        left=left, matches=matches, num_features=len(features[0]), seconds=seconds, dense_px=dense
+    )
 
 
 def search_range(calib_path: Path) -> dict[str, Any]:
@@ -79,7 +86,11 @@ def disparity_run(
     if run:
         with run.opened():
             write_matches(run.path / "matches.npz", pair.matches)
-            write_figures(run.path, {"disparity": draw_disparity(pair.left, pair.matches)})
+            figures = {"disparity": draw_disparity(pair.left, pair.matches)}
+            if pair.dense_px is not None:
+                write_disparity(run.path / "dense.pfm", pair.dense_px)
+                figures["dense"] = draw_dense(pair.left, pair.dense_px)
+            write_figures(run.path, figures)
             write_metrics(run, metrics)
     return metrics
 
@@ -91,10 +102,15 @@ def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
         "num_matches": len(pair.matches),
         "seconds": pair.seconds,
     }
+    if pair.dense_px is not None:
+        metrics["dense_coverage"] = float(np.isfinite(pair.dense_px).mean())
     if truth is None:
         return metrics
-    judged = evaluate(pair.matches, truth.disparity_px, truth.quantisation_px)
-    return metrics | judged.as_metrics()
+    metrics |= evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
+    if pair.dense_px is not None:
+        judged = evaluate_map(pair.dense_px, truth.disparity_px, truth.quantisation_px)
+        metrics |= {f"dense_{name}": value for name, value in judged.as_metrics().items()}
+    return metrics
 
 
 def write_matches(path: Path, matches: Matches) -> None:

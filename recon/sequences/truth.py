@@ -1,4 +1,4 @@
-"""The true disparity of a pair folder."""
+"""Disparity in files: the true one of a pair folder, and a found one."""
 
 import json
 from pathlib import Path
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.files import atomic_path
 
 
 class DisparityTruth(NamedTuple):
@@ -46,6 +47,13 @@ def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTr
     disparity = stored.astype(np.float64) / scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
     return DisparityTruth(disparity, _step_px(disparity, scale) if whole else 0.0)
+
+
+def write_disparity(path: Path, disparity_px: NDArray[np.float64]) -> None:
+    """Write a disparity (H, W) as PFM, what is unknown (NaN) as infinite, as Middlebury has it."""
+    stored = np.where(np.isnan(disparity_px), np.inf, disparity_px).astype(np.float32)
+    with atomic_path(path) as part:
+        cv2.imwrite(str(part), stored)
 
 
 def _step_px(disparity: NDArray[np.float64], scale: float) -> float:

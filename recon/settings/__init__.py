@@ -7,12 +7,18 @@ from recon.settings.presets import PRESETS, QUALITIES, Quality, with_preset, wit
 from recon.settings.recognition import RecognitionSettings
 from recon.settings.sequences import SequenceSettings
 from recon.settings.settings import Settings
-from recon.settings.stereo import FeatureSettings, MatchingSettings, TriangulationSettings
+from recon.settings.stereo import (
+    DenseSettings,
+    FeatureSettings,
+    MatchingSettings,
+    TriangulationSettings,
+)
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 __all__ = [
     "PRESETS",
     "QUALITIES",
+    "DenseSettings",
     "ExplorationSettings",
     "EyesSettings",
     "FeatureSettings",

@@ -9,7 +9,12 @@ from recon.settings.mapping import MapSettings
 from recon.settings.recognition import RecognitionSettings
 from recon.settings.sequences import SequenceSettings
 from recon.settings.stage import STRICT
-from recon.settings.stereo import FeatureSettings, MatchingSettings, TriangulationSettings
+from recon.settings.stereo import (
+    DenseSettings,
+    FeatureSettings,
+    MatchingSettings,
+    TriangulationSettings,
+)
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 
@@ -23,6 +28,7 @@ class Settings:
     render: RenderSettings = field(default_factory=RenderSettings)
     features: FeatureSettings = field(default_factory=FeatureSettings)
     matching: MatchingSettings = field(default_factory=MatchingSettings)
+    dense: DenseSettings = field(default_factory=DenseSettings)
     triangulation: TriangulationSettings = field(default_factory=TriangulationSettings)
     map: MapSettings = field(default_factory=MapSettings)
     exploration: ExplorationSettings = field(default_factory=ExplorationSettings)

@@ -70,10 +70,14 @@ class TriangulationSettings:
 class DenseSettings:
     """How matches are spread over the picture (the thesis's future work)."""
 
+    wanted: bool = False
+    """Whether `recon disparity` spreads them."""
     segment_px: Positive = 9.0
     """Side of a segment, in pixels."""
     min_matches: Count = 3
-    """Fewest matches on a segment's plane; below, nothing is known of the segment."""
+    """Fewest matches on a segment's plane; below, it has none of its own."""
+    likeness: Share = 0.4
+    """Similarity of both pictures' phases, at a segment's plane, from which on it is believed."""
     num_neighbours: Count = 8
     """Matches that are asked whether another is a spike."""
     spike_px: Positive = 1.0

@@ -1,36 +1,47 @@
-"""A disparity for every pixel near matches: slanted planes over segments of the picture.
+"""A disparity for every pixel that both pictures support: slanted planes over superpixels.
 
 The thesis leaves this for the future (its chapter 5).
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from skimage.segmentation import slic
 
 from recon.errors import InputError
-from recon.records import Matches
+from recon.records import Features, Matches
 from recon.settings.stereo import DenseSettings
+from recon.stereo.evaluation import seen_by_both
+from recon.stereo.lanes import Floats, Integers
+from recon.stereo.planes import disparity_of, fit_planes
+from recon.stereo.superpixels import Superpixels, cut
 
 Array = NDArray[np.float64]
 
-_COMPACTNESS = 12.0
-"""How much a segment keeps together rather than following the colours."""
-_NUM_ROUNDS = 8
-"""Of robust reweighting; the weights have settled by then."""
-_FLATNESS = 2.0
-"""Standard deviations, in pixels, by which a plane may slant from side to side without data."""
-_LARGEST_SLANT = 1.0
-"""Pixels of disparity a pixel: more would be seen from one eye only."""
+_NUM_ROUNDS = 3
+"""How often planes are passed on: so many patches away one is heard of."""
+_NUM_SCALES = 2
+"""The finest scales tell whether pictures agree; coarser ones look across edges."""
 
 
-def densify(matches: Matches, image: NDArray[np.uint8], settings: DenseSettings) -> Array:
-    """Spread matches over the segments of the left picture.
+def densify(
+    matches: Matches,
+    left: Features,
+    right: Features,
+    image: NDArray[np.uint8],
+    settings: DenseSettings,
+) -> Array:
+    """Spread matches over the superpixels of the left picture.
+
+    Planes are fitted to the matches of each patch, then offered to its neighbours: a patch takes
+    the plane by which the phases of both pictures agree the most.
 
     Parameters
     ----------
     matches : Matches
         Fine tuned.
+    left, right : Features
+        Of the two pictures.
     image : (H, W) or (H, W, 3) uint8
         The left picture.
     settings : DenseSettings
@@ -38,18 +49,22 @@ def densify(matches: Matches, image: NDArray[np.uint8], settings: DenseSettings)
     Returns
     -------
     disparity_px : (H, W) float64
-        NaN where too few matches support a segment's plane.
+        NaN where the pictures support no plane, and where the right eye sees something nearer.
     """
     height, width = image.shape[:2]
+    if left.grey.shape != (height, width) or right.grey.shape != (height, width):
+        raise InputError(
+            f"features are of images {left.grey.shape} and {right.grey.shape}, but the image "
+            f"has shape {(height, width)}"
+        )
     if len(matches) and not (matches.points_px < (width, height)).all():
         raise InputError(f"matches lie outside the image of {width} x {height} pixels")
-    label = _segments(image, settings)
-    kept = matches.select(~is_spike(matches, settings))
-    planes = _planes(kept, label, settings)
-    v, u = np.indices((height, width))
-    centre = _centres(label)
-    slope_u, slope_v, middle = np.moveaxis(planes[label], -1, 0)
-    disparity: Array = middle + slope_u * (u - centre[label, 0]) + slope_v * (v - centre[label, 1])
+    patches = cut(image, settings.segment_px)
+    planes = fit_planes(matches.select(~is_spike(matches, settings)), patches, settings)
+    planes, likeness = _passed_on(planes, patches, left, right)
+    planes[likeness < settings.likeness] = np.nan
+    disparity = disparity_of(planes, patches.label)
+    disparity[~seen_by_both(disparity)] = np.nan
     return disparity
 
 
@@ -64,74 +79,56 @@ def is_spike(matches: Matches, settings: DenseSettings) -> NDArray[np.bool_]:
     return np.asarray(lonely)
 
 
-def _segments(image: NDArray[np.uint8], settings: DenseSettings) -> NDArray[np.int64]:
-    """(H, W) segment of each pixel."""
-    number = max(1, round(image.shape[0] * image.shape[1] / settings.segment_px**2))
-    channel_axis = -1 if image.ndim == 3 else None
-    return np.asarray(
-        slic(
-            image,
-            n_segments=number,
-            compactness=_COMPACTNESS if image.ndim == 3 else _COMPACTNESS / 100,
-            start_label=0,
-            channel_axis=channel_axis,
-        )
-    )
+def _passed_on(
+    planes: Array, patches: Superpixels, left: Features, right: Features
+) -> tuple[Array, Array]:
+    """The plane of each patch, its own or a neighbour's, that the pictures support the most.
+
+    With its likeness, the mean similarity of the phases over the patch; -inf without a plane.
+    """
+    planes, likeness = planes.copy(), _likeness(planes, patches, left, right)
+    for neighbour in np.tile(patches.neighbours.T, (_NUM_ROUNDS, 1)):
+        offered = planes[neighbour]
+        offered[(neighbour < 0) | (offered == planes).all(axis=1)] = np.nan
+        found = _likeness(offered, patches, left, right)
+        better = found > likeness
+        planes[better], likeness[better] = offered[better], found[better]
+    return planes, likeness
 
 
-def _centres(label: NDArray[np.int64]) -> Array:
-    """(S, 2) mean u, v of the segments."""
-    v, u = np.indices(label.shape)
-    count = np.maximum(np.bincount(label.ravel()), 1)
-    sums = [np.bincount(label.ravel(), weights=x.ravel()) for x in (u, v)]
-    return np.column_stack(sums) / count[:, None]
+def _likeness(planes: Array, patches: Superpixels, left: Features, right: Features) -> Array:
+    """(S,) mean of ``c cos(phase difference)`` over the pixels of each patch (Eqs 16 to 18)."""
+    sums = np.zeros(len(patches.sizes))
+    _add_likeness(left.planes, right.planes, patches.label, planes, sums)
+    return np.where(np.isfinite(planes[:, 0]), sums / np.maximum(patches.sizes, 1), -np.inf)
 
 
-def _planes(matches: Matches, label: NDArray[np.int64], settings: DenseSettings) -> Array:
-    """(S, 3) slopes and middle value of each segment's plane; NaN where it has none."""
-    u, v = matches.points_px.astype(np.int64).T
-    segment = label[v, u]
-    num_segments = int(label.max()) + 1
-    offset = matches.points_px - _centres(label)[segment]
-    rows = np.column_stack([offset, np.ones(len(matches))])
-    weight = 1.0 / matches.sigma_px**2
-    planes = _robust_start(matches.disparity_px, segment, num_segments)
-    for _ in range(_NUM_ROUNDS):
-        error = matches.disparity_px - (rows * planes[segment]).sum(axis=1)
-        # Geman and McClure: what lies on another surface loses its say.
-        trust = 1.0 / (1.0 + (error / settings.spike_px) ** 2) ** 2
-        planes = _solved(rows, matches.disparity_px, weight * trust, segment, planes, settings)
-    error = np.abs(matches.disparity_px - (rows * planes[segment]).sum(axis=1))
-    support = np.bincount(segment[error <= settings.spike_px], minlength=num_segments)
-    steep = np.hypot(planes[:, 0], planes[:, 1]) > _LARGEST_SLANT
-    planes[(support < settings.min_matches) | steep] = np.nan
-    return planes
+@njit(cache=True, error_model="numpy")
+def _add_likeness(left: Floats, right: Floats, label: Integers, planes: Array, sums: Array) -> None:
+    """Add up the similarity of the pixels of each patch that has a plane."""
+    height, width = label.shape
+    for v in range(height):
+        for u in range(width):
+            patch = label[v, u]
+            a, b, c = planes[patch]
+            u_right = u - (a * u + b * v + c)
+            if 0 <= u_right < width - 1:  # false where there is no plane
+                sums[patch] += _similarity(left[v], u, right[v], u_right)
 
 
-def _robust_start(disparity: Array, segment: NDArray[np.int64], num_segments: int) -> Array:
-    """Level planes at the median of each segment's disparities."""
-    planes = np.zeros((num_segments, 3))
-    order = np.lexsort((disparity, segment))
-    first = np.searchsorted(segment[order], np.arange(num_segments))
-    count = np.bincount(segment, minlength=num_segments)
-    filled = np.flatnonzero(count)
-    planes[filled, 2] = disparity[order][first[filled] + count[filled] // 2]
-    return planes
-
-
-def _solved(
-    rows: Array,
-    disparity: Array,
-    weight: Array,
-    segment: NDArray[np.int64],
-    planes: Array,
-    settings: DenseSettings,
-) -> Array:
-    """Weighted least squares planes of all segments at once, slopes held to be small."""
-    normal = np.zeros((len(planes), 3, 3))
-    moment = np.zeros((len(planes), 3))
-    np.add.at(normal, segment, weight[:, None, None] * rows[:, :, None] * rows[:, None, :])
-    np.add.at(moment, segment, (weight * disparity)[:, None] * rows)
-    flat = (settings.segment_px / _FLATNESS) ** 2
-    normal += np.diag([flat, flat, 1e-9])
-    return np.asarray(np.linalg.solve(normal, moment[..., None])[..., 0])
+@njit(cache=True, error_model="numpy")
+def _similarity(left: Floats, u: int, right: Floats, u_right: float) -> float:
+    """Mean similarity of a pixel's channels and those between two right pixels."""
+    first = int(u_right)
+    part = np.float32(u_right - first)
+    num_scales = min(left.shape[0], _NUM_SCALES)
+    total = np.float32(0.0)
+    for s in range(num_scales):
+        for o in range(left.shape[1]):
+            re, im = left[s, o, 0, u], left[s, o, 1, u]
+            reals, imags = right[s, o, 0], right[s, o, 1]
+            real = reals[first] + part * (reals[first + 1] - reals[first])
+            imag = imags[first] + part * (imags[first + 1] - imags[first])
+            energy = max(re * re + im * im, real * real + imag * imag)
+            total += (re * real + im * imag) / max(energy, np.float32(1e-3))
+    return float(total / np.float32(num_scales * left.shape[1]))

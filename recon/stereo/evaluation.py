@@ -1,6 +1,7 @@
 """How right matches are, against a known disparity (Eqs 1, 2, Tables 1 and 3)."""
 
 from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,17 +63,42 @@ def evaluate(
     -------
     Evaluation
     """
-    check_shape("truth_px", truth_px, (None, None))
     u, v = np.rint(matches.points_px).astype(np.int64).T
-    height, width = truth_px.shape
-    if len(matches) and (u.max() >= width or v.max() >= height):
+    truth = _Truth(truth_px, quantisation_px, truth_right_px)
+    return _judged(u, v, matches.disparity_px, truth)
+
+
+def evaluate_map(
+    disparity_px: Disparity, truth_px: Disparity, quantisation_px: float = 0.0
+) -> Evaluation:
+    """Hold a disparity (H, W) of every pixel, NaN = unknown, against the true one."""
+    v, u = np.nonzero(np.isfinite(disparity_px))
+    return _judged(u, v, disparity_px[v, u], _Truth(truth_px, quantisation_px, None))
+
+
+class _Truth(NamedTuple):
+    """What disparities are held against."""
+
+    left_px: Disparity
+    """(H, W)"""
+    quantisation_px: float
+    right_px: Disparity | None
+    """(H, W)"""
+
+
+def _judged(
+    u: NDArray[np.int64], v: NDArray[np.int64], disparity_px: Disparity, true: _Truth
+) -> Evaluation:
+    check_shape("truth_px", true.left_px, (None, None))
+    height, width = true.left_px.shape
+    if len(u) and (u.max() >= width or v.max() >= height):
         raise InputError(
             f"truth is {width} x {height} pixels, but a match lies at ({u.max()}, {v.max()})"
         )
-    truth = truth_px[v, u]
-    found = np.rint(matches.disparity_px) if quantisation_px >= 1 else matches.disparity_px
+    truth = true.left_px[v, u]
+    found = np.rint(disparity_px) if true.quantisation_px >= 1 else disparity_px
     judged = np.isfinite(truth)
-    seen = seen_by_both(truth_px, truth_right_px)[v, u][judged]
+    seen = seen_by_both(true.left_px, true.right_px)[v, u][judged]
     return _evaluation(np.abs(found - truth)[judged], seen)
 
 

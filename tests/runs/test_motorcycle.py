@@ -8,6 +8,7 @@ import pytest
 
 from recon.cli import main
 from recon.exports.ply import read_cloud_chunks
+from recon.sequences.truth import read_truth_file
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 
@@ -33,6 +34,21 @@ def test_disparity_is_right(expected, tmp_path, capsys):
         assert len(saved["points_px"]) == report["num_matches"]
         assert (np.diff(saved["score"]) <= 0).all()
         assert len(np.unique(saved["points_px"], axis=0)) == report["num_matches"]
+
+
+def test_a_dense_disparity_is_left_where_it_is_wanted(tmp_path, capsys):
+    argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png"), "--quality", "fast"]
+    argv += ["--max-disparity", "70", "--truth", str(PAIR / "disp_left.pfm"), "--json"]
+    assert main([*argv, "-o", str(tmp_path / "out"), "--dense"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert 0.6 < report["dense_coverage"] < 0.9
+    assert 92 < report["dense_success_nonocc"] <= 100
+    found = read_truth_file(tmp_path / "out" / "dense.pfm").disparity_px
+    assert np.isfinite(found).mean() == pytest.approx(report["dense_coverage"])
+    assert (tmp_path / "out" / "figures" / "dense.png").stat().st_size > 10_000
+    assert main([*argv, "-o", str(tmp_path / "sparse")]) == 0
+    assert not {name for name in json.loads(capsys.readouterr().out) if name.startswith("dense")}
+    assert not (tmp_path / "sparse" / "dense.pfm").exists()
 
 
 def test_the_wrong_way_round_is_wrong(tmp_path, capsys):

@@ -8,6 +8,7 @@ import pytest
 
 from recon.errors import InputError
 from recon.sequences import read_truth
+from recon.sequences.truth import read_truth_file, write_disparity
 from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
 
 
@@ -50,3 +51,11 @@ def test_a_missing_or_broken_truth_is_refused(tmp_path):
     (tmp_path / "disp_left.png").write_bytes(b"")
     with pytest.raises(InputError, match="no picture of disparities"):
         read_truth(tmp_path)
+
+
+def test_what_was_found_is_read_back_as_truth(tmp_path):
+    found = np.array([[1.5, np.nan, -3.25], [0.5, 20.0, np.nan]])
+    write_disparity(tmp_path / "dense.pfm", found)
+    again = read_truth_file(tmp_path / "dense.pfm")
+    np.testing.assert_array_equal(again.disparity_px, found)
+    assert again.quantisation_px == 0.0

@@ -27,6 +27,24 @@ def _picture(image, noise, rng):
     return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
 
 
+def step_pair(near=12, far=4, shape=(120, 200), seed=5):
+    """A near square before a far wall, both of fine texture; the left truth."""
+    rng = np.random.default_rng(seed)
+
+    def texture(mean):
+        noise = cv2.GaussianBlur(rng.normal(size=(shape[0], 2 * shape[1])), (0, 0), 1.2)
+        return mean + 60 * noise / noise.std() * 0.4
+
+    wall, square = texture(90), texture(170)
+    rows, columns = slice(30, 90), slice(80, 140)
+    left, right = wall[:, : shape[1]].copy(), wall[:, far : far + shape[1]].copy()
+    left[rows, columns] = square[rows, columns]
+    right[rows, columns.start - near : columns.stop - near] = square[rows, columns]
+    truth = np.full(shape, float(far))
+    truth[rows, columns] = near
+    return left.clip(0, 255).astype(np.uint8), right.clip(0, 255).astype(np.uint8), truth
+
+
 def truth_at(truth, matches):
     u, v = matches.points_px.astype(int).T
     return truth[v, u]

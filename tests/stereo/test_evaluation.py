@@ -6,7 +6,7 @@ from test_triangulation import matches_of
 
 from recon.errors import InputError
 from recon.records import Matches
-from recon.stereo.evaluation import coverage, evaluate, seen_by_both
+from recon.stereo.evaluation import coverage, evaluate, evaluate_map, seen_by_both
 
 
 def flat_truth(value=4.0, shape=(40, 60)):
@@ -71,3 +71,15 @@ def test_a_truth_of_another_size_is_refused():
 def test_coverage_counts_blocks():
     assert coverage(matches_of([[0, 0], [31, 31], [33, 0]], [1, 1, 1]), (64, 64)) == 0.5
     assert coverage(Matches.none(), (64, 64)) == 0.0
+
+
+def test_a_map_is_judged_as_the_matches_at_its_pixels_are():
+    rng = np.random.default_rng(4)
+    truth = np.full((8, 9), 3.0)
+    truth[0] = np.nan
+    found = truth + rng.normal(0, 1, truth.shape)
+    found[2] = np.nan
+    v, u = np.nonzero(np.isfinite(found))
+    matches = matches_of(np.column_stack([u, v]), found[v, u])
+    assert evaluate_map(found, truth) == evaluate(matches, truth)
+    assert evaluate_map(found, truth).num_judged == 6 * 9

@@ -10,7 +10,7 @@ from recon.settings import FeatureSettings, MatchingSettings
 from recon.stereo import matching
 from recon.stereo.features import detect
 from recon.stereo.subpixel import refine
-from scenes import textured_pair, truth_at
+from scenes import step_pair, textured_pair, truth_at
 
 SEARCH = {"min_disparity": 0, "max_disparity": 16}
 EVERY_WAY = [
@@ -143,25 +143,6 @@ def test_pictures_of_two_sizes_are_refused(plane_features):
 def test_an_unknown_matcher_is_named_with_the_known_ones():
     with pytest.raises(InputError, match="matcher is 'sift', but one of phase, vonmises, sgbm"):
         matching.find_matcher("sift")
-
-
-def step_pair(near=12, far=4, shape=(120, 200), seed=5):
-    """A near square before a far wall, both of fine texture; the left truth."""
-    rng = np.random.default_rng(seed)
-    import cv2
-
-    def texture(mean):
-        noise = cv2.GaussianBlur(rng.normal(size=(shape[0], 2 * shape[1])), (0, 0), 1.2)
-        return mean + 60 * noise / noise.std() * 0.4
-
-    wall, square = texture(90), texture(170)
-    rows, columns = slice(30, 90), slice(80, 140)
-    left, right = wall[:, : shape[1]].copy(), wall[:, far : far + shape[1]].copy()
-    left[rows, columns] = square[rows, columns]
-    right[rows, columns.start - near : columns.stop - near] = square[rows, columns]
-    truth = np.full(shape, float(far))
-    truth[rows, columns] = near
-    return left.clip(0, 255).astype(np.uint8), right.clip(0, 255).astype(np.uint8), truth
 
 
 def test_points_on_an_occluding_edge_move_to_the_side_that_has_their_disparity(monkeypatch):

@@ -37,7 +37,9 @@ def measure(quick: bool) -> list[Measurement]:
         for size, num_disparities in SIZES.items():
             found += speed(quality, size, num_disparities, repeats)
         found += accuracy(quality)
-    return found + growth(GROWTH[:2] if quick else GROWTH)
+    for quality in QUALITIES:
+        found += growth(quality, GROWTH[:2] if quick else GROWTH)
+    return found
 
 
 def pictures(size: tuple[int, int]) -> Pictures:
@@ -92,14 +94,14 @@ def speed(
     return found
 
 
-def growth(sides: tuple[int, ...]) -> list[Measurement]:
+def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
     """Time of a pixel in square pictures; it stays where time is linear in the pixels."""
     found = []
     for side in sides:
-        pair, s = pictures((side, side)), settings("fast", 64)
+        pair, s = pictures((side, side)), settings(quality, 64)
         run(pair, s)
         each = median(sum(run(pair, s)[1]) for _ in range(3)) / side**2
-        found.append(number(f"stereo.fast_{side}x{side}_pixel", 1e6 * each, "us/pixel", 0.5))
+        found.append(number(f"stereo.{quality}_{side}x{side}_pixel", 1e6 * each, "us/pixel", 0.5))
     return found
 
 
