@@ -136,3 +136,13 @@ def test_one_bin_is_phase_alone(plane_features):
 def test_training_without_examples_is_refused():
     with pytest.raises(InputError, match="0 examples"):
         vonmises.train([], np.random.default_rng(0))
+
+
+def test_pairs_that_are_all_but_certain_are_still_ranked(plane_features):
+    matches = vonmises.match(*plane_features, MatchingSettings(max_disparity=16))
+    certain = matches.score > 1 - 1e-12
+    assert certain.sum() > 300
+    # By position they would be those of the uppermost rows.
+    rows = matches.points_px[:300, 1]
+    assert rows.min() < 30
+    assert rows.max() > 90
