@@ -5,16 +5,23 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.canvas import ACCENT, INK, Image, Size, new_axes, new_figure, to_image
+from recon.figures.canvas import ACCENT, FAINT, INK, Image, Size, new_axes, new_figure, to_image
 
 Array = NDArray[np.float64]
 SIZE: Size = (1300, 420)
 
 
+NUM_BINS = 61
+
+
 def mixture(
-    phases_rad: Array, densities: Sequence[Array], titles: Sequence[str], size: Size = SIZE
+    phases_rad: Array,
+    densities: Sequence[Array],
+    measured_rad: Sequence[Array],
+    titles: Sequence[str],
+    size: Size = SIZE,
 ) -> Image:
-    """The fitted density of phase differences, one panel a scale.
+    """The fitted density of phase differences beside the measured ones, one panel a scale.
 
     Parameters
     ----------
@@ -22,11 +29,18 @@ def mixture(
         Where the densities were taken, -pi to pi.
     densities : sequence of (B, N)
         A scale's densities for unlike magnitudes (first) to like ones (last).
+    measured_rad : sequence of (M,)
+        A scale's phase differences of matched pairs.
     titles : sequence of str
     """
     figure = new_figure(size)
-    for number, (curves, title) in enumerate(zip(densities, titles, strict=True), start=1):
-        axes = new_axes(figure, title, "phase difference [rad]", at=(1, len(titles), number))
+    panels = zip(densities, measured_rad, titles, strict=True)
+    for number, (curves, measured, title) in enumerate(panels, start=1):
+        axes = new_axes(
+            figure, title, "phase difference [rad]", "density", at=(1, len(titles), number)
+        )
+        bins = np.linspace(-np.pi, np.pi, NUM_BINS)
+        axes.hist(measured, bins=bins, density=bool(len(measured)), color=FAINT)
         for place, curve in enumerate(curves):
             share = (place + 1) / len(curves)
             axes.plot(phases_rad, curve, color=ACCENT, alpha=0.15 + 0.85 * share, lw=1.2)

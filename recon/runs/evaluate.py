@@ -11,7 +11,9 @@ import numpy as np
 from recon.errors import InputError
 from recon.figures.canvas import Image
 from recon.figures.matching import error_map, side_by_side, tuning
+from recon.figures.mixture import mixture
 from recon.pipeline import match_images
+from recon.records import Features, Matches
 from recon.runs.disparity import match_files, measure
 from recon.runs.figures import write_figures
 from recon.runs.order import Progress, RunOrder, unwatched
@@ -22,6 +24,7 @@ from recon.sequences.images import read_image
 from recon.sequences.pair_dir import find_picture
 from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated
+from recon.stereo import vonmises
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
 from recon.stereo.matching import match
@@ -135,7 +138,7 @@ def stated_range(pair_dir: Path) -> dict[str, Any] | None:
 
 
 def trial_pictures(trial: Trial) -> dict[str, Image]:
-    """Error map, one scale against all (thesis figure 16), fine tuning (figures 10, 15)."""
+    """Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17)."""
     settings, truth = trial.settings, trial.truth.disparity_px
     left, right = (read_image(trial.picture(side)) for side in ("left", "right"))
     features_left = detect(left, settings.features)
@@ -147,9 +150,22 @@ def trial_pictures(trial: Trial) -> dict[str, Image]:
     # The row whose points are spread the widest: one along a horizontal edge shows nothing.
     spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
     fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())
-    title = f"{trial.name}_{settings.matching.matcher}"
-    return {
-        f"{title}_errors": error_map(left, tuned, truth),
-        f"{title}_scales": side_by_side(left, scales),
-        f"{title}_tuning": tuning(whole, tuned, truth, fullest),
+    pictures = {
+        "errors": error_map(left, tuned, truth),
+        "scales": side_by_side(left, scales),
+        "tuning": tuning(whole, tuned, truth, fullest),
     }
+    if settings.matching.matcher == "vonmises":
+        pictures["mixture"] = model_picture(features_left, features_right, whole, settings)
+    title = f"{trial.name}_{settings.matching.matcher}"
+    return {f"{title}_{name}": image for name, image in pictures.items()}
+
+
+def model_picture(left: Features, right: Features, matches: Matches, settings: Settings) -> Image:
+    """What the model expects of right pairs, beside what these pairs are (thesis figure 17)."""
+    model = vonmises.load_model(settings.matching.model)
+    phases = np.linspace(-np.pi, np.pi, 361)
+    measured = vonmises.phase_differences(left, right, matches)
+    shown = min(len(measured), len(model.widths_px))
+    titles = [f"filters {width:g} px wide" for width in left.widths_px[:shown]]
+    return mixture(phases, [*model.densities(phases)[:shown]], [*measured[:shown]], titles)

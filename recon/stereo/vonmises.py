@@ -45,11 +45,14 @@ class Model:
     share_wrong: Array
     """(S, B) the same of wrong pairs."""
 
+    def densities(self, phases_rad: Array) -> Array:
+        """(S, B, N) density of right pairs' phase differences."""
+        return np.array([[m.density(phases_rad) for m in row] for row in self.mixtures])
+
     def log_ratio(self, phases_rad: Array) -> Array:
         """(S, B, N) log likelihood ratio of right to wrong at some phase differences."""
-        density = np.array([[m.density(phases_rad) for m in row] for row in self.mixtures])
         magnitude = np.log(self.share_right / self.share_wrong)
-        ratio: Array = magnitude[..., None] + np.log(density * 2 * np.pi)
+        ratio: Array = magnitude[..., None] + np.log(self.densities(phases_rad) * 2 * np.pi)
         return ratio
 
     def to_json(self) -> str:
@@ -98,7 +101,7 @@ class Model:
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
     """Match by the likelihood ratio; the score is the probability of the pair (Eqs 42, 43)."""
-    model = _model(settings.model)
+    model = load_model(settings.model)
     num_channels = left.planes.shape[0] * left.planes.shape[1]
     scale = num_channels * model.log_ratio(np.zeros(1)).max()
 
@@ -112,7 +115,7 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
     return dataclasses.replace(matches, score=1 / (1 + np.exp(-matches.score)))
 
 
-def _model(path: str | None) -> Model:
+def load_model(path: str | None) -> Model:
     """The model of a file, or the one that recon ships, trained on Venus."""
     if path is None:
         return _parsed(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"), _SHIPPED)
@@ -219,6 +222,11 @@ def _channels(left: Features, right: Features, matches: Matches, disparity: Arra
     )
     channels = np.stack([np.angle(there * here.conj()), likeness], axis=-1)
     return channels.reshape(len(channels), -1, 2)
+
+
+def phase_differences(left: Features, right: Features, matches: Matches) -> Array:
+    """(S, O * M) phase differences of whole-pixel matches, by scale."""
+    return _channels(left, right, matches, np.rint(matches.disparity_px))[..., 0]
 
 
 def _complex(

@@ -6,9 +6,10 @@ import pytest
 from recon.errors import InputError
 from recon.figures import topview
 from recon.figures.canvas import save_png
-from recon.figures.disparity import disparity
+from recon.figures.disparity import dense, disparity
 from recon.figures.map3d import map3d
 from recon.figures.matching import error_map
+from recon.figures.mixture import mixture
 from recon.records import FoundObject, Matches, Voxels
 
 
@@ -106,3 +107,27 @@ def test_errors_stand_out_where_they_are():
 
 def test_a_single_place_and_no_cells_make_a_picture(nothing):
     assert topview.path(np.eye(4)[None], nothing, size=(300, 280)).shape == (280, 300, 3)
+
+
+def test_a_model_is_drawn_beside_what_was_measured():
+    phases = np.linspace(-np.pi, np.pi, 91)
+    narrow, wide = (np.exp(-((phases / spread) ** 2)) for spread in (0.3, 1.0))
+    measured = np.random.default_rng(0).normal(0, 0.3, 500)
+    image = mixture(phases, [[wide, narrow]], [measured], ["filters"])
+    shifted = mixture(phases, [[wide, narrow]], [measured + 1], ["filters"])
+    assert image.shape == shifted.shape == (420, 1300, 3)
+    assert (image != shifted).any(axis=2).mean() > 0.01
+    assert mixture(phases, [[wide]], [np.zeros(0)], ["nothing"]).shape == (420, 1300, 3)
+
+
+def test_unknown_pixels_show_the_picture():
+    left = np.full((30, 40, 3), 120, np.uint8)
+    found = np.full((30, 40), np.nan)
+    found[:, :20] = np.linspace(0, 30, 20)
+    image = dense(left, found)
+    spread = image.max(axis=2).astype(int) - image.min(axis=2)
+    strong = (spread > 80).mean(axis=0)
+    assert strong[: image.shape[1] // 3].max() > 0.5
+    middle = slice(image.shape[1] // 2, image.shape[1] * 4 // 5)
+    assert strong[middle].max() < 0.2
+    assert dense(left, np.full((30, 40), np.nan)).shape == image.shape

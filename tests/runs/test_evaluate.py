@@ -47,9 +47,11 @@ def test_a_trained_model_is_used(tmp_path, capsys):
     assert main(["train", str(PAIR), "-o", str(model), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["num_pairs"] == 1
     argv = ["evaluate", str(PAIR), "--matcher", "vonmises", "--keep", "3000", "--json"]
-    assert main([*argv, "--set", f"matching.model={model}"]) == 0
+    argv += ["--set", f"matching.model={model}"]
+    assert main([*argv, "-o", str(tmp_path / "out")]) == 0
     (row,) = json.loads(capsys.readouterr().out)["pairs"]
-    assert 90 < row["success_all"] <= 100
+    assert 98 < row["success_all"] <= 100
+    assert (tmp_path / "out/figures/motorcycle_vonmises_mixture.png").stat().st_size > 10_000
     model.write_text("{}")
-    assert main([*argv, "--set", f"matching.model={model}"]) == 2
+    assert main(argv) == 2
     assert main(["train", str(PAIR), "-o", str(model)]) == 2
