@@ -138,7 +138,8 @@ def _aggregate(task: _Task, ring: Ring, room: _Room, result: _Result) -> None:
     begin = points.starts[:-1].copy()
     end = begin.copy()
     for first in range(0, width, ring.width):
-        for v in range(SIDE_RADIUS):
+        # Above the picture, too: the ring still holds the last rows of the strip before.
+        for v in range(-SIDE_RADIUS, SIDE_RADIUS):
             fill_row(ring, v, first, task.base, task.other, search)
         for v in range(height):
             fill_row(ring, v + SIDE_RADIUS, first, task.base, task.other, search)

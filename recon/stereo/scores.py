@@ -152,8 +152,10 @@ def _read(picture: Picture, v: int, origin: int, row: Floats, reach: int) -> Non
     share = np.float32(1.0) / np.float32(channels)
     mask = picture.mask[v]
     first = max(0, -origin)
-    weights = row[2 * reach : 3 * reach]
-    weights[:] = 0.0
+    # Outside the picture, too: the row still holds another strip's.
+    for c in range(channels):
+        row[(3 * c + 2) * reach :][:reach] = 0.0
+    weights = row[2 * reach :][:reach]
     for i in range(first, min(reach, mask.size - origin)):
         weights[i] = share if mask[origin + i] else np.float32(0.0)
     # The first channel last, as its inverse energies take the place of the weights.
