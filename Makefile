@@ -13,10 +13,6 @@ $(VENV)/ready: pyproject.toml constraints.txt
 	$(BIN)/python tools/fetch_motorcycle.py
 	touch $@
 
-demo: setup
-	$(BIN)/recon doctor --quiet
-	$(BIN)/recon explore scenes/village.scene -o runs/village --overwrite
-
 # numba's cache knows the file of a kernel, not those of the kernels it calls.
 KERNELS := $(wildcard recon/stereo/*.py recon/world/*.py recon/voxelmap/*.py recon/recognition/*.py)
 
@@ -24,13 +20,17 @@ $(VENV)/kernels: $(VENV)/ready $(KERNELS)
 	find recon -name '*.nb[ci]' -delete
 	touch $@
 
+demo: setup $(VENV)/kernels
+	$(BIN)/recon doctor --quiet
+	$(BIN)/recon explore scenes/village.scene -o runs/village --overwrite
+
 test: setup $(VENV)/kernels
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m pytest
 
-benchmark: setup
+benchmark: setup $(VENV)/kernels
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[benchmark]"
 	$(BIN)/python tools/benchmark.py
 

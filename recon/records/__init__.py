@@ -1,7 +1,7 @@
 """Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
 
 from recon.records.clouds import GroundGrid, PointCloud, Segments, Voxels
-from recon.records.matches import Features, Matches
+from recon.records.matches import Features, Matches, check_alike
 from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
 from recon.records.pairs import PairSource, StereoPair, View, check_images
 from recon.records.solids import (
@@ -39,5 +39,6 @@ __all__ = [
     "TruncatedCone",
     "View",
     "Voxels",
+    "check_alike",
     "check_images",
 ]

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.errors import InputError
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Features:
@@ -28,6 +30,19 @@ class Features:
 
     def __len__(self) -> int:
         return len(self.points_px)
+
+
+def check_alike(left: Features, right: Features) -> None:
+    """Raise `InputError` where features are of pictures of two sizes, or of unlike filters."""
+    if left.grey.shape != right.grey.shape:
+        raise InputError(
+            f"left image has shape {left.grey.shape}, right {right.grey.shape}, but one is needed"
+        )
+    if left.widths_px != right.widths_px:
+        raise InputError(
+            f"left features have filters {left.widths_px} px wide, right {right.widths_px}, "
+            "but the same are needed"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

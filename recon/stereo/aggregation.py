@@ -99,8 +99,8 @@ def aggregate(base: Picture, other: Picture, points: Points, search: Search) -> 
 
 
 def _windows(base: Picture, ring: Ring) -> tuple[Window, Window, Window]:
-    half = ring.rows * ring.columns * ring.lanes
-    return windows(ring.every, ring.lanes, half, base.mask.shape[1] + 2 * SIDE_RADIUS)
+    to_slack = ring.rows * ring.columns * ring.lanes
+    return windows(ring.every, ring.lanes, to_slack, base.mask.shape[1] + 2 * SIDE_RADIUS)
 
 
 def _make_room(task: _Task, ring: Ring) -> _Room:
@@ -233,13 +233,13 @@ def _take_side(
 
 @kernel
 def _evidence(
-    task: _Task, window: Window, ring: Ring, room: _Room, point: tuple[int, int, int]
+    task: _Task, window: Window, ring: Ring, room: _Room, where: tuple[int, int, int]
 ) -> float:
     """How much a half disc has the best shift, and is not explained better as background.
 
     Shifts grow as disparities fall: what is farther away comes after.
     """
-    row, place, best = point
+    row, place, best = where
     locate(window, row, room.lines, room.side)
     first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
     support = room.support[first:]

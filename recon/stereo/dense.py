@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.errors import InputError
-from recon.records import Features, Matches
+from recon.records import Features, Matches, check_alike
 from recon.settings.stereo import DenseSettings
 from recon.stereo.evaluation import seen_by_both
 from recon.stereo.lanes import Floats, Integers
@@ -52,10 +52,10 @@ def densify(
         NaN where the pictures support no plane, and where the right eye sees something nearer.
     """
     height, width = image.shape[:2]
-    if left.grey.shape != (height, width) or right.grey.shape != (height, width):
+    check_alike(left, right)
+    if left.grey.shape != (height, width):
         raise InputError(
-            f"features are of images {left.grey.shape} and {right.grey.shape}, but the image "
-            f"has shape {(height, width)}"
+            f"features are of an image {left.grey.shape}, but the image has shape {(height, width)}"
         )
     if len(matches) and not (matches.points_px < (width, height)).all():
         raise InputError(f"matches lie outside the image of {width} x {height} pixels")

@@ -121,18 +121,16 @@ def _lattice(grey: Floats, width_px: float) -> _Lattice:
     return _Lattice(picture, margin, step, factors)
 
 
-def _smoothed(grey: Floats, level: int) -> Floats:
-    """The image smoothed for a lattice that is doubled `level` times."""
-    kernel = np.ones(1)
-    for doubling in range(level):
-        spread = np.zeros(4 * 2**doubling + 1)
-        spread[:: 2**doubling] = (1 / 16, 4 / 16, 6 / 16, 4 / 16, 1 / 16)
-        kernel = np.convolve(kernel, spread)
-    if level == 0:
+def _smoothed(grey: Floats, num_doublings: int) -> Floats:
+    """The image smoothed for a lattice that is doubled so often."""
+    if num_doublings == 0:
         return grey
-    smooth: Floats = cv2.sepFilter2D(
-        grey, cv2.CV_32F, kernel, kernel, borderType=cv2.BORDER_REPLICATE
-    )
+    blur = np.ones(1)
+    for doubling in range(num_doublings):
+        taps_apart = np.zeros(4 * 2**doubling + 1)
+        taps_apart[:: 2**doubling] = (1 / 16, 4 / 16, 6 / 16, 4 / 16, 1 / 16)
+        blur = np.convolve(blur, taps_apart)
+    smooth: Floats = cv2.sepFilter2D(grey, cv2.CV_32F, blur, blur, borderType=cv2.BORDER_REPLICATE)
     return smooth
 
 
@@ -153,7 +151,7 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
     """Filter an image (H, W) at all widths."""
     height, width = grey.shape
     picture = grey.astype(np.float32)
-    lattices = tuple(_lattice(picture, width) for width in widths_px)
+    lattices = tuple(_lattice(picture, width_px) for width_px in widths_px)
     responses = Responses(
         np.empty((height, len(widths_px), DESCRIPTORS, 2, filled(width)), np.float32),
         *(np.empty(grey.shape, np.float32) for _ in range(3)),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.records import Features, Matches
+from recon.records import Features, Matches, check_alike
 from recon.settings import MatchingSettings
 from recon.stereo import phase, sgbm, vonmises
 
@@ -30,12 +30,9 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
     Raises
     ------
     InputError
-        Where the pictures differ in size, or nobody knows the matcher.
+        Where the pictures differ in size or filters, or nobody knows the matcher.
     """
-    if left.grey.shape != right.grey.shape:
-        raise InputError(
-            f"left image has shape {left.grey.shape}, right {right.grey.shape}, but one is needed"
-        )
+    check_alike(left, right)
     matches = find_matcher(settings.matcher)(left, right, settings)
     if settings.per_block is not None:
         matches = matches.select(_is_among_best_of_block(matches, settings.per_block))

@@ -24,7 +24,8 @@ def keep_what_is_freed() -> None:
 
     glibc hands large arrays back to the system, and is given them again page by page, empty: up to
     a fifth of the time of a small pair, at every pair. It stops doing so for sizes up to the
-    largest it has seen freed. Nothing is touched here, and other libraries take no notice.
+    largest it has seen freed; nothing is touched here. This holds for the whole process: what
+    others free of such sizes stays with it, too, for whoever asks next.
     """
     np.empty(_LARGEST_KEPT, np.uint8)
 

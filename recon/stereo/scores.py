@@ -1,7 +1,7 @@
 """Similarity of a pixel to those of the other picture's row, at every shift (Eqs 16 to 18).
 
-The picture is gone through in strips, from top to bottom, and the scores of the last rows of a
-strip stay in a ring: memory does not grow with the picture, and the ring stays in the fast one.
+The picture is gone through in strips, from top to bottom. The scores of the last rows of a strip
+alone are kept, in a ring that does not grow with the picture and mostly fits into fast memory.
 """
 
 from typing import NamedTuple

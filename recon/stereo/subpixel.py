@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.records import Features, Matches
+from recon.records import Features, Matches, check_alike
 from recon.stereo.angle import angles
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
 from recon.stereo.lanes import NUM_LANES, Floats, Integers, kernel, load, spread, store
@@ -46,6 +46,7 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     orientations are taken together by weighted least squares. Pairs that have a sigma are tuned
     already, and left as they are.
     """
+    check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
     u, v = matches.points_px[rows].astype(np.int64).T
     # In the order of the picture, as memory is slow to jump about in.
@@ -57,7 +58,8 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     scales = np.flatnonzero(widths >= _FINEST_WIDTH_PX)
     nominal = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
-    change, sigma[rows] = _tune(left.planes, right.planes, scales, nominal, (u, v, u - delta))
+    last = left.grey.shape[1] - 1
+    change, sigma[rows] = _tune(left.planes, right.planes, scales, nominal, (u, v, u - delta), last)
     disparity[rows] = delta + change
     return dataclasses.replace(matches, disparity_px=disparity, sigma_px=sigma)
 
@@ -96,6 +98,7 @@ def _tune(
     scales: Integers,
     nominal: Floats,
     pixels: tuple[Integers, Integers, Integers],
+    last: int,
 ) -> tuple[Array, Array]:
     """Change of each disparity, and its standard deviation."""
     num_pairs = pixels[0].size
@@ -111,7 +114,7 @@ def _tune(
         for first in range(0, num_pairs, _CHUNK):
             chunk = slice(first, min(first + _CHUNK, num_pairs))
             places = pixels[0][chunk], pixels[1][chunk], pixels[2][chunk]
-            _compare(left, right, scales, places, channels)
+            _compare(left, right, scales, places, channels, last)
             _add_up(channels, scales, nominal, sums)
             _solve(sums, change[chunk], sigma[chunk])
     return change, sigma
@@ -124,15 +127,16 @@ def _compare(
     scales: Integers,
     pixels: tuple[Integers, Integers, Integers],
     channels: _Channels,
+    last: int,
 ) -> None:
-    """Write what the channels of some pairs say, but for the angles."""
+    """Write what the channels of some pairs say, but for the angles; `last` is the last column."""
     u_left, v, u_right = pixels
     for i in range(v.size):
         for s in range(scales.size):
             here, there = left[v[i], scales[s]], right[v[i], scales[s]]
             for o in range(here.shape[0]):
                 place = s * here.shape[0] + o, i
-                _compare_channel(here[o], u_left[i], there[o], u_right[i], channels, place)
+                _compare_channel(here[o], u_left[i], there[o], u_right[i], channels, place, last)
 
 
 @kernel
@@ -143,6 +147,7 @@ def _compare_channel(
     u_there: int,
     channels: _Channels,
     place: tuple[int, int],
+    last: int,
 ) -> None:
     c, i = place
     real, imag = _turn(here, u_here, there, u_there)
@@ -153,7 +158,6 @@ def _compare_channel(
     channels.product[1, c, i] = imag
     channels.is_counted[c, i] = np.float32(is_counted)
     channels.weight[c, i] = np.float32(is_counted) * min(energy_here, energy_there)
-    last = here.shape[1] - 1
     before, after = max(u_here - 1, 0), min(u_here + 1, last)
     real, imag = _turn(here, before, here, after)
     before, after = max(u_there - 1, 0), min(u_there + 1, last)
@@ -200,7 +204,7 @@ def _add_up(channels: _Channels, scales: Integers, nominal: Floats, sums: Floats
 
 @kernel
 def _solve(sums: Floats, change: Array, sigma: Array) -> None:
-    """Write the changes of disparities, and their standard deviations; 0 where nothing is known."""
+    """Write the changes of disparities, and their standard deviations, where anything is known."""
     for i in range(change.size):
         information, moment, power, vertical, channels = sums[:, i]
         if information <= np.float32(1e-6) * vertical:

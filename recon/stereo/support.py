@@ -111,7 +111,7 @@ class Window(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def windows(every: int, lanes: int, half: int, stride: int) -> tuple[Window, Window, Window]:
+def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window, Window, Window]:
     """The disc, and the half discs ahead and behind, in a ring and in a flat picture.
 
     Parameters
@@ -120,23 +120,23 @@ def windows(every: int, lanes: int, half: int, stride: int) -> tuple[Window, Win
         2: pixels of every second row alone are members; 1: every second pixel of all rows.
     lanes : int
         From the scores of one member of a row to those of the next.
-    half : int
+    to_slack : int
         From exact scores to slack ones.
     stride : int
         From row to row of the picture.
     """
     kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
-    ours, ahead, behind = (_window(members, lanes, half, stride) for members in kinds)
+    ours, ahead, behind = (_window(members, lanes, to_slack, stride) for members in kinds)
     return ours, ahead, behind
 
 
-def _window(members: Members, lanes: int, half: int, stride: int) -> Window:
+def _window(members: Members, lanes: int, to_slack: int, stride: int) -> Window:
     # Rows of the tables are by parity of the middle's row, then of its column.
     odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
     column = (odd[:, None] + members.du) >> 1
     return Window(
         line=members.dv + SIDE_RADIUS,
-        offset=column * lanes + members.slack * half,
+        offset=column * lanes + members.slack * to_slack,
         pixel=members.dv * stride + members.du,
         weight=members.weight,
     )

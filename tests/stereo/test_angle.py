@@ -1,13 +1,11 @@
-"""The quick angle is the angle, and the quick order is the stable one."""
+"""The quick angle is the angle."""
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from recon.stereo.angle import angles
-from recon.stereo.order import falling, order
 
 parts = arrays(np.float32, 16, elements=st.floats(-1e6, 1e6, width=32, allow_subnormal=False))
 
@@ -37,18 +35,3 @@ def test_axes_and_nothing():
     imag = np.array([0, 1, 0, -1, 0], np.float32)
     wanted = [0, np.pi / 2, np.pi, -np.pi / 2, 0]
     np.testing.assert_allclose(found(real, imag), wanted, atol=1e-6)
-
-
-@given(arrays(np.float32, st.integers(0, 60), elements=st.floats(-3, 3, width=16)))
-def test_falling_is_the_stable_order_of_floats(values):
-    np.testing.assert_array_equal(falling(values), np.argsort(-values, kind="stable"))
-
-
-@given(arrays(np.int64, st.integers(0, 60), elements=st.integers(-9, 9)))
-def test_order_is_the_stable_order_of_integers(keys):
-    np.testing.assert_array_equal(order(keys), np.argsort(keys, kind="stable"))
-
-
-@pytest.mark.parametrize("extreme", [2**31 - 1, -(2**31)])
-def test_order_takes_what_fits_into_32_bits(extreme):
-    np.testing.assert_array_equal(order(np.array([extreme, 0])), [1, 0] if extreme > 0 else [0, 1])

@@ -89,3 +89,19 @@ def test_pictures_smaller_than_the_filters(shape):
     assert responses.planes.shape == (height, 2, 3, 2, 8 * -(-width // 8))
     assert responses.modulus.shape == shape
     assert np.isfinite(responses.planes).all()
+
+
+def test_energy_is_that_of_all_directions_together():
+    thetas = np.arange(24) * np.pi / 24
+    kernels = [eq_11(3.0, theta) for theta in thetas]
+    picture = PICTURE.astype(float)
+    energy = np.array([
+        correlate(picture, k.real - k.real.mean(), mode="nearest") ** 2
+        + correlate(picture, k.imag, mode="nearest") ** 2
+        for k in kernels
+    ])[:, 10:-10, 10:-10]  # fmt: skip
+    found = [part[10:-10, 10:-10] for part in filters.respond(PICTURE, (3.0,))[1:]]
+    cosine, sine = (2 * np.tensordot(f(2 * thetas), energy, 1) / 24 for f in (np.cos, np.sin))
+    strength = np.sqrt(energy.mean(axis=0) + np.hypot(cosine, sine))
+    for part, wanted in zip(found, (strength, cosine, sine), strict=True):
+        assert np.abs(part - wanted).max() < 0.03 * np.abs(wanted).max()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
+from recon.records import Matches
 from recon.settings import FeatureSettings, MatchingSettings
 from recon.stereo import matching
 from recon.stereo.features import detect
@@ -138,6 +139,28 @@ def test_pictures_of_two_sizes_are_refused(plane_features):
     other = detect(np.zeros((20, 20), np.uint8), FeatureSettings())
     with pytest.raises(InputError, match=r"left image has shape \(120, 160\), right \(20, 20\)"):
         matching.match(plane_features[0], other, MatchingSettings())
+
+
+@pytest.mark.parametrize("widths", [(2.0,), (2.0, 4.0, 8.0, 16.0)])
+def test_features_of_unlike_filters_are_refused(plane, plane_features, widths):
+    other = detect(plane[1], FeatureSettings(widths_px=widths))
+    for step in (matching.match, lambda left, right, _: refine(Matches.none(), left, right)):
+        for pair in ((plane_features[0], other), (other, plane_features[0])):
+            with pytest.raises(InputError, match=r"px wide, .* but the same are needed"):
+                step(*pair, MatchingSettings())
+
+
+@pytest.mark.parametrize("width", [150, 157, 160])
+def test_what_fills_rows_up_means_nothing(width):
+    left, right, _ = textured_pair(shape=(60, width), middle=-3.0)
+    pair = [detect(image, FeatureSettings()) for image in (left, right)]
+    settings = MatchingSettings(min_disparity=-9, max_disparity=4)
+    clean = refine(matching.match(*pair, settings), *pair)
+    for features in pair:
+        features.planes[..., width:] = 1e4
+    filled = refine(matching.match(*pair, settings), *pair)
+    for name in ("points_px", "disparity_px", "sigma_px", "score"):
+        np.testing.assert_array_equal(getattr(filled, name), getattr(clean, name))
 
 
 def test_an_unknown_matcher_is_named_with_the_known_ones():

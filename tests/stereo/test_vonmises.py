@@ -140,9 +140,23 @@ def test_training_without_examples_is_refused():
 
 def test_pairs_that_are_all_but_certain_are_still_ranked(plane_features):
     matches = vonmises.match(*plane_features, MatchingSettings(max_disparity=16))
-    certain = matches.score > 1 - 1e-12
-    assert certain.sum() > 300
+    assert np.sum(matches.score > 0.9999) > 300
     # By position they would be those of the uppermost rows.
     rows = matches.points_px[:300, 1]
     assert rows.min() < 30
     assert rows.max() > 90
+
+
+def test_of_probable_pairs_that_share_is_right(plane):
+    noise = np.random.default_rng(3).normal(0, 25, (2, *plane[0].shape))
+    noisy = [
+        np.clip(image + n, 0, 255).astype(np.uint8)
+        for image, n in zip(plane[:2], noise, strict=True)
+    ]
+    pair = [detect(image, FeatureSettings()) for image in noisy]
+    matches = vonmises.match(*pair, MatchingSettings(max_disparity=40, min_disparity=-20))
+    right = np.abs(matches.disparity_px - truth_at(plane[2], matches)) <= 1
+    for low, high in [(0.5, 0.8), (0.8, 0.95), (0.95, 1.0)]:
+        within = (matches.score >= low) & (matches.score <= high)
+        assert within.sum() > 50
+        assert low - 0.12 < right[within].mean() <= min(1.0, high + 0.2)

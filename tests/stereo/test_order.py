@@ -1,0 +1,24 @@
+"""The quick order is the stable one."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from recon.stereo.order import falling, order
+
+
+@given(arrays(np.float32, st.integers(0, 60), elements=st.floats(-3, 3, width=16)))
+def test_falling_is_the_stable_order_of_floats(values):
+    np.testing.assert_array_equal(falling(values), np.argsort(-values, kind="stable"))
+
+
+@given(arrays(np.int64, st.integers(0, 60), elements=st.integers(-9, 9)))
+def test_order_is_the_stable_order_of_integers(keys):
+    np.testing.assert_array_equal(order(keys), np.argsort(keys, kind="stable"))
+
+
+@pytest.mark.parametrize("extreme", [2**31 - 1, -(2**31)])
+def test_order_takes_what_fits_into_32_bits(extreme):
+    np.testing.assert_array_equal(order(np.array([extreme, 0])), [1, 0] if extreme > 0 else [0, 1])
