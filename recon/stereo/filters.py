@@ -156,17 +156,14 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
         np.empty((height, len(widths_px), DESCRIPTORS, 2, filled(width)), np.float32),
         *(np.empty(grey.shape, np.float32) for _ in range(3)),
     )
-    _filter(lattices, responses)
+    widest = max(lattice.picture.shape[1] for lattice in lattices)
+    _filter(lattices, np.empty((_NUM_SUMS, widest), np.float32), responses)
     return responses
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _filter(lattices: tuple[_Lattice, ...], responses: Responses) -> None:
+def _filter(lattices: tuple[_Lattice, ...], sums: Floats, responses: Responses) -> None:
     height, width = responses.modulus.shape
-    widest = 0
-    for lattice in lattices:
-        widest = max(widest, lattice.picture.shape[1])
-    sums = np.empty((_NUM_SUMS, widest), np.float32)
     energy = np.empty((3, responses.planes.shape[4]), np.float32)
     for v in range(height):
         energy[:] = 0.0
