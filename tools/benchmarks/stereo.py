@@ -95,14 +95,17 @@ def speed(
 
 
 def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
-    """Time of a pixel in square pictures; it stays where time is linear in the pixels."""
-    found = []
+    """Time of a pixel in square pictures; 1 where time is linear in the pixels."""
+    each = []
     for side in sides:
         pair, s = pictures((side, side)), settings(quality, 64)
         run(pair, s)
-        each = median(sum(run(pair, s)[1]) for _ in range(3)) / side**2
-        found.append(number(f"stereo.{quality}_{side}x{side}_pixel", 1e6 * each, "us/pixel", 0.5))
-    return found
+        each.append(median(sum(run(pair, s)[1]) for _ in range(5)) / side**2)
+    unit = f"of a pixel's time at {sides[0]}"
+    return [
+        number(f"stereo.{quality}_{side}x{side}_growth", time_px / each[0], unit, 0.3)
+        for side, time_px in zip(sides[1:], each[1:], strict=True)
+    ]
 
 
 def accuracy(quality: Quality) -> list[Measurement]:
