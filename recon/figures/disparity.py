@@ -1,5 +1,7 @@
 """Disparity of the matched points, or of every pixel, drawn on the left image."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,8 +18,7 @@ def disparity(left: NDArray[np.uint8], matches: Matches, size: Size = SIZE) -> I
     axes = picture(figure, 111, left, f"Disparity of {len(matches)} matched points")
     dots = draw_points(axes, matches.points_px, matches.disparity_px, "turbo")
     if len(matches):
-        bar = figure.colorbar(dots, ax=axes, shrink=0.75, pad=0.01)
-        bar.set_label("disparity [px]", color=INK, fontsize=9)
+        _add_bar(figure, axes, dots)
     return to_image(figure)
 
 
@@ -28,6 +29,11 @@ def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.float64], size: Size
     axes = picture(figure, 111, left, f"Disparity of {known.mean():.0%} of the pixels")
     shown = axes.imshow(np.ma.masked_where(~known, disparity_px), cmap="turbo")
     if known.any():
-        bar = figure.colorbar(shown, ax=axes, shrink=0.75, pad=0.01)
-        bar.set_label("disparity [px]", color=INK, fontsize=9)
+        _add_bar(figure, axes, shown)
     return to_image(figure)
+
+
+def _add_bar(figure: Any, axes: Any, coloured: Any) -> None:
+    """What the colours stand for, beside the picture."""
+    bar = figure.colorbar(coloured, ax=axes, shrink=0.75, pad=0.01)
+    bar.set_label("disparity [px]", color=INK, fontsize=9)

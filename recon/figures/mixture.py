@@ -10,8 +10,8 @@ from recon.figures.canvas import ACCENT, FAINT, INK, Image, Size, new_axes, new_
 Array = NDArray[np.float64]
 SIZE: Size = (1300, 420)
 
-
-NUM_BINS = 61
+_NUM_BINS = 60
+"""Of the histogram of measured phases, over a whole turn."""
 
 
 def mixture(
@@ -34,13 +34,13 @@ def mixture(
     titles : sequence of str
     """
     figure = new_figure(size)
+    edges = np.linspace(-np.pi, np.pi, _NUM_BINS + 1)
     panels = zip(densities, measured_rad, titles, strict=True)
     for number, (curves, measured, title) in enumerate(panels, start=1):
         axes = new_axes(
             figure, title, "phase difference [rad]", "density", at=(1, len(titles), number)
         )
-        bins = np.linspace(-np.pi, np.pi, NUM_BINS)
-        axes.hist(measured, bins=bins, density=bool(len(measured)), color=FAINT)
+        axes.hist(measured, bins=edges, density=bool(len(measured)), color=FAINT)
         for place, curve in enumerate(curves):
             share = (place + 1) / len(curves)
             axes.plot(phases_rad, curve, color=ACCENT, alpha=0.15 + 0.85 * share, lw=1.2)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
+from recon.stereo.order import falling
 
 _BLOCK_PX = 3
 _SIGMA_PX = 0.25
@@ -21,7 +22,7 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
     u, v = left.points_px.astype(np.int64).T
     found = disparity[v, u]
     rows = np.flatnonzero(np.isfinite(found))
-    rows = rows[np.argsort(-left.modulus[rows], kind="stable")]
+    rows = rows[falling(left.modulus[rows])]
     return Matches(
         points_px=left.points_px[rows],
         disparity_px=found[rows],
