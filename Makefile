@@ -14,7 +14,7 @@ $(VENV)/ready: pyproject.toml constraints.txt
 	touch $@
 
 # numba's cache knows the file of a kernel, not those of the kernels it calls.
-KERNELS := $(wildcard recon/stereo/*.py recon/world/*.py recon/voxelmap/*.py recon/recognition/*.py)
+KERNELS := $(shell find recon -name '*.py' | xargs grep -l numba)
 
 $(VENV)/kernels: $(VENV)/ready $(KERNELS)
 	find recon -name '*.nb[ci]' -delete

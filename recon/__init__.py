@@ -14,9 +14,9 @@ _HOMES = {
     "Settings": "recon.settings",
     "VoxelMap": "recon.voxelmap",
     "World": "recon.world.world",
-    "match_pair": "recon.pipeline",
+    "match_pair": "recon.mapping.pair",
     "open_sequence": "recon.sequences",
-    "process_pair": "recon.pipeline",
+    "process_pair": "recon.mapping.pair",
     "recognise": "recon.recognition",
 }
 

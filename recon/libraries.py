@@ -71,7 +71,7 @@ def open3d_fault() -> str | None:
 
 @functools.cache
 def rendering_fault() -> str | None:
-    """Why no picture can be rendered, with the line that cures it; None where one can."""
+    """Why no image can be rendered, with the line that cures it; None where one can."""
     result = subprocess.run(
         [sys.executable, "-c", _RENDER_PROBE], capture_output=True, text=True, check=False
     )

@@ -50,8 +50,8 @@ def test_the_village_is_known(readme):
         assert nearest["views"] >= 2
 
 
-def test_the_pictures_of_the_readme_are_there():
+def test_the_images_of_the_readme_are_there():
     text = (ROOT / "README.md").read_text()
     assert text.startswith("![")
-    picture = text[text.index("(") + 1 : text.index(")")]
-    assert (ROOT / picture).stat().st_size > 10_000
+    image = text[text.index("(") + 1 : text.index(")")]
+    assert (ROOT / image).stat().st_size > 10_000

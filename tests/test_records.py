@@ -63,7 +63,7 @@ def test_a_moved_cloud_keeps_colour_sigma_and_its_source():
     points.flags.writeable = False
     cloud = PointCloud(points=points, colours=np.full((9, 3), 7, np.uint8), sigma=np.ones(9))
     T = pose(rotation_about_y(0.3), [1, 2, 3])
-    moved = cloud.moved(T)
+    moved = cloud.transformed(T)
     np.testing.assert_allclose(moved.points, points @ T[:3, :3].T + [1, 2, 3], atol=1e-12)
     assert moved.colours is cloud.colours
     assert moved.sigma is cloud.sigma

@@ -35,7 +35,7 @@ def test_the_thesis_preset_is_the_table_of_the_thesis():
     settings = with_preset(Settings(), "thesis")
     assert (settings.eyes.width, settings.eyes.baseline, settings.eyes.fov_deg) == (256, 0.3, 80.0)
     assert (settings.matching.min_disparity, settings.matching.max_disparity) == (-10, 20)
-    assert (settings.matching.row_permission, settings.map.min_count) == (1, 5)
+    assert (settings.matching.max_row_offset_px, settings.map.min_count) == (1, 5)
     assert settings.exploration.object_turn_deg == 40
     assert settings.exploration.robot_turn_deg == 45
     assert settings.recognition.hue_tolerance_deg == 7

@@ -1,6 +1,6 @@
 """Put Middlebury's Motorcycle pair (2014, quarter size) into data/motorcycle/.
 
-The pictures and the true disparity come from scikit-image's own package and are not committed.
+The images and the true disparity come from scikit-image's own package and are not committed.
 """
 
 from pathlib import Path

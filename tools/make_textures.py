@@ -1,9 +1,9 @@
-"""Make recon's own textures: seamless 256 x 256 pictures, the same bytes every time.
+"""Make recon's own textures: seamless 256 x 256 images, the same bytes every time.
 
     python tools/make_textures.py            writes recon/world/shipped/*.png
 
 A texture is laid on 16 x 16 world units, so 16 texels are a unit. Phase stereo at 10 to 20 units
-wants waves of 4 to 12 px, which is 6 to 20 texels; each picture has most of its contrast there.
+wants waves of 4 to 12 px, which is 6 to 20 texels; each image has most of its contrast there.
 Leaves and grass are green, wood brown, brick red, roof slate blue: hues that tell parts apart.
 """
 
@@ -29,8 +29,8 @@ def noise(rng: np.random.Generator, wave_u: float, wave_v: float) -> Array:
     radius = np.hypot(frequency_u * wave_u, frequency_v * wave_v)
     band = np.exp(-0.5 * (np.log(np.maximum(radius, 1e-9)) / 0.45) ** 2)
     spectrum = np.fft.fft2(rng.standard_normal((SIZE, SIZE))) * band
-    picture = np.fft.ifft2(spectrum).real
-    return picture / picture.std()
+    image = np.fft.ifft2(spectrum).real
+    return image / image.std()
 
 
 def grain(rng: np.random.Generator, wave_u: float, wave_v: float) -> Array:
@@ -142,8 +142,8 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     for seed, maker in enumerate(MAKERS):
         # Steps of 4 grey levels are not to be seen, and halve the files.
-        picture = np.round(maker(np.random.default_rng(seed)) / 4.0) * 4.0
-        pixels = np.clip(picture, 0, 255).astype(np.uint8)
+        image = np.round(maker(np.random.default_rng(seed)) / 4.0) * 4.0
+        pixels = np.clip(image, 0, 255).astype(np.uint8)
         path = FOLDER / f"{maker.__name__}.png"
         cv2.imwrite(str(path), pixels[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 9])
 

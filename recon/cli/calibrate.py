@@ -17,7 +17,7 @@ from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_lo
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)
 def calibrate(left_dir: Path, right_dir: Path, **given: Any) -> None:
-    """Calibrate a rig from pairs of pictures of a chessboard.
+    """Calibrate a rig from pairs of images of a chessboard.
 
     SQUARE is the side of a square in metres; it sets the unit of the baseline.
     """

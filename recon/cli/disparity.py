@@ -30,10 +30,10 @@ from recon.cli.options import (
 @click.option("--calib", type=PATH, help="Calibration; its search range is the default.")
 @click.option(
     "--dense",
-    "dense__wanted",
+    "dense__enabled",
     is_flag=True,
     default=None,
-    help="A disparity for every pixel that the pictures support, too: dense.pfm.",
+    help="A disparity for every pixel that the images support, too: dense.pfm.",
 )
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:

@@ -1,4 +1,4 @@
-"""A picture of the cells for any browser: their exposed faces as glTF (GLB), by trimesh; y up."""
+"""An image of the cells for any browser: their exposed faces as glTF (GLB), by trimesh; y up."""
 
 from pathlib import Path
 from typing import Any

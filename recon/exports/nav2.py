@@ -31,7 +31,7 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     floor = navigation(voxels, sightings)
     if not floor.cells.size:
         raise InputError(f"{path}: nothing of the map is at the height of a robot")
-    _write_picture(path.with_suffix(".pgm"), floor)
+    _write_image(path.with_suffix(".pgm"), floor)
     _write_description(path.with_suffix(".yaml"), floor)
 
 
@@ -40,16 +40,16 @@ _NONE = Sightings(
 )
 
 
-def _write_picture(path: Path, floor: GroundGrid) -> None:
+def _write_image(path: Path, floor: GroundGrid) -> None:
     with atomic_path(path) as temporary:
-        if not cv2.imwrite(str(temporary), picture(floor)):
+        if not cv2.imwrite(str(temporary), image(floor)):
             raise ReconError(f"{path}: could not be written")
 
 
-def picture(floor: GroundGrid) -> NDArray[np.uint8]:
+def image(floor: GroundGrid) -> NDArray[np.uint8]:
     """The floor as grey values (rows, columns): columns go along x, rows from small z on.
 
-    With z up the second axis is -z, and it points up in the picture.
+    With z up the second axis is -z, and it points up in the image.
     """
     greys = np.full(floor.cells.shape, _GREYS[UNKNOWN], np.uint8)
     for state, grey in _GREYS.items():

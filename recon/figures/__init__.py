@@ -1,1 +1,1 @@
-"""Pictures of what was found: one kind a file, records in, images (H, W, 3) out."""
+"""Images of what was found: one kind a file, records in, images (H, W, 3) out."""

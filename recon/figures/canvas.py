@@ -1,4 +1,4 @@
-"""The sheet that flat figures are drawn on; the same picture gives the same bytes as PNG."""
+"""The sheet that flat figures are drawn on; the same image gives the same bytes as PNG."""
 
 from pathlib import Path
 from typing import Any

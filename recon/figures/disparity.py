@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.canvas import INK, Image, Size, new_figure, to_image
-from recon.figures.matching import draw_points, picture
+from recon.figures.matching import draw_points, image
 from recon.records import Matches
 
 SIZE: Size = (1000, 760)
@@ -15,7 +15,7 @@ SIZE: Size = (1000, 760)
 def disparity(left: NDArray[np.uint8], matches: Matches, size: Size = SIZE) -> Image:
     """Every matched point in the colour of its disparity, over a pale left image."""
     figure = new_figure(size)
-    axes = picture(figure, 111, left, f"Disparity of {len(matches)} matched points")
+    axes = image(figure, 111, left, f"Disparity of {len(matches)} matched points")
     dots = draw_points(axes, matches.points_px, matches.disparity_px, "turbo")
     if len(matches):
         _add_bar(figure, axes, dots)
@@ -26,7 +26,7 @@ def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.float64], size: Size
     """Every pixel in the colour of its disparity; the pale left image where it is unknown."""
     figure = new_figure(size)
     known = np.isfinite(disparity_px)
-    axes = picture(figure, 111, left, f"Disparity of {known.mean():.0%} of the pixels")
+    axes = image(figure, 111, left, f"Disparity of {known.mean():.0%} of the pixels")
     shown = axes.imshow(np.ma.masked_where(~known, disparity_px), cmap="turbo")
     if known.any():
         _add_bar(figure, axes, shown)
@@ -34,6 +34,6 @@ def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.float64], size: Size
 
 
 def _add_bar(figure: Any, axes: Any, coloured: Any) -> None:
-    """What the colours stand for, beside the picture."""
+    """What the colours stand for, beside the image."""
     bar = figure.colorbar(coloured, ax=axes, shrink=0.75, pad=0.01)
     bar.set_label("disparity [px]", color=INK, fontsize=9)

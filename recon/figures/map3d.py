@@ -22,7 +22,7 @@ VIEW_ANGLE_DEG = 28.0
 FRAME = 1.1
 """Room round the map, for the names over it."""
 STRAY = 0.02
-"""Share of the cells, on each side, that may lie outside the picture."""
+"""Share of the cells, on each side, that may lie outside the image."""
 
 # Directions from which the camera looks at the middle of the map.
 VIEWS = {

@@ -26,7 +26,7 @@ def error_map(
     left : (H, W) or (H, W, 3) uint8
     matches : Matches
     truth_px : (H, W)
-        True disparity of the left picture, NaN = unknown.
+        True disparity of the left image, NaN = unknown.
     """
     figure = new_figure(size)
     u, v = np.rint(matches.points_px).astype(np.int64).T
@@ -34,21 +34,21 @@ def error_map(
     judged = np.isfinite(error)
     wrong = float((error[judged] > 1.0).mean()) if judged.any() else 0.0
     at = matches.points_px
-    dots = draw_points(picture(figure, 121, left, "Disparity"), at, matches.disparity_px, "turbo")
+    dots = draw_points(image(figure, 121, left, "Disparity"), at, matches.disparity_px, "turbo")
     figure.colorbar(dots, ax=figure.axes[0], shrink=0.7).set_label("px", color=INK)
-    axes = picture(figure, 122, left, f"Error: {wrong:.2%} of {judged.sum()} are over 1 px")
+    axes = image(figure, 122, left, f"Error: {wrong:.2%} of {judged.sum()} are over 1 px")
     dots = draw_points(axes, at[judged], np.minimum(error[judged], MAX_ERROR_PX), "inferno_r")
     figure.colorbar(dots, ax=axes, shrink=0.7).set_label("|error|, px", color=INK)
     return to_image(figure)
 
 
 def side_by_side(left: NDArray[np.uint8], found: Mapping[str, Matches], size: Size = WIDE) -> Image:
-    """Several sets of matches of one picture, in one scale of colours (thesis figure 16)."""
+    """Several sets of matches of one image, in one scale of colours (thesis figure 16)."""
     figure = new_figure(size)
     values = np.concatenate([matches.disparity_px for matches in found.values()])
     span = {"vmin": values.min(initial=0.0), "vmax": values.max(initial=1.0)}
     for number, (title, matches) in enumerate(found.items(), start=1):
-        axes = picture(figure, (1, len(found), number), left, f"{title}: {len(matches)} pairs")
+        axes = image(figure, (1, len(found), number), left, f"{title}: {len(matches)} pairs")
         draw_points(axes, matches.points_px, matches.disparity_px, "turbo", **span)
     return to_image(figure)
 
@@ -72,8 +72,8 @@ def tuning(
     return to_image(figure)
 
 
-def picture(figure: Any, at: Any, left: NDArray[np.uint8], title: str) -> Any:
-    """Axes with a pale picture, for points in strong colours."""
+def image(figure: Any, at: Any, left: NDArray[np.uint8], title: str) -> Any:
+    """Axes with a pale image, for points in strong colours."""
     axes = new_axes(figure, title, at=at)
     grey = left.mean(axis=2) if left.ndim == 3 else left
     axes.imshow(grey * 0.35 + 165.0, cmap="gray", vmin=0, vmax=255)

@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 from recon.errors import InputError
 from recon.geometry import invert, pose, transform
 from recon.recognition.cells import gather
-from recon.recognition.ground import extent, level_plane
 from recon.recognition.recognition import recognise
+from recon.recognition.segments.ground import extent, level_plane
 from recon.records import FoundObject, Part, PointCloud, Recognition, Solid
 from recon.settings import RecognitionSettings
 
@@ -66,11 +66,13 @@ def recognise_cloud(cloud: PointCloud, settings: RecognitionSettings, up: Up = "
     if not len(finite):
         reason = {"no finite point": 1} if len(cloud) else {}
         return Recognition(objects=(), label=label, failures=reason)
-    level = cloud.select(finite).moved(T_LEVEL_CLOUD[up])
+    level = cloud.select(finite).transformed(T_LEVEL_CLOUD[up])
     T_floor_level = level_plane(level.points)
     on_plane = T_floor_level is not None
     T_floor_cloud = (np.eye(4) if T_floor_level is None else T_floor_level) @ T_LEVEL_CLOUD[up]
-    found, label[finite] = _on_floor(cloud.select(finite).moved(T_floor_cloud), settings, on_plane)
+    found, label[finite] = _on_floor(
+        cloud.select(finite).transformed(T_floor_cloud), settings, on_plane
+    )
     T_cloud_floor = invert(T_floor_cloud)
     return Recognition(
         objects=tuple(_moved_object(one, T_cloud_floor) for one in found.objects),
@@ -111,10 +113,10 @@ def _moved_object(found: FoundObject, T: Array) -> FoundObject:
 
 
 def _moved_part(part: Part, T: Array) -> Part:
-    return replace(part, solid=moved(part.solid, T))
+    return replace(part, solid=transformed(part.solid, T))
 
 
-def moved(solid: Solid, T_target_source: Array) -> Solid:
+def transformed(solid: Solid, T_target_source: Array) -> Solid:
     """The same solid in another frame."""
     changes: dict[str, Any] = {}
     for field in fields(solid):

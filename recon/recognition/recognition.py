@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.catalogue import read_catalogue
-from recon.recognition.components import connected, stacked
-from recon.recognition.ground import ground_height
-from recon.recognition.naming import Naming, name_object
-from recon.recognition.separation import Piece, Rows, reunite, separate
-from recon.recognition.thesis import name_by_quadrics
+from recon.recognition.naming.catalogue import read_catalogue
+from recon.recognition.naming.naming import Naming, name_object
+from recon.recognition.naming.thesis import name_by_quadrics
+from recon.recognition.segments.components import connected, stacked
+from recon.recognition.segments.ground import ground_height
+from recon.recognition.segments.separation import Piece, Rows, reunite, separate
 from recon.records import Recognition, Voxels
 from recon.settings import RecognitionSettings
 

@@ -1,6 +1,6 @@
 """Synthetic objects as a map holds them: visible surface, stereo noise, heavy tails, cells.
 
-Tests, calibration and benchmarks share them; nothing here looks at a picture.
+Tests, calibration and benchmarks share them; nothing here looks at an image.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.cells import gather
-from recon.recognition.stacks import Stack
+from recon.recognition.fitting.composite import Stack
 from recon.records import PointCloud, Voxels
 
 Array = NDArray[np.float64]

@@ -38,7 +38,7 @@ class PointCloud:
     def __len__(self) -> int:
         return len(self.points)
 
-    def moved(self, T_target_source: ArrayLike) -> "PointCloud":
+    def transformed(self, T_target_source: ArrayLike) -> "PointCloud":
         """The same points in the target frame; distances and sigmas stay."""
         return PointCloud(
             points=transform(T_target_source, self.points), colours=self.colours, sigma=self.sigma

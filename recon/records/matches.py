@@ -10,7 +10,7 @@ from recon.errors import InputError
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Features:
-    """Oriented feature points, and the filter responses of the picture they lie in."""
+    """Oriented feature points, and the filter responses of the image they lie in."""
 
     points_px: NDArray[np.float64]
     """(N, 2) u, v; in the order of the rows."""
@@ -19,7 +19,7 @@ class Features:
     modulus: NDArray[np.float32]
     """(N,) strength of the response, all scales together."""
     grey: NDArray[np.uint8]
-    """(H, W) brightness of the picture."""
+    """(H, W) brightness of the image."""
     widths_px: tuple[float, ...]
     """(S,) widths of the filters."""
     planes: NDArray[np.float32]
@@ -33,7 +33,7 @@ class Features:
 
 
 def check_alike(left: Features, right: Features) -> None:
-    """Raise `InputError` where features are of pictures of two sizes, or of unlike filters."""
+    """Raise `InputError` where features are of images of two sizes, or of unlike filters."""
     if left.grey.shape != right.grey.shape:
         raise InputError(
             f"left image has shape {left.grey.shape}, right {right.grey.shape}, but one is needed"

@@ -46,7 +46,7 @@ class View:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StereoPair:
-    """Two rectified pictures taken at one moment."""
+    """Two rectified images taken at one moment."""
 
     left: NDArray[np.uint8]
     """(H, W, 3) RGB or (H, W) grey."""

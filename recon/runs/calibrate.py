@@ -1,10 +1,10 @@
-"""A calibration file from pictures of a chessboard."""
+"""A calibration file from images of a chessboard."""
 
 from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
-from recon.sequences.boards import calibrate, write_calibration
+from recon.sequences.calibration.boards import calibrate, write_calibration
 
 
 def calibrate_run(

@@ -7,7 +7,7 @@ from recon.errors import InputError, ReconError
 from recon.exports.formats import format_of, read, write
 from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
-from recon.recognition.shapes import candidates
+from recon.recognition.fitting.shapes import candidates
 from recon.records import FitFailure, PointCloud, Voxels
 from recon.records.objects import as_json
 from recon.records.solids import parameters
@@ -85,7 +85,7 @@ def export_run(
 
 
 def is_nav2(path: Path) -> bool:
-    """Whether a picture and its description are written together."""
+    """Whether an image and its description are written together."""
     return path.suffix.lower() in (".pgm", ".yaml")
 
 

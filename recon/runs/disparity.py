@@ -1,4 +1,4 @@
-"""Two pictures matched, and held against the truth where there is one."""
+"""Two images matched, and held against the truth where there is one."""
 
 import time
 from dataclasses import dataclass
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 from recon.figures.disparity import dense as draw_dense
 from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
-from recon.pipeline import match_features
+from recon.mapping.pair import match_features
 from recon.records import Matches, check_images
 from recon.runs.figures import write_figures
 from recon.runs.order import RunOrder
 from recon.runs.products import as_document, write_metrics
 from recon.runs.report import read_json
-from recon.sequences.calibration import read_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_image
 from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
 from recon.settings import Settings
-from recon.stereo.dense import densify
+from recon.stereo.dense.dense import densify
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MatchedPair:
-    """Matches of two pictures and what it took."""
+    """Matches of two images and what it took."""
 
     left: NDArray[np.uint8]
     matches: Matches
@@ -39,14 +39,14 @@ class MatchedPair:
 
 
 def match_files(left_path: Path, right_path: Path, settings: Settings) -> MatchedPair:
-    """Match two picture files as the settings say."""
+    """Match two image files as the settings say."""
     left, right = read_image(left_path), read_image(right_path)
     check_images(left, right, f"{left_path} and {right_path}")
     began = time.perf_counter()
     features = detect(left, settings.features), detect(right, settings.features)
     matches = match_features(*features, settings)
     seconds = time.perf_counter() - began
-    dense = densify(matches, *features, left, settings.dense) if settings.dense.wanted else None
+    dense = densify(matches, *features, left, settings.dense) if settings.dense.enabled else None
     return MatchedPair(
         left=left, matches=matches, num_features=len(features[0]), seconds=seconds, dense_px=dense
     )
@@ -69,7 +69,7 @@ def disparity_run(
     truth_path: Path | None = None,
     truth_scale: float | None = None,
 ) -> dict[str, Any]:
-    """Match two pictures; leave a run folder where one is ordered.
+    """Match two images; leave a run folder where one is ordered.
 
     Returns
     -------

@@ -12,22 +12,22 @@ from recon.errors import InputError
 from recon.figures.canvas import Image
 from recon.figures.matching import error_map, side_by_side, tuning
 from recon.figures.mixture import mixture
-from recon.pipeline import match_images
+from recon.mapping.pair import match_images
 from recon.records import Features, Matches
 from recon.runs.disparity import match_files, measure
 from recon.runs.figures import write_figures
 from recon.runs.order import Progress, RunOrder, unwatched
 from recon.runs.products import as_document
-from recon.sequences.calibration import read_calibration
-from recon.sequences.folder import find_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_image
-from recon.sequences.pair_dir import find_picture
+from recon.sequences.readers.folder import find_calibration
+from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated
-from recon.stereo import vonmises
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
-from recon.stereo.matching import match
+from recon.stereo.matching import vonmises
+from recon.stereo.matching.matching import match
 from recon.stereo.subpixel import refine
 
 # Searched beyond the largest true disparity where no calibration states a range.
@@ -47,13 +47,13 @@ class Trial:
         """What tables call the pair."""
         return self.pair_dir.resolve().name
 
-    def picture(self, side: str) -> Path:
+    def image(self, side: str) -> Path:
         """The file of one side."""
-        return find_picture(self.pair_dir, side)
+        return find_image(self.pair_dir, side)
 
     def row(self) -> dict[str, Any]:
         """Its numbers, by their JSON keys."""
-        pair = match_files(self.picture("left"), self.picture("right"), self.settings)
+        pair = match_files(self.image("left"), self.image("right"), self.settings)
         names = {"name": self.name, "matcher": self.settings.matching.matcher}
         shares = {"coverage": coverage(pair.matches, pair.left.shape[:2])}
         return as_document(names | measure(pair, self.truth) | shares)
@@ -100,7 +100,7 @@ def evaluate_run(
         with run.opened():
             run.write_json("metrics.json", report)
             for trial in trials:
-                write_figures(run.path, trial_pictures(trial))
+                write_figures(run.path, trial_images(trial))
     return report
 
 
@@ -137,10 +137,10 @@ def stated_range(pair_dir: Path) -> dict[str, Any] | None:
     return stated and {"min_disparity": stated[0], "max_disparity": stated[1]}
 
 
-def trial_pictures(trial: Trial) -> dict[str, Image]:
+def trial_images(trial: Trial) -> dict[str, Image]:
     """Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17)."""
     settings, truth = trial.settings, trial.truth.disparity_px
-    left, right = (read_image(trial.picture(side)) for side in ("left", "right"))
+    left, right = (read_image(trial.image(side)) for side in ("left", "right"))
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
     whole = match(features_left, features_right, settings.matching)
@@ -150,18 +150,18 @@ def trial_pictures(trial: Trial) -> dict[str, Image]:
     # The row whose points are spread the widest: one along a horizontal edge shows nothing.
     spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
     fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())
-    pictures = {
+    images = {
         "errors": error_map(left, tuned, truth),
         "scales": side_by_side(left, scales),
         "tuning": tuning(whole, tuned, truth, fullest),
     }
     if settings.matching.matcher == "vonmises":
-        pictures["mixture"] = model_picture(features_left, features_right, whole, settings)
+        images["mixture"] = model_image(features_left, features_right, whole, settings)
     title = f"{trial.name}_{settings.matching.matcher}"
-    return {f"{title}_{name}": image for name, image in pictures.items()}
+    return {f"{title}_{name}": image for name, image in images.items()}
 
 
-def model_picture(left: Features, right: Features, matches: Matches, settings: Settings) -> Image:
+def model_image(left: Features, right: Features, matches: Matches, settings: Settings) -> Image:
     """What the model expects of right pairs, beside what these pairs are (thesis figure 17)."""
     model = vonmises.load_model(settings.matching.model)
     phases = np.linspace(-np.pi, np.pi, 361)

@@ -4,7 +4,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from recon.explore.agent import Exploration, Step, explore
+from recon.exploration.agent import Exploration, Step, explore
 from recon.exports.ply import CloudWriter
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder

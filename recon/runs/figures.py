@@ -136,33 +136,33 @@ def draw_always(contents: RunContents) -> dict[str, Image]:
     return {name: KINDS[name].draw(contents, "default", KINDS[name].size) for name in ALWAYS}
 
 
-def add_pair(pictures: dict[str, Image], left: Image, matches: Matches) -> dict[str, Image]:
-    """The pictures, with the disparity of the clearest pair and a sheet of them all."""
+def add_pair(images: dict[str, Image], left: Image, matches: Matches) -> dict[str, Image]:
+    """The images, with the disparity of the clearest pair and a sheet of them all."""
     drawn = disparity(left, matches)
     sheet = {
-        "The map, with what was found": pictures["map3d"],
+        "The map, with what was found": images["map3d"],
         "What the left eye saw": left,
         "What was matched": drawn,
-        "The floor, with names": pictures["labels"],
+        "The floor, with names": images["labels"],
     }
-    return pictures | {"disparity": drawn, "overview": overview(sheet)}
+    return images | {"disparity": drawn, "overview": overview(sheet)}
 
 
 def leave_figures(
     run_path: Path, contents: RunContents, clearest: tuple[Image, Matches] | None
 ) -> None:
-    """Draw and write what every run leaves; `clearest` is the left picture with most matches."""
-    pictures = draw_always(contents)
+    """Draw and write what every run leaves; `clearest` is the left image with most matches."""
+    images = draw_always(contents)
     if clearest is not None:
-        pictures = add_pair(pictures, *clearest)
-    write_figures(run_path, pictures)
+        images = add_pair(images, *clearest)
+    write_figures(run_path, images)
 
 
-def write_figures(run_path: Path, pictures: dict[str, Image]) -> list[Path]:
-    """Write `figures/NAME.png` for every picture; return their paths."""
+def write_figures(run_path: Path, images: dict[str, Image]) -> list[Path]:
+    """Write `figures/NAME.png` for every image; return their paths."""
     (run_path / "figures").mkdir(exist_ok=True)
-    paths = [run_path / "figures" / f"{name}.png" for name in pictures]
-    for path, image in zip(paths, pictures.values(), strict=True):
+    paths = [run_path / "figures" / f"{name}.png" for name in images]
+    for path, image in zip(paths, images.values(), strict=True):
         save_png(image, path)
     return paths
 
@@ -196,8 +196,8 @@ def figure_run(
     contents = read_contents(run_path)
     has_weights = contents.voxels.weights is not None
     wanted = [kind] if kind else [k for k in KINDS if has_weights or not KINDS[k].needs_weights]
-    pictures = {k: KINDS[k].draw(contents, view, size or KINDS[k].size) for k in wanted}
-    paths = write_figures(run_path, pictures)
+    images = {k: KINDS[k].draw(contents, view, size or KINDS[k].size) for k in wanted}
+    paths = write_figures(run_path, images)
     if with_data:
         paths += [write_data(run_path, k, KINDS[k].data(contents)) for k in wanted]
     return paths

@@ -17,7 +17,7 @@ Facts = dict[str, Any]
 
 
 def describe(path: Path) -> Facts:
-    """Facts about a run folder, recording, scene, picture, map or cloud.
+    """Facts about a run folder, recording, scene, image, map or cloud.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def describe(path: Path) -> Facts:
     if path.suffix == ".scene":
         return _of_scene(path)
     if path.suffix.lower() in ENDINGS:
-        return _of_picture(path)
+        return _of_image(path)
     return _of_points(path)
 
 
@@ -65,9 +65,9 @@ def _of_scene(path: Path) -> Facts:
     }
 
 
-def _of_picture(path: Path) -> Facts:
+def _of_image(path: Path) -> Facts:
     image = read_image(path)
-    return {"kind": "picture", "width": image.shape[1], "height": image.shape[0]} | {
+    return {"kind": "image", "width": image.shape[1], "height": image.shape[0]} | {
         "is_colour": image.ndim == 3
     }
 

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from recon.exports.ply import CloudWriter
 from recon.geometry import transform
-from recon.pipeline import match_images
+from recon.mapping.pair import match_images
 from recon.recognition import recognise
 from recon.records import StereoPair
 from recon.runfolder import RunFolder
@@ -21,7 +21,7 @@ from recon.runs.report import read_report
 from recon.runs.tally import Tally
 from recon.sequences.frames import DerivedSource
 from recon.sequences.open import open_sequence
-from recon.sequences.ring import is_ring
+from recon.sequences.readers.ring import is_ring
 from recon.sequences.truth import read_truth
 from recon.settings import Settings, updated, with_quality
 from recon.voxelmap.occupancy import occupied

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.pipeline import insert, points_of
+from recon.mapping.consistency import Consistency, Witness
+from recon.mapping.pair import insert, points_of
 from recon.records import Matches, PointCloud, StereoPair
 from recon.runs.contents import Trajectory
-from recon.sequences.consistency import Consistency, Witness
 from recon.settings import Settings
 from recon.voxelmap.occupancy import new_map
 

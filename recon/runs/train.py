@@ -8,14 +8,14 @@ import numpy as np
 
 from recon.errors import InputError, ReconError
 from recon.files import atomic_path
-from recon.pipeline import match_features
+from recon.mapping.pair import match_features
 from recon.records import Features, Matches
 from recon.runs.evaluate import stated_range
 from recon.sequences.images import read_image
-from recon.sequences.pair_dir import find_picture
+from recon.sequences.readers.pair_dir import find_image
 from recon.settings import Settings, updated
 from recon.stereo.features import detect
-from recon.stereo.vonmises import train
+from recon.stereo.matching.vonmises import train
 
 
 def train_run(
@@ -52,7 +52,7 @@ def _examples(
         search = stated_range(pair_dir) or {}
         chosen = updated(settings, {"matching": search | {"matcher": "phase"}})
         left, right = (
-            detect(read_image(find_picture(pair_dir, side)), chosen.features)
+            detect(read_image(find_image(pair_dir, side)), chosen.features)
             for side in ("left", "right")
         )
         yield left, right, match_features(left, right, chosen)

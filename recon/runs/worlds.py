@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.explore.agent import explore
+from recon.exploration.agent import explore
 from recon.figures.confusion import confusion_matrix, reliability
 from recon.recognition import recognise
 from recon.records import FoundObject

@@ -20,7 +20,7 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frame:
-    """One moment of a recording, its pictures not read yet."""
+    """One moment of a recording, its images not read yet."""
 
     name: str
     stamp_s: float

@@ -1,4 +1,4 @@
-"""Pictures from files, whole or not at all."""
+"""Images from files, whole or not at all."""
 
 import struct
 import zlib
@@ -20,30 +20,30 @@ _JPEG_END = b"\xff\xd9"
 
 
 def read_image(path: Path) -> Image:
-    """A picture as (H, W) grey or (H, W, 3) RGB uint8; 16 bits are brought to 8.
+    """An image as (H, W) grey or (H, W, 3) RGB uint8; 16 bits are brought to 8.
 
     Raises
     ------
     InputError
-        Where the file is missing, cut short, damaged or no picture.
+        Where the file is missing, cut short, damaged or no image.
     """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(
-            f"{path} cannot be read ({error.strerror}), but a picture is needed"
+            f"{path} cannot be read ({error.strerror}), but an image is needed"
         ) from error
     return decode(data, str(path))
 
 
 def decode(data: bytes, name: str) -> Image:
-    """The picture in the bytes of a file; messages call it `name`."""
+    """The image in the bytes of a file; messages call it `name`."""
     fault = _fault(data)
     if fault:
-        raise InputError(f"{name} is {fault}, but a whole picture is needed")
+        raise InputError(f"{name} is {fault}, but a whole image is needed")
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
     if image is None:
-        raise InputError(f"{name} is no picture that OpenCV can read")
+        raise InputError(f"{name} is no image that OpenCV can read")
     rgb: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
     return rgb
 

@@ -1,4 +1,4 @@
-"""Which left picture belongs to which right one."""
+"""Which left image belongs to which right one."""
 
 import re
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from recon.sequences.images import ENDINGS
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Listed:
-    """One row of a recording: at least one of the two pictures is there."""
+    """One row of a recording: at least one of the two images is there."""
 
     name: str
     left: Path | None
@@ -20,7 +20,7 @@ class Listed:
 
 
 def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
-    """The pictures of two folders, paired by name and sorted; a missing partner is None.
+    """The images of two folders, paired by name and sorted; a missing partner is None.
 
     Names are the same on both sides, or hold the same last number (left07.jpg, right07.jpg), or
     are as many on both sides and go in sorted order. One folder may hold both sides, where the
@@ -31,7 +31,7 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
     InputError
         Where a folder is missing or empty, or where it is not certain what belongs together.
     """
-    lefts, rights = _pictures(left_dir), _pictures(right_dir)
+    lefts, rights = _images(left_dir), _images(right_dir)
     if lefts == rights:
         lefts, rights = _of_side(left_dir, "left"), _of_side(left_dir, "right")
     for key in (_stem, _last_number):
@@ -42,7 +42,7 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
             return [Listed(name=n, left=left.get(n), right=right.get(n)) for n in names]
     if len(lefts) != len(rights):
         raise InputError(
-            f"{left_dir} holds {len(lefts)} pictures and {right_dir} {len(rights)} under other "
+            f"{left_dir} holds {len(lefts)} images and {right_dir} {len(rights)} under other "
             "names, but the names must tell which belong together"
         )
     return [
@@ -72,17 +72,17 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(p), "") if p.isdigit() else (1, 0, p) for p in parts)
 
 
-def _pictures(folder: Path) -> list[Path]:
+def _images(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        raise InputError(f"{folder} is no folder, but one of pictures is needed")
+        raise InputError(f"{folder} is no folder, but one of images is needed")
     found = [p for p in folder.iterdir() if p.suffix.lower() in ENDINGS and p.name[0] != "."]
     if not found:
-        raise InputError(f"{folder} holds no pictures ({', '.join(sorted(ENDINGS))})")
+        raise InputError(f"{folder} holds no images ({', '.join(sorted(ENDINGS))})")
     return sorted(found, key=lambda path: natural(path.stem))
 
 
 def _of_side(folder: Path, side: str) -> list[Path]:
-    found = [path for path in _pictures(folder) if side in path.stem.lower()]
+    found = [path for path in _images(folder) if side in path.stem.lower()]
     if not found:
         raise InputError(f"{folder} is given for both sides, but no name in it says {side}")
     return found

@@ -7,18 +7,18 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.records import PairSource, StereoPair
-from recon.sequences.bag import is_bag, open_bag
-from recon.sequences.euroc import is_euroc, open_euroc
-from recon.sequences.folder import is_folder, open_folder
+from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
 from recon.sequences.frames import DerivedSource
-from recon.sequences.kitti import is_kitti, open_kitti
-from recon.sequences.odometry import EstimatedPoses
-from recon.sequences.pair_dir import is_pair_dir, open_pair_dir
+from recon.sequences.odometry.odometry import EstimatedPoses
+from recon.sequences.readers.bag import is_bag, open_bag
+from recon.sequences.readers.euroc import is_euroc, open_euroc
+from recon.sequences.readers.folder import is_folder, open_folder
+from recon.sequences.readers.kitti import is_kitti, open_kitti
+from recon.sequences.readers.pair_dir import is_pair_dir, open_pair_dir
+from recon.sequences.readers.ring import is_ring, open_ring
+from recon.sequences.readers.simulated import is_simulated, open_simulated
+from recon.sequences.readers.video import is_video, open_video
 from recon.sequences.region import RegionSource
-from recon.sequences.ring import is_ring, open_ring
-from recon.sequences.simulated import is_simulated, open_simulated
-from recon.sequences.straightening import StraightenedPairs, row_residual
-from recon.sequences.video import is_video, open_video
 from recon.settings import SequenceSettings
 
 
@@ -34,7 +34,7 @@ class Reader:
     open: Callable[[Path, SequenceSettings], PairSource]
 
 
-READERS = {  # tried in this order: a ring may have pictures called like a pair's
+READERS = {  # tried in this order: a ring may have images called like a pair's
     "folder": Reader(fits=is_folder, open=open_folder),
     "kitti": Reader(fits=is_kitti, open=open_kitti),
     "euroc": Reader(fits=is_euroc, open=open_euroc),
@@ -50,7 +50,7 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
     """The pairs of a recording, read one at a time as they are asked for.
 
     They are rectified, posed and cut to the region as the settings say, in recon's world (y up).
-    Where the first pairs show that rows do not quite correspond, the right pictures are resampled.
+    Where the first pairs show that rows do not quite correspond, the right images are resampled.
 
     Raises
     ------

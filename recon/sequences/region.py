@@ -1,4 +1,4 @@
-"""A part of the pictures."""
+"""A part of the images."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,15 +24,15 @@ class RegionSource(DerivedSource):
 
 
 def cut(pair: StereoPair, region: Region) -> StereoPair:
-    """The region of both pictures; disparities and the poses stay as they are.
+    """The region of both images; disparities and the poses stay as they are.
 
-    What lies left of the region in the right picture is lost: along its left side, things nearer
+    What lies left of the region in the right image is lost: along its left side, things nearer
     than the width of a disparity have no partner.
 
     Raises
     ------
     InputError
-        Where the region is empty or goes beyond the pictures.
+        Where the region is empty or goes beyond the images.
     """
     x, y, width, height = region
     rig = pair.rig

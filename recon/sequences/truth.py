@@ -69,7 +69,7 @@ def _read_numbers(path: Path) -> NDArray[np.generic]:
         raise InputError(f"{path} cannot be read ({error.strerror})") from error
     numbers = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
     if numbers is None:
-        raise InputError(f"{path} is no picture of disparities")
+        raise InputError(f"{path} is no image of disparities")
     grey: NDArray[np.generic] = numbers if numbers.ndim == 2 else numbers[..., 0]
     return grey
 

@@ -12,7 +12,7 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
     "thesis": {
         # Widths of 6, 12 and 18 pixels are six half supports: filters of 2, 4 and 6.
         "features": {"share": 0.025, "widths_px": (2.0, 4.0, 6.0)},
-        "matching": {"min_disparity": -10, "max_disparity": 20, "row_permission": 1},
+        "matching": {"min_disparity": -10, "max_disparity": 20, "max_row_offset_px": 1},
         "map": {"cell_size": 1.0, "min_count": 5, "max_sigma": None},
         "exploration": {
             "controller": "thesis",
@@ -28,11 +28,11 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
 QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
     "best": {
         "features": {"share": 0.10, "widths_px": (1.5, 3.0, 6.0)},
-        "matching": {"cross_check": "exact", "members": "half"},
+        "matching": {"cross_check": "exact", "support_sampling": "half"},
     },
     "fast": {
         "features": {"share": 0.05, "widths_px": (2.0,)},
-        "matching": {"cross_check": "row", "members": "quarter"},
+        "matching": {"cross_check": "row", "support_sampling": "quarter"},
     },
 }
 

@@ -16,7 +16,7 @@ class SequenceSettings:
     poses: Literal["given", "estimated", "none"] = "given"
     every: Count = 1
     roi: tuple[int, int, int, int] | None = None
-    """x, y, width, height in pixels of the rectified pictures: the rest is cut off both."""
+    """x, y, width, height in pixels of the rectified images: the rest is cut off both."""
     max_confirmed_depth: Positive = 30.0
     """Only points nearer than this, world units, count for the share that other pairs confirm."""
     only_confirmed: bool = False

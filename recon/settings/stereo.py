@@ -33,12 +33,12 @@ class MatchingSettings:
     min_disparity: int = 0
     max_disparity: int = 20
     """The search includes both ends."""
-    row_permission: int = Field(default=0, ge=0)
+    max_row_offset_px: int = Field(default=0, ge=0)
     """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
     cross_check: Literal["exact", "row"] = "exact"
     """How a pair is confirmed: by the choice of its right pixel among all left ones, or only
     against the other features of its row, which takes half the time."""
-    members: Literal["half", "quarter"] = "half"
+    support_sampling: Literal["half", "quarter"] = "half"
     """Which share of the pixels round a point supports its disparities."""
     model: str | None = None
     """File of the von Mises matcher's model; None = the one recon ships."""
@@ -68,16 +68,16 @@ class TriangulationSettings:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DenseSettings:
-    """How matches are spread over the picture (the thesis's future work)."""
+    """How matches are spread over the image (the thesis's future work)."""
 
-    wanted: bool = False
+    enabled: bool = False
     """Whether `recon disparity` spreads them."""
     segment_px: Positive = 9.0
     """Side of a segment, in pixels."""
     min_matches: Count = 3
     """Fewest matches on a segment's plane; below, it has none of its own."""
-    likeness: Share = 0.4
-    """Similarity of both pictures' phases, at a segment's plane, from which on it is believed."""
+    min_similarity: Share = 0.4
+    """Similarity of both images' phases, at a segment's plane, from which on it is believed."""
     num_neighbours: Count = 8
     """Matches that are asked whether another is a spike."""
     spike_px: Positive = 1.0

@@ -12,7 +12,7 @@ from recon.settings.stage import STRICT, NonNegative, Positive
 _FOCAL_LENGTH = 0.1
 _FOV_DEG = 80.0
 SENSOR_WIDTH = 2.0 * _FOCAL_LENGTH * math.tan(math.radians(_FOV_DEG) / 2.0)
-"""Width of the picture on the sensor, world units: what the thesis's two values give together."""
+"""Width of the image on the sensor, world units: what the thesis's two values give together."""
 
 PixelCount = Annotated[int, Field(ge=1, le=4096)]
 """More than 4096 x 4096 rays at a time do not fit into the memory of most machines."""
@@ -73,7 +73,7 @@ class EyesSettings:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RenderSettings:
-    """How pictures of the world are made."""
+    """How images of the world are made."""
 
     renderer: Literal["raycast", "filament"] = "raycast"
     supersampling: int = Field(default=2, ge=1, le=8)

@@ -46,18 +46,18 @@ def evaluate(
     quantisation_px: float = 0.0,
     truth_right_px: Disparity | None = None,
 ) -> Evaluation:
-    """Hold matches against the true disparity of the left picture.
+    """Hold matches against the true disparity of the left image.
 
     Parameters
     ----------
     matches : Matches
     truth_px : (H, W) float
-        Disparity of the left picture's pixels; NaN = unknown.
+        Disparity of the left image's pixels; NaN = unknown.
     quantisation_px : float
         Step of the truth. Where it is a whole pixel, tuned disparities are rounded first, as the
         truth was.
     truth_right_px : (H, W) float, optional
-        Disparity of the right picture's pixels, for occlusion.
+        Disparity of the right image's pixels, for occlusion.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def seen_by_both(truth_px: Disparity, truth_right_px: Disparity | None = None) -
 
 
 def coverage(matches: Matches, shape: tuple[int, int], block_px: int = 32) -> float:
-    """Share of the picture's square blocks that hold at least one match."""
+    """Share of the image's square blocks that hold at least one match."""
     blocks = np.zeros([-(-side // block_px) for side in shape], dtype=bool)
     u, v = np.rint(matches.points_px).astype(np.int64).T // block_px
     blocks[v, u] = True

@@ -9,8 +9,8 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
-from recon.stereo.angle import angles
-from recon.stereo.lanes import Floats, kernel
+from recon.stereo.kernels.angle import angles
+from recon.stereo.kernels.simd import Floats, kernel
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""
@@ -34,7 +34,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     Raises
     ------
     InputError
-        Where the image is no uint8 picture.
+        Where the image is no uint8 image.
     """
     grey = to_grey(image)
     responses = filters.respond(grey, settings.widths_px)

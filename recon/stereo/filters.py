@@ -16,7 +16,17 @@ from numpy.typing import NDArray
 
 from recon.stereo import harmonics
 from recon.stereo.harmonics import DESCRIPTORS
-from recon.stereo.lanes import FAST, NUM_LANES, Floats, Lanes, filled, kernel, load, spread, store
+from recon.stereo.kernels.simd import (
+    FAST,
+    NUM_LANES,
+    Floats,
+    Lanes,
+    filled,
+    kernel,
+    load,
+    spread,
+    store,
+)
 
 WAVELENGTH_OF_WIDTH = 2.22
 """Wavelength of the strongest response, in widths."""
@@ -100,9 +110,9 @@ def taps(width_px: float) -> Taps:
 
 
 class _Lattice(NamedTuple):
-    """A smoothed picture, and the taps that are spread over it."""
+    """A smoothed image, and the taps that are spread over it."""
 
-    picture: Floats
+    image: Floats
     """(H + 2 P, W') with a margin of P above, below and on the left, and room on the right."""
     margin: int
     """P, a whole number of lanes."""
@@ -117,8 +127,8 @@ def _lattice(grey: Floats, width_px: float) -> _Lattice:
     margin = filled(step * (len(factors.columns) - 1))
     right = filled(grey.shape[1]) - grey.shape[1] + margin
     smooth = _smoothed(grey, level(width_px))
-    picture = cv2.copyMakeBorder(smooth, margin, margin, margin, right, cv2.BORDER_REPLICATE)
-    return _Lattice(picture, margin, step, factors)
+    image = cv2.copyMakeBorder(smooth, margin, margin, margin, right, cv2.BORDER_REPLICATE)
+    return _Lattice(image, margin, step, factors)
 
 
 def _smoothed(grey: Floats, num_doublings: int) -> Floats:
@@ -135,7 +145,7 @@ def _smoothed(grey: Floats, num_doublings: int) -> Floats:
 
 
 class Responses(NamedTuple):
-    """What the filters answer to a picture."""
+    """What the filters answer to an image."""
 
     planes: Floats
     """(H, S, DESCRIPTORS, 2, W') real and imaginary part of the response ``G - jH`` by correlation,
@@ -150,13 +160,13 @@ class Responses(NamedTuple):
 def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
     """Filter an image (H, W) at all widths."""
     height, width = grey.shape
-    picture = grey.astype(np.float32)
-    lattices = tuple(_lattice(picture, width_px) for width_px in widths_px)
+    image = grey.astype(np.float32)
+    lattices = tuple(_lattice(image, width_px) for width_px in widths_px)
     responses = Responses(
         np.empty((height, len(widths_px), DESCRIPTORS, 2, filled(width)), np.float32),
         *(np.empty(grey.shape, np.float32) for _ in range(3)),
     )
-    widest = max(lattice.picture.shape[1] for lattice in lattices)
+    widest = max(lattice.image.shape[1] for lattice in lattices)
     _filter(lattices, np.empty((_NUM_SUMS, widest), np.float32), responses)
     return responses
 
@@ -178,15 +188,15 @@ def _filter(lattices: tuple[_Lattice, ...], sums: Floats, responses: Responses) 
 @kernel
 def _sum_columns(lattice: _Lattice, v: int, sums: Floats) -> None:
     """Write the sums over the columns round row v, their margins included."""
-    picture, columns = lattice.picture.reshape(-1), lattice.taps.columns
-    width = lattice.picture.shape[1]
+    image, columns = lattice.image.reshape(-1), lattice.taps.columns
+    width = lattice.image.shape[1]
     fourth_2, fourth_0 = lattice.taps.fourth
     for u in range(0, width, NUM_LANES):
         p0 = p1 = p2 = p3 = p4 = h5 = spread(0.0)
         for k in range(columns.shape[0]):
             w, gap = columns[k], k * lattice.step
-            above = load(picture, (v + lattice.margin - gap) * width + u)
-            below = load(picture, (v + lattice.margin + gap) * width + u)
+            above = load(image, (v + lattice.margin - gap) * width + u)
+            below = load(image, (v + lattice.margin + gap) * width + u)
             even, odd = below + above, below - above
             p0 += w[0] * even
             p1 += w[1] * odd

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from recon.stereo.lanes import Floats, Lanes, kernel, load, store
+from recon.stereo.kernels.simd import Floats, Lanes, kernel, load, store
 
 DESCRIPTORS = 3
 """Directions that describe a pixel in matching: 0, 60 and 120 degrees."""

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.lanes import Floats
+from recon.stereo.kernels.simd import Floats
 
 _NUM_FILTERS = 8
 _SIGMA_OF_WAVELENGTH = 0.4
@@ -30,8 +30,8 @@ def encode(grey: NDArray[np.uint8], wavelength_px: float) -> tuple[Floats, Float
         Eq 10 has it, opposite directions would not be the same edge.
     """
     angles = np.arange(_NUM_FILTERS) * np.pi / _NUM_FILTERS
-    picture = grey.astype(np.float32)
-    moduli = np.array([_modulus(picture, wavelength_px, angle) for angle in angles])
+    image = grey.astype(np.float32)
+    moduli = np.array([_modulus(image, wavelength_px, angle) for angle in angles])
     cosine = np.tensordot(np.cos(2 * angles), moduli, 1)
     sine = np.tensordot(np.sin(2 * angles), moduli, 1)
     length = np.hypot(cosine, sine)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.records import Features, Matches, check_alike
-from recon.stereo.angle import angles
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
-from recon.stereo.lanes import NUM_LANES, Floats, Integers, kernel, load, spread, store
-from recon.stereo.order import order
+from recon.stereo.kernels.angle import angles
+from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
+from recon.stereo.kernels.sorting import order
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
@@ -42,14 +42,14 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     """Tune whole-pixel disparities by the phase that is left over at the matched pixels.
 
     With responses whose phase grows along the row, ``d = delta + (phi_right - phi_left) / k``,
-    where k is the local frequency along the row, measured in both pictures. All scales and
+    where k is the local frequency along the row, measured in both images. All scales and
     orientations are taken together by weighted least squares. Pairs that have a sigma are tuned
     already, and left as they are.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
     u, v = matches.points_px[rows].astype(np.int64).T
-    # In the order of the picture, as memory is slow to jump about in.
+    # In the order of the image, as memory is slow to jump about in.
     along = order(v * left.grey.shape[1] + u)
     rows, u, v = rows[along], u[along], v[along]
     delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
@@ -80,7 +80,7 @@ class _Channels(NamedTuple):
     product: Floats
     """(2, C, _CHUNK) real and imaginary part of right times conjugate left response."""
     turn: Floats
-    """(2, C, _CHUNK) of the turn of the response over two pixels of the row, of both pictures."""
+    """(2, C, _CHUNK) of the turn of the response over two pixels of the row, of both images."""
     difference: Floats
     """Phase that is left over."""
     double_frequency: Floats

@@ -66,11 +66,11 @@ def left_pose(view: View, baseline: float) -> Array:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Eye:
-    """One eye's rays, and how its picture is brought into the rectified rig."""
+    """One eye's rays, and how its image is brought into the rectified rig."""
 
     camera: Camera
     H_rectified_eye: Array | None
-    """(3, 3) motion of image points; None where the picture is rectified as it is."""
+    """(3, 3) motion of image points; None where the image is rectified as it is."""
 
 
 def eye_of(T_world_eye: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings) -> Eye:
@@ -91,14 +91,14 @@ def eye_of(T_world_eye: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings)
     )
 
 
-def rectified(picture: NDArray[np.uint8], H_rectified_eye: Array | None) -> NDArray[np.uint8]:
-    """The picture (H, W, 3) as the rectified rig has it; its border is stretched."""
+def rectified(image: NDArray[np.uint8], H_rectified_eye: Array | None) -> NDArray[np.uint8]:
+    """The image (H, W, 3) as the rectified rig has it; its border is stretched."""
     if H_rectified_eye is None:
-        return picture
+        return image
     moved: NDArray[np.uint8] = cv2.warpPerspective(
-        picture,
+        image,
         H_rectified_eye,
-        picture.shape[1::-1],
+        image.shape[1::-1],
         flags=cv2.INTER_CUBIC,
         borderMode=cv2.BORDER_REPLICATE,
     )

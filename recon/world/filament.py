@@ -1,4 +1,4 @@
-"""Pictures by Open3D's rasteriser Filament, which has light and shadows but needs Vulkan."""
+"""Images by Open3D's rasteriser Filament, which has light and shadows but needs Vulkan."""
 
 import contextlib
 import ctypes
@@ -61,8 +61,8 @@ class Filament:
     Parameters
     ----------
     parts, looks : triangles of each visual, and how it looks
-    pictures : the textures (H, W, 3)
-    size : width and height of its pictures, pixels
+    images : the textures (H, W, 3)
+    size : width and height of its images, pixels
     settings : the renderer's
 
     Raises
@@ -70,14 +70,14 @@ class Filament:
     MissingLibraryError
         Where Filament cannot draw, with the line that cures it.
     InputError
-        Where this process has drawn pictures of another size.
+        Where this process has drawn images of another size.
     """
 
     def __init__(
         self,
         parts: Sequence[Triangles],
         looks: Sequence[Look],
-        pictures: Sequence[NDArray[np.uint8]],
+        images: Sequence[NDArray[np.uint8]],
         size: tuple[int, int],
         settings: RenderSettings,
     ) -> None:
@@ -86,16 +86,16 @@ class Filament:
         self._backdrop = backdrop(settings)
         self._name = f"world {next(_NUMBERS)}"
         self._visuals = [
-            (_mesh(part), _material(look, pictures, settings.shading))
+            (_mesh(part), _material(look, images, settings.shading))
             for part, look in zip(parts, looks, strict=True)
             if len(part.corners)
         ]
 
     def look(self, camera: Camera) -> NDArray[np.uint8]:
-        """The picture (H, W, 3) of a perspective camera, supersampled everywhere."""
+        """The image (H, W, 3) of a perspective camera, supersampled everywhere."""
         samples = [self._sample(camera, offset)[0] for offset in pixel_offsets(self._side)]
-        picture: NDArray[np.uint8] = np.rint(np.mean(samples, axis=0)).astype(np.uint8)
-        return picture
+        image: NDArray[np.uint8] = np.rint(np.mean(samples, axis=0)).astype(np.uint8)
+        return image
 
     def depth(self, camera: Camera) -> Array:
         """Depth (H, W) along z at the middle of each pixel, NaN = nothing."""
@@ -178,12 +178,12 @@ def _mesh(part: Triangles) -> Any:
     return mesh
 
 
-def _material(look: Look, pictures: Sequence[NDArray[np.uint8]], shading: bool) -> Any:
+def _material(look: Look, images: Sequence[NDArray[np.uint8]], shading: bool) -> Any:
     o3d = load_open3d()
     material = o3d.visualization.rendering.MaterialRecord()
     material.shader = "defaultLit" if shading else "defaultUnlit"
     if look.texture != NONE:
-        material.albedo_img = o3d.geometry.Image(_encoded(pictures[look.texture]))
+        material.albedo_img = o3d.geometry.Image(_encoded(images[look.texture]))
     return material
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the whole world from above and from the front."""
+"""Images of the whole world from above and from the front."""
 
 import numpy as np
 

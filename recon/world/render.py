@@ -1,4 +1,4 @@
-"""Pictures by ray casting: Open3D finds what a ray hits, one compiled loop gives it its colour.
+"""Images by ray casting: Open3D finds what a ray hits, one compiled loop gives it its colour.
 
 Textures are read through mipmaps everywhere; edges, where mipmaps do not help, are supersampled.
 """
@@ -29,7 +29,7 @@ EDGE_STEP = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
-    """Rays of a picture, in the world; depth counts in the length of a ray's direction."""
+    """Rays of an image, in the world; depth counts in the length of a ray's direction."""
 
     width: int
     height: int
@@ -50,7 +50,7 @@ class Look:
     """How a visual is drawn."""
 
     texture: int = NONE
-    """Its number among the pictures, -1 = none."""
+    """Its number among the images, -1 = none."""
     one_sided: bool = False
     """Whether it is not to be seen from behind."""
 
@@ -62,7 +62,7 @@ class Raycaster:
     ----------
     parts : triangles of each visual
     looks : how each visual looks
-    pictures : the textures (H, W, 3)
+    images : the textures (H, W, 3)
     settings : the renderer's
     """
 
@@ -70,7 +70,7 @@ class Raycaster:
         self,
         parts: Sequence[Triangles],
         looks: Sequence[Look],
-        pictures: Sequence[NDArray[np.uint8]],
+        images: Sequence[NDArray[np.uint8]],
         settings: RenderSettings,
     ) -> None:
         counts = [len(part.corners) for part in parts]
@@ -80,13 +80,13 @@ class Raycaster:
         self._one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
         self._facets = np.concatenate([np.empty((0, 26)), *(_facets(part) for part in parts)])
         self._scene = RayScene(parts)
-        atlas = build_atlas(pictures, settings.mipmaps)
+        atlas = build_atlas(images, settings.mipmaps)
         self._atlas = (atlas.texels, atlas.start, atlas.shape)
         self._backdrop = backdrop(settings)
         self._side = settings.supersampling
 
     def look(self, camera: Camera) -> NDArray[np.uint8]:
-        """The picture (H, W, 3) of a camera, its edges supersampled."""
+        """The image (H, W, 3) of a camera, its edges supersampled."""
         points_px = pixels(camera)
         triangle = self._hits(camera, points_px)
         depth, colour = self._shade(camera, points_px, 1, triangle)
@@ -97,8 +97,8 @@ class Raycaster:
             samples = (points_px[edge][:, None] + pixel_offsets(self._side)).reshape(-1, 2)
             _, fine = self._shade(camera, samples, self._side, self._hits(camera, samples))
             colour[edge] = fine.reshape(len(edge), self._side**2, 3).mean(axis=1)
-        picture: NDArray[np.uint8] = np.rint(colour.clip(0.0, 255.0)).astype(np.uint8)
-        return picture.reshape(*shape, 3)
+        image: NDArray[np.uint8] = np.rint(colour.clip(0.0, 255.0)).astype(np.uint8)
+        return image.reshape(*shape, 3)
 
     def measure(self, camera: Camera) -> tuple[Array, NDArray[np.int32]]:
         """Depth (H, W), NaN = nothing, and number of the visual (H, W), -1 = none, at pixels."""

@@ -43,7 +43,7 @@ def shade(
     Parameters
     ----------
     frame : (6, 3) of a `Camera`
-    step_px : distance of the points in the picture, which is the side of a point's footprint
+    step_px : distance of the points in the image, which is the side of a point's footprint
     triangle : (N,) the facet that each point's ray hits, -1 = none; its depth is NaN
     """
     facets, texture = surface

@@ -130,9 +130,9 @@ def _shader(reader: _Reader, number: int) -> Shader:
 
 
 def _texture(reader: _Reader, number: int) -> str:
-    name: str = reader.take(f"texture {number}", "", Name("the name of a picture"))
+    name: str = reader.take(f"texture {number}", "", Name("the name of an image"))
     if name in KINDS:
-        reader.fail_last(f"texture {number} is {name!r}, but the name of a picture is needed")
+        reader.fail_last(f"texture {number} is {name!r}, but the name of an image is needed")
     return name
 
 
@@ -178,7 +178,7 @@ def _check_solid(reader: _Reader, what: str, values: dict[str, Any]) -> None:
 def _check_texture(reader: _Reader, what: str, name: str) -> None:
     if find_texture(name, reader.path.parent) is None:
         reader.fail_last(
-            f"{what} has texture {name!r}, but a picture of that name beside the scene or one "
+            f"{what} has texture {name!r}, but an image of that name beside the scene or one "
             "of recon's own is needed"
         )
 

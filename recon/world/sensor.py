@@ -1,4 +1,4 @@
-"""What a real camera does to a picture: lens blur and noise."""
+"""What a real camera does to an image: lens blur and noise."""
 
 import zlib
 
@@ -11,15 +11,15 @@ from recon.settings.world import RenderSettings
 
 
 def exposed(
-    picture: NDArray[np.uint8], T_world_eye: Array, settings: RenderSettings
+    image: NDArray[np.uint8], T_world_eye: Array, settings: RenderSettings
 ) -> NDArray[np.uint8]:
-    """The picture (H, W, 3) of an eye, blurred and noisy as the settings say.
+    """The image (H, W, 3) of an eye, blurred and noisy as the settings say.
 
     The noise comes from the seed and the pose, so that a view looks the same whenever it is taken.
     """
     if settings.blur_px == 0 and settings.noise == 0:
-        return picture
-    light = picture.astype(np.float32)
+        return image
+    light = image.astype(np.float32)
     if settings.blur_px > 0:
         light = cv2.GaussianBlur(light, (0, 0), settings.blur_px, borderType=cv2.BORDER_REPLICATE)
     rng = np.random.default_rng([settings.noise_seed, zlib.crc32(T_world_eye.tobytes())])

@@ -58,7 +58,7 @@ def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettin
 def build_filament(
     scene: Scene, parts: list[Triangles], size: tuple[int, int], settings: RenderSettings
 ) -> Filament:
-    """The renderer with light and shadows, for pictures of one size."""
+    """The renderer with light and shadows, for images of one size."""
     if settings.shading:
         parts = [painted(part, shader) for part, shader in zip(parts, _shaders(scene), strict=True)]
     return Filament(parts, *_looks(scene), size, settings)

@@ -1,4 +1,4 @@
-"""Pictures that cover visuals: looked up by name, and laid out with their mipmaps for sampling."""
+"""Images that cover visuals: looked up by name, and laid out with their mipmaps for sampling."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from recon.errors import InputError
 from recon.world.visuals import MeshVisual, Scene
 
 SHIPPED = Path(__file__).parent / "shipped"
-"""Recon's own pictures, made by tools/make_textures.py."""
+"""Recon's own images, made by tools/make_textures.py."""
 
 _ENDINGS = (".tga", ".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm")
 
 
 def find_texture(name: str, folder: Path | None) -> Path | None:
-    """The picture that a scene in `folder` calls `name`: beside the scene first, then recon's own.
+    """The image that a scene in `folder` calls `name`: beside the scene first, then recon's own.
 
     The ending does not count: "textures/wood.tga" may be wood.png.
     """
@@ -52,16 +52,16 @@ def read_texture(name: str, folder: Path | None) -> NDArray[np.uint8]:
     Raises
     ------
     InputError
-        Where it is nowhere, or no picture.
+        Where it is nowhere, or no image.
     """
     path = find_texture(name, folder)
     if path is None:
         raise InputError(f"texture is {name!r}, but one beside the scene or of recon's is needed")
     try:
-        with Image.open(path) as picture:
-            return np.asarray(picture.convert("RGB"), dtype=np.uint8)
+        with Image.open(path) as image:
+            return np.asarray(image.convert("RGB"), dtype=np.uint8)
     except (OSError, ValueError, Image.DecompressionBombError) as error:
-        raise InputError(f"{path}: {error}, but a picture is needed for the texture") from error
+        raise InputError(f"{path}: {error}, but an image is needed for the texture") from error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,9 +76,9 @@ class TextureAtlas:
     """(N, L, 2) height and width of the levels."""
 
 
-def build_atlas(pictures: Sequence[NDArray[np.uint8]], mipmaps: bool) -> TextureAtlas:
-    """Lay out pictures (H, W, 3); without mipmaps each has only its own size."""
-    pyramids = [_pyramid(picture) if mipmaps else [picture] for picture in pictures]
+def build_atlas(images: Sequence[NDArray[np.uint8]], mipmaps: bool) -> TextureAtlas:
+    """Lay out images (H, W, 3); without mipmaps each has only its own size."""
+    pyramids = [_pyramid(image) if mipmaps else [image] for image in images]
     num_levels = max((len(pyramid) for pyramid in pyramids), default=1)
     texels, start, shape, total = [np.zeros((1, 3), np.uint8)], [], [], 1
     for pyramid in pyramids:
@@ -97,8 +97,8 @@ def build_atlas(pictures: Sequence[NDArray[np.uint8]], mipmaps: bool) -> Texture
     )
 
 
-def _pyramid(picture: NDArray[np.uint8]) -> list[Any]:
-    levels = [picture]
+def _pyramid(image: NDArray[np.uint8]) -> list[Any]:
+    levels = [image]
     while max(levels[-1].shape[:2]) > 1:
         height, width = (max(1, size // 2) for size in levels[-1].shape[:2])
         smaller = cv2.resize(levels[-1], (width, height), interpolation=cv2.INTER_AREA)

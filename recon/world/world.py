@@ -32,7 +32,7 @@ MAX_GROUND_CELLS = 100_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """What is really there, for each pixel of a view's LEFT picture."""
+    """What is really there, for each pixel of a view's LEFT image."""
 
     depth: Array
     """(H, W) along z of the left camera, world units; NaN = nothing."""
@@ -107,7 +107,7 @@ class World:
         return StereoPair(left=left, right=right, rig=rig, T_world_left=T_world_left)
 
     def truth(self, view: View) -> Truth:
-        """What is really there in the left picture of `take(view)`."""
+        """What is really there in the left image of `take(view)`."""
         rig, T_world_left, eyes = self._stand(view)
         straight = dataclasses.replace(eyes, gaze="shift")
         eye = eye_of(T_world_left, rig, rig.cx_left_px, straight)
@@ -125,8 +125,8 @@ class World:
         return rig_of(view, eyes), T_world_left, eyes
 
     def _see(self, eye: Eye) -> NDArray[np.uint8]:
-        picture = self._renderer.look(eye.camera)
-        return rectified(exposed(picture, eye.camera.frame, self.render), eye.H_rectified_eye)
+        image = self._renderer.look(eye.camera)
+        return rectified(exposed(image, eye.camera.frame, self.render), eye.H_rectified_eye)
 
     def top_view(self, size: int = 512) -> NDArray[np.uint8]:
         """The floor from above (H, W, 3): x to the right, z down, the longer side `size` pixels."""
@@ -137,7 +137,7 @@ class World:
         return self._caster.look(front_camera(self.floor, size))
 
     def export_frame(self, view: View, folder: str | Path) -> None:
-        """Write a view's pictures, true disparity and calibration to a folder."""
+        """Write a view's images, true disparity and calibration to a folder."""
         export_frame(self.take(view), self.truth(view).depth, folder)
 
     def clearance(self, positions: ArrayLike) -> Array:

@@ -157,9 +157,9 @@ def test_nav2_shows_free_occupied_and_unknown(tmp_path):
     wall = PointCloud(points=points, colours=np.zeros((2, 3), np.uint8))
     voxel_map.insert(wall, [0.5, 2.5, 7.5])
     write(voxel_map, tmp_path / "map.yaml")
-    picture = cv2.imread(str(tmp_path / "map.pgm"), cv2.IMREAD_UNCHANGED)
+    image = cv2.imread(str(tmp_path / "map.pgm"), cv2.IMREAD_UNCHANGED)
     # Rows go from z = 7 to 9, from the largest -z on.
-    assert picture.tolist() == [
+    assert image.tolist() == [
         [254, 254, 254, 254, 254, 0],
         [254, 205, 205, 205, 205, 205],
         [0, 205, 205, 205, 205, 205],

@@ -105,7 +105,7 @@ def test_errors_stand_out_where_they_are():
     assert (unknown != wrong_once).any()
 
 
-def test_a_single_place_and_no_cells_make_a_picture(nothing):
+def test_a_single_place_and_no_cells_make_a_image(nothing):
     assert topview.path(np.eye(4)[None], nothing, size=(300, 280)).shape == (280, 300, 3)
 
 
@@ -120,7 +120,7 @@ def test_a_model_is_drawn_beside_what_was_measured():
     assert mixture(phases, [[wide]], [np.zeros(0)], ["nothing"]).shape == (420, 1300, 3)
 
 
-def test_unknown_pixels_show_the_picture():
+def test_unknown_pixels_show_the_image():
     left = np.full((30, 40, 3), 120, np.uint8)
     found = np.full((30, 40), np.nan)
     found[:, :20] = np.linspace(0, 30, 20)

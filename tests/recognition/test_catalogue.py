@@ -5,8 +5,8 @@ import pytest
 
 from recon.errors import InputError
 from recon.recognition import recognise
-from recon.recognition.catalogue import SHIPPED, read_catalogue
-from recon.recognition.stacks import Stack
+from recon.recognition.fitting.composite import Stack
+from recon.recognition.naming.catalogue import SHIPPED, read_catalogue
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.settings import RecognitionSettings
 

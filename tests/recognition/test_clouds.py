@@ -8,7 +8,7 @@ import pytest
 from recon.errors import InputError
 from recon.geometry import pose, transform
 from recon.recognition import recognise_cloud
-from recon.recognition.clouds import T_LEVEL_CLOUD, moved
+from recon.recognition.clouds import T_LEVEL_CLOUD, transformed
 from recon.recognition.synthetic import Orbit, observe, random_stack
 from recon.records import Box, Cone, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
@@ -38,7 +38,7 @@ def test_the_way_up_and_a_tilt_do_not_matter(surfaces, up):
     angle = np.radians(25.0)
     tilt = [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
     T_cloud_level = np.linalg.inv(T_LEVEL_CLOUD[up]) @ pose(tilt, [3.0, 90.0, -7.0])
-    found = recognise_cloud(cloud.moved(T_cloud_level), SETTINGS, up)
+    found = recognise_cloud(cloud.transformed(T_cloud_level), SETTINGS, up)
     assert named(found) == ["apple tree", "cottage"]
     cottage = next(one for one in found.objects if one.label == "cottage")
     place = transform(np.linalg.inv(T_cloud_level), cottage.centre[None])[0]
@@ -99,7 +99,7 @@ def test_solids_move_with_their_frame():
         Cone(apex=np.ones(3), axis=axis, half_angle_rad=0.4, height=1.0),
         Box(centre=np.ones(3), axes=np.eye(3), sizes=np.array([1.0, 2.0, 3.0])),
     ):
-        there = moved(solid, T).distances(transform(T, points))
+        there = transformed(solid, T).distances(transform(T, points))
         np.testing.assert_allclose(there, solid.distances(points), atol=1e-12)
 
 

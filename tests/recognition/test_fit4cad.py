@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from recon.recognition.shapes import fit
+from recon.recognition.fitting.shapes import fit
 from recon.records import TruncatedCone
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from recon.recognition.quadrics import (
+from recon.recognition.fitting.quadrics import (
     half_axes_sq,
     homogeneous_quadric,
     quadric_shape,

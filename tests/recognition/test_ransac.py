@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.recognition.ransac import find_solids
+from recon.recognition.fitting.ransac import find_solids
 
 
 def scene(surfaces):

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.geometry import pose, rotation_about_y, transform
-from recon.recognition import components, recognise
+from recon.recognition import recognise
+from recon.recognition.segments import components
 from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
 from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings
@@ -72,7 +73,7 @@ def test_turning_and_moving_a_world_never_changes_a_name(kind, angle, shift):
     stack = random_stack(kind, rng)
     cloud = observe(stack, COLOURS, NEAR, rng)
     T = pose(rotation_about_y(angle), [shift[0], 0.0, shift[1]])
-    found = recognise(voxelise(cloud.moved(T)), SETTINGS)
+    found = recognise(voxelise(cloud.transformed(T)), SETTINGS)
     assert [thing.label for thing in found.objects if thing.num_voxels > 40] == [kind]
     axis = transform(T, np.array([[stack.axis[0], 0.0, stack.axis[1]]]))[0]
     assert found.objects[0].centre[::2] == pytest.approx(axis[::2], abs=0.2)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.recognition.colour import mean_hue_deg, rgb_to_hsv
-from recon.recognition.segmentation import grow_hue, split_colours
+from recon.recognition.segments.segmentation import grow_hue, split_colours
 from recon.records import FitFailure, Voxels
 
 BROWN, GREEN, RED, GREY = [110, 70, 30], [40, 150, 40], [200, 40, 40], [120, 121, 120]

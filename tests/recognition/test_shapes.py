@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.errors import InputError
-from recon.recognition.shapes import MODELS, candidates, fit, from_points
+from recon.recognition.fitting.shapes import MODELS, candidates, fit, from_points
 from recon.records import FitFailure
 
 KINDS = ["sphere", "ellipsoid", "cylinder", "cone", "truncated cone", "plane", "box"]

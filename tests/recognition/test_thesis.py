@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from recon.recognition import recognise
-from recon.recognition.stacks import Stack
+from recon.recognition.fitting.composite import Stack
 from recon.recognition.synthetic import Orbit, observe, random_stack, surface, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings

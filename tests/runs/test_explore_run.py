@@ -133,9 +133,9 @@ def test_sigma_is_drawn_where_the_map_keeps_weights(tmp_path):
     assert 0 < np.median(sigma) < 1
 
 
-def test_info_knows_runs_maps_clouds_scenes_and_pictures(run, capsys):
+def test_info_knows_runs_maps_clouds_scenes_and_images(run, capsys):
     for name, kind in {
-        ".": "run", "map.npz": "map", "cloud.ply": "cloud", "figures/map3d.png": "picture",
+        ".": "run", "map.npz": "map", "cloud.ply": "cloud", "figures/map3d.png": "image",
     }.items():  # fmt: skip
         assert main(["info", str(run / name), "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["kind"] == kind

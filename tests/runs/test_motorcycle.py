@@ -1,4 +1,4 @@
-"""The golden real pair, through the command line: pictures in, numbers within their bands."""
+"""The golden real pair, through the command line: images in, numbers within their bands."""
 
 import json
 from pathlib import Path
@@ -70,15 +70,15 @@ def test_the_pair_is_rebuilt(expected, tmp_path, capsys):
     assert (cloud.sigma > 0).all()
 
 
-def test_pictures_of_different_size_are_one_line(tmp_path, capsys):
+def test_images_of_different_size_are_one_line(tmp_path, capsys):
     argv = ["disparity", str(PAIR / "left.png"), str(PAIR.parents[1] / "docs/images/village.png")]
     assert main(argv) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_a_picture_that_is_none_is_one_line(tmp_path, capsys):
+def test_a_image_that_is_none_is_one_line(tmp_path, capsys):
     fake = tmp_path / "left.png"
-    fake.write_text("no picture")
+    fake.write_text("no image")
     assert main(["disparity", str(fake), str(PAIR / "right.png"), "-o", str(tmp_path / "o")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1

@@ -4,8 +4,8 @@ from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, transform
-from recon.sequences.residual import terms
-from recon.sequences.tracking import Sightings, Tracks
+from recon.sequences.calibration.row_error import terms
+from recon.sequences.odometry.tracking import Sightings, Tracks
 
 RIG = StereoRig(
     width=1200, height=370, focal_px=700.0, cx_left_px=600.0, cx_right_px=600.0, cy_px=183.0,

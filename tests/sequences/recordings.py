@@ -16,8 +16,8 @@ RIG = StereoRig(
 )
 
 
-def picture_pairs():
-    """Grey (left, right) pairs whose right picture is the left one moved by the disparity."""
+def image_pairs():
+    """Grey (left, right) pairs whose right image is the left one moved by the disparity."""
     rng = np.random.default_rng(7)
     for _ in range(NUM_PAIRS):
         wide = rng.integers(0, 256, (RIG.height, RIG.width + DISPARITY_PX), np.uint8)
@@ -49,23 +49,23 @@ def kitti_poses() -> str:
     return "\n".join(" ".join(f"{value:.9e}" for value in row) for row in rows)
 
 
-def write_pictures(left_dir: Path, right_dir: Path) -> None:
+def write_images(left_dir: Path, right_dir: Path) -> None:
     for folder in (left_dir, right_dir):
         folder.mkdir(parents=True)
-    for number, (left, right) in enumerate(picture_pairs()):
+    for number, (left, right) in enumerate(image_pairs()):
         cv2.imwrite(str(left_dir / f"{number:06d}.png"), left)
         cv2.imwrite(str(right_dir / f"{number:06d}.png"), right)
 
 
 def write_folder(path: Path) -> Path:
-    write_pictures(path / "left", path / "right")
+    write_images(path / "left", path / "right")
     (path / "calib.txt").write_text(kitti_rows())
     (path / "poses.txt").write_text(kitti_poses())
     return path
 
 
 def write_kitti(path: Path) -> Path:
-    write_pictures(path / "image_0", path / "image_1")
+    write_images(path / "image_0", path / "image_1")
     (path / "calib.txt").write_text(kitti_rows(labels=True))
     (path / "poses.txt").write_text(kitti_poses())
     (path / "times.txt").write_text("\n".join(str(float(n)) for n in range(NUM_PAIRS)))
@@ -76,7 +76,7 @@ def write_euroc(path: Path) -> Path:
     """Stamps of a second each; the body is turned against the camera, as it is in EuRoC."""
     T_body_left = np.array([[0, -1, 0, 0.1], [1, 0, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1.0]])
     T_left_right = RIG.T_left_right
-    write_pictures(path / "mav0/cam0/data", path / "mav0/cam1/data")
+    write_images(path / "mav0/cam0/data", path / "mav0/cam1/data")
     for camera, T_body_camera in (("cam0", T_body_left), ("cam1", T_body_left @ T_left_right)):
         folder = path / "mav0" / camera
         (folder / "sensor.yaml").write_text(_sensor(T_body_camera))
@@ -106,7 +106,7 @@ def _sensor(T_body_camera: np.ndarray) -> str:
 
 def write_pair_dir(path: Path, number: int = 0) -> Path:
     path.mkdir(parents=True)
-    left, right = [*picture_pairs()][number]
+    left, right = [*image_pairs()][number]
     cv2.imwrite(str(path / "left.png"), left)
     cv2.imwrite(str(path / "right.png"), right)
     truth = np.full(left.shape, 8 * DISPARITY_PX, np.uint8)
@@ -125,13 +125,13 @@ def write_simulated(path: Path) -> Path:
 
 
 def write_video(path: Path) -> Path:
-    """Motion JPEG at full quality: nearly the same pictures."""
+    """Motion JPEG at full quality: nearly the same images."""
     path.mkdir()
     for side, name in enumerate(("left.avi", "right.avi")):
         video = cv2.VideoWriter(
             str(path / name), cv2.VideoWriter_fourcc(*"FFV1"), 1.0, (RIG.width, RIG.height)
         )
-        for pair in picture_pairs():
+        for pair in image_pairs():
             video.write(cv2.cvtColor(pair[side], cv2.COLOR_GRAY2BGR))
         video.release()
     (path / "calib.txt").write_text(kitti_rows())
@@ -170,7 +170,7 @@ def _write_beside_bag(path: Path) -> None:
 
 def _write_messages(writer, store, serialise, extra_header) -> None:
     Header, Time = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
-    Picture, Info = store.types["sensor_msgs/msg/Image"], store.types["sensor_msgs/msg/CameraInfo"]
+    Image, Info = store.types["sensor_msgs/msg/Image"], store.types["sensor_msgs/msg/CameraInfo"]
     Region = store.types["sensor_msgs/msg/RegionOfInterest"]
 
     def add(topic, message):
@@ -180,10 +180,10 @@ def _write_messages(writer, store, serialise, extra_header) -> None:
         writer.write(connections[topic], number * 10**9, serialise(message, kind))
 
     connections = {}
-    for number, pair in enumerate(picture_pairs()):
+    for number, pair in enumerate(image_pairs()):
         for side, image in zip(("left", "right"), pair, strict=True):
             header = Header(stamp=Time(sec=number, nanosec=0), frame_id=side, **extra_header)
-            add(f"/stereo/{side}/image_rect", Picture(
+            add(f"/stereo/{side}/image_rect", Image(
                 header=header, height=RIG.height, width=RIG.width, encoding="mono8",
                 is_bigendian=0, step=RIG.width, data=image.ravel(),
             ))  # fmt: skip

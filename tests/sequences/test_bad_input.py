@@ -44,11 +44,11 @@ def positions(path):
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_picture_without_its_partner_is_skipped_and_the_rest_keep_their_poses(folder, side):
+def test_a_image_without_its_partner_is_skipped_and_the_rest_keep_their_poses(folder, side):
     (folder / side / "000001.png").unlink()
     names, skipped = read(folder)
     assert names == ["000000", "000002", "000003"]
-    assert skipped == {"000001": f"it has no {side} picture"}
+    assert skipped == {"000001": f"it has no {side} image"}
     np.testing.assert_allclose(positions(folder), [0, -1.4, -2.1], atol=1e-8)
 
 
@@ -68,7 +68,7 @@ def test_left_and_right_named_apart_are_paired_by_their_number(folder):
     (folder / "right" / "right2.png").unlink()
     names, skipped = read(folder)
     assert names == ["0", "1", "3"]
-    assert skipped == {"2": "it has no right picture"}
+    assert skipped == {"2": "it has no right image"}
 
 
 def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
@@ -76,23 +76,23 @@ def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
         file.rename(file.with_name("abcd"[number] + ".png"))
     assert read(folder)[0] == ["000000", "000001", "000002", "000003"]
     (folder / "right" / "b.png").unlink()
-    with pytest.raises(InputError, match=r"holds 4 pictures and .* 3 under other names"):
+    with pytest.raises(InputError, match=r"holds 4 images and .* 3 under other names"):
         read(folder)
 
 
-def test_pictures_that_change_size_are_skipped(folder):
+def test_images_that_change_size_are_skipped(folder):
     for side in ("left", "right"):
         cv2.imwrite(str(folder / side / "000002.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
     assert names == ["000000", "000001", "000003"]
-    assert skipped == {"000002": "its left picture has 48 x 32 pixels, but 96 x 64 are needed"}
+    assert skipped == {"000002": "its left image has 48 x 32 pixels, but 96 x 64 are needed"}
 
 
 def test_left_and_right_of_different_sizes_are_skipped(folder):
     cv2.imwrite(str(folder / "right" / "000000.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
     assert len(names) == NUM_PAIRS - 1
-    assert "its right picture has 48 x 32" in skipped["000000"]
+    assert "its right image has 48 x 32" in skipped["000000"]
 
 
 def test_a_truncated_png_is_skipped_without_a_word_from_its_library(folder, capfd):
@@ -100,7 +100,7 @@ def test_a_truncated_png_is_skipped_without_a_word_from_its_library(folder, capf
     file.write_bytes(file.read_bytes()[:500])
     names, skipped = read(folder)
     assert names == ["000000", "000001", "000003"]
-    assert skipped == {"000002": f"{file} is cut short, but a whole picture is needed"}
+    assert skipped == {"000002": f"{file} is cut short, but a whole image is needed"}
     assert capfd.readouterr().err == ""
 
 
@@ -143,7 +143,7 @@ def test_a_calibration_for_another_size_is_refused(folder):
         read(folder)
 
 
-def test_a_principal_point_outside_of_the_picture_is_refused(folder):
+def test_a_principal_point_outside_of_the_image_is_refused(folder):
     calib = folder / "calib.txt"
     calib.write_text(calib.read_text().replace("47.0", "147.0"))
     with pytest.raises(InputError, match="principal point at 147, 31"):
@@ -165,21 +165,21 @@ def test_a_folder_without_calibration_is_refused(folder):
 
 def test_a_recording_of_which_nothing_can_be_read_is_refused(folder):
     for file in folder.glob("*/*.png"):
-        file.write_bytes(b"no picture")
-    with pytest.raises(InputError, match=r"no picture can be read.*000000\.png"):
+        file.write_bytes(b"no image")
+    with pytest.raises(InputError, match=r"no image can be read.*000000\.png"):
         read(folder)
 
 
-def test_euroc_pictures_of_one_camera_only_are_skipped(tmp_path):
+def test_euroc_images_of_one_camera_only_are_skipped(tmp_path):
     path = write_euroc(tmp_path / "recording")
     table = path / "mav0/cam1/data.csv"
     table.write_text(table.read_text().replace("2000000000,000002.png\n", ""))
     names, skipped = read(path)
     assert names == ["0", "1000000000", "3000000000"]
-    assert skipped == {"2000000000": "it has no right picture"}
+    assert skipped == {"2000000000": "it has no right image"}
 
 
-def test_a_table_of_pictures_that_is_none_is_refused_by_its_line(tmp_path):
+def test_a_table_of_images_that_is_none_is_refused_by_its_line(tmp_path):
     path = write_euroc(tmp_path / "recording")
     (path / "mav0/cam1/data.csv").write_text("#timestamp [ns],filename\n0,000000.png\nsoon,b.png")
     with pytest.raises(InputError, match=r"data\.csv, line 3: 'soon,b\.png'"):
@@ -221,7 +221,7 @@ def test_a_damaged_bag_is_refused(tmp_path):
 def test_bag_messages_without_a_partner_come_alone():
     from types import SimpleNamespace
 
-    from recon.sequences.bag import paired
+    from recon.sequences.readers.bag import paired
 
     def message(side, ns):
         stamp = SimpleNamespace(sec=0, nanosec=ns)

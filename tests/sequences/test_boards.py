@@ -1,4 +1,4 @@
-"""A rig comes out of pictures of a board as it was put in."""
+"""A rig comes out of images of a board as it was put in."""
 
 import cv2
 import numpy as np
@@ -6,8 +6,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
-from recon.sequences.boards import calibrate, write_calibration
-from recon.sequences.calibration import read_calibration
+from recon.sequences.calibration.boards import calibrate, write_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.listing import list_pairs
 
 SIZE = (480, 360)
@@ -16,7 +16,7 @@ K = np.array([[420.0, 0, 236.0], [0, 421.0, 183.0], [0, 0, 1]])
 TURN, STEP = np.array([0.01, -0.02, 0.005]), np.array([-0.12, 0.002, 0.001])
 
 
-def board_picture(rotation, step):
+def board_image(rotation, step):
     """The board as a camera sees it whose frame the board stands in at `rotation`, `step`."""
     squares = np.indices((BOARD[1] + 1, BOARD[0] + 1)).sum(axis=0) % 2
     print_px = 40
@@ -39,8 +39,8 @@ def board_dirs(tmp_path_factory):
     for number in range(8):
         R = Rotation.from_rotvec(rng.uniform(-0.4, 0.4, 3)).as_matrix()
         step = np.array([-0.05, -0.05, 0.45]) + rng.uniform(-0.025, 0.025, 3)
-        left = board_picture(R, step)
-        right = board_picture(R_right_left @ R, R_right_left @ step + STEP)
+        left = board_image(R, step)
+        right = board_image(R_right_left @ R, R_right_left @ step + STEP)
         cv2.imwrite(str(path / "left" / f"left{number:02d}.png"), left)
         cv2.imwrite(str(path / "right" / f"right{number:02d}.png"), right)
     cv2.imwrite(str(path / "left" / "left08.png"), np.full(SIZE[::-1], 100, np.uint8))

@@ -5,8 +5,8 @@ import pytest
 
 from recon.errors import InputError
 from recon.geometry import pose, transform
+from recon.mapping.consistency import Consistency
 from recon.records import PointCloud, StereoPair
-from recon.sequences.consistency import Consistency
 from tests.sequences.drives import RIG
 
 IMAGE = np.zeros((RIG.height, RIG.width), np.uint8)
@@ -74,7 +74,7 @@ def test_what_moves_or_is_mismatched_is_not(rng, points):
 def test_a_wrong_pose_is_noticed(rng, points):
     clouds = [seen_from(pair_at(z), points, rng) for z in (0.0, 0.8)]
     right, _ = run([0.0, 0.8], clouds)
-    wrong, _ = run([0.0, 0.8], [clouds[0], clouds[1].moved(pose(np.eye(3), [0, 0, 4.0]))])
+    wrong, _ = run([0.0, 0.8], [clouds[0], clouds[1].transformed(pose(np.eye(3), [0, 0, 4.0]))])
     assert right.share > 0.97
     assert wrong.share < 0.4
     assert wrong.median_distance > 2 * right.median_distance

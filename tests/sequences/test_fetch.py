@@ -28,7 +28,7 @@ def motorcycle(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_its_truth_is_that_of_the_left_picture_in_metres(motorcycle):
+def test_its_truth_is_that_of_the_left_image_in_metres(motorcycle):
     source = open_sequence(motorcycle, SequenceSettings())
     (pair,) = source
     assert pair.left.shape == (500, 741, 3)

@@ -1,4 +1,4 @@
-"""A picture is read whole or not at all."""
+"""An image is read whole or not at all."""
 
 import cv2
 import numpy as np
@@ -30,18 +30,18 @@ def test_sixteen_bits_become_eight_and_alpha_goes(tmp_path, colours):
 
 @pytest.mark.parametrize("ending", ["png", "jpg"])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
-def test_a_picture_that_is_cut_is_refused(tmp_path, colours, ending, share, capfd):
+def test_a_image_that_is_cut_is_refused(tmp_path, colours, ending, share, capfd):
     path = tmp_path / f"cut.{ending}"
     cv2.imwrite(str(path), colours)
     data = path.read_bytes()
     assert read_image(path).shape == colours.shape
     path.write_bytes(data[: int(share * len(data))])
-    with pytest.raises(InputError, match=rf"cut\.{ending} is cut short, but a whole picture"):
+    with pytest.raises(InputError, match=rf"cut\.{ending} is cut short, but a whole image"):
         read_image(path)
     assert capfd.readouterr().err == ""
 
 
-def test_a_damaged_picture_is_refused(tmp_path, colours, capfd):
+def test_a_damaged_image_is_refused(tmp_path, colours, capfd):
     path = tmp_path / "hit.png"
     cv2.imwrite(str(path), colours)
     data = bytearray(path.read_bytes())
@@ -52,12 +52,12 @@ def test_a_damaged_picture_is_refused(tmp_path, colours, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_what_is_missing_empty_or_no_picture_is_refused(tmp_path):
+def test_what_is_missing_empty_or_no_image_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"cannot be read \(No such file"):
         read_image(tmp_path / "none.png")
     (tmp_path / "empty.png").touch()
     with pytest.raises(InputError, match="is empty"):
         read_image(tmp_path / "empty.png")
     (tmp_path / "words.png").write_text("words")
-    with pytest.raises(InputError, match="is no picture"):
+    with pytest.raises(InputError, match="is no image"):
         read_image(tmp_path / "words.png")

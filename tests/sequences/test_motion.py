@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from recon.geometry import invert
-from recon.sequences.motion import estimate_motion, linearise, moved
-from recon.sequences.residual import Field, Residual
-from recon.sequences.selfcalibration import estimate_residual
+from recon.sequences.calibration.row_error import Field, Residual
+from recon.sequences.calibration.selfcalibration import estimate_residual
+from recon.sequences.odometry.motion import estimate_motion, linearise, motion_changed
 from tests.sequences.drives import RIG, motion, tracks
 
 
@@ -56,7 +56,9 @@ def test_derivatives_are_those_of_finite_differences(rng):
     seen, T = tracks(rng, T_first_second, number=30, sigma_px=0.0), invert(T_first_second)
     at = linearise(T, seen, RIG)
     for column, change in enumerate(1e-6 * np.eye(6)):
-        ahead, behind = (linearise(moved(T, s * change), seen, RIG).residual for s in (1, -1))
+        ahead, behind = (
+            linearise(motion_changed(T, s * change), seen, RIG).residual for s in (1, -1)
+        )
         numeric = (ahead - behind) / 2e-6
         np.testing.assert_allclose(numeric, at.by_motion[:, :, column], rtol=1e-4, atol=1e-3)
 

@@ -1,4 +1,4 @@
-"""Poses from pictures, on pictures whose motion is known."""
+"""Poses from images, on images whose motion is known."""
 
 from dataclasses import replace
 
@@ -10,10 +10,10 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import StereoPair
+from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
 from recon.sequences.frames import Frame, Recording
-from recon.sequences.odometry import EstimatedPoses, drift_percent
-from recon.sequences.straightening import StraightenedPairs, row_residual
-from recon.sequences.tracking import sight
+from recon.sequences.odometry.odometry import EstimatedPoses, drift_percent
+from recon.sequences.odometry.tracking import sight
 
 RIG = StereoRig(
     width=320, height=160, focal_px=200.0, cx_left_px=160.0, cx_right_px=160.0, cy_px=80.0,
@@ -61,7 +61,7 @@ def recording(pairs):
 
 
 def lowered(pair):
-    """The right picture moved down by 0.6 pixels; no pose."""
+    """The right image moved down by 0.6 pixels; no pose."""
     shift = np.float32([[1, 0, 0], [0, 1, 0.6]])
     size = (RIG.width, RIG.height)
     right = cv2.warpAffine(pair.right, shift, size, borderMode=cv2.BORDER_REPLICATE)
@@ -88,7 +88,7 @@ def test_the_path_comes_out_with_its_scale(drive):
     assert len(source) == len(pairs) == len(drive)
 
 
-def test_a_row_offset_is_found_and_taken_out_of_the_pictures(drive):
+def test_a_row_offset_is_found_and_taken_out_of_the_images(drive):
     crooked = [lowered(pair) for pair in drive]
     source = EstimatedPoses(recording(crooked))
     straight = list(source)
@@ -133,7 +133,7 @@ def test_a_frame_that_cannot_be_tracked_gets_the_last_motion(drive):
     np.testing.assert_allclose(positions[4] - positions[3], positions[3] - positions[2], atol=1e-2)
 
 
-def test_the_same_pictures_give_the_same_poses(drive):
+def test_the_same_images_give_the_same_poses(drive):
     first, again = (
         np.array([pair.T_world_left for pair in EstimatedPoses(recording(drive[:4]))])
         for _ in range(2)

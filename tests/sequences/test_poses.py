@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
 from recon.geometry import pose
-from recon.sequences.moments import list_moments
 from recon.sequences.poses import T_up_recorded, Trajectory, read_trajectory
+from recon.sequences.timestamps import list_moments
 
 rotations = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda v: Rotation.from_rotvec(v).as_matrix())
 

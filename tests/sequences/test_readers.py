@@ -12,7 +12,7 @@ from recon.settings import SequenceSettings
 from tests.sequences.recordings import (
     NUM_PAIRS,
     RIG,
-    picture_pairs,
+    image_pairs,
     poses_recorded,
     write_euroc,
     write_folder,
@@ -46,7 +46,7 @@ def test_the_form_is_told_by_the_content_and_the_pairs_are_the_same(recording):
     pairs = list(source)
     assert len(source) == len(pairs) == NUM_PAIRS
     assert list(source.skipped) == []
-    for number, (pair, (left, right)) in enumerate(zip(pairs, picture_pairs(), strict=True)):
+    for number, (pair, (left, right)) in enumerate(zip(pairs, image_pairs(), strict=True)):
         np.testing.assert_allclose(astuple(pair.rig), astuple(RIG), rtol=1e-12)
         assert pair.stamp_s == number
         np.testing.assert_array_equal(_grey(pair.left), left)
@@ -79,7 +79,7 @@ def test_poses_none_leaves_them_out(recording):
     assert [pair.T_world_left for pair in pairs] == [None] * NUM_PAIRS
 
 
-def test_a_region_cuts_both_pictures_and_moves_the_principal_points(recording):
+def test_a_region_cuts_both_images_and_moves_the_principal_points(recording):
     whole, part = (
         next(iter(open_sequence(recording, SequenceSettings(roi=roi))))
         for roi in (None, (10, 5, 50, 40))
@@ -93,7 +93,7 @@ def test_a_region_cuts_both_pictures_and_moves_the_principal_points(recording):
     assert part.rig.disparity(4.0) == whole.rig.disparity(4.0)
 
 
-def test_a_region_beyond_the_picture_is_refused(tmp_path):
+def test_a_region_beyond_the_image_is_refused(tmp_path):
     path = write_folder(tmp_path / "recording")
     with pytest.raises(InputError, match=r"roi is 90,0,10,10, but a part of 96 x 64"):
         list(open_sequence(path, SequenceSettings(roi=(90, 0, 10, 10))))
@@ -142,11 +142,11 @@ def test_one_video_holds_both_eyes_side_by_side(tmp_path):
     film = cv2.VideoWriter(
         str(path / "both.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 1.0, (2 * RIG.width, RIG.height)
     )
-    for pair in picture_pairs():
+    for pair in image_pairs():
         film.write(cv2.cvtColor(np.hstack(pair), cv2.COLOR_GRAY2BGR))
     film.release()
     pairs = list(open_sequence(path / "both.avi", SequenceSettings()))
-    for pair, (left, right) in zip(pairs, picture_pairs(), strict=True):
+    for pair, (left, right) in zip(pairs, image_pairs(), strict=True):
         np.testing.assert_array_equal(_grey(pair.left), left)
         np.testing.assert_array_equal(_grey(pair.right), right)
 

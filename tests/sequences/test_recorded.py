@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from recon.sequences import open_sequence, read_truth
-from recon.sequences.odometry import EstimatedPoses
+from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.settings import SequenceSettings
 
 pytestmark = pytest.mark.data
@@ -69,7 +69,7 @@ def _row_offsets(pair):
     ("pair", "step"), [("middlebury2001/tsukuba", 1.0), ("middlebury2003/cones", 1 / 4)]
 )
 def test_truth_has_the_sign_and_scale_it_says(data_dir, pair, step):
-    """A left pixel is found in the right picture at x - disparity, and not at x + disparity."""
+    """A left pixel is found in the right image at x - disparity, and not at x + disparity."""
     path = data_dir / pair
     truth = read_truth(path)
     assert truth.quantisation_px == step

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
 from recon.geometry import pose, transform
-from recon.sequences.cameras import Calibration, Camera
-from recon.sequences.rectification import common_axes, rectifier
+from recon.sequences.calibration.cameras import Calibration, Camera
+from recon.sequences.calibration.rectification import common_axes, rectifier
 
 SIZE = (320, 240)
 K = np.array([[260.0, 0, 163.0], [0, 258.0, 118.0], [0, 0, 1]])
@@ -25,7 +25,7 @@ def calibration(turn, step, *, distortion=BARREL, is_fisheye=False):
 
 
 def source_of(maps, points_px):
-    """Where in the raw picture a rectified pixel comes from."""
+    """Where in the raw image a rectified pixel comes from."""
     u, v = np.rint(points_px).astype(int).T
     return np.column_stack([maps[0][v, u], maps[1][v, u]])
 
@@ -104,15 +104,15 @@ def test_rows_do_not_correspond_before():
     assert np.abs(left[:, 1] - right[:, 1]).min() > 5
 
 
-def test_rectified_pictures_stay_as_they_are():
+def test_rectified_images_stay_as_they_are():
     rig = calibration([0, 0, 0], [-0.2, 0, 0], distortion=np.zeros(0))
     K_square = np.array([[260.0, 0, 163], [0, 260, 118], [0, 0, 1]])
     square = Camera(matrix=K_square, distortion=np.zeros(5))
     rig = Calibration(left=square, right=square, T_right_left=rig.T_right_left)
-    picture = np.random.default_rng(0).integers(0, 256, SIZE[::-1], np.uint8)
-    left, right = rectifier(rig, SIZE)(picture, picture)
-    assert left is picture
-    assert right is picture
+    image = np.random.default_rng(0).integers(0, 256, SIZE[::-1], np.uint8)
+    left, right = rectifier(rig, SIZE)(image, image)
+    assert left is image
+    assert right is image
 
 
 def test_axes_are_a_rotation_that_points_from_eye_to_eye():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from recon.records import View
+from recon.sequences.calibration.row_error import Field, Residual
 from recon.sequences.frames import Frame, Recording
-from recon.sequences.odometry import EstimatedPoses
-from recon.sequences.residual import Field, Residual
+from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.settings import Settings, updated
 from recon.world.world import World
 
@@ -33,7 +33,7 @@ def drive():
 
 
 def crooked(pair, disparity, row):
-    """The pair as a rig would see it whose right picture is off by smooth fields."""
+    """The pair as a rig would see it whose right image is off by smooth fields."""
     left_over = Residual(
         disparity=Field(coefficients=-np.array(disparity)), row=Field(coefficients=-np.array(row))
     )

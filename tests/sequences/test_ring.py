@@ -7,7 +7,14 @@ import pytest
 from recon.errors import InputError
 from recon.geometry import invert, look_at, transform
 from recon.sequences import open_sequence
-from recon.sequences.ring import blackened, distinct, in_turn, neighbours, read_box, read_views
+from recon.sequences.readers.ring import (
+    blackened,
+    distinct,
+    in_turn,
+    neighbours,
+    read_box,
+    read_views,
+)
 from recon.settings import SequenceSettings
 
 K = np.array([[500.0, 0, 150], [0, 500, 110], [0, 0, 1]])
@@ -23,7 +30,7 @@ def standing(azimuth_deg, height=0.2, up=(0, 1, 0)):
 
 
 def write_ring(path, poses, readme=True):
-    """Pictures of a few dots, each of its own grey, and their par.txt."""
+    """Images of a few dots, each of its own grey, and their par.txt."""
     path.mkdir()
     lines = [str(len(poses))]
     for number, T_world_cam in enumerate(poses):

@@ -7,7 +7,7 @@ SLACK, RIVAL_GAP, DIRECTIONS = 0.9, 3, 16
 
 
 class Pair:
-    """Two pictures' responses (H, W, C) complex, candidates, and the left brightness."""
+    """Two images' responses (H, W, C) complex, candidates, and the left brightness."""
 
     def __init__(self, left, right, search):
         self.base, self.other = (responses(features) for features in (left, right))

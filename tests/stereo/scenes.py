@@ -5,7 +5,7 @@ import numpy as np
 
 
 def textured_pair(shape=(120, 160), slope=(0.02, 0.01), middle=8.0, noise=1.5, seed=0, row_shift=0):
-    """Left and right uint8 pictures of a slanted plane, and the left disparity."""
+    """Left and right uint8 images of a slanted plane, and the left disparity."""
     height, width = shape
     rng = np.random.default_rng(seed)
     white = rng.normal(size=(height, 2 * width)).astype(np.float32)
@@ -20,10 +20,10 @@ def textured_pair(shape=(120, 160), slope=(0.02, 0.01), middle=8.0, noise=1.5, s
         texture, (of_right + width / 2).astype(np.float32), v - row_shift, cv2.INTER_LANCZOS4
     )
     truth = middle + a * (u - width / 2) + b * (v - height / 2)
-    return *(_picture(x, noise, rng) for x in (left, right)), truth.astype(np.float64)
+    return *(_responses(x, noise, rng) for x in (left, right)), truth.astype(np.float64)
 
 
-def _picture(image, noise, rng):
+def _responses(image, noise, rng):
     return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
 
 

@@ -5,11 +5,11 @@ import pytest
 from reference import Pair, best_of
 
 from recon.settings import FeatureSettings
-from recon.stereo import scores
-from recon.stereo.aggregation import aggregate
 from recon.stereo.features import detect
-from recon.stereo.phase import _picture, _points
-from recon.stereo.scores import C_COS, Search
+from recon.stereo.matching import cost as scores
+from recon.stereo.matching.aggregation import aggregate
+from recon.stereo.matching.cost import C_COS, Search
+from recon.stereo.matching.phase import _points, _responses
 from scenes import textured_pair
 
 SEARCHES = [
@@ -47,7 +47,7 @@ def points_of(features, count=90):
 @pytest.mark.parametrize("search", SEARCHES, ids=lambda s: "_".join(map(str, s[:4])))
 def test_support_is_that_of_the_reference(features, search, strips):
     points = points_of(features[0])
-    found = aggregate(*(_picture(f) for f in features), points, search)
+    found = aggregate(*(_responses(f) for f in features), points, search)
     slow = Pair(*features, search)
     compared = 0
     for i, (v, u) in enumerate(zip(points.v, points.u, strict=True)):
@@ -70,8 +70,8 @@ def test_support_is_that_of_the_reference(features, search, strips):
 def test_of_a_row_the_best_keeps_a_partner(features, strips):
     search = Search(-8, 9, 0, 2, True, C_COS)
     points = points_of(features[0], 10_000)
-    found = aggregate(*(_picture(f) for f in features), points, search)
-    free = aggregate(*(_picture(f) for f in features), points, search._replace(is_unique=False))
+    found = aggregate(*(_responses(f) for f in features), points, search)
+    free = aggregate(*(_responses(f) for f in features), points, search._replace(is_unique=False))
     slow = Pair(*features, search)
     claims = np.full((len(features[0].grey), 200), -np.inf)
     for v, u in zip(points.v, points.u, strict=True):

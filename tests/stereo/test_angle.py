@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from recon.stereo.angle import angles
+from recon.stereo.kernels.angle import angles
 
 parts = arrays(np.float32, 16, elements=st.floats(-1e6, 1e6, width=32, allow_subnormal=False))
 

@@ -7,20 +7,20 @@ from test_triangulation import matches_of
 from recon.errors import InputError
 from recon.records import Matches
 from recon.settings import DenseSettings, FeatureSettings, MatchingSettings
-from recon.stereo import matching
-from recon.stereo.dense import densify, is_spike
+from recon.stereo.dense.dense import densify, is_spike
+from recon.stereo.dense.planes import disparity_of, fit_planes
+from recon.stereo.dense.superpixels import cut
 from recon.stereo.evaluation import seen_by_both
 from recon.stereo.features import detect
-from recon.stereo.planes import disparity_of, fit_planes
+from recon.stereo.matching import matching
 from recon.stereo.subpixel import refine
-from recon.stereo.superpixels import cut
 from scenes import step_pair, textured_pair
 
 SHAPE = (60, 80)
 
 
 def matched(left, right):
-    """Tuned matches, and the features of both pictures."""
+    """Tuned matches, and the features of both images."""
     features = detect(left, FeatureSettings()), detect(right, FeatureSettings())
     found = matching.match(*features, MatchingSettings(max_disparity=20))
     return refine(found, *features), *features
@@ -92,7 +92,7 @@ def test_a_slanted_plane_is_filled(plane):
     assert np.nanmedian(np.abs(found + truth)) > 1
 
 
-def test_planes_reach_where_no_match_is_but_the_pictures_agree(plane):
+def test_planes_reach_where_no_match_is_but_the_images_agree(plane):
     left, right, truth = plane
     found = spread(left, right, lambda u, v: (u < 70) | (u > 95) | (v < 50) | (v > 75))
     hole = (slice(53, 73), slice(73, 93))
@@ -100,7 +100,7 @@ def test_planes_reach_where_no_match_is_but_the_pictures_agree(plane):
     assert np.nanmax(np.abs(found[hole] - truth[hole])) < 0.5
 
 
-def test_disparity_jumps_where_the_picture_does(step):
+def test_disparity_jumps_where_the_image_does(step):
     left, right, truth = step
     found = spread(left, right)
     both = seen_by_both(truth) & np.isfinite(found)
@@ -120,7 +120,7 @@ def test_what_the_right_eye_cannot_see_is_unknown(step):
     assert np.isnan(found[hidden]).mean() > 0.7
 
 
-def test_where_the_pictures_disagree_nothing_is_known(plane):
+def test_where_the_images_disagree_nothing_is_known(plane):
     left, right, _ = plane
     strange = right.copy()
     noise = np.random.default_rng(2).integers(0, 256, right.shape)
@@ -130,8 +130,8 @@ def test_where_the_pictures_disagree_nothing_is_known(plane):
     assert np.isfinite(found[:, 95:]).mean() < 0.1
 
 
-def test_full_likeness_is_more_than_noisy_pictures_have(plane):
-    assert np.isnan(spread(*plane[:2], likeness=1.0)).all()
+def test_full_similarity_is_more_than_noisy_images_have(plane):
+    assert np.isnan(spread(*plane[:2], min_similarity=1.0)).all()
 
 
 def test_spikes_are_found_and_left_out():
@@ -143,7 +143,7 @@ def test_spikes_are_found_and_left_out():
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6)])
-def test_tiny_pictures_and_no_matches_give_nothing(shape):
+def test_tiny_images_and_no_matches_give_nothing(shape):
     image = np.zeros(shape, np.uint8)
     features = detect(image, FeatureSettings())
     found = densify(Matches.none(), features, features, image, DenseSettings())
@@ -158,11 +158,11 @@ def test_matches_outside_the_image_are_refused():
         densify(grid_matches(slanted()), features, features, image, DenseSettings())
 
 
-def test_features_of_another_picture_are_refused(plane_features):
+def test_features_of_another_image_are_refused(plane_features):
     with pytest.raises(InputError, match=r"image has shape \(20, 20\)"):
         densify(Matches.none(), *plane_features, np.zeros((20, 20), np.uint8), DenseSettings())
 
 
-def test_the_same_pictures_give_the_same_bytes():
+def test_the_same_images_give_the_same_bytes():
     left, right, _ = textured_pair(shape=(50, 70))
     assert spread(left, right).tobytes() == spread(left, right).tobytes()

@@ -43,7 +43,7 @@ def test_occluded_points_are_those_that_a_nearer_one_covers():
     # The near strip covers the right pixels 20..29, which far left pixels 22..29 had.
     assert not seen[:, 22:30].any()
     assert seen[:, 2:22].all()
-    assert not seen[:, :2].any()  # out of the right picture
+    assert not seen[:, :2].any()  # out of the right image
     found = evaluate(matches_of([[25, 5], [10, 5]], [9.0, 2.0]), truth)
     assert (found.success_all, found.success_nonocc) == (50.0, 100.0)
 

@@ -1,4 +1,4 @@
-"""Features lie on ridges, as many as wanted; bad pictures are refused in one line."""
+"""Features lie on ridges, as many as wanted; bad images are refused in one line."""
 
 import numpy as np
 import pytest
@@ -64,7 +64,7 @@ def test_colour_is_taken_as_brightness(plane):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 50), (50, 1), (5, 5), (40, 40)])
-def test_pictures_with_nothing_in_them_have_no_features(method, shape):
+def test_images_with_nothing_in_them_have_no_features(method, shape):
     assert len(detect(np.full(shape, 77, np.uint8), FeatureSettings(method=method))) == 0
 
 
@@ -83,12 +83,12 @@ def test_share_zero_gives_none(plane):
         (np.zeros(9, np.uint8), r"shape \(9,\)"),
     ],
 )
-def test_what_is_no_picture_is_refused(image, message):
+def test_what_is_no_image_is_refused(image, message):
     with pytest.raises(InputError, match=message):
         detect(image, FeatureSettings())
 
 
-def test_the_picture_is_not_written_to():
+def test_the_image_is_not_written_to():
     left, _, _ = textured_pair(shape=(40, 40))
     left.flags.writeable = False
     detect(left, FeatureSettings())

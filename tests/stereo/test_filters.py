@@ -9,7 +9,7 @@ from scipy.ndimage import correlate
 from recon.stereo import filters
 
 RNG = np.random.default_rng(3)
-PICTURE = RNG.integers(0, 256, (40, 50)).astype(np.uint8)
+IMAGE = RNG.integers(0, 256, (40, 50)).astype(np.uint8)
 
 
 def eq_11(width, theta):
@@ -23,20 +23,18 @@ def eq_11(width, theta):
     return (g - 1j * h) / width**2
 
 
-def planes_of(picture, width, descriptor):
+def planes_of(image, width, descriptor):
     """Real and imaginary responses (2, H, W)."""
-    planes = filters.respond(picture, (width,)).planes[:, 0, descriptor, :, : picture.shape[1]]
+    planes = filters.respond(image, (width,)).planes[:, 0, descriptor, :, : image.shape[1]]
     return np.moveaxis(planes, 0, 1)
 
 
 @pytest.mark.parametrize("width", [1.5, 2.0, 3.0])
 @pytest.mark.parametrize("descriptor", [0, 1, 2])
 def test_separable_equals_eq_11(width, descriptor):
-    planes = planes_of(PICTURE, width, descriptor)
+    planes = planes_of(IMAGE, width, descriptor)
     kernel = eq_11(width, np.pi / 3 * descriptor)
-    wanted = [
-        correlate(PICTURE.astype(float), k, mode="nearest") for k in (kernel.real, kernel.imag)
-    ]
+    wanted = [correlate(IMAGE.astype(float), k, mode="nearest") for k in (kernel.real, kernel.imag)]
     # The mean that truncation leaves in G is taken off in the factors, so a constant may differ.
     error = planes[1] - wanted[1]
     assert np.abs(error).max() < 2e-3 * np.abs(wanted[1]).max()
@@ -77,13 +75,13 @@ def test_the_doubled_angle_is_that_of_the_normal(angle):
 
 
 @pytest.mark.parametrize("value", [0, 100, 255])
-def test_a_constant_picture_answers_nothing(value):
+def test_a_constant_image_answers_nothing(value):
     image = np.full((30, 30), value, np.uint8)
     assert filters.respond(image, (1.5, 3.0, 6.0)).modulus.max() < 0.05
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 3)])
-def test_pictures_smaller_than_the_filters(shape):
+def test_images_smaller_than_the_filters(shape):
     responses = filters.respond(np.full(shape, 9, np.uint8), (1.5, 6.0))
     height, width = shape
     assert responses.planes.shape == (height, 2, 3, 2, 8 * -(-width // 8))
@@ -94,13 +92,13 @@ def test_pictures_smaller_than_the_filters(shape):
 def test_energy_is_that_of_all_directions_together():
     thetas = np.arange(24) * np.pi / 24
     kernels = [eq_11(3.0, theta) for theta in thetas]
-    picture = PICTURE.astype(float)
+    image = IMAGE.astype(float)
     energy = np.array([
-        correlate(picture, k.real - k.real.mean(), mode="nearest") ** 2
-        + correlate(picture, k.imag, mode="nearest") ** 2
+        correlate(image, k.real - k.real.mean(), mode="nearest") ** 2
+        + correlate(image, k.imag, mode="nearest") ** 2
         for k in kernels
     ])[:, 10:-10, 10:-10]  # fmt: skip
-    found = [part[10:-10, 10:-10] for part in filters.respond(PICTURE, (3.0,))[1:]]
+    found = [part[10:-10, 10:-10] for part in filters.respond(IMAGE, (3.0,))[1:]]
     cosine, sine = (2 * np.tensordot(f(2 * thetas), energy, 1) / 24 for f in (np.cos, np.sin))
     strength = np.sqrt(energy.mean(axis=0) + np.hypot(cosine, sine))
     for part, wanted in zip(found, (strength, cosine, sine), strict=True):

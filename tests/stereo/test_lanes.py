@@ -8,8 +8,9 @@ from hypothesis.extra.numpy import arrays
 from numba import njit
 from numba.core.errors import TypingError
 
-from recon.stereo import lanes
-from recon.stereo.lanes import (
+from recon.stereo.kernels import simd as lanes
+from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.simd import (
     NUM_LANES,
     kernel,
     larger,
@@ -21,7 +22,6 @@ from recon.stereo.lanes import (
     store,
     total,
 )
-from recon.stereo.memory import aligned_zeros
 
 numbers = arrays(np.float32, 2 * NUM_LANES, elements=st.floats(-100, 100, width=16))
 

@@ -8,8 +8,8 @@ import pytest
 from recon.errors import InputError
 from recon.records import Matches
 from recon.settings import FeatureSettings, MatchingSettings
-from recon.stereo import matching
 from recon.stereo.features import detect
+from recon.stereo.matching import matching
 from recon.stereo.subpixel import refine
 from scenes import step_pair, textured_pair, truth_at
 
@@ -55,7 +55,7 @@ def test_a_plane_is_found_by_every_matcher(plane, way):
 
 
 @pytest.mark.parametrize("way", EVERY_WAY, ids=lambda way: "-".join(way.values()))
-def test_unrelated_pictures_give_little_confidence(plane, way):
+def test_unrelated_images_give_little_confidence(plane, way):
     if way["matcher"] == "sgbm":
         pytest.skip("StereoSGBM has no confidence")
     noise = np.random.default_rng(1).integers(0, 256, plane[0].shape).astype(np.uint8)
@@ -81,7 +81,7 @@ def test_both_ends_of_the_range_are_searched():
 
 @pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(-1000, 1000), (0, 500), (-500, 20)])
-def test_a_range_wider_than_the_picture_is_cut(plane, search, matcher):
+def test_a_range_wider_than_the_image_is_cut(plane, search, matcher):
     low, high = search
     matches = solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
     assert len(matches) > 500
@@ -90,15 +90,15 @@ def test_a_range_wider_than_the_picture_is_cut(plane, search, matcher):
 
 @pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(500, 600), (-900, -400)])
-def test_a_range_outside_the_picture_is_refused(plane, search, matcher):
+def test_a_range_outside_the_image_is_refused(plane, search, matcher):
     low, high = search
-    with pytest.raises(InputError, match="all lie outside the picture, whose width is 160"):
+    with pytest.raises(InputError, match="all lie outside the image, whose width is 160"):
         solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
 
 
-def test_row_permission_cures_rows_that_are_off():
+def test_max_row_offset_px_cures_rows_that_are_off():
     left, right, truth = textured_pair(row_shift=1, slope=(0.02, 0.0))
-    strict, lenient = (solve(left, right, row_permission=rows) for rows in (0, 1))
+    strict, lenient = (solve(left, right, max_row_offset_px=rows) for rows in (0, 1))
     assert share_right(lenient, truth) > 0.98
     assert np.median(lenient.score) > np.median(strict.score) + 0.05
 
@@ -118,7 +118,7 @@ def test_a_quota_spreads_the_matches(plane):
     assert (np.diff(matches.score) <= 0).all()
 
 
-def test_the_same_pictures_give_the_same_bytes(plane):
+def test_the_same_images_give_the_same_bytes(plane):
     first, second = solve(*plane[:2]), solve(*plane[:2])
     for name in ("points_px", "disparity_px", "sigma_px", "score"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
@@ -126,16 +126,16 @@ def test_the_same_pictures_give_the_same_bytes(plane):
 
 @pytest.mark.parametrize("matcher", sorted(matching.MATCHERS))
 @pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6), (40, 40)])
-def test_tiny_or_empty_pictures_give_no_matches(matcher, shape):
+def test_tiny_or_empty_images_give_no_matches(matcher, shape):
     image = np.full(shape, 50, np.uint8)
     assert len(solve(image, image, max_disparity=0, matcher=matcher)) == 0
 
 
-def test_a_constant_against_a_textured_picture_gives_none(plane):
+def test_a_constant_against_a_textured_image_gives_none(plane):
     assert len(solve(plane[0], np.full_like(plane[0], 9))) == 0
 
 
-def test_pictures_of_two_sizes_are_refused(plane_features):
+def test_images_of_two_sizes_are_refused(plane_features):
     other = detect(np.zeros((20, 20), np.uint8), FeatureSettings())
     with pytest.raises(InputError, match=r"left image has shape \(120, 160\), right \(20, 20\)"):
         matching.match(plane_features[0], other, MatchingSettings())
@@ -169,7 +169,7 @@ def test_an_unknown_matcher_is_named_with_the_known_ones():
 
 
 def test_points_on_an_occluding_edge_move_to_the_side_that_has_their_disparity(monkeypatch):
-    from recon.stereo import phase
+    from recon.stereo.matching import phase
 
     left, right, truth = step_pair()
     moved = solve(left, right)

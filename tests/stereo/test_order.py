@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from recon.stereo.order import falling, order
+from recon.stereo.kernels.sorting import falling, order
 
 
 @given(arrays(np.float32, st.integers(0, 60), elements=st.floats(-3, 3, width=16)))

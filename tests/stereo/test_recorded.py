@@ -9,7 +9,7 @@ import pytest
 from recon.settings import Settings, updated, with_quality
 from recon.stereo.evaluation import evaluate
 from recon.stereo.features import detect
-from recon.stereo.matching import match
+from recon.stereo.matching.matching import match
 from recon.stereo.subpixel import refine
 
 pytestmark = pytest.mark.data

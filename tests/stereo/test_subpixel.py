@@ -7,8 +7,8 @@ import pytest
 
 from recon.errors import InputError
 from recon.settings import FeatureSettings, MatchingSettings
-from recon.stereo import matching
 from recon.stereo.features import detect
+from recon.stereo.matching import matching
 from recon.stereo.subpixel import refine
 from scenes import textured_pair, truth_at
 
@@ -87,7 +87,7 @@ def test_before_tuning_sigma_is_unknown(plane_features):
      {"disparity_px": np.array(500.0)}, {"disparity_px": np.array(-500.0)}],
     ids=["right of it", "above it", "partner left of it", "partner right of it"],
 )  # fmt: skip
-def test_matches_outside_the_picture_are_refused(plane_features, change):
+def test_matches_outside_the_image_are_refused(plane_features, change):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     ((name, value),) = change.items()
     numbers = getattr(coarse, name).copy()

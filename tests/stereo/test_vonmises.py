@@ -6,9 +6,9 @@ from scipy.special import i0, i1
 
 from recon.errors import InputError
 from recon.settings import FeatureSettings, MatchingSettings
-from recon.stereo import matching, mixture, vonmises
 from recon.stereo.features import detect
-from recon.stereo.mixture import Mixture
+from recon.stereo.matching import matching, mixture, vonmises
+from recon.stereo.matching.mixture import Mixture
 from scenes import textured_pair, truth_at
 
 

@@ -33,11 +33,11 @@ def test_a_ball_is_where_the_rig_projects_it(world_of, centre, gaze):
     pair = world.take(view)
     sky = pair.left[0, 0].astype(int)
     point = transform(invert(pair.T_world_left), [centre])
-    for picture, projected in (
+    for image, projected in (
         (pair.left, pair.rig.project_left(point)[0]),
         (pair.right, pair.rig.project_right(point)[0]),
     ):
-        seen = np.abs(picture.astype(int) - sky).sum(axis=2) > 60
+        seen = np.abs(image.astype(int) - sky).sum(axis=2) > 60
         # A ball's outline is an ellipse whose middle is a little further out than its centre's.
         assert np.hypot(*(blob_middle(seen) - projected)) < 0.45
     # Right is right, up is up, and the left eye sees things further to the right.
@@ -57,10 +57,10 @@ def test_pixel_0_0_is_a_centre(world_of):
         vertices=tuple(Vertex(position=c, colour=white, uv=(0, 0)) for c in corners),
     )
     world = world_of(wall, eyes={"baseline": 1e-9})
-    picture = world.take(world.start()).left[100]
-    assert (picture[128:130] == 255).all()
-    assert (picture[126:128] < 255).all()
-    assert len(np.unique(picture[120:136].reshape(-1, 3), axis=0)) == 2
+    image = world.take(world.start()).left[100]
+    assert (image[128:130] == 255).all()
+    assert (image[126:128] < 255).all()
+    assert len(np.unique(image[120:136].reshape(-1, 3), axis=0)) == 2
 
 
 def test_points_of_the_true_depth_lie_on_true_surfaces(village):
@@ -102,7 +102,7 @@ def warp_error(village, pair, disparity_px):
     return np.abs(seen - pair.left)[use].mean()
 
 
-def test_the_right_picture_is_the_left_one_moved_by_the_disparity(village):
+def test_the_right_image_is_the_left_one_moved_by_the_disparity(village):
     pair = village.take(VIEW)
     disparity_px = pair.rig.disparity(village.truth(VIEW).depth)
     right = warp_error(village, pair, disparity_px)
@@ -144,7 +144,7 @@ def test_the_disparity_of_a_wall_is_true_to_a_fiftieth_of_a_pixel(world_of, dist
 
 
 def shift_between(left, right):
-    """The disparity that brings the right picture onto the left one (Lucas and Kanade)."""
+    """The disparity that brings the right image onto the left one (Lucas and Kanade)."""
     u, v = np.meshgrid(np.arange(256, dtype=np.float32), np.arange(256, dtype=np.float32))
     inner, found = np.s_[30:-30, 30:-30], 0.0
     for _ in range(30):

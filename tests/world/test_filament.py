@@ -40,7 +40,7 @@ def test_both_renderers_see_the_same_depth(drawn, village):
     assert np.median(np.abs(depth[:, 1:] - wanted[:, :-1])[both[:, 1:] & both[:, :-1]]) > 1e-6
 
 
-def test_both_renderers_show_the_same_pictures(drawn, village):
+def test_both_renderers_show_the_same_images(drawn, village):
     one, other = village.take(VIEW), drawn.take(VIEW)
     assert np.abs(one.left.astype(float) - other.left).mean() < 2
     assert np.abs(one.right.astype(float) - other.right).mean() < 2

@@ -139,10 +139,10 @@ def test_noise_and_blur_come_out_as_they_went_in(world_of):
 
 
 def test_fog_takes_its_share_of_every_unit(world_of):
-    picture = world_of(wall(-10.0), render={"fog": 0.05}).take(AHEAD).left
+    image = world_of(wall(-10.0), render={"fog": 0.05}).take(AHEAD).left
     clear = 0.95**10
     wanted = clear * np.array([255, 0, 0]) + (1 - clear) * np.array(SKY_RGB)
-    np.testing.assert_allclose(picture[128, 128], wanted, atol=0.51)
+    np.testing.assert_allclose(image[128, 128], wanted, atol=0.51)
 
 
 def test_the_sky_deepens_upwards_when_asked(world_of):
@@ -168,7 +168,7 @@ def test_the_sun_lights_one_side_and_a_shader_takes_the_place_of_colour(world_of
 
 
 def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
-    """A picture whose upper left is red comes out so on a polygon and on an upright cylinder."""
+    """An image whose upper left is red comes out so on a polygon and on an upright cylinder."""
     pixels = np.zeros((64, 64, 3), np.uint8)
     pixels[:32, :, 2] = 255  # the upper half blue
     Image.fromarray(pixels).save(tmp_path / "flag.png")
@@ -178,14 +178,14 @@ def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
     scene = Scene(textures=("flag",), visuals=(mast,), folder=tmp_path)
     settings = Settings()
     world = World(scene, settings.eyes, settings.render, settings.world)
-    picture = world.take(AHEAD).left
-    assert picture[60, 128, 2] > 200 > 50 > picture[190, 128, 2]
+    image = world.take(AHEAD).left
+    assert image[60, 128, 2] > 200 > 50 > image[190, 128, 2]
     lying = dataclasses.replace(mast, rotation=(0, 1, 0), translation=(-8, 5, -12))
     world = World(
         dataclasses.replace(scene, visuals=(lying,)), settings.eyes, settings.render, settings.world
     )
-    picture = world.take(AHEAD).left
-    assert picture[128, 70, 2] > 200 > 50 > picture[128, 190, 2]
+    image = world.take(AHEAD).left
+    assert image[128, 70, 2] > 200 > 50 > image[128, 190, 2]
 
 
 OBJ = """\
@@ -211,6 +211,6 @@ def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
     )
     settings = Settings()
     world = World(scene, settings.eyes, settings.render, settings.world)
-    picture = world.take(AHEAD).left
-    quarters = [picture[v, u].tolist() for v in (110, 145) for u in (110, 145)]
+    image = world.take(AHEAD).left
+    quarters = [image[v, u].tolist() for v in (110, 145) for u in (110, 145)]
     assert quarters == [[255, 0, 0], [0, 255, 0], [0, 0, 255], [0, 0, 0]]

@@ -271,11 +271,9 @@ def test_a_mesh_that_is_nowhere_is_named(written):
 
 
 def test_what_is_no_text_is_refused(tmp_path):
-    path = tmp_path / "picture.scene"
+    path = tmp_path / "image.scene"
     path.write_bytes(bytes(range(128, 256)))
-    with pytest.raises(
-        InputError, match=r"picture\.scene:1: shader count is .*, but a whole number"
-    ):
+    with pytest.raises(InputError, match=r"image\.scene:1: shader count is .*, but a whole number"):
         read_scene(path)
 
 
@@ -288,5 +286,5 @@ def test_numbers_are_written_so_that_they_read_the_same(tmp_path):
 def test_a_texture_count_too_high_is_seen_without_comments_too(written):
     rows = [row for row in SMALL.splitlines() if not row.startswith("#")]
     path = written("\n".join(rows).replace("1\n2\n2", "1\n3\n2", 1))
-    with pytest.raises(InputError, match="texture 2 is 'SPHERE', but the name of a picture is"):
+    with pytest.raises(InputError, match="texture 2 is 'SPHERE', but the name of an image is"):
         read_scene(path)

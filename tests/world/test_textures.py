@@ -22,11 +22,11 @@ def save(path, colour):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_promised_texture_is_shipped(name, tmp_path):
-    picture = read_texture(f"textures/{name}.tga", tmp_path)
-    assert picture.shape == (256, 256, 3)
-    assert picture.dtype == np.uint8
+    image = read_texture(f"textures/{name}.tga", tmp_path)
+    assert image.shape == (256, 256, 3)
+    assert image.dtype == np.uint8
     # Rich: most of the contrast lies in waves of 6 to 40 texels.
-    grey = picture.mean(axis=2)
+    grey = image.mean(axis=2)
     power = np.abs(np.fft.fft2(grey - grey.mean())) ** 2
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
     band = (frequency > 1 / 40) & (frequency < 1 / 4)
@@ -37,8 +37,8 @@ def test_every_promised_texture_is_shipped(name, tmp_path):
 def test_the_tool_makes_what_is_shipped():
     made = runpy.run_path(str(TOOL))
     number = [maker.__name__ for maker in made["MAKERS"]].index("wood")
-    picture = made["wood"](np.random.default_rng(number))
-    np.testing.assert_allclose(picture, read_texture("wood", None), atol=2.01)
+    image = made["wood"](np.random.default_rng(number))
+    np.testing.assert_allclose(image, read_texture("wood", None), atol=2.01)
 
 
 def test_hues_of_parts_can_be_told_apart():
@@ -63,20 +63,20 @@ def test_a_texture_beside_the_scene_comes_first_whatever_its_ending(tmp_path):
     assert find_texture("textures/paper.tga", tmp_path) is None
 
 
-def test_what_is_no_picture_is_one_line(tmp_path):
-    (tmp_path / "wood.png").write_text("no picture")
-    with pytest.raises(InputError, match=r"wood\.png: .*but a picture is needed for the texture"):
+def test_what_is_no_image_is_one_line(tmp_path):
+    (tmp_path / "wood.png").write_text("no image")
+    with pytest.raises(InputError, match=r"wood\.png: .*but an image is needed for the texture"):
         read_texture("wood.png", tmp_path)
     with pytest.raises(InputError, match="texture is 'paper', but one beside the scene"):
         read_texture("paper", tmp_path)
 
 
 def test_the_atlas_holds_every_level():
-    picture = np.arange(6 * 3 * 3, dtype=np.uint8).reshape(6, 3, 3)
-    atlas = build_atlas([picture, picture[:1, :1]], mipmaps=True)
+    image = np.arange(6 * 3 * 3, dtype=np.uint8).reshape(6, 3, 3)
+    atlas = build_atlas([image, image[:1, :1]], mipmaps=True)
     assert atlas.shape[0].tolist() == [[6, 3], [3, 1], [1, 1]]
     assert atlas.shape[1].tolist() == [[1, 1]] * 3
     first = atlas.texels[atlas.start[0, 0] :][:18].reshape(6, 3, 3)
-    np.testing.assert_array_equal(first, picture)
-    np.testing.assert_allclose(atlas.texels[atlas.start[0, 2]], picture.mean(axis=(0, 1)), atol=2)
-    assert build_atlas([picture], mipmaps=False).start.shape == (1, 1)
+    np.testing.assert_array_equal(first, image)
+    np.testing.assert_allclose(atlas.texels[atlas.start[0, 2]], image.mean(axis=(0, 1)), atol=2)
+    assert build_atlas([image], mipmaps=False).start.shape == (1, 1)

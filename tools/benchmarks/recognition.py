@@ -10,10 +10,10 @@ import numpy as np
 
 from benchmarks import Measurement
 from recon.recognition import recognise
-from recon.recognition.catalogue import read_catalogue
-from recon.recognition.naming import name_object
-from recon.recognition.shapes import fit
-from recon.recognition.stacks import Stack
+from recon.recognition.fitting.composite import Stack
+from recon.recognition.fitting.shapes import fit
+from recon.recognition.naming.catalogue import read_catalogue
+from recon.recognition.naming.naming import name_object
 from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
 from recon.records import Voxels
 from recon.settings import RecognitionSettings

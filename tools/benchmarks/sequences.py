@@ -12,14 +12,14 @@ import cv2
 import numpy as np
 
 from benchmarks import Measurement
-from recon.pipeline import points_of
+from recon.mapping.consistency import Consistency, Witness
+from recon.mapping.pair import points_of
 from recon.records import PairSource, StereoPair
 from recon.sequences import open_sequence
-from recon.sequences.boards import calibrate
-from recon.sequences.cameras import Calibration, Camera
-from recon.sequences.consistency import Consistency, Witness
+from recon.sequences.calibration.boards import calibrate
+from recon.sequences.calibration.cameras import Calibration, Camera
+from recon.sequences.calibration.rectification import rectifier
 from recon.sequences.images import read_image
-from recon.sequences.rectification import rectifier
 from recon.settings import SequenceSettings, Settings, updated, with_quality
 
 DATA = Path(os.environ.get("RECON_DATA", Path(__file__).parents[3] / "shared" / "data"))

@@ -13,23 +13,23 @@ from recon.records import Matches
 from recon.settings import Quality, Settings, updated, with_quality
 from recon.stereo.evaluation import coverage, evaluate
 from recon.stereo.features import detect
-from recon.stereo.matching import match
+from recon.stereo.matching.matching import match
 from recon.stereo.subpixel import refine
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 SIZES = {(256, 256): 32, (384, 288): 32, (741, 500): 80}
 """Width and height, and how many disparities are searched."""
 GROWTH = (256, 512, 1024, 2048)
-"""Sides of the square pictures that show how time grows."""
+"""Sides of the square images that show how time grows."""
 NUM_KEPT = 5742
 """How many of the pair's matches are judged."""
 QUALITIES: tuple[Quality, ...] = ("fast", "best")
 
-Pictures = tuple[np.ndarray, np.ndarray]
+Images = tuple[np.ndarray, np.ndarray]
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Times as ratios, stage times, growth with the picture, and how right the matches are."""
+    """Times as ratios, stage times, growth with the image, and how right the matches are."""
     cv2.setNumThreads(1)
     repeats = 3 if quick else 15
     found = []
@@ -42,7 +42,7 @@ def measure(quick: bool) -> list[Measurement]:
     return found
 
 
-def pictures(size: tuple[int, int]) -> Pictures:
+def images(size: tuple[int, int]) -> Images:
     """The golden pair, brought to a size."""
     paths = sorted(PAIR.glob("left.*")) + sorted(PAIR.glob("right.*"))
     left, right = (cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths)
@@ -56,10 +56,10 @@ def settings(quality: Quality, num_disparities: int) -> Settings:
     return updated(with_quality(Settings(), quality), search)
 
 
-def run(pair: Pictures, s: Settings) -> tuple[Matches, list[float]]:
+def run(pair: Images, s: Settings) -> tuple[Matches, list[float]]:
     """Match a pair; also the CPU seconds of features, matching and fine tuning."""
     clock = [time.thread_time()]
-    left, right = (detect(picture, s.features) for picture in pair)
+    left, right = (detect(image, s.features) for image in pair)
     clock.append(time.thread_time())
     matches = match(left, right, s.matching)
     clock.append(time.thread_time())
@@ -79,7 +79,7 @@ def speed(
     quality: Quality, size: tuple[int, int], num_disparities: int, repeats: int
 ) -> list[Measurement]:
     """Medians of runs that alternate with StereoSGBM's."""
-    pair, s = pictures(size), settings(quality, num_disparities)
+    pair, s = images(size), settings(quality, num_disparities)
     peer = cv2.StereoSGBM.create(0, num_disparities, 3, 72, 288)
     run(pair, s)  # compiles
     peers, stages = [], []
@@ -95,12 +95,12 @@ def speed(
 
 
 def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
-    """Time of a pixel in square pictures; 1 where time is linear in the pixels.
+    """Time of a pixel in square images; 1 where time is linear in the pixels.
 
     The shortest of runs that alternate, as a machine's slow minutes would look like growth.
     """
     s = settings(quality, 64)
-    pairs = {side: pictures((side, side)) for side in sides}
+    pairs = {side: images((side, side)) for side in sides}
     rounds = [{side: sum(run(pair, s)[1]) for side, pair in pairs.items()} for _ in range(6)]
     each = {side: min(times[side] for times in rounds) / side**2 for side in sides}
     unit = f"of a pixel's time at {sides[0]}"
@@ -115,7 +115,7 @@ def accuracy(quality: Quality) -> list[Measurement]:
     (truth_path,) = PAIR.glob("disp_left.*")
     truth = cv2.imread(str(truth_path), cv2.IMREAD_UNCHANGED).astype(np.float64)
     truth[~np.isfinite(truth) | (truth == 0)] = np.nan
-    pair = pictures(truth.shape[::-1])
+    pair = images(truth.shape[::-1])
     matches = run(pair, settings(quality, 64))[0].select(slice(0, NUM_KEPT))
     judged = evaluate(matches, truth)
     name = f"stereo.{quality}_motorcycle"

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from benchmarks import Measurement
-from recon.pipeline import match_pair
+from recon.mapping.pair import match_pair
 from recon.records import StereoPair, View
 from recon.settings.settings import Settings
 from recon.world.world import World

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from recon.explore.state import State
+from recon.exploration.state import State
 from recon.records import View
 
 

@@ -1,0 +1,122 @@
+"""Things in the map as the agent sees them: patches of occupied floor, and what they are called."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, label
+
+from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
+from recon.records import FoundObject, PointCloud, Voxels
+
+MIN_POINTS_OF_VIEW = 30
+"""A view has seen a thing well when it put this many sure points on it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Thing:
+    """One thing of the map."""
+
+    cells: NDArray[np.intp]
+    """(N, 2) floor cells under it."""
+    centre: Array
+    """(2,) x, z of the middle of its box."""
+    radius: float
+    """Of the disc round `centre` that holds it, world units."""
+    top: float
+    """Height of its highest cell, world units."""
+    voxels: Voxels
+    """Its occupied cells above the ground."""
+    bearings_rad: Array
+    """(V,) azimuth, from the thing, of every place that saw it well."""
+    found: FoundObject | None = None
+    """What it was recognised as, when last asked."""
+    num_named: int = 0
+    """How many occupied cells it had then."""
+
+    def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
+        """(N,) which points (N, 2) lie within its disc, widened by a margin."""
+        near: Mask = np.hypot(*(points_xz - self.centre).T) <= self.radius + margin
+        return near
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Visits:
+    """Which floor cells every pair put sure points on."""
+
+    places: list[Array] = field(default_factory=list)
+    """(2,) x, z of the eyes, one a pair."""
+    cell: list[NDArray[np.intp]] = field(default_factory=list)
+    """Flat numbers of cells, one array a pair, one entry a point."""
+
+    def add(self, place: Array, sure: PointCloud, floor: Floor) -> None:
+        """Note where the points of one more pair lie."""
+        self.places.append(place)
+        self.cell.append(floor.flat(floor.cells(sure.points[:, [0, 2]])))
+
+    def seen(self, thing_of_cell: NDArray[np.intp], num_things: int) -> NDArray[np.intp]:
+        """(P, T) how many sure points each pair put on each thing.
+
+        Parameters
+        ----------
+        thing_of_cell : (X, Z) int
+            Number of the thing on each cell; -1 = none.
+        """
+        lookup = np.append(thing_of_cell.ravel(), -1)
+        points = [lookup[cell] for cell in self.cell]
+        return np.array(
+            [np.bincount(p[p >= 0], minlength=num_things) for p in points], dtype=np.intp
+        ).reshape(len(points), num_things)
+
+
+def columns(voxels: Voxels) -> Array:
+    """Points (N, 2) x, z, at most one unit apart, that cover the cells seen from above."""
+    number = max(1, int(np.ceil(voxels.cell_size)))
+    steps = ((np.arange(number) + 0.5) / number - 0.5) * voxels.cell_size
+    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    points: Array = (voxels.centres[:, None, [0, 2]] + offsets).reshape(-1, 2)
+    return points
+
+
+def patches(occupied: Mask) -> NDArray[np.intp]:
+    """(X, Z) number of the patch of each occupied cell, gaps of one cell closed; -1 = none."""
+    number, _ = label(binary_dilation(occupied, np.ones((2, 2), dtype=bool)), NEIGHBOURS)
+    return np.where(occupied, number.astype(np.intp) - 1, -1)
+
+
+def find_things(voxels: Voxels, floor: Floor, visits: Visits, min_voxels: int) -> tuple[Thing, ...]:
+    """Cut the occupied cells above the ground into things, in the order of their floor cells.
+
+    Cells of which fewer than `min_voxels` hang together are no thing.
+    """
+    patch = patches(floor.mask(columns(voxels)))
+    of_voxel = np.append(patch.ravel(), -1)[floor.flat(floor.cells(voxels.centres[:, [0, 2]]))]
+    size = np.bincount(of_voxel[of_voxel >= 0], minlength=patch.max(initial=-1) + 1)
+    number = np.append(np.where(size >= min_voxels, np.cumsum(size >= min_voxels) - 1, -1), -1)
+    thing_of_cell, thing_of_voxel = number[patch], number[of_voxel]
+    num_things = int(number.max(initial=-1)) + 1
+    seen = visits.seen(thing_of_cell, num_things) >= MIN_POINTS_OF_VIEW
+    return tuple(
+        _thing(
+            floor,
+            np.argwhere(thing_of_cell == i),
+            voxels.select(thing_of_voxel == i),
+            [visits.places[pair] for pair in np.flatnonzero(seen[:, i])],
+        )
+        for i in range(num_things)
+    )
+
+
+def _thing(floor: Floor, cells: NDArray[np.intp], voxels: Voxels, places: Sequence[Array]) -> Thing:
+    points_xz = floor.centres(cells)
+    centre = (points_xz.min(axis=0) + points_xz.max(axis=0)) / 2.0
+    offsets = np.array(places).reshape(-1, 2) - centre
+    return Thing(
+        cells=cells,
+        centre=centre,
+        radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5,
+        top=float(voxels.means[:, 1].max()),
+        voxels=voxels,
+        bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),
+    )

@@ -1,0 +1,117 @@
+"""The straight line: two images -> pairs of features -> coloured world points -> the voxel map."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.records import Features, Matches, PointCloud, StereoPair, check_images
+from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
+from recon.stereo.features import detect
+from recon.stereo.matching.matching import match
+from recon.stereo.subpixel import refine
+from recon.stereo.triangulation import triangulate
+from recon.voxelmap import VoxelMap
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PairResult:
+    """What one pair gave."""
+
+    matches: Matches
+    cloud: PointCloud
+    """In the world; in the left camera's frame where the pair has no pose."""
+    stereo_s: float
+    """Wall time from images to points."""
+    map_s: float
+    """Wall time of putting them into the map."""
+
+
+def match_pair(
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    *,
+    min_disparity: int = 0,
+    max_disparity: int = 20,
+    quality: Quality = "best",
+) -> Matches:
+    """Match two rectified images.
+
+    Parameters
+    ----------
+    left, right : (H, W) or (H, W, 3) uint8
+        Grey or RGB, of one size.
+    min_disparity, max_disparity : int
+        Both ends of the search, included.
+    quality : {"best", "fast"}
+
+    Returns
+    -------
+    Matches
+        Most confident first.
+    """
+    if quality not in QUALITIES:
+        raise InputError(f"quality is {quality!r}, but one of {', '.join(QUALITIES)} is needed")
+    check_images(left, right)
+    search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
+    return match_images(
+        left, right, updated(with_quality(Settings(), quality), {"matching": search})
+    )
+
+
+def match_images(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings) -> Matches:
+    """Match two rectified images as the settings say."""
+    # Oriented features of both images at several scales (Eqs 11 to 14).
+    features_left = detect(left, settings.features)
+    features_right = detect(right, settings.features)
+    return match_features(features_left, features_right, settings)
+
+
+def match_features(
+    features_left: Features, features_right: Features, settings: Settings
+) -> Matches:
+    """Match and fine tune the features of two rectified images."""
+    # Pairs of like phase and magnitude, cross checked (Eqs 15 to 18).
+    matches = match(features_left, features_right, settings.matching)
+    # Fine tuning by the phase that is left (Eqs 20, 21).
+    return refine(matches, features_left, features_right)
+
+
+def process_pair(
+    pair: StereoPair, settings: Settings, voxel_map: VoxelMap, view: int | None = None
+) -> PairResult:
+    """One pair into the map.
+
+    All points with a depth are returned, so that far things are seen; the map takes only those
+    that are sure enough for its cells.
+    """
+    began = time.perf_counter()
+    matches, cloud = points_of(pair, settings)
+    seen = time.perf_counter()
+    insert(cloud, pair, settings, voxel_map, view)
+    done = time.perf_counter()
+    return PairResult(matches=matches, cloud=cloud, stereo_s=seen - began, map_s=done - seen)
+
+
+def points_of(pair: StereoPair, settings: Settings) -> tuple[Matches, PointCloud]:
+    """The matches of a pair and their points: in the world, where the pair has a pose."""
+    matches = match_images(pair.left, pair.right, settings)
+    # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
+    cloud = triangulate(matches, pair, settings.triangulation)
+    return matches, cloud if pair.T_world_left is None else cloud.transformed(pair.T_world_left)
+
+
+def insert(
+    cloud: PointCloud,
+    pair: StereoPair,
+    settings: Settings,
+    voxel_map: VoxelMap,
+    view: int | None = None,
+) -> None:
+    """Every point that is sure enough raises the count of its cell (section 4.4)."""
+    origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
+    if settings.map.max_sigma is not None and cloud.sigma is not None:
+        cloud = cloud.select(cloud.sigma <= settings.map.max_sigma * settings.map.cell_size)
+    voxel_map.insert(cloud, origin, view)

@@ -1,0 +1,1 @@
+"""Fitting: solids through points by robust geometric distance."""

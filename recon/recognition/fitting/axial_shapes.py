@@ -1,0 +1,153 @@
+"""Cylinder and cone: straight lines turned round a free axis, fitted by geometric distance.
+
+In the half plane (t, rho), place along the axis and distance from it, both are the line
+``cos(angle) rho - sin(angle) t = offset``; a cylinder's half angle is 0.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.axes import across_axis
+from recon.records import Cone, Cylinder, FitFailure, Solid, TruncatedCone
+
+Array = NDArray[np.float64]
+
+NUM_STARTS = 3
+"""Axes that are followed further, of all that are tried."""
+PARALLEL = 0.998
+"""Cosine of two axes of which one is enough."""
+TIP_EVIDENCE = 4.6
+"""A cone's tip is missing where even spreading would put that many points on it (p = 1 %)."""
+LARGEST_TO_EXTENT = 10.0
+"""A radius that exceeds the points' extent so many times is not seen in them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Line:
+    """A line round an axis."""
+
+    point: Array
+    axis: Array
+    offset: float
+    angle: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AxialModel:
+    """Distances to a cylinder or cone without ends; steps: point, axis (2 each), offset, angle."""
+
+    points: Array
+    normals: Array
+    is_cone: bool
+
+    @property
+    def num_parameters(self) -> int:
+        """Of the surface."""
+        return 6 if self.is_cone else 5
+
+    def starts(self) -> list[Line]:
+        """The algebraic fits round the most promising axes."""
+        fits = [self._algebraic(axis) for axis in _axes(self.points, self.normals)]
+        fits.sort(key=lambda line: float(np.median(np.abs(self.residuals(line)[0]))))
+        return fits[:NUM_STARTS]
+
+    def _algebraic(self, axis: Array) -> Line:
+        """``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` round a given axis is linear."""
+        across = across_axis(axis)
+        middle = self.points.mean(axis=0)
+        local = (self.points - middle) @ np.column_stack([across.T, axis])
+        xy, t = local[:, :2], local[:, 2]
+        columns = [2.0 * xy, np.ones_like(t)] + ([t, t * t] if self.is_cone else [])
+        solution = np.linalg.lstsq(np.column_stack(columns), (xy**2).sum(axis=1), rcond=None)[0]
+        point = middle + solution[:2] @ across
+        rho = np.hypot(*(xy - solution[:2]).T)
+        if not self.is_cone:
+            return Line(point=point, axis=axis, offset=float(np.median(rho)), angle=0.0)
+        _, vectors = np.linalg.eigh(np.cov(t, rho))
+        angle = float(np.arctan(vectors[1, 1] / (vectors[0, 1] or 1e-12)))
+        offset = float(np.median(np.cos(angle) * rho - np.sin(angle) * t))
+        return Line(point=point, axis=axis, offset=offset, angle=angle)
+
+    def residuals(self, state: Line) -> tuple[Array, Array]:
+        """Signed distances (N,) and derivatives (N, 5 or 6)."""
+        across = across_axis(state.axis)
+        local = self.points - state.point
+        t = local @ state.axis
+        xy = local @ across.T
+        rho = np.maximum(np.hypot(xy[:, 0], xy[:, 1]), 1e-300)
+        c, s = np.cos(state.angle), np.sin(state.angle)
+        radial = xy / rho[:, None]
+        turn = -(c * t + s * rho)[:, None] * radial
+        columns = [-c * radial, turn, -np.ones(len(t))]
+        if self.is_cone:
+            columns.append(-s * rho - c * t)
+        return c * rho - s * t - state.offset, np.column_stack(columns)
+
+    def transformed(self, state: Line, step: Array) -> Line:
+        """The line after a step."""
+        across = across_axis(state.axis)
+        axis = state.axis + step[2:4] @ across
+        axis = axis / np.linalg.norm(axis)
+        angle = state.angle + (float(step[5]) if self.is_cone else 0.0)
+        point = state.point + step[:2] @ across
+        return Line(point=point, axis=axis, offset=state.offset + float(step[4]), angle=angle)
+
+    def solid(self, state: Line, inliers: Array, sigma: float) -> Solid | FitFailure:
+        """The solid between the ends of the points that lie on it."""
+        t = _within((inliers - state.point) @ state.axis)
+        low, high = float(t.min()), float(t.max())
+        slope = np.tan(state.angle)
+        radii = state.offset / np.cos(state.angle) + slope * np.array([low, high])
+        if np.abs(radii).max() > LARGEST_TO_EXTENT * float(np.ptp(inliers, axis=0).max()):
+            return FitFailure("the radius is too large for the points")
+        if not self.is_cone:
+            return Cylinder(
+                point=state.point + low * state.axis,
+                axis=state.axis,
+                radius=abs(float(radii[0])),
+                height=high - low,
+            )
+        return _cone(state, (low, high), (float(radii[0]), float(radii[1])), len(inliers))
+
+
+def _cone(
+    state: Line, ends: tuple[float, float], radii: tuple[float, float], num_points: int
+) -> Solid | FitFailure:
+    (low, high), (first, last) = ends, radii
+    axis, angle = state.axis, state.angle
+    if last < first:
+        # Upwards is where it narrows: the wide end is the bottom.
+        bottom, top, foot = first, last, low
+    else:
+        bottom, top, foot, axis, angle = last, first, high, -axis, -angle
+    if bottom <= 0 or angle == 0.0:
+        return FitFailure("the cone does not open")
+    point = state.point + foot * state.axis
+    height = high - low
+    if num_points * (max(top, 0.0) / bottom) ** 2 < TIP_EVIDENCE:
+        length = bottom / float(np.tan(-angle))
+        return Cone(apex=point + length * axis, axis=-axis, half_angle_rad=-angle, height=length)
+    return TruncatedCone(
+        point=point, axis=axis, radius_bottom=bottom, radius_top=top, height=height
+    )
+
+
+def _within(t: Array) -> Array:
+    """Places along the axis without stray ones: a fifth of the bulk's length is allowed beyond."""
+    low, high = np.quantile(t, [0.02, 0.98])
+    margin = 0.2 * (high - low)
+    inside: Array = t[(t >= low - margin) & (t <= high + margin)]
+    return inside
+
+
+def _axes(points: Array, normals: Array) -> list[Array]:
+    """Directions worth trying: where normals vary least, and the points' own moments."""
+    moments = (normals.T @ normals, np.cov(normals.T), np.cov(points.T))
+    vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
+    axes: list[Array] = []
+    for axis in (vectors[0][0], vectors[1][0], *vectors[2]):
+        if all(abs(axis @ other) < PARALLEL for other in axes):
+            axes.append(axis)
+    return axes

@@ -1,0 +1,230 @@
+"""Whole objects: parts of revolution stacked on one vertical axis, fitted together.
+
+Each point belongs to the part whose outline is nearest in the (rho, y) profile, so that no
+segmentation has to be right before the fit.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.least_squares import Estimate, minimise
+from recon.recognition.fitting.profiles import NUM_RADII, distance
+from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
+
+Array = NDArray[np.float64]
+
+SPLITS = (0.2, 0.4, 0.6, 0.8)
+"""Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+BELOW_CELLS = 0.3
+"""How far the mean of the lowest cell of a part lies over its rim, on average; the narrow end, seen
+from below, has next to nothing to add."""
+NOISE_FLOOR = 0.05
+"""Smallest noise believed of a cell's mean, in cells."""
+BULK = (0.1, 0.9)
+"""Shares of the points below the ends of the bulk, in whose middle the axis is first looked for."""
+INLIER_SIGMAS = 3.0
+"""Points nearer than so many scales lie on the fit."""
+ENDS = (0.005, 0.99)
+"""A part ends where this share of its points lies below; its narrow end has few."""
+POINTED = 0.05
+"""A truncated cone whose top is narrower than this share of its bottom is a cone."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stack:
+    """Upright parts on one axis; part i reaches from `heights[i]` to `heights[i + 1]`."""
+
+    shapes: tuple[str, ...]
+    """From the ground up."""
+    axis: Array
+    """(2,) x and z of the vertical axis."""
+    heights: Array
+    """(parts + 1,) y of the ends; the first is the ground."""
+    radii: tuple[Array, ...]
+    """For each part its (`NUM_RADII`,) radii."""
+
+    @property
+    def widest(self) -> Array:
+        """(parts,) largest radius of each part."""
+        pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
+        return np.array([r.max() if len(r) else span / 2.0 for _, r, span in pairs])
+
+    @property
+    def slenderness(self) -> Array:
+        """(parts,) height over radius; of a cone over what it narrows by, however much is seen."""
+        spans = np.diff(self.heights)
+        narrowing = [abs(float(r[0] - r[1])) if len(r) > 1 else np.inf for r in self.radii]
+        ratios: Array = spans / np.maximum(np.minimum(self.widest, narrowing), 1e-9)
+        return ratios
+
+    @property
+    def areas(self) -> Array:
+        """(parts,) surface of each part, roughly: that of the cylinder or cone of its radii."""
+        pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
+        rims = [(r[0], r[-1]) if len(r) else (span / 2.0, span / 2.0) for _, r, span in pairs]
+        slants = np.hypot(np.diff(self.heights), [a - b for a, b in rims])
+        areas: Array = np.pi * slants * np.array([a + b for a, b in rims])
+        return areas
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StackModel:
+    """Distances of points to the nearest part of a stack."""
+
+    points: Array
+
+    def residuals(self, stack: Stack) -> tuple[Array, Array]:
+        """Signed distances and their derivatives by axis, heights and radii."""
+        distances, gradient, _ = self.nearest(stack)
+        return distances, gradient
+
+    def nearest(self, stack: Stack) -> tuple[Array, Array, NDArray[np.intp]]:
+        """Signed distances (N,), derivatives (N, P), and the nearest part (N,)."""
+        offset = self.points[:, ::2] - stack.axis
+        rho = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-12)
+        profile = np.column_stack([rho, self.points[:, 1]])
+        num_parts = len(stack.shapes)
+        best = np.full(len(rho), np.inf)
+        nearest = np.zeros(len(rho), dtype=np.intp)
+        gradient = np.zeros((len(rho), 2 + num_parts + sum(map(len, stack.radii))))
+        column = 2 + num_parts
+        for part, (shape, radii) in enumerate(zip(stack.shapes, stack.radii, strict=True)):
+            ends = stack.heights[part : part + 2]
+            signed, normal, by_numbers = distance(shape, profile, ends, radii)
+            rows = np.abs(signed) < np.abs(best)
+            best[rows], nearest[rows] = signed[rows], part
+            gradient[rows] = 0.0
+            gradient[rows, :2] = -(normal[:, :1] * offset / rho[:, None])[rows]
+            # The lowest end is the ground, which is known.
+            first = 1 if part == 0 else 0
+            gradient[rows, 1 + part + first : 3 + part] = by_numbers[rows, first:2]
+            gradient[rows, column : column + len(radii)] = by_numbers[rows, 2:]
+            column += len(radii)
+        return best, gradient, nearest
+
+    def transformed(self, stack: Stack, step: Array) -> Stack:
+        """The stack after a step; sizes stay positive, ends in order."""
+        num_parts = len(stack.shapes)
+        heights = stack.heights.copy()
+        heights[1:] += step[2 : 2 + num_parts]
+        heights = np.maximum.accumulate(heights)
+        borders = np.cumsum([2 + num_parts, *map(len, stack.radii)])
+        radii = tuple(
+            np.abs(radii + step[low:high])
+            for radii, low, high in zip(stack.radii, borders[:-1], borders[1:], strict=True)
+        )
+        return Stack(shapes=stack.shapes, axis=stack.axis + step[:2], heights=heights, radii=radii)
+
+
+def fit_stack(
+    shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
+) -> Estimate[Stack]:
+    """The most likely stack of `shapes` that stands on the ground.
+
+    Parameters
+    ----------
+    points : (N, 3) float64
+        World, y up.
+    ground : float
+        Height of the ground.
+    cell_size : float
+        Side of the cells that the points are the means of, world units.
+    weights : (N,) float64
+        How much each point counts.
+    """
+    model, floor = StackModel(points), NOISE_FLOOR * cell_size
+    starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
+    rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
+    best = min(rough, key=lambda estimate: estimate.deviance)
+    fit = minimise(model, best.state, floor=floor, weights=weights)
+    return replace(fit, state=_trimmed(fit, model, cell_size))
+
+
+def _trimmed(fit: Estimate[Stack], model: StackModel, cell_size: float) -> Stack:
+    """The stack, its last part cut where its points end: too long a part costs a fit nothing."""
+    stack = fit.state
+    if stack.shapes[-1] in ("sphere", "ellipsoid"):
+        return stack
+    _, _, nearest = model.nearest(stack)
+    own = (nearest == len(stack.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
+    if not own.any():
+        return stack
+    ends = np.quantile(model.points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
+    ends = np.clip(ends, *stack.heights[-2:])
+    if len(stack.shapes) == 1:
+        ends[0] = stack.heights[0]
+    slope = float(stack.radii[-1][-1] - stack.radii[-1][0]) / max(np.diff(stack.heights)[-1], 1e-9)
+    rim = stack.radii[-1][0] + slope * (ends - stack.heights[-2])
+    if slope < 0:
+        # Eyes below see the tip last, if at all. The end lies between the last cell and the tip:
+        # the middle is off by half of that at most.
+        rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
+        ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
+    radii = rim[-len(stack.radii[-1]) :]
+    return replace(
+        stack, heights=np.append(stack.heights[:-2], ends), radii=(*stack.radii[:-1], radii)
+    )
+
+
+def _splits(num_parts: int) -> list[tuple[float, ...]]:
+    if num_parts == 1:
+        return [()]
+    if num_parts == 2:
+        return [(share,) for share in SPLITS]
+    return [tuple(np.linspace(0.0, 1.0, num_parts + 1)[1:-1])]
+
+
+def _start(
+    shapes: tuple[str, ...], points: Array, ground: float, splits: tuple[float, ...]
+) -> Stack:
+    low, high = np.quantile(points, BULK, axis=0)
+    axis = (low + high)[::2] / 2.0
+    top = float(points[:, 1].max())
+    heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
+    rho = np.hypot(*(points[:, ::2] - axis).T)
+    radii = []
+    for shape, low, high in zip(shapes, heights[:-1], heights[1:], strict=True):
+        inside = rho[(points[:, 1] >= low) & (points[:, 1] <= high)]
+        middle = float(np.median(inside)) if len(inside) else float(np.median(rho))
+        radii.append(
+            middle
+            * np.array([1.3, 0.5] if shape == "truncated cone" else [1.0])[: NUM_RADII[shape]]
+        )
+    return Stack(shapes=shapes, axis=axis, heights=heights, radii=tuple(radii))
+
+
+def solids(stack: Stack) -> list[Solid]:
+    """The parts of a stack as solids in the world, from the ground up."""
+    ends = zip(stack.heights[:-1], stack.heights[1:], strict=True)
+    return [
+        _solid(shape, stack.axis, float(low), float(high), radii)
+        for shape, (low, high), radii in zip(stack.shapes, ends, stack.radii, strict=True)
+    ]
+
+
+def _solid(shape: str, axis: Array, low: float, high: float, radii: Array) -> Solid:
+    x, z = axis
+    up, bottom = np.array([0.0, 1.0, 0.0]), np.array([x, low, z])
+    middle, height = np.array([x, (low + high) / 2.0, z]), high - low
+    if shape == "sphere":
+        return Sphere(centre=middle, radius=height / 2.0)
+    if shape == "ellipsoid":
+        halves = np.array([radii[0], height / 2.0, radii[0]])
+        order = np.argsort(-halves, kind="stable")
+        return Ellipsoid(centre=middle, radii=halves[order], axes=np.eye(3)[order])
+    if shape == "cylinder":
+        return Cylinder(point=bottom, axis=up, radius=float(radii[0]), height=height)
+    if radii[1] < POINTED * radii[0]:
+        angle = float(np.arctan2(radii[0] - radii[1], height))
+        tip = high + float(radii[1] / np.tan(angle))
+        apex = np.array([x, tip, z])
+        return Cone(apex=apex, axis=-up, half_angle_rad=angle, height=tip - low)
+    return TruncatedCone(
+        point=bottom,
+        axis=up,
+        radius_bottom=float(radii[0]),
+        radius_top=float(radii[1]),
+        height=height,
+    )

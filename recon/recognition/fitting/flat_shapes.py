@@ -1,0 +1,135 @@
+"""Plane and box: fitted by geometric distance."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.axes import across_axis
+from recon.records import Box, FitFailure, Plane, Solid
+
+Array = NDArray[np.float64]
+
+THINNEST = 6.0
+"""Thickness, in scales of the noise, below which two sheets only share the noise of one."""
+
+ALIGNED, ALIGNED_SHARE = 0.9, 0.5
+"""Cosine of a point's normal and its face's, and the share of points that must reach it: on a
+sphere 0.3 do, whatever the axes."""
+SECOND_FACE = 0.05
+"""Share of its points that a box must have on a second, not parallel face."""
+
+ALIKE, ACROSS = 0.98, 0.9
+"""Cosine of two normals of one face, and sine of two of neighbouring faces."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneModel:
+    """Distances of points to a plane; steps are a shift and two turns."""
+
+    points: Array
+    normals: Array
+    num_parameters = 3
+
+    def starts(self) -> list[Plane]:
+        """The plane of least squares."""
+        middle = self.points.mean(axis=0)
+        vectors = np.linalg.eigh(np.cov((self.points - middle).T))[1]
+        return [Plane(point=middle, normal=vectors[:, 0])]
+
+    def residuals(self, state: Plane) -> tuple[Array, Array]:
+        """Signed distances (N,) and derivatives (N, 3)."""
+        local = self.points - state.point
+        across = across_axis(state.normal)
+        return local @ state.normal, np.column_stack([-np.ones(len(local)), local @ across.T])
+
+    def transformed(self, state: Plane, step: Array) -> Plane:
+        """The plane after a step."""
+        across = across_axis(state.normal)
+        normal = state.normal + step[1:] @ across
+        point = state.point + step[0] * state.normal
+        return Plane(point=point, normal=normal / np.linalg.norm(normal))
+
+    def solid(self, state: Plane, inliers: Array, sigma: float) -> Solid | FitFailure:
+        """The plane, its point in the middle of the points."""
+        middle = inliers.mean(axis=0)
+        foot = middle - ((middle - state.point) @ state.normal) * state.normal
+        return Plane(point=foot, normal=state.normal)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxModel:
+    """Distances of points to a box; steps are centre, turn, half edges."""
+
+    points: Array
+    normals: Array
+    num_parameters = 9
+
+    def starts(self) -> list[Box]:
+        """Boxes along the points' moments and along the commonest normals."""
+        moments = np.linalg.eigh(np.cov(self.points.T))[1].T
+        return [self._around(axes) for axes in (moments, _commonest(self.normals))]
+
+    def _around(self, axes: Array) -> Box:
+        local = self.points @ axes.T
+        low, high = np.quantile(local, [0.01, 0.99], axis=0)
+        return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
+
+    def residuals(self, state: Box) -> tuple[Array, Array]:
+        """Signed distances (N,), inside negative, and derivatives (N, 9)."""
+        local = (self.points - state.centre) @ state.axes.T
+        side = np.where(local < 0, -1.0, 1.0)
+        beyond = side * local - state.sizes / 2.0
+        outside = np.maximum(beyond, 0.0)
+        length = np.linalg.norm(outside, axis=1)
+        face = np.eye(3)[np.argmax(beyond, axis=1)]
+        pull = np.where(length[:, None] > 0, outside / np.maximum(length, 1e-300)[:, None], face)
+        normal = side * pull
+        distance = np.where(length > 0, length, beyond.max(axis=1))
+        turn = np.cross(local, normal)
+        return distance, np.column_stack([-normal @ state.axes, turn, -pull])
+
+    def transformed(self, state: Box, step: Array) -> Box:
+        """The box after a step."""
+        turned = state.axes + np.cross(step[3:6], state.axes.T).T
+        axes = np.linalg.qr(turned.T)[0].T
+        axes *= np.sign(np.einsum("ij,ij->i", axes, turned))[:, None]
+        sizes = np.maximum(state.sizes + 2.0 * step[6:], 0.0)
+        return replace(state, centre=state.centre + step[:3], axes=axes, sizes=sizes)
+
+    def solid(self, state: Box, inliers: Array, sigma: float) -> Solid | FitFailure:
+        """The box, faces that no point lies on drawn to the points."""
+        if state.sizes.min() < THINNEST * sigma:
+            return FitFailure("the box is too thin for the noise")
+        local = (inliers - state.centre) @ state.axes.T
+        fault = self._faceless(state)
+        if fault:
+            return FitFailure(fault)
+        low = np.maximum(local.min(axis=0), -state.sizes / 2.0)
+        high = np.minimum(local.max(axis=0), state.sizes / 2.0)
+        middle = state.centre + (low + high) / 2.0 @ state.axes
+        return replace(state, centre=middle, sizes=high - low)
+
+    def _faceless(self, state: Box) -> str:
+        """Why the points do not show the faces of a box; empty where they do."""
+        local = np.abs((self.points - state.centre) @ state.axes.T)
+        face = np.argmax(local - state.sizes / 2.0, axis=1)
+        along = np.abs(self.normals @ state.axes.T)[np.arange(len(face)), face]
+        if (along > ALIGNED).mean() < ALIGNED_SHARE:
+            return "the surface does not run along the faces of a box"
+        if np.sort(np.bincount(face, minlength=3))[1] < SECOND_FACE * len(face):
+            return "the points lie on one face of a box"
+        return ""
+
+
+def _commonest(normals: Array) -> Array:
+    """(3, 3) unit rows: the normal most others agree with, and the commonest across it."""
+    votes = (np.abs(normals @ normals.T) > ALIKE).sum(axis=0)
+    first = normals[np.argmax(votes)]
+    flat = normals - (normals @ first)[:, None] * first
+    length = np.linalg.norm(flat, axis=1)
+    choice = np.argmax(votes * (length > ACROSS))
+    if length[choice] <= ACROSS:
+        return np.linalg.svd(first[None])[2]
+    second = flat[choice] / length[choice]
+    return np.stack([first, second, np.cross(first, second)])

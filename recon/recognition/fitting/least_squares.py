@@ -1,0 +1,137 @@
+"""Robust non-linear least squares: maximum likelihood under Student-t noise.
+
+Stereo noise has heavy tails, so residuals are taken as Student-t distributed; the scale is
+estimated with the parameters (expectation maximisation), the step is Levenberg-Marquardt's.
+"""
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+State = TypeVar("State")
+
+DEGREES_OF_FREEDOM = 3.0
+"""Of the Student-t noise: low enough that a tenth of gross outliers does not move a fit."""
+CONVERGED = 1e-2
+"""A step that lowers -2 log likelihood by less than this has arrived."""
+NUM_RESCALINGS = 3
+MAX_DAMPING = 1e3
+
+
+class Model(Protocol[State]):
+    """What is fitted: how far the points are off, and how a step changes the parameters."""
+
+    def residuals(self, state: State) -> tuple[Array, Array]:
+        """Signed distances (N,) and their derivatives (N, P) by a step."""
+        ...
+
+    def transformed(self, state: State, step: Array) -> State:
+        """The state after a step (P,)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate(Generic[State]):
+    """The most likely state, and how likely it is."""
+
+    state: State
+    residuals: Array
+    """(N,) signed distances."""
+    sigma: float
+    """Scale of the Student-t noise."""
+    information: Array
+    """(P, P) inverse of the covariance of a step from the state."""
+    deviance: float
+    """Minus twice the log likelihood, up to a constant."""
+
+    @property
+    def bic(self) -> float:
+        """Bayesian information criterion; the smallest is best."""
+        return self.deviance + len(self.information) * float(np.log(len(self.residuals)))
+
+    @property
+    def covariance(self) -> Array:
+        """(P, P) of a step from the state."""
+        return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
+
+
+def _deviance(residuals: Array, sigma: float, share: Array) -> float:
+    squares = (residuals / sigma) ** 2
+    tails = float(share @ np.log1p(squares / DEGREES_OF_FREEDOM))
+    return (DEGREES_OF_FREEDOM + 1.0) * tails + 2.0 * len(residuals) * float(np.log(sigma))
+
+
+def _weights(residuals: Array, sigma: float, share: Array) -> Array:
+    """Weight of each residual in a step: its share, less the further off it is."""
+    tails = DEGREES_OF_FREEDOM + (residuals / sigma) ** 2
+    weights: Array = share * (DEGREES_OF_FREEDOM + 1.0) / tails
+    return weights
+
+
+def _rescaled(residuals: Array, sigma: float, share: Array, floor: float) -> float:
+    """The scale after a few rounds of expectation maximisation."""
+    for _ in range(NUM_RESCALINGS):
+        variance = np.mean(_weights(residuals, sigma, share) * residuals**2)
+        sigma = max(floor, float(np.sqrt(variance)))
+    return sigma
+
+
+def minimise(
+    model: Model[State],
+    start: State,
+    *,
+    floor: float,
+    weights: Array | None = None,
+    max_steps: int = 30,
+) -> Estimate[State]:
+    """Fit `model` from `start`.
+
+    Parameters
+    ----------
+    floor : float
+        Smallest noise believed, in the unit of the residuals; above 0.
+    weights : (N,) float64, optional
+        How much each residual counts, whatever their scale; by default alike.
+    max_steps : int
+        Bound of the work.
+    """
+    state, damping = start, 1e-3
+    residuals, jacobian = model.residuals(state)
+    share = np.ones(len(residuals)) if weights is None else weights / weights.mean()
+    sigma = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
+    deviance = _deviance(residuals, sigma, share)
+    for _ in range(max_steps):
+        step = _damped_step(residuals, jacobian, _weights(residuals, sigma, share), damping)
+        moved = model.transformed(state, step)
+        moved_residuals, moved_jacobian = model.residuals(moved)
+        if _deviance(moved_residuals, sigma, share) < deviance:
+            state, residuals, jacobian = moved, moved_residuals, moved_jacobian
+            sigma = _rescaled(residuals, sigma, share, floor)
+            before, deviance = deviance, _deviance(residuals, sigma, share)
+            damping = max(damping / 5.0, 1e-9)
+            if before - deviance < CONVERGED:
+                break
+        else:
+            damping *= 10.0
+            if damping > MAX_DAMPING:
+                break
+    weighted = jacobian * _weights(residuals, sigma, share)[:, None]
+    return Estimate(
+        state=state,
+        residuals=residuals,
+        sigma=sigma,
+        information=weighted.T @ jacobian / sigma**2,
+        deviance=deviance,
+    )
+
+
+def _damped_step(residuals: Array, jacobian: Array, weights: Array, damping: float) -> Array:
+    weighted = jacobian * weights[:, None]
+    normal = weighted.T @ jacobian
+    diagonal = normal.diagonal()
+    normal.flat[:: len(normal) + 1] += damping * diagonal + 1e-12 * diagonal.max() + 1e-300
+    step = -np.linalg.solve(normal, weighted.T @ residuals)
+    return step.astype(np.float64)

@@ -1,0 +1,195 @@
+"""Scenes of many solids: drawn from few points, voted for by all, taken out one by one.
+
+Schnabel, Wahl, Klein, "Efficient RANSAC for point-cloud shape detection", 2007: a handful of
+neighbouring points with their normals gives a plane, sphere, cylinder or cone; the shape that most
+points lie on is refined and chosen among all solids by BIC.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from recon.errors import check_finite, check_shape
+from recon.recognition.fitting.normals import NUM_NEIGHBOURS, estimate_normals
+from recon.recognition.fitting.shapes import candidates
+from recon.recognition.segments.components import joined
+from recon.records import Cone, Cylinder, FitFailure, Plane, Solid, Sphere
+
+Array = NDArray[np.float64]
+
+NUM_DRAWS = 80
+"""Draws a round; with neighbouring points one in some ten lies on one solid alone."""
+NUM_VOTERS = 1500
+"""Points that vote on a draw."""
+MOST_SOLIDS = 32
+TOLERANCE_SIGMAS = 4.0
+"""Points nearer than so many scales of the noise lie on a solid."""
+RELATIVE_TOLERANCE = 1e-3
+"""No tolerance is smaller than this share of the scene: facets, rounding."""
+LINK = 4.0
+"""Points of one solid lie nearer together than so many median spacings."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundSolid:
+    """One solid of a scene."""
+
+    solid: Solid
+    rows: NDArray[np.intp]
+    """Points that lie on it."""
+    rms: float
+
+
+def find_solids(
+    points: Array, min_points: int, rng: np.random.Generator, most: int = MOST_SOLIDS
+) -> list[FoundSolid]:
+    """The solids of a scene, in the order they were taken out: the largest first.
+
+    Parameters
+    ----------
+    points : (N, 3) float64
+    min_points : int
+        Points that a solid needs.
+    most : int
+        How many are looked for.
+
+    Raises
+    ------
+    InputError
+        Where a coordinate is not finite.
+    """
+    check_shape("points", points, (None, 3))
+    check_finite("points", points)
+    rest = np.arange(len(points))
+    found: list[FoundSolid] = []
+    while len(rest) >= max(min_points, NUM_NEIGHBOURS) and len(found) < most:
+        scene = _scene(points[rest])
+        one = _largest(scene, rng)
+        if one is None or len(one.rows) < min_points:
+            break
+        found.append(FoundSolid(solid=one.solid, rows=rest[one.rows], rms=one.rms))
+        rest = np.delete(rest, one.rows)
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Scene:
+    """Points with what is known of their neighbourhoods."""
+
+    points: Array
+    normals: Array
+    tree: cKDTree
+    spacing: float
+    tolerance: float
+
+
+def _scene(points: Array) -> _Scene:
+    tree = cKDTree(points)
+    probe = points[:: max(1, len(points) // NUM_VOTERS)]
+    distances, near = map(np.asarray, tree.query(probe, k=min(NUM_NEIGHBOURS, len(points))))
+    patches = points[near] - points[near].mean(axis=1, keepdims=True)
+    flatness = np.linalg.svd(patches, compute_uv=False)[:, 2] / np.sqrt(near.shape[1])
+    size = float(np.ptp(points, axis=0).max())
+    return _Scene(
+        points=points,
+        normals=estimate_normals(points),
+        tree=tree,
+        spacing=float(np.median(distances[:, 1])),
+        tolerance=max(TOLERANCE_SIGMAS * float(np.median(flatness)), RELATIVE_TOLERANCE * size),
+    )
+
+
+def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
+    """The solid that most points lie on, refined on them."""
+    voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
+    best, most = None, 0
+    for solid in _draws(scene, rng):
+        votes = int((solid.distances(voters) < scene.tolerance).sum())
+        if votes > most:
+            best, most = solid, votes
+    return None if best is None else _refined(scene, best)
+
+
+def _refined(scene: _Scene, drawn: Solid) -> FoundSolid | None:
+    rows = _connected(scene, np.flatnonzero(drawn.distances(scene.points) < scene.tolerance))
+    ranked = candidates(scene.points[rows])
+    if isinstance(ranked, FitFailure):
+        return None
+    solid = ranked[0].solid
+    away = solid.distances(scene.points)
+    rows = _connected(scene, np.flatnonzero(away < scene.tolerance))
+    if not len(rows):
+        return None
+    return FoundSolid(solid=solid, rows=rows, rms=float(np.sqrt(np.mean(away[rows] ** 2))))
+
+
+def _connected(scene: _Scene, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The largest group of rows whose points hang together."""
+    if not len(rows):
+        return rows
+    reach = LINK * scene.spacing
+    _, near = cKDTree(scene.points[rows]).query(
+        scene.points[rows], k=min(NUM_NEIGHBOURS, len(rows)), distance_upper_bound=reach
+    )
+    near = near.reshape(len(rows), -1)
+    first, slot = np.nonzero(near < len(rows))
+    label = joined(np.column_stack([first, near[first, slot]]), len(rows))
+    largest: NDArray[np.intp] = rows[label == np.argmax(np.bincount(label))]
+    return largest
+
+
+def _draws(scene: _Scene, rng: np.random.Generator) -> Iterator[Solid]:
+    """Solids through a few neighbouring points each."""
+    size = float(np.ptp(scene.points, axis=0).max())
+    for _ in range(NUM_DRAWS):
+        first = int(rng.integers(len(scene.points)))
+        # Neighbourhoods of all sizes: a solid may be a hole or the whole.
+        count = int(min(len(scene.points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
+        _, near = scene.tree.query(scene.points[first], k=count)
+        rows = np.append(rng.choice(near, 2), first)
+        points, normals = scene.points[rows], scene.normals[rows]
+        yield Plane(point=points[2], normal=normals[2])
+        yield from _round(points, normals, size)
+        yield from _cone(points, normals, size)
+
+
+def _round(points: Array, normals: Array, size: float) -> Iterator[Solid]:
+    """The sphere and the cylinder across whose surface two normals stand."""
+    axis = np.cross(normals[0], normals[1])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-2:
+        return
+    axis /= sine
+    # Feet of the common perpendicular of the two normal lines.
+    offset = points[1] - points[0]
+    first = points[0] + np.cross(offset, normals[1]) @ axis / sine * normals[0]
+    second = points[1] + np.cross(offset, normals[0]) @ axis / sine * normals[1]
+    centre = (first + second) / 2.0
+    radius = float(np.linalg.norm(points[:2] - centre, axis=1).mean())
+    if radius < size:
+        yield Sphere(centre=centre, radius=radius)
+    radius = float(np.linalg.norm(points[0] - first))
+    if radius < size:
+        yield Cylinder(point=first - 2.0 * size * axis, axis=axis, radius=radius, height=4.0 * size)
+
+
+def _cone(points: Array, normals: Array, size: float) -> Iterator[Solid]:
+    """The cone that three tangent planes touch."""
+    if abs(np.linalg.det(normals)) < 1e-3:
+        return
+    apex = np.linalg.solve(normals, np.einsum("ij,ij->i", normals, points))
+    rays = points - apex
+    length = np.linalg.norm(rays, axis=1)
+    if length.min() < 1e-9 * size or length.max() > 4.0 * size:
+        return
+    ends = rays / length[:, None]
+    axis = np.cross(ends[1] - ends[0], ends[2] - ends[0])
+    norm = float(np.linalg.norm(axis))
+    if norm < 1e-9:
+        return
+    axis *= np.sign(axis @ ends[0]) / norm
+    angle = float(np.arccos(np.clip(ends @ axis, -1.0, 1.0)).mean())
+    yield Cone(apex=apex, axis=axis, half_angle_rad=angle, height=4.0 * size)

@@ -1,0 +1,1 @@
+"""Segments: which cells belong to one object, and to one part of it."""

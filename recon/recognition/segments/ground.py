@@ -1,0 +1,92 @@
+"""Where the ground is."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import WORLD_UP, pose
+from recon.recognition.fitting.shapes import from_points
+from recon.records import FitFailure, Plane, Voxels
+from recon.settings import RecognitionSettings
+
+Array = NDArray[np.float64]
+
+NUM_DRAWS = 400
+NUM_VOTERS = 4000
+STEEPEST = 0.5
+"""Cosine of the steepest tilt of a floor: a camera in the hand looks down by up to 60 degrees."""
+TOLERANCE = 0.005
+"""Of a point of the floor, as a share of the cloud's size."""
+BULK = (0.05, 0.95)
+"""Shares of the points below the ends of a cloud's bulk."""
+FLOOR_SHARE = 0.15
+"""Share of the points that a floor must hold."""
+BELOW_SHARE = 0.4
+"""Share of the points that may lie under a floor, seen past its edge."""
+
+
+def ground_height(voxels: Voxels, settings: RecognitionSettings) -> float:
+    """Height of the ground, world: as set, else that of the fullest layer of the lower half."""
+    if settings.ground is not None:
+        return settings.ground
+    if not len(voxels):
+        return 0.0
+    layers, counts = np.unique(voxels.index[:, 1], return_counts=True)
+    low = layers <= (layers[0] + layers[-1]) / 2
+    fullest = layers[low][np.argmax(counts[low])]
+    return float(np.median(voxels.means[voxels.index[:, 1] == fullest, 1]))
+
+
+def level_plane(points: Array) -> Array | None:
+    """Motion (4, 4) that makes the largest level plane of points (N, 3), y up, the floor y = 0.
+
+    None where no plane holds enough of the points with nearly all others above it.
+    """
+    if len(points) < 3:
+        return None
+    rng = np.random.default_rng(0)
+    voters = points[rng.permutation(len(points))[:NUM_VOTERS]]
+    tolerance = TOLERANCE * extent(points)
+    on_floor, normal = _most_voted(voters, tolerance, rng)
+    if normal is None or on_floor.mean() < FLOOR_SHARE:
+        return None
+    refined = from_points("plane", voters[on_floor])
+    if isinstance(refined, FitFailure) or not isinstance(refined.solid, Plane):
+        return None
+    plane = refined.solid
+    up = plane.normal * np.sign(plane.normal @ normal)
+    height = (voters - plane.point) @ up
+    if (height < -2.0 * tolerance).mean() > BELOW_SHARE:
+        return None
+    return _floor_motion(plane.point, up)
+
+
+def extent(points: Array) -> float:
+    """Longest side of the box of points (N, 3), without the few that lie far off."""
+    low, high = np.quantile(points, BULK, axis=0)
+    return float((high - low).max())
+
+
+def _most_voted(
+    voters: Array, tolerance: float, rng: np.random.Generator
+) -> tuple[NDArray[np.bool_], Array | None]:
+    """Voters on the level plane through three of them that most lie on, and its upward normal."""
+    corners = voters[rng.integers(len(voters), size=(NUM_DRAWS, 3))]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    level = np.abs(normals[:, 1]) > STEEPEST * np.maximum(lengths, 1e-300)
+    if not level.any():
+        return np.zeros(len(voters), dtype=bool), None
+    signs = np.sign(normals[level, 1]) / lengths[level]
+    normals, feet = normals[level] * signs[:, None], corners[level, 0]
+    offsets = np.einsum("ij,ij->i", normals, feet)
+    on_plane = np.abs(voters @ normals.T - offsets) < tolerance
+    best = int(np.argmax(on_plane.sum(axis=0)))
+    return on_plane[:, best], normals[best]
+
+
+def _floor_motion(point: Array, up: Array) -> Array:
+    """The least turn that brings `up` to y, about a point that comes to y = 0."""
+    axis = np.cross(up, WORLD_UP)
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    rotation = np.eye(3) + cross + cross @ cross / (1.0 + up[1])
+    return pose(rotation, [0.0, -(rotation @ point)[1], 0.0])

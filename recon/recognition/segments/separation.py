@@ -1,0 +1,149 @@
+"""Components that are two objects, and objects that are two components."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.ransac import find_solids
+from recon.recognition.naming.naming import Naming
+from recon.recognition.segments.components import neighbours
+from recon.records import UNKNOWN, Voxels
+from recon.settings import RecognitionSettings
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+Piece = tuple[Naming, Rows]
+
+EXPLAINED = 1.0
+"""Deviance a cell, under that of a thing of no form, from which one object is enough."""
+LONG = 2.0
+"""Length over width of a footprint, in standard deviations, from which it may be two objects."""
+TOGETHER = 0.5
+"""Rise of the deviance a cell up to which one object is believed instead of several."""
+WAIST, WIDE_WAIST = 1.6, 2.4
+"""Touching cells over the root of a side's cells, of things without a name and with one: 2.5 where
+a closed shell is cut in half."""
+MOST_ROUNDS = 20
+APART = 0.5
+"""Fall of the deviance a cell from which two objects are believed instead of one."""
+MOST_OBJECTS = 8
+"""Of one component: bounds the work on the cells of a street or a wall."""
+
+
+def separate(
+    whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Callable[[Rows], Naming]
+) -> list[Piece]:
+    """The objects that a piece of the map is: itself, or more where more fit better.
+
+    Parameters
+    ----------
+    name : Callable
+        Names the object that some rows of `voxels` are.
+    """
+    waiting: list[Piece] = [whole]
+    done: list[Piece] = []
+    while waiting:
+        piece = waiting.pop()
+        room = len(waiting) + len(done) + 2 <= MOST_OBJECTS
+        halves = _halves(piece, voxels, settings.min_voxels, name) if room else []
+        waiting.extend(halves)
+        if not halves:
+            done.append(piece)
+    return done
+
+
+def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
+    """Pieces that stand in one place as one object: a crown seen from two sides is one.
+
+    Parameters
+    ----------
+    pieces : list of (Naming, rows)
+    name : Callable
+        Names the object that some rows are.
+    """
+    waiting, done = list(pieces), []
+    while waiting:
+        naming, rows = waiting.pop(0)
+        inside = [_in_one_place(naming, other) for other, _ in waiting]
+        others = [piece for piece, is_in in zip(waiting, inside, strict=True) if is_in]
+        together = np.sort(np.concatenate([rows, *(own for _, own in others)]))
+        union = name(together) if others else naming
+        apart = naming.deviance + sum(other.deviance for other, _ in others)
+        if not others or union.deviance > apart + TOGETHER * len(together):
+            done.append((naming, rows))
+        else:
+            waiting = [piece for piece, is_in in zip(waiting, inside, strict=True) if not is_in]
+            waiting.append((union, together))
+    return done
+
+
+def _in_one_place(first: Naming, second: Naming) -> bool:
+    """Whether the middle of one lies inside the other, which has a name."""
+    apart = float(np.hypot(*(first.centre - second.centre)[::2]))
+    widths = [one.size[::2].max() for one in (first, second) if one.label != UNKNOWN]
+    return apart < float(max(widths, default=0.0)) / 2.0
+
+
+def _halves(
+    whole: Piece, voxels: Voxels, min_voxels: int, name: Callable[[Rows], Naming]
+) -> list[Piece]:
+    """Two objects that explain the cells better than one; empty where none do."""
+    naming, rows = whole
+    floor = voxels.means[rows][:, ::2]
+    if naming.deviance < -EXPLAINED * len(rows) and _elongation(floor) < LONG:
+        return []
+    best: list[Piece] = []
+    least = naming.deviance - APART * len(rows)
+    for second, touch in _cuts(voxels.select(rows), min_voxels):
+        halves = [(name(part), part) for part in (rows[~second], rows[second])]
+        deviance = sum(half.deviance for half, _ in halves)
+        if deviance < least and _are_objects([half for half, _ in halves], touch):
+            best, least = halves, deviance
+    return best
+
+
+def _are_objects(halves: list[Naming], touch: float) -> bool:
+    """Whether two sides are things of their own: with names, or with solids and a waist."""
+    named = all(half.label != UNKNOWN for half in halves)
+    return named or (touch < WAIST and all(half.parts for half in halves))
+
+
+def _elongation(floor: Array) -> float:
+    values = np.linalg.eigvalsh(np.cov(floor.T))
+    return float(np.sqrt(values[1] / max(values[0], 1e-12)))
+
+
+def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float]]:
+    """Ways to part cells that touch little: at the waist, and between the main solids."""
+    floor = cells.means[:, ::2]
+    cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
+    found = find_solids(cells.means, min_voxels, np.random.default_rng(0), most=2)
+    if len(found) == 2:
+        first, second = (one.solid.distances(cells.means) for one in found)
+        cuts.append(second < first)
+    pairs = neighbours(cells.index)
+    whole = [cut for cut in cuts if min(cut.sum(), (~cut).sum()) >= min_voxels]
+    touches = [_touch(cut, pairs) for cut in whole]
+    return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
+
+
+def _touch(second: NDArray[np.bool_], pairs: NDArray[np.intp]) -> float:
+    """Cells in which the two sides touch, over the root of the smaller side's cells."""
+    across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
+    return len(np.unique(across)) / 2.0 / float(np.sqrt(min(second.sum(), (~second).sum())))
+
+
+def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
+    """Two clusters that grow from the two ends of an axis."""
+    along = floor @ axis
+    low, high = np.quantile(along, [0.1, 0.9])
+    centres = np.stack([floor[rows].mean(axis=0) for rows in (along <= low, along >= high)])
+    second = np.zeros(len(floor), dtype=bool)
+    for _ in range(MOST_ROUNDS):
+        distance = np.linalg.norm(floor[:, None] - centres, axis=2)
+        before, second = second, distance[:, 1] < distance[:, 0]
+        if (second == before).all() or second.all() or not second.any():
+            break
+        centres = np.stack([floor[~second].mean(axis=0), floor[second].mean(axis=0)])
+    return second

@@ -1,0 +1,1 @@
+"""Calibrations: read, estimated from boards, refined from the images."""

@@ -1,0 +1,204 @@
+"""Rows of one image onto the rows of the other, once per rig."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.errors import InputError
+from recon.geometry import invert, pose
+from recon.records import StereoPair
+from recon.sequences.calibration.cameras import Calibration, Camera
+from recon.sequences.images import Image
+
+Array = NDArray[np.float64]
+Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rectifier:
+    """Brings raw images into the rectified rig; without maps they are so already."""
+
+    rig: StereoRig
+    raw_size: tuple[int, int]
+    """(width, height) of the raw images."""
+    T_raw_rectified: Array
+    """(4, 4) from the rectified left frame into the left camera's own: a pure rotation."""
+    maps: tuple[Maps, Maps] | None = None
+    """(u, v) of the source pixel of each rectified one, left and right."""
+
+    def __call__(self, left: Image, right: Image) -> tuple[Image, Image]:
+        """The two images as the rectified rig sees them; outside of the raw ones is black."""
+        for side, image in (("left", left), ("right", right)):
+            if image.shape[1::-1] != self.raw_size:
+                raise InputError(
+                    f"its {side} image has {image.shape[1]} x {image.shape[0]} pixels, but "
+                    f"{self.raw_size[0]} x {self.raw_size[1]} are needed"
+                )
+        if self.maps is None:
+            return left, right
+        left_maps, right_maps = self.maps
+        return (
+            cv2.remap(left, *left_maps, cv2.INTER_LINEAR),
+            cv2.remap(right, *right_maps, cv2.INTER_LINEAR),
+        )
+
+    def pair(
+        self, left: Image, right: Image, T_world_raw: Array | None, stamp_s: float, name: str
+    ) -> StereoPair:
+        """The rectified pair of raw images, whose left camera stood at `T_world_raw`."""
+        left, right = self(left, right)
+        return StereoPair(
+            left=left,
+            right=right,
+            rig=self.rig,
+            T_world_left=None if T_world_raw is None else T_world_raw @ self.T_raw_rectified,
+            stamp_s=stamp_s,
+            name=name,
+        )
+
+
+def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
+    """The rectification of raw images of `size` (width, height).
+
+    Raises
+    ------
+    InputError
+        Where the calibration is for images of another size, or has left and right swapped.
+    """
+    _check_size(calibration, size)
+    _check_sides(calibration)
+    if calibration.is_rectified:
+        return Rectifier(
+            rig=_rectified_rig(calibration, size), raw_size=size, T_raw_rectified=np.eye(4)
+        )
+    rotation = common_axes(calibration.T_right_left)
+    return warping(calibration, size, rotation, _filled_rig(calibration, size, rotation))
+
+
+def common_axes(T_right_left: Array) -> Array:
+    """Rows x, y, z (3, 3) of the rectified frame in the left camera's.
+
+    x goes from eye to eye, z is as near to both optical axes as it can be. A rig whose eyes stand
+    one above the other is thereby turned by a quarter, with no case of its own.
+    """
+    R = T_right_left[:3, :3]
+    x = -R.T @ T_right_left[:3, 3]
+    x /= np.linalg.norm(x)
+    forward = np.array([0.0, 0.0, 1.0]) + R[2]
+    y = np.cross(forward, x)
+    y /= np.linalg.norm(y)
+    return np.stack([x, y, np.cross(x, y)])
+
+
+def warping(
+    calibration: Calibration, size: tuple[int, int], rotation: Array, rig: StereoRig
+) -> Rectifier:
+    """The rectifier that looks along `rotation` (`common_axes`) with the intrinsics of `rig`."""
+    R_rectified_right = rotation @ calibration.T_right_left[:3, :3].T
+    return Rectifier(
+        rig=rig,
+        raw_size=size,
+        T_raw_rectified=pose(rotation.T, np.zeros(3)),
+        maps=(
+            _maps(calibration.left, rotation, rig, rig.cx_left_px),
+            _maps(calibration.right, R_rectified_right, rig, rig.cx_right_px),
+        ),
+    )
+
+
+def _maps(camera: Camera, rotation: Array, rig: StereoRig, cx_px: float) -> Maps:
+    K = np.array([[rig.focal_px, 0, cx_px], [0, rig.focal_px, rig.cy_px], [0, 0, 1]])
+    lens = cv2.fisheye if camera.is_fisheye else cv2
+    u, v = lens.initUndistortRectifyMap(
+        camera.matrix, camera.distortion, rotation, K, (rig.width, rig.height), cv2.CV_32FC1
+    )
+    return u, v
+
+
+def _filled_rig(calibration: Calibration, size: tuple[int, int], rotation: Array) -> StereoRig:
+    """The widest view of the raw size in which both images have no empty border (alpha 0)."""
+    R_rectified_right = rotation @ calibration.T_right_left[:3, :3].T
+    inner = np.array(
+        [
+            _inner_rectangle(calibration.left, size, rotation),
+            _inner_rectangle(calibration.right, size, R_rectified_right),
+        ]
+    )
+    low, high = inner[:, 0].max(axis=0), inner[:, 1].min(axis=0)
+    if not (low < high).all():
+        raise InputError("the two cameras share no view by their calibration")
+    lies_across = abs(rotation[0, 1]) > abs(rotation[0, 0])
+    width, height = size[::-1] if lies_across else size
+    focal = float(np.max((np.array([width, height]) - 1) / (high - low)))
+    cx, cy = (np.array([width, height]) - 1) / 2 - focal * (low + high) / 2
+    return StereoRig(
+        width=width,
+        height=height,
+        focal_px=focal,
+        cx_left_px=float(cx),
+        cx_right_px=float(cx),
+        cy_px=float(cy),
+        baseline=calibration.baseline,
+    )
+
+
+def _inner_rectangle(camera: Camera, size: tuple[int, int], rotation: Array) -> Array:
+    """[[x_min, y_min], [x_max, y_max]] with z = 1, filled by the raw image."""
+    border = _border_rays(camera, size, rotation)
+    middle = (border.min(axis=0) + border.max(axis=0)) / 2
+    relative = (border - middle) / np.ptp(border, axis=0)
+    is_side = np.abs(relative[:, 0]) > np.abs(relative[:, 1])
+    sides, ends = border[is_side, 0], border[~is_side, 1]
+    return np.array(
+        [
+            [sides[sides < middle[0]].max(), ends[ends < middle[1]].max()],
+            [sides[sides > middle[0]].min(), ends[ends > middle[1]].min()],
+        ]
+    )
+
+
+def _border_rays(camera: Camera, size: tuple[int, int], rotation: Array) -> Array:
+    across, down = (np.linspace(0.0, extent - 1.0, 101) for extent in size)
+    ends = [(across, np.full(101, v)) for v in (0.0, size[1] - 1.0)]
+    sides = [(np.full(101, u), down) for u in (0.0, size[0] - 1.0)]
+    border = np.concatenate([np.column_stack(line) for line in ends + sides])[:, None]
+    lens = cv2.fisheye if camera.is_fisheye else cv2
+    rays: Array = lens.undistortPoints(border, camera.matrix, camera.distortion, R=rotation)
+    return rays[:, 0]
+
+
+def _check_size(calibration: Calibration, size: tuple[int, int]) -> None:
+    for side, camera in (("left", calibration.left), ("right", calibration.right)):
+        centre = (camera.matrix[0, 2], camera.matrix[1, 2])
+        inside = all(0 <= c <= extent for c, extent in zip(centre, size, strict=True))
+        if camera.size not in (None, size) or not inside:
+            said = camera.size or f"a principal point at {centre[0]:g}, {centre[1]:g}"
+            raise InputError(
+                f"images have {size[0]} x {size[1]} pixels, but the {side} camera's "
+                f"calibration is for {said}"
+            )
+
+
+def _check_sides(calibration: Calibration) -> None:
+    x, y, _ = invert(calibration.T_right_left)[:3, 3]
+    if -x > abs(y):
+        raise InputError(
+            f"by its calibration the right camera stands {-x:g} to the left of the left one: "
+            "the images or the cameras are swapped"
+        )
+
+
+def _rectified_rig(calibration: Calibration, size: tuple[int, int]) -> StereoRig:
+    left, right = calibration.left.matrix, calibration.right.matrix
+    return StereoRig(
+        width=size[0],
+        height=size[1],
+        focal_px=float(left[0, 0]),
+        cx_left_px=float(left[0, 2]),
+        cx_right_px=float(right[0, 2]),
+        cy_px=float(left[1, 2]),
+        baseline=float(-calibration.T_right_left[0, 3]),
+    )

@@ -1,0 +1,103 @@
+"""Pairs of a rig that is not quite rectified, freed of what is left over.
+
+Rows that are off by a third of a pixel cost a matcher a fifth of its points.
+"""
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cached_property
+from itertools import islice
+
+import cv2
+
+from recon.errors import InputError
+from recon.records import PairSource, StereoPair
+from recon.sequences.calibration.row_error import Maps, Residual
+from recon.sequences.calibration.selfcalibration import estimate_residual, estimate_row_residual
+from recon.sequences.frames import DerivedSource, Metrics
+from recon.sequences.odometry.tracking import Tracks, sight, track
+
+log = logging.getLogger(__name__)
+
+NUM_ROW_PAIRS = 10
+"""From which rows are estimated: the first ones, as rows need no motion."""
+MAX_TRACKED_PAIRS = 30
+"""From which disparities are estimated, evenly spread over the recording."""
+
+
+class StraightenedPairs(DerivedSource):
+    """The pairs of a source with their right images resampled where the images ask for it."""
+
+    def __init__(self, source: PairSource, estimate: Callable[[PairSource], Residual]) -> None:
+        super().__init__(source)
+        self._estimate = estimate
+
+    @cached_property
+    def residual(self) -> Residual:
+        """What is taken out; estimated by a pass of its own when the first pair is asked for."""
+        residual = self._estimate(self.source)
+        for name, field in (("rows", residual.row), ("disparities", residual.disparity)):
+            if field.coefficients.any():
+                log.info(
+                    "%s are off by %s px (of 1, x, y, x^2, xy, y^2 across the image); corrected",
+                    name,
+                    field.coefficients.round(2).tolist(),
+                )
+        return residual
+
+    @property
+    def metrics(self) -> Metrics:
+        """What was taken out of rows and disparities, as the coefficients of `Field`."""
+        return super().metrics | {
+            "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
+            "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
+        }
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        # Other passes come before this one: a source counts what it skips in one pass at a time.
+        maps = self.residual.maps(next(iter(self.source)).rig)
+        for pair in self.source:
+            yield pair if maps is None else _resampled(pair, maps)
+
+
+def _resampled(pair: StereoPair, maps: Maps) -> StereoPair:
+    right = cv2.remap(pair.right, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    return replace(pair, right=right)
+
+
+def row_residual(source: PairSource) -> Residual:
+    """What is left of rows in the first pairs; none where their rigs differ."""
+    pairs = islice(source, NUM_ROW_PAIRS)
+    first = next(pairs)
+    seen = [sight(first)]
+    for pair in pairs:
+        if pair.rig != first.rig:
+            return Residual()
+        seen.append(sight(pair))
+    return estimate_row_residual(seen, first.rig)
+
+
+def full_residual(source: PairSource) -> Residual:
+    """What is left of rows and disparities, from tracks between pairs all over a recording.
+
+    Raises
+    ------
+    InputError
+        Where the pairs are not all of one rig, as those of a ring.
+    """
+    pairs = iter(source)
+    first = next(pairs)
+    rig = first.rig
+    tracks: list[Tracks] = []
+    stride = -(-len(source) // MAX_TRACKED_PAIRS)
+    for number, second in enumerate(pairs):
+        if second.rig != rig:
+            raise InputError(
+                f"{second.name} has another rig than {first.name}, but poses are estimated "
+                "for one moving rig"
+            )
+        if number % stride == 0:
+            tracks.append(track(first, second))
+        first = second
+    return estimate_residual(tracks, rig)

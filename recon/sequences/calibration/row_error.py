@@ -1,0 +1,72 @@
+"""What a rectification left over: an offset of rows and disparities, smooth in the right image.
+
+Real rigs are never quite rectified. A disparity that is a pixel too small makes everything ten
+percent too far, and the path as much too long; the images themselves tell, since the wrong
+disparities of a point do not fit one motion.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.sequences.odometry.tracking import Sightings, Tracks
+
+Array = NDArray[np.float64]
+NUM_TERMS = 6
+Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Field:
+    """An offset in pixels as a polynomial of the position in the right image."""
+
+    coefficients: Array = dataclasses.field(default_factory=lambda: np.zeros(NUM_TERMS))
+    """(6,) of 1, x, y, x^2, xy, y^2, with x, y = -1 to 1 across the image."""
+
+    def at(self, points_px: Array, rig: StereoRig) -> Array:
+        """(N,) offsets at points (N, 2)."""
+        offsets: Array = terms(points_px, rig) @ self.coefficients
+        return offsets
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Residual:
+    """What must be added to disparities, and how much lower rows lie in the right image."""
+
+    disparity: Field = Field()
+    row: Field = Field()
+
+    def corrected(self, tracks: Tracks, rig: StereoRig) -> Tracks:
+        """The tracks as a perfect rig would have made them."""
+        return Tracks(
+            first=self._corrected(tracks.first, rig), second=self._corrected(tracks.second, rig)
+        )
+
+    def _corrected(self, seen: Sightings, rig: StereoRig) -> Sightings:
+        right = seen.right_points_px
+        return Sightings(
+            points_px=seen.points_px,
+            disparity_px=seen.disparity_px + self.disparity.at(right, rig),
+            row_offset_px=seen.row_offset_px - self.row.at(right, rig),
+        )
+
+    def maps(self, rig: StereoRig) -> Maps | None:
+        """(u, v) of the source of each pixel of a right image without the residual."""
+        if not self.disparity.coefficients.any() and not self.row.coefficients.any():
+            return None
+        v, u = np.mgrid[: rig.height, : rig.width].astype(np.float64)
+        points = np.column_stack([u.ravel(), v.ravel()])
+        source_u, source_v = (
+            (grid + field.at(points, rig).reshape(grid.shape)).astype(np.float32)
+            for grid, field in ((u, self.disparity), (v, self.row))
+        )
+        return source_u, source_v
+
+
+def terms(points_px: Array, rig: StereoRig) -> Array:
+    """(N, 6) polynomial terms at points (N, 2)."""
+    x, y = ((points_px / ((rig.width - 1) / 2, (rig.height - 1) / 2)) - 1.0).T
+    return np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])

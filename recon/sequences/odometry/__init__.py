@@ -1,0 +1,1 @@
+"""Stereo visual odometry: points tracked, motions between pairs, a path."""

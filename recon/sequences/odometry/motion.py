@@ -1,0 +1,185 @@
+"""How the rig moved between two pairs, from points that both saw."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from recon.camera import StereoRig
+from recon.geometry import pose, transform
+from recon.sequences.odometry.tracking import Tracks
+
+Array = NDArray[np.float64]
+
+MIN_TRACKS = 12
+"""Fewer that agree are taken for chance."""
+MIN_SHIFT_PX = 1.0
+"""Points further away, by their disparity, say nothing of a step."""
+RANSAC_PX = 1.0
+MAX_SIGMAS = 3.0
+"""Of a track that agrees."""
+TRACK_SIGMA_PX = 0.2
+"""Of a followed corner, in each of u, v and disparity: what the fits of a drive leave (0.18)."""
+NUM_ROUNDS = 8
+DAMPING = 1e-12
+"""Of the trace: points on one line leave the turn about it open, which then stays."""
+SMALL_CHANGE = 1e-6
+"""Radians and world units: far below what tracks tell."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Linearised:
+    """Whitened residuals of N tracks and their derivatives at a motion and a disparity shift."""
+
+    residual: Array
+    """(N, 3) of u, v and disparity in the second pair, in standard deviations."""
+    by_motion: Array
+    """(N, 3, 6) by a small turn and step of the second left frame."""
+    by_shift: Array
+    """(N, 3, 2) by what is added to the first and the second disparity."""
+
+    @property
+    def distances(self) -> Array:
+        """(N,) how many standard deviations a track is off."""
+        distances: Array = np.linalg.norm(self.residual, axis=1)
+        return distances
+
+    @property
+    def weights(self) -> Array:
+        """(N,) Cauchy's."""
+        return 1.0 / (1.0 + self.distances**2)
+
+    @property
+    def costs(self) -> Array:
+        """(N,) Cauchy's robust cost."""
+        costs: Array = np.log1p(self.distances**2)
+        return costs
+
+
+def estimate_motion(tracks: Tracks, rig: StereoRig) -> Array | None:
+    """`T_second_first` (4, 4) of the left camera, None where too few tracks agree.
+
+    A robust start by perspective n-point, then all of u, v and disparity together, weighted by
+    what the uncertain first depth makes of them.
+    """
+    agreeing = agreeing_tracks(tracks, rig)
+    if agreeing is None:
+        return None
+    T_second_first, rows = agreeing
+    return refine_motion(T_second_first, tracks.select(rows), rig)
+
+
+def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.bool_]] | None:
+    """A first `T_second_first` (4, 4) and which tracks (N,) agree on it."""
+    near = are_near(tracks, rig)
+    if np.count_nonzero(near) < MIN_TRACKS:
+        return None
+    candidates = tracks.select(near)
+    start = _ransac(candidates, rig)
+    if start is None:
+        return None
+    T_second_first, inliers = start
+    # The few points of a sample judge by their own noise: judge all again by the fit of many.
+    refined = refine_motion(T_second_first, candidates.select(inliers), rig)
+    rows = np.zeros(len(tracks), np.bool_)
+    rows[near] = linearise(refined, candidates, rig).distances < MAX_SIGMAS
+    return refined, rows
+
+
+def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] | None:
+    """A motion (4, 4) and the numbers of the tracks that agree on it."""
+    K = np.array([[rig.focal_px, 0, rig.cx_left_px], [0, rig.focal_px, rig.cy_px], [0, 0, 1]])
+    try:
+        found, turn, step, inliers = cv2.solvePnPRansac(
+            rig.triangulate(tracks.first.points_px, tracks.first.disparity_px),
+            tracks.second.points_px,
+            K,
+            None,
+            iterationsCount=200,
+            reprojectionError=RANSAC_PX,
+            confidence=0.9999,
+            flags=cv2.SOLVEPNP_SQPNP,
+        )
+    except cv2.error:  # points that all but coincide
+        return None
+    if not found or inliers is None or len(inliers) < MIN_TRACKS:
+        return None
+    return pose(cv2.Rodrigues(turn)[0], step.ravel()), inliers.ravel()
+
+
+def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
+    """(N,) whether the disparities tell a depth."""
+    least = MIN_SHIFT_PX + rig.disparity_offset_px
+    near: NDArray[np.bool_] = (
+        np.minimum(tracks.first.disparity_px, tracks.second.disparity_px) > least
+    )
+    return near
+
+
+def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array:
+    """Gauss-Newton with Cauchy's weights from a motion that is nearly right."""
+    for _ in range(NUM_ROUNDS):
+        at = linearise(T_second_first, tracks, rig)
+        weighted = at.by_motion * at.weights[:, None, None]
+        normal = np.einsum("nij,nik->jk", weighted, at.by_motion)
+        normal += DAMPING * np.trace(normal) * np.eye(6)
+        change = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, at.residual))
+        T_second_first = motion_changed(T_second_first, change)
+        if np.abs(change).max() < SMALL_CHANGE:
+            break
+    return T_second_first
+
+
+def motion_changed(T_second_first: Array, change: Array) -> Array:
+    """The motion after a small turn `change[:3]` and step `change[3:]` of the second frame."""
+    return pose(Rotation.from_rotvec(change[:3]).as_matrix(), change[3:]) @ T_second_first
+
+
+def linearise(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Linearised:
+    """Whitened residuals and derivatives at a motion."""
+    first = rig.triangulate(tracks.first.points_px, tracks.first.disparity_px)
+    second = transform(T_second_first, first)
+    predicted = np.column_stack([rig.project_left(second), rig.disparity(second[:, 2])])
+    seen = np.column_stack([tracks.second.points_px, tracks.second.disparity_px])
+    by_point = _projection_derivative(second, rig)
+    by_motion = by_point @ np.concatenate([-_cross(second), _eyes(len(tracks))], axis=2)
+    # d(first point) / d(first disparity) = -point / shift.
+    shift = tracks.first.disparity_px - rig.disparity_offset_px
+    by_first = by_point @ (-(first / shift[:, None]) @ T_second_first[:3, :3].T)[:, :, None]
+    by_second = np.broadcast_to([[0.0], [0.0], [-1.0]], by_first.shape)
+    whiten = _whitening(by_first)
+    return Linearised(
+        residual=np.einsum("nij,nj->ni", whiten, predicted - seen),
+        by_motion=whiten @ by_motion,
+        by_shift=whiten @ np.concatenate([by_first, by_second], axis=2),
+    )
+
+
+def _projection_derivative(points: Array, rig: StereoRig) -> Array:
+    """(N, 3, 3) of u, v, disparity by the point."""
+    x, y, z = points.T
+    zero = np.zeros_like(z)
+    rows = [[1 / z, zero, -x / z**2], [zero, 1 / z, -y / z**2], [zero, zero, -rig.baseline / z**2]]
+    return rig.focal_px * np.moveaxis(np.array(rows), 2, 0)
+
+
+def _whitening(by_first: Array) -> Array:
+    """(N, 3, 3) inverse Cholesky factors of the residuals' covariance.
+
+    The first disparity is as unsure as what is compared with it: S = s^2 (I + j j^T).
+    """
+    covariance = TRACK_SIGMA_PX**2 * (np.eye(3) + by_first @ by_first.transpose(0, 2, 1))
+    inverse: Array = np.linalg.inv(np.linalg.cholesky(covariance))
+    return inverse
+
+
+def _cross(points: Array) -> Array:
+    x, y, z = points.T
+    zero = np.zeros_like(z)
+    return np.moveaxis(np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]), 2, 0)
+
+
+def _eyes(number: int) -> Array:
+    return np.broadcast_to(np.eye(3), (number, 3, 3))

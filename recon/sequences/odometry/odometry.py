@@ -1,0 +1,100 @@
+"""Poses of a recording that has none: stereo visual odometry, scale from the baseline."""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from recon.errors import InputError
+from recon.geometry import invert
+from recon.records import PairSource, StereoPair
+from recon.sequences.calibration.refinement import StraightenedPairs, full_residual
+from recon.sequences.calibration.row_error import Residual
+from recon.sequences.frames import DerivedSource, Metrics
+from recon.sequences.odometry.motion import estimate_motion
+from recon.sequences.odometry.tracking import track
+from recon.sequences.poses import T_up_recorded
+
+Array = NDArray[np.float64]
+
+log = logging.getLogger(__name__)
+
+
+class EstimatedPoses(DerivedSource):
+    """A `PairSource` whose pairs carry estimated poses and are freed of what rectification left.
+
+    The world is the first left camera's frame turned so that y is up. Poses that the source
+    itself has are what the drift is told by.
+    """
+
+    def __init__(self, source: PairSource) -> None:
+        self._straight = StraightenedPairs(source, full_residual)
+        super().__init__(self._straight)
+        self.carried: list[str] = []
+        """Names of the frames, so far, that could not be tracked: they got the last motion."""
+        self._estimated: list[Array] = []
+        self._true: list[Array | None] = []
+
+    @property
+    def residual(self) -> Residual:
+        """Of rows and disparities, estimated from the images and taken out of the pairs."""
+        return self._straight.residual
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        self.carried, self._estimated, self._true = [], [], []
+        T_world_left = T_up_recorded(np.eye(4))
+        T_first_second = np.eye(4)
+        last: StereoPair | None = None
+        for pair in self._straight:
+            if last is not None:
+                T_first_second = self._motion(last, pair, T_first_second)
+                T_world_left = T_world_left @ T_first_second
+            self._estimated.append(T_world_left)
+            self._true.append(pair.T_world_left)
+            yield replace(pair, T_world_left=T_world_left)
+            last = pair
+
+    @property
+    def metrics(self) -> Metrics:
+        """Also how many frames were carried, and the drift where the true poses are known."""
+        numbers = super().metrics | {"num_carried": len(self.carried)}
+        both = [(e, t) for e, t in zip(self._estimated, self._true, strict=True) if t is not None]
+        if len(both) > 1:
+            estimated, true = np.array(both).swapaxes(0, 1)
+            numbers["drift_percent"] = drift_percent(estimated, true)
+        return numbers
+
+    def _motion(self, first: StereoPair, second: StereoPair, usual: Array) -> Array:
+        """`T_first_second` (4, 4); the usual one where too little can be tracked."""
+        T_second_first = estimate_motion(track(first, second), first.rig)
+        if T_second_first is not None:
+            return invert(T_second_first)
+        log.warning("frame %s could not be tracked: the last motion goes on", second.name)
+        self.carried.append(second.name)
+        return usual
+
+
+def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:
+    """Root mean square distance of rigidly aligned positions, percent of the true path's length.
+
+    Parameters
+    ----------
+    estimated, true : (N, 4, 4) array_like
+        Poses of the same frames, each in a world of its own.
+
+    Raises
+    ------
+    InputError
+        Where the true path has no length.
+    """
+    path, reference = (np.asarray(poses, dtype=np.float64)[:, :3, 3] for poses in (estimated, true))
+    length = float(np.linalg.norm(np.diff(reference, axis=0), axis=1).sum())
+    if not length > 0:
+        raise InputError("the true path has no length, but drift is a share of it")
+    path, reference = path - path.mean(axis=0), reference - reference.mean(axis=0)
+    # Kabsch's rotation; unlike evo's it also aligns a straight path, about which it may turn.
+    u, _, vt = np.linalg.svd(reference.T @ path)
+    aligned = path @ (u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt).T
+    return 100.0 * float(np.sqrt(((aligned - reference) ** 2).sum(axis=1).mean())) / length

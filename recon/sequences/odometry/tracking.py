@@ -1,0 +1,144 @@
+"""Corners followed from the left image to the right one and into the next pair."""
+
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.records import StereoPair
+from recon.sequences.images import Image
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.bool_] | NDArray[np.integer]
+
+NUM_CORNERS, NUM_CELLS = 700, 70
+"""Corners are asked for cell by cell, so that one textured wall does not get all of them."""
+MIN_CORNER_SPACING_PX = 7
+CORNER_QUALITY = 0.01
+LK_WINDOW_PX, LK_LEVELS = 15, 4
+MAX_RETURN_ERROR_PX = 0.5
+"""Between a corner and where following it there and back ends."""
+MAX_ROW_ERROR_PX = 2.0
+"""Between the eyes, about the median row offset."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sightings:
+    """Points seen by both eyes at one moment."""
+
+    points_px: Array
+    """(N, 2) in the left image."""
+    disparity_px: Array
+    """(N,) u_left - u_right."""
+    row_offset_px: Array
+    """(N,) v_right - v_left."""
+
+    def __len__(self) -> int:
+        return len(self.points_px)
+
+    @property
+    def right_points_px(self) -> Array:
+        """(N, 2) in the right image."""
+        points: Array = self.points_px + np.column_stack([-self.disparity_px, self.row_offset_px])
+        return points
+
+    def select(self, rows: Rows) -> "Sightings":
+        """The sightings of `rows`."""
+        return Sightings(**{name: getattr(self, name)[rows] for name in Sightings.__slots__})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tracks:
+    """The same N points in two pairs."""
+
+    first: Sightings
+    second: Sightings
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def select(self, rows: Rows) -> "Tracks":
+        """The tracks of `rows`."""
+        return Tracks(first=self.first.select(rows), second=self.second.select(rows))
+
+
+def track(first: StereoPair, second: StereoPair) -> Tracks:
+    """Follow corners of `first` through all four images."""
+    left, right, next_left, next_right = (
+        _grey(image) for image in (first.left, first.right, second.left, second.right)
+    )
+    points = corners(left)
+    seen, is_seen = _seen_by_both(left, right, points)
+    moved, is_moved = _follow(left, next_left, points[is_seen])
+    next_seen, is_next_seen = _seen_by_both(next_left, next_right, moved[is_moved])
+    return Tracks(
+        first=seen.select(is_seen).select(is_moved).select(is_next_seen),
+        second=next_seen.select(is_next_seen),
+    )
+
+
+def sight(pair: StereoPair) -> Sightings:
+    """Corners that both eyes see."""
+    left = _grey(pair.left)
+    seen, is_seen = _seen_by_both(left, _grey(pair.right), corners(left))
+    return seen.select(is_seen)
+
+
+def corners(image: Image) -> NDArray[np.float32]:
+    """(N, 2) corners, spread over the image."""
+    height, width = image.shape
+    side = max(32.0, np.sqrt(width * height / NUM_CELLS))
+    rows, columns = (max(1, round(extent / side)) for extent in (height, width))
+    found = [np.zeros((0, 2), np.float32)]
+    for top, bottom in _spans(height, rows):
+        for start, end in _spans(width, columns):
+            cell = cv2.goodFeaturesToTrack(
+                image[top:bottom, start:end],
+                NUM_CORNERS // (rows * columns) + 1,
+                CORNER_QUALITY,
+                MIN_CORNER_SPACING_PX,
+            )
+            if cell is not None:
+                found.append(cell.reshape(-1, 2) + np.array([start, top], np.float32))
+    return np.concatenate(found)
+
+
+def _spans(extent: int, parts: int) -> list[tuple[int, int]]:
+    return [*pairwise(round(part * extent / parts) for part in range(parts + 1))]
+
+
+def _seen_by_both(
+    left: Image, right: Image, points: NDArray[np.float32]
+) -> tuple[Sightings, NDArray[np.bool_]]:
+    found, is_found = _follow(left, right, points)
+    offset = points.astype(np.float64) - found
+    row_offset = -offset[:, 1]
+    usual = np.median(row_offset[is_found]) if is_found.any() else 0.0
+    is_level = np.abs(row_offset - usual) < MAX_ROW_ERROR_PX
+    seen = Sightings(
+        points_px=points.astype(np.float64), disparity_px=offset[:, 0], row_offset_px=row_offset
+    )
+    return seen, is_found & is_level
+
+
+def _follow(
+    source: Image, target: Image, points: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Where points went, and whether following them back leads home."""
+    if not len(points):
+        return points, np.zeros(0, np.bool_)
+    follow = partial(
+        cv2.calcOpticalFlowPyrLK, winSize=(LK_WINDOW_PX, LK_WINDOW_PX), maxLevel=LK_LEVELS
+    )
+    there, ahead, _ = follow(source, target, points, None)
+    home, back, _ = follow(target, source, there, None)
+    error = np.linalg.norm(home - points, axis=1)
+    return there, (ahead[:, 0] == 1) & (back[:, 0] == 1) & (error < MAX_RETURN_ERROR_PX)
+
+
+def _grey(image: Image) -> Image:
+    grey: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    return grey

@@ -1,0 +1,56 @@
+"""A single pair: left.*, right.*, a calibration, where known the truth (Middlebury)."""
+
+from pathlib import Path
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.sequences.calibration.files import read_calibration
+from recon.sequences.frames import Recording
+from recon.sequences.images import ENDINGS
+from recon.sequences.listing import Listed
+from recon.sequences.poses import T_up_recorded
+from recon.sequences.readers.folder import file_recording, find_calibration
+from recon.sequences.timestamps import Moment
+from recon.settings import SequenceSettings
+
+NAMES = {
+    "left": ("left", "im0", "view1", "im2"),
+    "right": ("right", "im1", "view5", "im6"),
+}
+"""What a side is called: here, and in Middlebury's sets of 2014, 2005 and 2006, 2001 and 2003."""
+
+
+def is_pair_dir(path: Path) -> bool:
+    """Whether `path` holds one left and one right image."""
+    return all(_image(path, side) for side in NAMES)
+
+
+def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
+    """The one pair in `path`; its left eye is the origin of the world, and level."""
+    pair = Listed(
+        name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
+    )
+    T_world_left = T_up_recorded(np.eye(4)) if settings.poses != "none" else None
+    moment = Moment(stamp_s=0.0, T_world_left=T_world_left)
+    calibration = read_calibration(find_calibration(path))
+    return file_recording([pair], [moment], calibration, settings)
+
+
+def find_image(path: Path, side: str) -> Path:
+    """The image of `side` ("left" or "right") of a pair folder.
+
+    Raises
+    ------
+    InputError
+        Where there is none.
+    """
+    found = _image(path, side)
+    if found is None:
+        raise InputError(f"{path} holds no {side} image ({side}.png or the like)")
+    return found
+
+
+def _image(path: Path, side: str) -> Path | None:
+    files = (file for stem in NAMES[side] for file in sorted(path.glob(f"{stem}.*")))
+    return next((file for file in files if file.suffix.lower() in ENDINGS), None)

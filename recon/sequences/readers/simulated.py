@@ -1,0 +1,57 @@
+"""Views of the simulated world: a folder of exported frames, each with a rig of its own.
+
+Eyes that turn to what they look at change their principal points from view to view, so that one
+calibration cannot serve them all.
+"""
+
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.records import StereoPair
+from recon.sequences.frames import Frame, Recording, Skipped
+from recon.sequences.listing import natural
+from recon.sequences.readers.folder import given_trajectory
+from recon.sequences.readers.pair_dir import is_pair_dir, open_pair_dir
+from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.settings import SequenceSettings
+
+
+def is_simulated(path: Path) -> bool:
+    """Whether `path` holds folders of pairs."""
+    return bool(_pair_dirs(path))
+
+
+def open_simulated(path: Path, settings: SequenceSettings) -> Recording:
+    """The pairs in the folders of `path`, with a row of poses.txt and times.txt each."""
+    folders = _pair_dirs(path)
+    if not folders:
+        raise InputError(f"{path} holds no folders with left.* and right.*")
+    moments = list_moments(
+        [folder.name for folder in folders],
+        read_times(path / "times.txt"),
+        given_trajectory(path / "poses.txt", settings),
+        needs_pose=settings.poses == "given",
+    )
+    frames, skipped = [], []
+    for folder, moment in islice(zip(folders, moments, strict=True), 0, None, settings.every):
+        if moment.fault:
+            skipped.append(Skipped(folder.name, moment.fault))
+            continue
+        load = partial(_load, folder, moment, settings)
+        frames.append(Frame(name=folder.name, stamp_s=moment.stamp_s, load=load))
+    return Recording(frames, skipped=skipped)
+
+
+def _load(folder: Path, moment: Moment, settings: SequenceSettings) -> StereoPair:
+    pair = next(iter(open_pair_dir(folder, settings)))
+    return replace(pair, T_world_left=moment.T_world_left, stamp_s=moment.stamp_s)
+
+
+def _pair_dirs(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return []
+    folders = [folder for folder in path.iterdir() if folder.is_dir() and is_pair_dir(folder)]
+    return sorted(folders, key=lambda folder: natural(folder.name))

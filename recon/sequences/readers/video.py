@@ -1,0 +1,150 @@
+"""Video files: left.* and right.*, or one file with both eyes side by side."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from recon.errors import InputError
+from recon.records import StereoPair
+from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.rectification import Rectifier, rectifier
+from recon.sequences.frames import Frame, Recording, Skipped
+from recon.sequences.images import Image
+from recon.sequences.readers.folder import find_calibration, given_trajectory
+from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.settings import SequenceSettings
+
+ENDINGS = {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"}
+USUAL_RATE_HZ = 30.0
+"""Where the file does not say."""
+
+
+def is_video(path: Path) -> bool:
+    """Whether `path` is a video, or holds left.* and right.*."""
+    return path.suffix.lower() in ENDINGS if path.is_file() else bool(_two_files(path))
+
+
+def open_video(path: Path, settings: SequenceSettings) -> Recording:
+    """The recording in `path`; calibration, poses.txt and times.txt lie beside the videos."""
+    files = [path] if path.is_file() else _two_files(path)
+    if not files:
+        raise InputError(f"{path} holds no left.* and right.* ({', '.join(sorted(ENDINGS))})")
+    folder = files[0].parent
+    clips = [_Clip.of(file) for file in files]
+    calibration = read_calibration(find_calibration(folder))
+    width, height = clips[0].size
+    size = (width // 2, height) if len(clips) == 1 else clips[0].size
+    num_frames = min(clip.num_frames for clip in clips)
+    times = read_times(folder / "times.txt")
+    moments = list_moments(
+        [f"{number:06d}" for number in range(num_frames)],
+        np.arange(num_frames) / clips[0].rate_hz if times is None else times,
+        given_trajectory(folder / "poses.txt", settings),
+        needs_pose=settings.poses == "given",
+    )
+    frames = _VideoFrames(files, moments, rectifier(calibration, size), settings.every)
+    return Recording(
+        frames, skipped=_surplus(clips, num_frames), disparity_range=calibration.disparity_range
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Clip:
+    """What a video file says of itself."""
+
+    path: Path
+    size: tuple[int, int]
+    """(width, height)"""
+    num_frames: int
+    rate_hz: float
+
+    @classmethod
+    def of(cls, path: Path) -> "_Clip":
+        video = _opened(path)
+        width, height, number, rate = (
+            video.get(code)
+            for code in (
+                cv2.CAP_PROP_FRAME_WIDTH,
+                cv2.CAP_PROP_FRAME_HEIGHT,
+                cv2.CAP_PROP_FRAME_COUNT,
+                cv2.CAP_PROP_FPS,
+            )
+        )
+        if not number > 0:
+            raise InputError(f"{path} holds no frames")
+        return cls(
+            path=path,
+            size=(int(width), int(height)),
+            num_frames=int(number),
+            rate_hz=rate if rate > 0 else USUAL_RATE_HZ,
+        )
+
+
+class _VideoFrames:
+    """Frames decoded one after the other, each pass from the start."""
+
+    def __init__(
+        self, files: Sequence[Path], moments: Sequence[Moment], rectify: Rectifier, every: int
+    ) -> None:
+        self._files, self._moments = files, moments
+        self._rectify, self._every = rectify, every
+
+    def __len__(self) -> int:
+        return len(self._moments[:: self._every])
+
+    def __iter__(self) -> Iterator[Frame]:
+        videos = [_opened(file) for file in self._files]
+        for number, moment in enumerate(self._moments):
+            grabbed = [video for video in videos if video.grab()]
+            if number % self._every == 0:
+                name = f"{number:06d}"
+                load = partial(self._load, grabbed, moment, name)
+                yield Frame(name=name, stamp_s=moment.stamp_s, load=load)
+
+    def _load(self, videos: list[cv2.VideoCapture], moment: Moment, name: str) -> StereoPair:
+        if moment.fault:
+            raise InputError(moment.fault)
+        images = [image for found, image in (v.retrieve() for v in videos) if found]
+        if len(images) < len(self._files):
+            raise InputError("it cannot be decoded: the video is cut short or damaged")
+        left, right = images if len(images) == 2 else _halves(images[0])
+        return self._rectify.pair(
+            _rgb(left), _rgb(right), moment.T_world_left, moment.stamp_s, name
+        )
+
+
+def _halves(image: Image) -> tuple[Image, Image]:
+    middle = image.shape[1] // 2
+    return image[:, :middle], image[:, middle : 2 * middle]
+
+
+def _rgb(bgr: Image) -> Image:
+    return np.ascontiguousarray(bgr[..., ::-1])
+
+
+def _surplus(clips: Sequence[_Clip], num_frames: int) -> list[Skipped]:
+    """Frames at the end of the longer video, without a partner."""
+    return [
+        Skipped(f"{number:06d}", f"{clip.path.name} alone has it")
+        for clip in clips
+        for number in range(num_frames, clip.num_frames)
+    ]
+
+
+def _two_files(path: Path) -> list[Path]:
+    found = []
+    for side in ("left", "right"):
+        files = [f for f in sorted(path.glob(f"{side}.*")) if f.suffix.lower() in ENDINGS]
+        found += files[:1]
+    return found if len(found) == 2 else []
+
+
+def _opened(path: Path) -> cv2.VideoCapture:
+    video = cv2.VideoCapture(str(path))
+    if not video.isOpened():
+        raise InputError(f"{path} is no video that OpenCV can read")
+    return video

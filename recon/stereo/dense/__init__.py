@@ -1,0 +1,1 @@
+"""Dense disparity: planes over superpixels."""

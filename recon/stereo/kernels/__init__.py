@@ -1,0 +1,1 @@
+"""Kernels: the vector type, memory, sorting and angles of the inner loops."""

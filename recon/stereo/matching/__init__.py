@@ -1,0 +1,1 @@
+"""Matching: cost, aggregation, and the matchers."""

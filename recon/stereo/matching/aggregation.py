@@ -1,0 +1,250 @@
+"""The best supported shift of each point, its rivals, and its side of an edge."""
+
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, kernel
+from recon.stereo.matching.cost import Responses, Ring, Search, fill_row, line_start, make_ring
+from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
+from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
+
+_RIVAL_GAP = 3
+"""From so many shifts away another maximum is a rival: repetition, or an edge along a row."""
+
+
+class Points(NamedTuple):
+    """Pixels in the order of their rows."""
+
+    u: Integers
+    v: Integers
+    orientation: Floats
+    """(N,) of the edge's normal, in [0, pi]; (0,) where nobody asks for sides."""
+    starts: Integers
+    """(H + 1,) the first pixel of each row."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Support:
+    """What the neighbourhood says of the shift of each point."""
+
+    shift: NDArray[np.int64]
+    """(N,) column of the best supported partner, less the point's own."""
+    score: NDArray[np.float32]
+    """(N,) its support; -inf where nothing can be matched."""
+    rival: NDArray[np.float32]
+    """(N,) support of the best other shift, as a share of `score`."""
+    side: NDArray[np.float32]
+    """(N,) how much more the half disc ahead along the normal has the shift than the other."""
+    row_shift: NDArray[np.int64]
+    """(N,) row of the partner, less the point's own."""
+
+
+_Result = tuple[Integers, Floats, Floats, Floats]
+
+
+class _Task(NamedTuple):
+    """The points of one image that are sought in the other."""
+
+    base: Responses
+    other: Responses
+    points: Points
+    search: Search
+    disc: Window
+    ahead: Window
+    behind: Window
+
+
+class _Room(NamedTuple):
+    """Room for what one point needs, and for what the points of a row share."""
+
+    lines: Integers
+    """Where the lines of a ring begin, the uppermost row of a window first."""
+    disc: Integers
+    """(2, K) where the scores of the disc's members begin, for even and odd columns."""
+    side: Integers
+    """(K',) the same of a half disc."""
+    weights: Floats
+    """Of the disc's members."""
+    support: Floats
+    """Of each shift, filled up to whole lanes."""
+    closed: Floats
+    """Of the other row: 0, or `CLOSED` where there is no candidate."""
+    claims: Floats
+    """(H, ...) highest support that any point of a row has for each pixel of the other row; (0, 0)
+    where nobody asks."""
+
+
+def aggregate(base: Responses, other: Responses, points: Points, search: Search) -> Support:
+    """Support of all shifts of `search` at some points of `base`."""
+    size = len(points.u)
+    support = Support(
+        shift=np.zeros(size, np.int64),
+        score=np.full(size, -np.inf, np.float32),
+        rival=np.zeros(size, np.float32),
+        side=np.zeros(size, np.float32),
+        row_shift=np.full(size, search.row_shift, np.int64),
+    )
+    ring = make_ring(base, search)
+    task = _Task(base, other, points, search, *_windows(base, ring))
+    _aggregate(
+        task, ring, _make_room(task, ring),
+        (support.shift, support.score, support.rival, support.side),
+    )  # fmt: skip
+    return support
+
+
+def _windows(base: Responses, ring: Ring) -> tuple[Window, Window, Window]:
+    to_slack = ring.rows * ring.columns * ring.lanes
+    return windows(ring.every, ring.lanes, to_slack, base.mask.shape[1] + 2 * SIDE_RADIUS)
+
+
+def _make_room(task: _Task, ring: Ring) -> _Room:
+    height, width = task.base.mask.shape
+    num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
+    reach = width + abs(task.search.first) + ring.lanes
+    return _Room(
+        lines=np.zeros(2 * SIDE_RADIUS + 1, np.int64),
+        disc=np.zeros((2, num_disc), np.int64),
+        side=np.zeros(num_side, np.int64),
+        weights=aligned_zeros(num_disc),
+        support=aligned_zeros(ring.lanes),
+        closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
+        claims=np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED),
+    )
+
+
+def aggregate_rows(
+    base: Responses, other: Responses, points: Points, search: Search, permission: int
+) -> Support:
+    """The best of the rows up to `permission` above and below."""
+    best = aggregate(base, other, points, search)
+    for row_shift in [sign * k for k in range(1, permission + 1) for sign in (-1, 1)]:
+        found = aggregate(base, other, points, search._replace(row_shift=row_shift))
+        better = found.score > best.score
+        names = [field.name for field in fields(Support)]
+        best = Support(**{n: np.where(better, getattr(found, n), getattr(best, n)) for n in names})
+    return best
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def _aggregate(task: _Task, ring: Ring, room: _Room, result: _Result) -> None:
+    points, search = task.points, task.search
+    height, width = task.base.mask.shape
+    begin = points.starts[:-1].copy()
+    end = begin.copy()
+    for first in range(0, width, ring.width):
+        # Above the image, too: the ring still holds the last rows of the strip before.
+        for v in range(-SIDE_RADIUS, SIDE_RADIUS):
+            fill_row(ring, v, first, task.base, task.other, search)
+        for v in range(height):
+            fill_row(ring, v + SIDE_RADIUS, first, task.base, task.other, search)
+            while end[v] < points.starts[v + 1] and points.u[end[v]] < first + ring.width:
+                end[v] += 1
+            if begin[v] < end[v] and 0 <= v + search.row_shift < height:
+                _judge(task, ring, room, (v, first, begin[v], end[v]), result)
+            begin[v] = end[v]
+    if search.is_unique:
+        _reject(points, search, room.claims, result)
+
+
+@kernel
+def _judge(
+    task: _Task, ring: Ring, room: _Room, stretch: tuple[int, int, int, int], result: _Result
+) -> None:
+    """Find shift and side of the points of a row of a strip: from one number to another."""
+    v, first, begin, end = stretch
+    left = first - SIDE_RADIUS
+    _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
+    for k in range(room.lines.size):
+        room.lines[k] = line_start(ring, v + k - SIDE_RADIUS)
+    for odd in range(2):
+        locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
+    for i in range(begin, end):
+        place = ((task.points.u[i] - left) >> 1) * ring.lanes
+        _choose(task, ring, room, (i, v, left, place), result)
+        if task.points.orientation.size and result[1][i] > 0:
+            _take_side(task, ring, room, (i, v, place), result)
+
+
+@kernel
+def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
+    """Mark the candidates of another row, from a column on."""
+    closed[:] = CLOSED
+    for k in range(max(0, -start), min(closed.size, mask.size - start)):
+        closed[k] = np.float32(0.0) if mask[start + k] else CLOSED
+
+
+@kernel
+def _choose(
+    task: _Task, ring: Ring, room: _Room, point: tuple[int, int, int, int], result: _Result
+) -> None:
+    """Find the best supported shift of a point."""
+    i, v, left, place = point
+    u, search, support = task.points.u[i], task.search, room.support
+    shift, score, rival, _ = result
+    stride = task.base.mask.shape[1] + 2 * SIDE_RADIUS
+    middle = (v + SIDE_RADIUS) * stride + u + SIDE_RADIUS
+    row = 2 * (v & 1) + (u & 1)
+    share = weigh(task.base.grey, middle, task.disc, row, room.weights)
+    add_up(ring.scores, place, room.disc[u & 1], room.weights, support)
+    highest = close(support, share, room.closed[u - left :])
+    if search.is_unique:
+        claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
+    if highest > 0:
+        best = 0
+        while support[np.uint64(best)] < highest:
+            best += 1
+        shift[i] = search.first + best
+        score[i] = highest
+        forget(support, best - _RIVAL_GAP + 1, best + _RIVAL_GAP)
+        rival[i] = max(peak(support), np.float32(0.0)) / highest
+
+
+@kernel
+def _reject(points: Points, search: Search, claims: Floats, result: _Result) -> None:
+    """Forget points whose partner supports another point of the row more."""
+    shift, score, _, _ = result
+    margin = max(0, -search.first)
+    for v in range(claims.shape[0]):
+        for i in range(points.starts[v], points.starts[v + 1]):
+            if score[i] < claims[v, margin + points.u[i] + shift[i]]:
+                score[i] = -np.inf
+
+
+@kernel
+def _take_side(
+    task: _Task, ring: Ring, room: _Room, point: tuple[int, int, int], result: _Result
+) -> None:
+    """Compare the evidence of both half discs of a matched point."""
+    i, v, place = point
+    u, orientation = task.points.u[i], task.points.orientation[i]
+    best = result[0][i] - task.search.first
+    direction = min(int(orientation * DIRECTIONS / np.pi), DIRECTIONS - 1)
+    row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
+    side = result[3]
+    side[i] = _evidence(task, task.ahead, ring, room, (row, place, best))
+    side[i] -= _evidence(task, task.behind, ring, room, (row, place, best))
+
+
+@kernel
+def _evidence(
+    task: _Task, window: Window, ring: Ring, room: _Room, where: tuple[int, int, int]
+) -> float:
+    """How much a half disc has the best shift, and is not explained better as background.
+
+    Shifts grow as disparities fall: what is farther away comes after.
+    """
+    row, place, best = where
+    locate(window, row, room.lines, room.side)
+    first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
+    support = room.support[first:]
+    add_up(ring.scores, place + first, room.side, window.weight[row], support)
+    own = support[best - first]
+    support[: best + 2 - first] = 0.0
+    evidence: float = own - np.float32(0.5) * peak(support)
+    return evidence

@@ -1,0 +1,265 @@
+"""Similarity of a pixel to those of the other image's row, at every shift (Eqs 16 to 18).
+
+The image is gone through in strips, from top to bottom. The scores of the last rows of a strip
+alone are kept, in a ring that does not grow with the image and mostly fits into fast memory.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.simd import (
+    NUM_LANES,
+    Floats,
+    Lanes,
+    filled,
+    kernel,
+    larger,
+    load,
+    repeat,
+    smaller,
+    spread,
+    store,
+)
+from recon.stereo.matching.windows import SIDE_RADIUS
+
+SLACK = np.float32(0.9)
+"""What a member's vote for the neighbouring shift is worth."""
+
+_RING_BYTES = 2 << 20
+"""A ring should not be larger; it is used up again and again."""
+_NARROWEST = 64
+"""Columns of a strip at least, as it is computed with a margin on both sides."""
+_TINY = np.float32(1e-12)
+
+
+class Responses(NamedTuple):
+    """One image of the two, as the loops want it."""
+
+    planes: Floats
+    """(H, C, 2, W') real and imaginary responses; C = scales * orientations."""
+    mask: NDArray[np.bool_]
+    """(H, W) pixels that may be matched."""
+    grey: NDArray[np.uint8]
+    """((H + 2 R) * (W + 2 R),) brightness, row by row, with a margin of R = SIDE_RADIUS."""
+
+
+class Search(NamedTuple):
+    """Pixel u is compared with the pixels u + first, u + first + 1, ... of the other image."""
+
+    first: int
+    num_shifts: int
+    row_shift: int
+    """Row of the other image, less the row of this one."""
+    every: int
+    """2: pixels of every second row alone are members; 1: every second pixel of all rows."""
+    is_unique: bool
+    """Whether of the points of a row that choose the same partner only the best is kept."""
+    table: Floats
+    """(S, B, P) similarity by scale, similarity of magnitude c and cosine of the phase difference,
+    each in equal bins; (0, 0, 0) for the similarity c cos."""
+
+
+C_COS = np.zeros((0, 0, 0), np.float32)
+"""The table of the similarity ``c cos(phase difference)``."""
+
+
+class Ring(NamedTuple):
+    """Scores of the last rows of a strip: every second pixel of a row, for it one lane a shift."""
+
+    scores: Floats
+    """(2 * rows * columns * lanes,) exact scores, then those that a slanted surface may use."""
+    rows: int
+    every: int
+    """Which rows of the image have scores; see `Search`."""
+    columns: int
+    lanes: int
+    """Shifts, filled up to whole pairs of `NUM_LANES`."""
+    width: int
+    """Columns of the image in a strip; with a margin of SIDE_RADIUS on both sides they are twice
+    as many as `columns`."""
+    here: Floats
+    """(C * 3 * reach,) responses and inverse energies of the strip's current row."""
+    there: Floats
+    """(C * 3 * reach,) the same of the row of the other image."""
+    reach: int
+    line: Floats
+    """The scores of one pixel, with room for `NUM_LANES` before and after."""
+
+
+def make_ring(base: Responses, search: Search) -> Ring:
+    """An empty ring for strips of an image."""
+    channels, padded = base.planes.shape[1], base.planes.shape[3]
+    lanes = filled(search.num_shifts, 2 * NUM_LANES)
+    rows = 2 * SIDE_RADIUS // search.every + 1
+    fitting = _RING_BYTES // (2 * rows * lanes * 4) * 2 - 2 * SIDE_RADIUS
+    width = min(filled(max(fitting, _NARROWEST)), padded)
+    columns = width // 2 + SIDE_RADIUS
+    reach = filled(2 * columns + 2 * NUM_LANES + lanes)
+    return Ring(
+        scores=aligned_zeros(2 * rows * columns * lanes),
+        rows=rows,
+        every=search.every,
+        columns=columns,
+        lanes=lanes,
+        width=width,
+        here=aligned_zeros(channels * 3 * reach),
+        there=aligned_zeros(channels * 3 * reach),
+        reach=reach,
+        line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
+    )
+
+
+@kernel
+def line_start(ring: Ring, v: int) -> int:
+    """Where the exact scores of a row of the image begin."""
+    return v // ring.every % ring.rows * ring.columns * ring.lanes
+
+
+@kernel
+def fill_row(
+    ring: Ring, v: int, first: int, base: Responses, other: Responses, search: Search
+) -> None:
+    """Compute the scores of row v, in the strip from column `first` on.
+
+    Rows outside the image score nothing.
+    """
+    if v % ring.every:
+        return
+    size = ring.columns * ring.lanes
+    start = line_start(ring, v)
+    lines = ring.scores[start:][:size], ring.scores[start + ring.rows * size :][:size]
+    height, v_other = base.mask.shape[0], v + search.row_shift
+    if not (0 <= v < height and 0 <= v_other < height):
+        lines[0][:] = 0.0
+        lines[1][:] = 0.0
+        return
+    left = first - SIDE_RADIUS
+    behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
+    _read(base, v, left - behind, ring.here, ring.reach)
+    _read(other, v_other, left + search.first - behind_other, ring.there, ring.reach)
+    # Of even rows the even pixels are members, of odd rows the odd ones.
+    _score(ring, (v & 1) + behind, (v & 1) + behind_other, search, lines)
+
+
+@kernel
+def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> None:
+    """Write responses and inverse energies from a column on, a multiple of lanes.
+
+    Inverse energies are 0 where nothing can be matched.
+    """
+    channels, _, padded = image.planes.shape[1:]
+    share = np.float32(1.0) / np.float32(channels)
+    mask = image.mask[v]
+    first = max(0, -origin)
+    # Outside the image, too: the row still holds another strip's.
+    for c in range(channels):
+        row[(3 * c + 2) * reach :][:reach] = 0.0
+    weights = row[2 * reach :][:reach]
+    for i in range(first, min(reach, mask.size - origin)):
+        weights[i] = share if mask[origin + i] else np.float32(0.0)
+    # The first channel last, as its inverse energies take the place of the weights.
+    for c in range(channels - 1, -1, -1):
+        real, imag = image.planes[v, c, 0], image.planes[v, c, 1]
+        for i in range(first, min(reach, padded - origin), NUM_LANES):
+            re, im = load(real, origin + i), load(imag, origin + i)
+            place = 3 * c * reach + i
+            store(row, place, re)
+            store(row, place + reach, im)
+            inverse = load(weights, i) / (re * re + im * im + spread(_TINY))
+            store(row, place + 2 * reach, inverse)
+
+
+@kernel
+def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
+    """Scores, exact and slack, of every second pixel of a row, from the given columns on."""
+    for column in range(ring.columns):
+        u = here + 2 * column
+        if ring.here[2 * ring.reach + u] == 0.0:
+            lines[0][column * ring.lanes :][: ring.lanes] = 0.0
+            lines[1][column * ring.lanes :][: ring.lanes] = 0.0
+            continue
+        if search.table.size:
+            _look_up(ring, u, there + 2 * column, search.table)
+        else:
+            _compare(ring, u, there + 2 * column)
+        ring.line[NUM_LANES + search.num_shifts :] = 0.0
+        _slacken(ring.line, column * ring.lanes, lines)
+        lines[1][column * ring.lanes + search.num_shifts : (column + 1) * ring.lanes] = 0.0
+
+
+@kernel
+def _compare(ring: Ring, u: int, start: int) -> None:
+    """Mean over scales and orientations of c cos(phase difference).
+
+    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without an angle or a root.
+    """
+    here, there, line, reach = ring.here, ring.there, ring.line, ring.reach
+    # The orientations of one scale at a time.
+    for scale in range(0, here.size, 9 * reach):
+        a = _response(here, scale + u, reach)
+        b = _response(here, scale + 3 * reach + u, reach)
+        d = _response(here, scale + 6 * reach + u, reach)
+        for i in range(0, ring.lanes, NUM_LANES):
+            k = scale + start + i
+            score = _alike(a, there, k, reach)
+            score += _alike(b, there, k + 3 * reach, reach)
+            score += _alike(d, there, k + 6 * reach, reach)
+            if scale:
+                score += load(line, NUM_LANES + i)
+            store(line, NUM_LANES + i, score)
+
+
+@kernel
+def _response(here: Floats, k: int, reach: int) -> tuple[Lanes, Lanes, Lanes]:
+    """Response and inverse energy of one pixel in one channel."""
+    return repeat(here, k), repeat(here, k + reach), repeat(here, k + 2 * reach)
+
+
+@kernel
+def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: int) -> Lanes:
+    """c cos of a response and those of the other row from one place on."""
+    real, imag, inverse = response
+    dot = real * load(there, k) + imag * load(there, k + reach)
+    return dot * smaller(inverse, load(there, k + 2 * reach))
+
+
+@kernel
+def _look_up(ring: Ring, u: int, start: int, table: Floats) -> None:
+    """Mean over scales and orientations of the table's similarity."""
+    scales, num_c, num_cos = table.shape
+    here = ring.here.reshape(-1, 3, ring.reach)
+    there = ring.there.reshape(-1, 3, ring.reach)
+    channels = len(here)
+    for k in range(start, start + ring.lanes):
+        ring.line[NUM_LANES + k - start] = 0.0
+        if there[0, 2, k] == 0.0:
+            continue
+        total = np.float32(0.0)
+        for c in range(channels):
+            dot = here[c, 0, u] * there[c, 0, k] + here[c, 1, u] * there[c, 1, k]
+            # The inverse energies of both have the same factor.
+            ratio = here[c, 2, u] / there[c, 2, k]
+            like = np.sqrt(min(ratio, 1.0 / ratio))
+            cosine = dot * channels * np.sqrt(here[c, 2, u] * there[c, 2, k])
+            row = min(int(like * num_c), num_c - 1)
+            column = min(max(int((cosine + 1.0) * 0.5 * num_cos), 0), num_cos - 1)
+            total += table[c * scales // channels, row, column]
+        ring.line[NUM_LANES + k - start] = total / channels
+
+
+@kernel
+def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
+    """Write the scores where they are positive, and the best of each and its neighbours'.
+
+    These count at a discount.
+    """
+    nothing = spread(0.0)
+    for i in range(NUM_LANES, line.size - NUM_LANES, NUM_LANES):
+        exact = larger(load(line, i), nothing)
+        beside = larger(load(line, i - 1), load(line, i + 1))
+        place = start + i - NUM_LANES
+        store(lines[0], place, exact)
+        store(lines[1], place, larger(exact, SLACK * beside))

@@ -1,0 +1,173 @@
+"""Matching by the phase of all scales and orientations, supported by neighbours (Eqs 15 to 18)."""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.records import Features, Matches
+from recon.settings import MatchingSettings
+from recon.stereo.kernels.simd import Floats
+from recon.stereo.kernels.sorting import falling
+from recon.stereo.matching.aggregation import Points, Support, aggregate_rows
+from recon.stereo.matching.cost import C_COS, Responses, Search
+from recon.stereo.matching.windows import SIDE_RADIUS
+
+_RIVAL_WEIGHT = 0.3
+"""How much confidence an equally good rival disparity costs."""
+_DEAD_ZONE = 0.04
+"""Difference of the sides' evidence from which on a point is moved off its edge."""
+
+Rows = NDArray[np.int64]
+
+
+def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
+    """Pairs that choose each other, moved to the side of their edge that has their disparity."""
+    return match_by(left, right, settings, C_COS, _confidence)
+
+
+def _confidence(support: Support) -> Floats:
+    """Support, less where a rival has nearly as much: repetition, or an edge along the row."""
+    confidence: Floats = support.score - _RIVAL_WEIGHT * support.rival
+    return confidence
+
+
+def match_by(
+    left: Features,
+    right: Features,
+    settings: MatchingSettings,
+    table: Floats,
+    confidence: Callable[[Support], Floats],
+) -> Matches:
+    """Match with the similarity of a table (see `scores.Search`) and a confidence of its own."""
+    height, width = left.grey.shape
+    lowest = max(settings.min_disparity, 1 - width)
+    count = min(settings.max_disparity, width - 1) - lowest + 1
+    if count < 1:
+        raise InputError(
+            f"disparities {settings.min_disparity}..{settings.max_disparity} all lie outside "
+            f"the image, whose width is {width}"
+        )
+    every = {"half": 1, "quarter": 2}[settings.support_sampling]
+    is_unique = settings.cross_check == "row"
+    search = Search(1 - count - lowest, count, 0, every, is_unique, table)
+    images = _responses(left), _responses(right)
+    points = _points(left.points_px.astype(np.int64), left.orientation_rad, height)
+    support = aggregate_rows(*images, points, search, settings.max_row_offset_px)
+    rows = np.flatnonzero(np.isfinite(support.score))
+    if not is_unique:
+        back = search._replace(first=lowest)
+        rows = rows[_agrees(images, points, support, rows, (back, settings.max_row_offset_px))]
+    return _ranked(right, points, support, confidence(support), rows)
+
+
+def _agrees(
+    images: tuple[Responses, Responses],
+    points: Points,
+    support: Support,
+    rows: Rows,
+    search: tuple[Search, int],
+) -> NDArray[np.bool_]:
+    """Whether the right pixel of each pair, searching the left image, chooses it too."""
+    left, right = images
+    height, width = left.mask.shape
+    partner = (points.v + support.row_shift) * width + points.u + support.shift
+    is_partner = np.zeros(height * width, np.bool_)
+    is_partner[partner[rows]] = True
+    numbers = np.flatnonzero(is_partner)
+    number = np.empty(height * width, np.int32)
+    number[numbers] = np.arange(len(numbers), dtype=np.int32)
+    pixels = np.column_stack([numbers % width, numbers // width])
+    nobody = np.zeros(0, np.float32)
+    back = aggregate_rows(right, left, _points(pixels, nobody, height), *search)
+    place = number[partner[rows]]
+    agrees: NDArray[np.bool_] = (back.shift[place] == -support.shift[rows]) & (
+        back.row_shift[place] == -support.row_shift[rows]
+    )
+    return agrees
+
+
+def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Points:
+    return Points(
+        u=np.ascontiguousarray(pixels[:, 0]),
+        v=np.ascontiguousarray(pixels[:, 1]),
+        orientation=orientation,
+        starts=np.searchsorted(pixels[:, 1], np.arange(height + 1)),
+    )
+
+
+def _responses(features: Features) -> Responses:
+    height, _, _, _, padded = features.planes.shape
+    margin, edge = SIDE_RADIUS, cv2.BORDER_REPLICATE
+    grey = cv2.copyMakeBorder(features.grey, margin, margin, margin, margin, edge)
+    planes = features.planes.reshape(height, -1, 2, padded)
+    return Responses(planes, features.candidate_mask, grey.reshape(-1))
+
+
+def _ranked(
+    right: Features, points: Points, support: Support, confidence: Floats, rows: Rows
+) -> Matches:
+    """The pairs as matches, most confident first, of those that met at a pixel the first."""
+    rows = rows[falling(confidence[rows])]
+    step = np.where(np.abs(support.side) > _DEAD_ZONE, np.sign(support.side), 0).astype(np.int64)
+    pixels = np.empty((len(rows), 2), np.int64)
+    is_taken = np.zeros(right.grey.shape, np.bool_)
+    keep = np.flatnonzero(_settle(points, (support.shift, step), rows, is_taken, pixels))
+    rows, disparity = rows[keep], -support.shift[rows[keep]]
+    return Matches(
+        points_px=pixels[keep].astype(np.float64),
+        disparity_px=disparity.astype(np.float64),
+        sigma_px=np.full(len(keep), np.nan),
+        score=confidence[rows].astype(np.float64),
+        index_left=rows.astype(np.int32),
+        index_right=_index_at(
+            right, points.u[rows] - disparity, points.v[rows] + support.row_shift[rows]
+        ),
+    )
+
+
+@njit(cache=True)
+def _settle(
+    points: Points,
+    moves: tuple[Rows, Rows],
+    rows: Rows,
+    is_taken: NDArray[np.bool_],
+    pixels: Rows,
+) -> NDArray[np.bool_]:
+    """Move pairs along their normals toward the side of the edge that has the disparity.
+
+    `moves` are the points' shifts and their steps along the normal. Writes the pixels, and tells
+    which pairs stay: the first at each pixel, and only where the step leaves neither image.
+    """
+    height, width = is_taken.shape
+    shift, step = moves
+    stays = np.zeros(len(rows), np.bool_)
+    for k, i in enumerate(rows):
+        du, dv = _neighbour(points.orientation[i])
+        u, v = points.u[i] + step[i] * du, points.v[i] + step[i] * dv
+        pixels[k] = u, v
+        inside = min(u, u + shift[i]) >= 0 and max(u, u + shift[i]) < width and 0 <= v < height
+        if inside and not is_taken[v, u]:
+            is_taken[v, u] = stays[k] = True
+    return stays
+
+
+@njit(cache=True)
+def _neighbour(orientation: float) -> tuple[int, int]:
+    """Step to the neighbour along a direction in [0, pi]: its cosine and sine, rounded."""
+    third, sixth = np.pi / 3, np.pi / 6
+    du = 1 if orientation < third else (-1 if orientation > 2 * third else 0)
+    dv = 1 if sixth < orientation < 5 * sixth else 0
+    return du, dv
+
+
+def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
+    """Rows of the features at some pixels; -1 = there is none."""
+    index = np.full(features.grey.shape, -1, np.int32)
+    columns, lines = features.points_px.astype(np.int64).T
+    index[lines, columns] = np.arange(len(features))
+    found: NDArray[np.int32] = index[v, u]
+    return found

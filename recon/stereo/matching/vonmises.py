@@ -1,0 +1,241 @@
+"""The probabilistic matcher: how likely phase and magnitude are in a right pair (thesis 3.7).
+
+Each channel (a scale at one direction) of a candidate pair has a phase difference and a similarity
+of magnitudes c. In right pairs the difference follows a von Mises mixture, the narrower the larger
+c; in wrong ones it is uniform. The similarity is the mean log likelihood ratio of the channels.
+"""
+
+import dataclasses
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.records import Features, Matches
+from recon.settings import MatchingSettings
+from recon.stereo.kernels.simd import Floats
+from recon.stereo.matching.aggregation import Support
+from recon.stereo.matching.mixture import Mixture, fit
+from recon.stereo.matching.phase import match_by
+
+Array = NDArray[np.float64]
+
+_NUM_COSINES = 64
+"""Bins of the cosine of the phase difference in the table that the matcher looks up."""
+_WORTH = 3.7
+"""Independent channels that all of them together are worth, as they look at the same pixels; so
+that of pairs of some probability that share is right (fitted to Venus, Sawtooth, Cones and Map; the
+others confirm it)."""
+_SHIPPED = "vonmises_venus.json"
+_FORMAT = "recon von Mises model"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Model:
+    """What right pairs look like, by scale and similarity of magnitudes."""
+
+    widths_px: tuple[float, ...]
+    """(S,) widths of the filters it was trained with, fine to coarse."""
+    mixtures: tuple[tuple[Mixture, ...], ...]
+    """(S, B) of the phase difference, for c in B equal bins of 0 to 1."""
+    share_right: Array
+    """(S, B) of the right pairs whose c lies in the bin."""
+    share_wrong: Array
+    """(S, B) the same of wrong pairs."""
+
+    def densities(self, phases_rad: Array) -> Array:
+        """(S, B, N) density of right pairs' phase differences."""
+        return np.array([[m.density(phases_rad) for m in row] for row in self.mixtures])
+
+    def log_ratio(self, phases_rad: Array) -> Array:
+        """(S, B, N) log likelihood ratio of right to wrong at some phase differences."""
+        magnitude = np.log(self.share_right / self.share_wrong)
+        ratio: Array = magnitude[..., None] + np.log(self.densities(phases_rad) * 2 * np.pi)
+        return ratio
+
+    def to_json(self) -> str:
+        """The text of a model file."""
+        mixtures = [
+            [
+                {name: getattr(m, name).tolist() for name in ("weights", "means_rad", "kappas")}
+                for m in row
+            ]
+            for row in self.mixtures
+        ]
+        document = {
+            "format": _FORMAT,
+            "widths_px": list(self.widths_px),
+            "mixtures": mixtures,
+            "share_right": self.share_right.tolist(),
+            "share_wrong": self.share_wrong.tolist(),
+        }
+        return json.dumps(document, indent=1)
+
+    @classmethod
+    def from_json(cls, text: str, source: str = "model") -> "Model":
+        """Read a model file.
+
+        Raises
+        ------
+        InputError
+            Where the text is no such file.
+        """
+        try:
+            document = json.loads(text)
+            if document["format"] != _FORMAT:
+                raise ValueError(f"format is {document['format']!r}")
+            return cls(
+                widths_px=tuple(float(width) for width in document["widths_px"]),
+                mixtures=tuple(
+                    tuple(Mixture(**{k: np.array(v, float) for k, v in m.items()}) for m in row)
+                    for row in document["mixtures"]
+                ),
+                share_right=np.array(document["share_right"], dtype=np.float64),
+                share_wrong=np.array(document["share_wrong"], dtype=np.float64),
+            )
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{source} is no {_FORMAT} ({error})") from error
+
+
+def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
+    """Match by the likelihood ratio; the score is the probability of the pair (Eqs 42, 43)."""
+    model = load_model(settings.model)
+    highest = model.log_ratio(np.zeros(1)).max()
+
+    def lead(support: Support) -> Floats:
+        # Log ratio of the pair to its best rival; support is the mean over channels / highest.
+        ahead: Floats = (highest * support.score * (1 - support.rival)).astype(np.float32)
+        return ahead
+
+    # Ranked by the lead, as many are certain to the last digit.
+    matches = match_by(left, right, settings, table(model, len(left.widths_px)), lead)
+    return dataclasses.replace(matches, score=1 / (1 + np.exp(-_WORTH * matches.score)))
+
+
+def load_model(path: str | None) -> Model:
+    """The model of a file, or the one that recon ships, trained on Venus."""
+    if path is None:
+        return _parsed(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"), _SHIPPED)
+    try:
+        text = Path(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"model {path} cannot be read ({error})") from error
+    return _parsed(text, path)
+
+
+@cache
+def _parsed(text: str, source: str) -> Model:
+    return Model.from_json(text, source)
+
+
+def table(model: Model, num_scales: int) -> Floats:
+    """Similarity by scale, c and cosine of the phase difference, brought to at most 1.
+
+    Both signs of the phase count alike, so that left and right agree on what they see. Scales
+    beyond the model's own are taken as its last one.
+    """
+    cosine = (np.arange(_NUM_COSINES) + 0.5) * 2 / _NUM_COSINES - 1
+    phase = np.arccos(cosine)
+    ratio = np.logaddexp(model.log_ratio(phase), model.log_ratio(-phase)) - np.log(2)
+    scales = np.minimum(np.arange(num_scales), len(ratio) - 1)
+    similarity: Floats = (ratio / ratio.max())[scales].astype(np.float32)
+    return similarity
+
+
+def train(
+    examples: Iterable[tuple[Features, Features, Matches]],
+    rng: np.random.Generator,
+    num_bins: int = 8,
+) -> Model:
+    """Learn a model from confident matches; no truth is needed.
+
+    Parameters
+    ----------
+    examples : iterable of (left features, right features, matches)
+        Of images that were filtered alike. The better half of the matches counts as right;
+        the same left points with partners shifted at random count as wrong.
+    rng : Generator
+    num_bins : int
+        Bins of the similarity of magnitudes; 1 is the thesis's form, phase alone.
+    """
+    right_pairs, wrong_pairs, widths = [], [], set()
+    for left, right, matches in examples:
+        best = matches.select(slice(0, max(1, len(matches) // 2)))
+        right_pairs.append(_channels(left, right, best, np.rint(best.disparity_px)))
+        wrong_pairs.append(_channels(left, right, best, _shifted(best, left, rng)))
+        widths.add(left.widths_px)
+    if len(widths) != 1:
+        raise InputError(
+            f"{len(right_pairs)} examples have {len(widths)} sets of filter widths, but one "
+            "is needed"
+        )
+    return _learned(
+        np.concatenate(right_pairs, 1), np.concatenate(wrong_pairs, 1), widths, num_bins
+    )
+
+
+def _learned(right: Array, wrong: Array, widths: set[tuple[float, ...]], num_bins: int) -> Model:
+    bins = np.minimum((right[..., 1] * num_bins).astype(int), num_bins - 1)
+    wrong_bins = np.minimum((wrong[..., 1] * num_bins).astype(int), num_bins - 1)
+    mixtures = tuple(
+        tuple(fit(_enough(phase[row == b]), is_centred=True) for b in range(num_bins))
+        for phase, row in zip(right[..., 0], bins, strict=True)
+    )
+    return Model(
+        widths_px=widths.pop(),
+        mixtures=mixtures,
+        share_right=_shares(bins, num_bins),
+        share_wrong=_shares(wrong_bins, num_bins),
+    )
+
+
+def _enough(phases: Array) -> Array:
+    """Phases to fit; a bin that is all but empty tells nothing of the phase."""
+    return phases if phases.size >= 16 else np.linspace(-np.pi, np.pi, 64, endpoint=False)
+
+
+def _shares(bins: NDArray[np.int64], num_bins: int) -> Array:
+    """(S, B) share of each bin, none of them quite empty."""
+    count = np.array([np.bincount(row, minlength=num_bins) for row in bins]) + 1.0
+    return np.asarray(count / count.sum(axis=1, keepdims=True))
+
+
+def _shifted(matches: Matches, left: Features, rng: np.random.Generator) -> Array:
+    """Disparities that are wrong by at least three pixels, their partners in the image."""
+    width = left.grey.shape[1]
+    u = matches.points_px[:, 0]
+    wrong = u - rng.integers(0, width, len(matches))
+    near = np.abs(wrong - matches.disparity_px) < 3
+    return np.where(near, u - (u - matches.disparity_px + width // 2) % width, wrong)
+
+
+def _channels(left: Features, right: Features, matches: Matches, disparity: Array) -> Array:
+    """(S, O * M, 2) phase difference and similarity of magnitudes of every channel."""
+    u, v = matches.points_px.astype(np.int64).T
+    partner = np.clip(u - disparity, 0, left.grey.shape[1] - 1).astype(np.int64)
+    here, there = _complex(left, u, v), _complex(right, partner, v)
+    similarity = np.minimum(np.abs(here), np.abs(there)) / np.maximum(
+        np.maximum(np.abs(here), np.abs(there)), 1e-9
+    )
+    channels = np.stack([np.angle(there * here.conj()), similarity], axis=-1)
+    return channels.reshape(len(channels), -1, 2)
+
+
+def phase_differences(left: Features, right: Features, matches: Matches) -> Array:
+    """(S, O * M) phase differences of whole-pixel matches, by scale."""
+    return _channels(left, right, matches, np.rint(matches.disparity_px))[..., 0]
+
+
+def _complex(
+    features: Features, u: NDArray[np.int64], v: NDArray[np.int64]
+) -> NDArray[np.complex64]:
+    """(S, O, M) responses at some pixels."""
+    planes = features.planes[v, :, :, :, u]
+    response: NDArray[np.complex64] = planes[..., 0] + 1j * planes[..., 1]
+    return np.moveaxis(response, 0, -1)

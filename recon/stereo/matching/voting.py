@@ -1,0 +1,132 @@
+"""What the members of a window say together of every shift: weighted sums of their scores."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import (
+    NUM_LANES,
+    Floats,
+    Integers,
+    Lanes,
+    kernel,
+    larger,
+    largest,
+    load,
+    repeat,
+    spread,
+    store,
+    total,
+)
+from recon.stereo.matching.windows import LIKENESS, Window
+
+CLOSED = np.float32(-1e9)
+"""Support of a shift to a pixel that is no candidate."""
+
+_Four = tuple[Lanes, Lanes, Lanes, Lanes]
+
+
+@kernel
+def weigh(
+    image: NDArray[np.uint8], middle: int, window: Window, row: int, weights: Floats
+) -> float:
+    """Write the weights of the disc's members, the more alike the more; return 1 / their sum."""
+    here = np.int64(image[middle])
+    pixel, weight = window.pixel[row], window.weight[row]
+    for k in range(weight.size):
+        there = np.int64(image[np.uint64(middle + pixel[k])])
+        weights[k] = weight[k] * LIKENESS[np.uint64(abs(there - here))]
+    together = spread(0.0)
+    for k in range(0, weight.size, NUM_LANES):
+        together += load(weights, k)
+    return float(np.float32(1.0) / (total(together) + np.float32(1e-6)))
+
+
+@kernel
+def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
+    """Write where the scores of a window's members begin, from its middle's on in its line."""
+    line, offset = window.line[row], window.offset[row]
+    for k in range(starts.size):
+        starts[k] = lines[np.uint64(line[k])] + offset[k]
+
+
+@kernel
+def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    """Write the weighted sums of the members' scores, shift by shift, from `place` on."""
+    i = 0
+    while i + 4 * NUM_LANES <= sums.size:
+        _sum_four(scores, place + i, starts, weights, sums[i:])
+        i += 4 * NUM_LANES
+    if i < sums.size:
+        _sum_two(scores, place + i, starts, weights, sums[i:])
+
+
+@kernel
+def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    # Two sums side by side, as one would wait for itself.
+    nothing = spread(0.0)
+    even = odd = nothing, nothing, nothing, nothing
+    for k in range(0, starts.size, 2):
+        even = _add_four(even, repeat(weights, k), scores, place + starts[k])
+        odd = _add_four(odd, repeat(weights, k + 1), scores, place + starts[k + 1])
+    store(sums, 0, even[0] + odd[0])
+    store(sums, NUM_LANES, even[1] + odd[1])
+    store(sums, 2 * NUM_LANES, even[2] + odd[2])
+    store(sums, 3 * NUM_LANES, even[3] + odd[3])
+
+
+@kernel
+def _add_four(sums: _Four, weight: Lanes, scores: Floats, k: int) -> _Four:
+    return (
+        sums[0] + weight * load(scores, k),
+        sums[1] + weight * load(scores, k + NUM_LANES),
+        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
+        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
+    )
+
+
+@kernel
+def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    a = b = c = d = spread(0.0)
+    for k in range(0, starts.size, 2):
+        weight, start = repeat(weights, k), place + starts[k]
+        a += weight * load(scores, start)
+        b += weight * load(scores, start + NUM_LANES)
+        weight, start = repeat(weights, k + 1), place + starts[k + 1]
+        c += weight * load(scores, start)
+        d += weight * load(scores, start + NUM_LANES)
+    store(sums, 0, a + c)
+    store(sums, NUM_LANES, b + d)
+
+
+@kernel
+def close(support: Floats, share: float, closed: Floats) -> float:
+    """Turn sums into means, and shut the shifts without a candidate; return the highest."""
+    highest = spread(CLOSED)
+    for k in range(0, support.size, NUM_LANES):
+        mean = share * load(support, k) + load(closed, k)
+        store(support, k, mean)
+        highest = larger(highest, mean)
+    return float(largest(highest))
+
+
+@kernel
+def claim(support: Floats, claims: Floats) -> None:
+    """Note the highest support of each pixel of the other row."""
+    for k in range(0, support.size, NUM_LANES):
+        store(claims, k, larger(load(support, k), load(claims, k)))
+
+
+@kernel
+def peak(support: Floats) -> float:
+    """The highest support."""
+    highest = load(support, 0)
+    for k in range(NUM_LANES, support.size, NUM_LANES):
+        highest = larger(highest, load(support, k))
+    return float(largest(highest))
+
+
+@kernel
+def forget(support: Floats, first: int, end: int) -> None:
+    """Shut the shifts from one to another."""
+    for k in range(max(0, first), min(support.size, end)):
+        support[k] = CLOSED

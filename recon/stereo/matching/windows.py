@@ -1,0 +1,145 @@
+"""The support that the pixels round a point give to each of its disparities.
+
+Every second pixel, as on a chessboard, is a member: nothing is lost by it. The members of a window
+are listed once, by the parity of its middle, so that the loop over them has no branches.
+"""
+
+from functools import cache, lru_cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import Floats, Integers, filled
+
+RADIUS = 7
+"""Of the disc whose pixels support a disparity."""
+SIDE_RADIUS = 10
+"""Of the two half discs that tell which side of an edge has the disparity."""
+_SPREAD = 5.0
+"""Standard deviation of the weight of a member, in pixels."""
+_RIGID = 3.0
+"""Up to this distance a member supports its own disparity alone; farther ones, the next too."""
+_SIDE_GAP = 1.5
+"""Distance from the edge at which a half disc begins."""
+_CONTRAST = 20.0
+"""Difference of grey levels at which a member's support has fallen to 1/e: it belongs elsewhere."""
+DIRECTIONS = 16
+"""Number of normals, over half a turn, for which half discs are listed."""
+
+
+class Members(NamedTuple):
+    """Pixels of windows: (..., K) arrays, filled up with weight 0."""
+
+    dv: Integers
+    du: Integers
+    weight: Floats
+    slack: Integers
+    """1 where the member may vote with a neighbouring disparity too."""
+
+
+def _disc(radius: int) -> tuple[Integers, Integers, Floats]:
+    dv, du = np.mgrid[-radius : radius + 1, -radius : radius + 1].reshape(2, -1)
+    inside = dv**2 + du**2 <= radius**2
+    dv, du = dv[inside], du[inside]
+    return dv, du, np.exp(-(dv**2 + du**2) / (2 * _SPREAD**2)).astype(np.float32)
+
+
+def _stacked(windows: list[tuple[Integers, Integers, Floats]]) -> Members:
+    """Windows of different sizes as rows of one table."""
+    longest = max(len(weight) for _, _, weight in windows)
+    shape = (len(windows), filled(longest))
+    table = Members(
+        np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(shape, np.float32),
+        np.zeros(shape, np.int64),
+    )  # fmt: skip
+    for row, (dv, du, weight) in enumerate(windows):
+        size = len(weight)
+        table.dv[row, :size] = dv
+        table.du[row, :size] = du
+        table.weight[row, :size] = weight
+        table.slack[row, :size] = dv**2 + du**2 > _RIGID**2
+    return table
+
+
+def _chosen(dv: Integers, du: Integers, odd_v: int, odd_u: int, every: int) -> NDArray[np.bool_]:
+    """Which pixels of a window are members, by the parities of its middle."""
+    if every == 2:
+        return np.asarray((dv % 2 == odd_v) & (du % 2 == odd_u))
+    return np.asarray((dv + du) % 2 == (odd_v + odd_u) % 2)
+
+
+@cache
+def disc(every: int) -> Members:
+    """The disc, by the parity of its middle's row, then column."""
+    dv, du, weight = _disc(RADIUS)
+    windows = []
+    for odd_v, odd_u in product((0, 1), repeat=2):
+        rows = _chosen(dv, du, odd_v, odd_u, every)
+        windows.append((dv[rows], du[rows], weight[rows]))
+    return _stacked(windows)
+
+
+@cache
+def half_disc(sign: int, every: int) -> Members:
+    """The half disc ahead of (+1) or behind (-1) an edge, by parities and then by direction.
+
+    The weights of a window add up to 1.
+    """
+    dv, du, weight = _disc(SIDE_RADIUS)
+    windows = []
+    for odd_v, odd_u in product((0, 1), repeat=2):
+        chosen = _chosen(dv, du, odd_v, odd_u, every)
+        for direction in (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS:
+            ahead = sign * (du * np.cos(direction) + dv * np.sin(direction)) >= _SIDE_GAP
+            rows = ahead & chosen
+            windows.append((dv[rows], du[rows], weight[rows] / weight[rows].sum()))
+    return _stacked(windows)
+
+
+class Window(NamedTuple):
+    """Members of the windows of one kind, as places in a ring; (T, K) by parities and direction."""
+
+    line: Integers
+    """Rows from the uppermost that a ring holds."""
+    offset: Integers
+    """From the scores of the window's middle, but for the line."""
+    pixel: Integers
+    """From the middle in the flat image with its margin."""
+    weight: Floats
+
+
+@lru_cache(maxsize=16)
+def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window, Window, Window]:
+    """The disc, and the half discs ahead and behind, in a ring and in a flat image.
+
+    Parameters
+    ----------
+    every : int
+        2: pixels of every second row alone are members; 1: every second pixel of all rows.
+    lanes : int
+        From the scores of one member of a row to those of the next.
+    to_slack : int
+        From exact scores to slack ones.
+    stride : int
+        From row to row of the image.
+    """
+    kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
+    ours, ahead, behind = (_window(members, lanes, to_slack, stride) for members in kinds)
+    return ours, ahead, behind
+
+
+def _window(members: Members, lanes: int, to_slack: int, stride: int) -> Window:
+    # Rows of the tables are by parity of the middle's row, then of its column.
+    odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
+    column = (odd[:, None] + members.du) >> 1
+    return Window(
+        line=members.dv + SIDE_RADIUS,
+        offset=column * lanes + members.slack * to_slack,
+        pixel=members.dv * stride + members.du,
+        weight=members.weight,
+    )
+
+
+LIKENESS = np.exp(-np.arange(256) / _CONTRAST).astype(np.float32)

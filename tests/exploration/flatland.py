@@ -1,0 +1,126 @@
+"""A world of upright cylinders, and a stereo that samples them: explorers without images."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from recon.camera import StereoRig
+from recon.geometry import look_at
+from recon.mapping.pair import PairResult
+from recon.records import Matches, PointCloud, StereoPair, View
+from recon.settings import Settings
+from recon.world.objects import TrueObject
+
+HEIGHT = 5.0
+FOCAL_PX = 152.55
+BASELINE = 0.3
+
+
+@dataclass
+class Flatland:
+    """Cylinders (x, z, radius, height) on a floor; has what an explorer asks of a world."""
+
+    discs: Sequence[tuple[float, float, float, float]]
+    settings: Settings
+    sigma_px: float = 0.1
+    objects: tuple[TrueObject, ...] = field(init=False)
+
+    def __post_init__(self):
+        self.objects = tuple(
+            TrueObject(
+                id=i,
+                label="unknown",
+                centre=np.array([x, height / 2, z]),
+                size=np.array([2 * radius, height, 2 * radius]),
+                visuals=(i,),
+            )
+            for i, (x, z, radius, height) in enumerate(self.discs)
+        )
+
+    def start(self):
+        return View(position=np.array([0, HEIGHT, 0.0]), target=np.array([0, HEIGHT, -10.0]))
+
+    def take(self, view):
+        D = np.linalg.norm(view.target - view.position)
+        shift = FOCAL_PX * BASELINE / D / 2
+        rig = StereoRig(
+            width=256, height=256, focal_px=FOCAL_PX, cx_left_px=127.5 - shift,
+            cx_right_px=127.5 + shift, cy_px=127.5, baseline=BASELINE,
+        )  # fmt: skip
+        T = look_at(view.position, view.target)
+        T[:3, 3] -= BASELINE / 2 * T[:3, 0]
+        blank = np.zeros((256, 256), dtype=np.uint8)
+        return StereoPair(left=blank, right=blank, rig=rig, T_world_left=T)
+
+    def clearance(self, positions):
+        positions = np.asarray(positions)
+        nearest = np.full(len(positions), np.inf)
+        for x, z, radius, height in self.discs:
+            side = np.hypot(positions[:, 0] - x, positions[:, 2] - z) - radius
+            over = np.maximum(positions[:, 1] - height, 0.0)
+            nearest = np.minimum(
+                nearest, np.hypot(np.where(over > 0, np.maximum(side, 0), side), over)
+            )
+        return np.abs(nearest)
+
+    def is_inside(self, positions):
+        positions = np.asarray(positions)
+        inside = np.zeros(len(positions), dtype=bool)
+        for x, z, radius, height in self.discs:
+            side = np.hypot(positions[:, 0] - x, positions[:, 2] - z)
+            inside |= (side < radius) & (positions[:, 1] < height)
+        return inside
+
+    def free_ground(self):
+        shape = [int(np.ceil(n)) for n in (self.settings.world.size_x, self.settings.world.size_z)]
+        x, z = (np.arange(n) + 0.5 - n / 2 for n in shape)
+        free = np.ones(shape, dtype=bool)
+        for cx, cz, radius, _ in self.discs:
+            free &= np.hypot(x[:, None] - cx, z - cz) > radius
+        return free
+
+    def process_pair(self, pair, settings, voxel_map, view=None):
+        """In place of `recon.mapping.pair.process_pair`: random points of what is visible."""
+        rng = np.random.default_rng(0 if view is None else view)
+        points, depth = self._visible(pair, rng)
+        sigma = pair.rig.depth_sigma(depth, self.sigma_px)
+        eye = pair.T_world_left[:3, 3]
+        noisy = points + (points - eye) * (rng.normal(0, sigma) / depth)[:, None]
+        cloud = PointCloud(
+            points=noisy, colours=np.full((len(noisy), 3), 90, dtype=np.uint8), sigma=sigma
+        )
+        voxel_map.insert(cloud.select(sigma <= settings.map.max_sigma), eye, view)
+        return PairResult(matches=no_matches(), cloud=cloud, stereo_s=0.0, map_s=0.0)
+
+    def _visible(self, pair, rng):
+        """Pixels of the left eye that are edges (one in ten), and where they lie in the world."""
+        u, v = rng.uniform(0, 255, (2, 6500))
+        rays = pair.rig.rays(np.column_stack([u, v])) @ pair.T_world_left[:3, :3].T
+        eye = pair.T_world_left[:3, 3]
+        depth = np.full(len(rays), np.inf)
+        for disc in self.discs:
+            depth = np.minimum(depth, _hit(eye, rays, disc))
+        seen = (depth > 2.2) & (depth < 100)
+        return eye + depth[seen, None] * rays[seen], depth[seen]
+
+
+def _hit(eye, rays, disc):
+    """Depth at which rays with unit depth meet the side of a cylinder."""
+    x, z, radius, height = disc
+    a = rays[:, 0] ** 2 + rays[:, 2] ** 2
+    ox, oz = eye[0] - x, eye[2] - z
+    b = rays[:, 0] * ox + rays[:, 2] * oz
+    c = ox * ox + oz * oz - radius * radius
+    root = b * b - a * c
+    t = (-b - np.sqrt(np.maximum(root, 0))) / a
+    y = eye[1] + t * rays[:, 1]
+    return np.where((root > 0) & (t > 0) & (y > 0) & (y < height), t, np.inf)
+
+
+def no_matches():
+    none = np.empty(0)
+    return Matches(
+        points_px=np.empty((0, 2)), disparity_px=none, sigma_px=none, score=none,
+        index_left=np.empty(0, dtype=np.int32), index_right=np.empty(0, dtype=np.int32),
+    )  # fmt: skip

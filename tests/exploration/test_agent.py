@@ -1,0 +1,188 @@
+"""The loop and both controllers, in worlds of cylinders."""
+
+import numpy as np
+import pytest
+
+from recon.exploration import controllers
+from recon.records import View
+
+TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0), (5.0, -30.0, 3.0, 10.0)]
+
+
+def is_found(exploration, disc):
+    """Whether the map has an object whose middle is within a unit of a cylinder's axis."""
+    x, z, _, _ = disc
+    return any(
+        np.hypot(found.centre[0] - x, found.centre[2] - z) < 1.0
+        for found in exploration.recognition.objects
+    )
+
+
+@pytest.mark.parametrize("controller", ["frontier", "thesis"])
+def test_a_controller_ends_by_itself_with_every_object_and_the_floor_known(
+    explore_discs, controller
+):
+    done = explore_discs(TREES, controller=controller)
+    assert done.stop_reason == "all known"
+    assert all(is_found(done, disc) for disc in TREES)
+    assert len(done.recognition.objects) == len(TREES)
+    assert 0.97 < done.metrics["coverage"] <= 1.0
+    assert done.metrics["min_clearance"] > 1.0
+    assert done.metrics["path_bound"] <= done.metrics["path_length"]
+
+
+def test_the_frontier_controller_walks_less_than_the_thesis(explore_discs):
+    frontier = explore_discs(TREES, controller="frontier", size=200.0).metrics
+    thesis = explore_discs(TREES, controller="thesis", size=200.0).metrics
+    assert frontier["coverage"] >= 0.98 * thesis["coverage"]
+    assert frontier["path_length"] <= 0.7 * thesis["path_length"]
+    assert frontier["num_pairs"] <= 0.5 * thesis["num_pairs"]
+
+
+def test_metrics_trajectory_and_curve_tell_of_the_same_walk(explore_discs):
+    done = explore_discs(TREES)
+    metrics = done.metrics
+    assert metrics["num_pairs"] == len(done.views) == len(done.trajectory) == len(done.stamps_s)
+    assert metrics["curve"][-1] == [
+        metrics["num_pairs"], metrics["path_length"], metrics["coverage"],
+    ]  # fmt: skip
+    assert all(np.diff([point[1] for point in metrics["curve"]]) >= 0)
+    assert all(np.diff([point[2] for point in metrics["curve"]]) >= 0)
+    assert 1 <= metrics["pairs_until_objects"] <= metrics["num_pairs"]
+    straight = np.linalg.norm(np.diff([v.position for v in done.views], axis=0), axis=1).sum()
+    assert straight - 1e-9 <= metrics["path_length"] <= 1.5 * straight
+    eyes = done.trajectory[:, :3, 3] - [view.position for view in done.views]
+    assert np.allclose(np.linalg.norm(eyes, axis=1), 0.15)
+
+
+def test_the_same_world_is_explored_in_the_same_way(explore_discs):
+    first, second = explore_discs(TREES[:2]), explore_discs(TREES[:2])
+    assert np.array_equal(first.trajectory, second.trajectory)
+    assert first.metrics == second.metrics
+
+
+def test_pairs_taken_before_lead_to_the_same_end(explore_discs):
+    saved = []
+    first = explore_discs(TREES[:2], observe=lambda step: saved.append(step.pair))
+    again = explore_discs(TREES[:2], take=lambda view: saved.pop(0))
+    assert saved == []
+    assert np.array_equal(first.trajectory, again.trajectory)
+
+
+def test_ctrl_c_leaves_a_whole_exploration(explore_discs):
+    def observe(step):
+        if step.number == 4:
+            raise KeyboardInterrupt
+
+    done = explore_discs(TREES, observe=observe)
+    assert done.stop_reason == done.metrics["stop_reason"] == "interrupted"
+    assert len(done.views) == 5
+    assert done.voxel_map.num_cells > 0
+
+
+def test_ctrl_c_before_the_first_pair_leaves_an_empty_exploration(explore_discs):
+    def take(view):
+        raise KeyboardInterrupt
+
+    done = explore_discs(TREES, take=take)
+    assert done.stop_reason == "interrupted"
+    assert done.metrics["num_pairs"] == done.metrics["num_points"] == len(done.trajectory) == 0
+
+
+@pytest.mark.parametrize("controller", ["frontier", "thesis"])
+def test_a_world_with_nothing_in_it_is_known_soon(explore_discs, controller):
+    done = explore_discs([], controller=controller)
+    assert done.stop_reason == "all known"
+    assert done.metrics["num_objects"] == done.metrics["pairs_until_objects"] == 0
+    assert done.metrics["coverage"] > 0.97
+    assert done.metrics["num_pairs"] < 60
+
+
+@pytest.mark.parametrize("controller", ["frontier", "thesis"])
+def test_an_object_on_the_start_leaves_nothing_to_reach(explore_discs, controller):
+    done = explore_discs([(0.0, 0.0, 4.0, 12.0)], controller=controller)
+    assert done.stop_reason == "nothing reachable"
+    assert "inside an object" in done.message
+
+
+def test_a_start_that_is_walled_in_leaves_nothing_to_reach(explore_discs):
+    angles = np.arange(16) * 2 * np.pi / 16
+    wall = [(14 * np.cos(a), 14 * np.sin(a), 3.2, 12.0) for a in angles]
+    done = explore_discs([*wall, (40.0, 40.0, 4.0, 12.0)])
+    assert done.stop_reason == "nothing reachable"
+    assert done.metrics["min_clearance"] > 1.0
+    assert done.metrics["coverage"] < 0.2
+
+
+def test_objects_that_touch_are_walked_round_together(explore_discs):
+    done = explore_discs([(20.0, 0.0, 5.0, 12.0), (29.0, 2.0, 5.0, 9.0)])
+    assert done.stop_reason == "all known"
+    assert done.metrics["min_clearance"] > 1.0
+    assert done.metrics["coverage"] > 0.97
+
+
+def test_a_thing_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
+    done = explore_discs([(53.0, 0.0, 6.0, 12.0)])
+    assert done.stop_reason == "all known"
+    assert "cannot be reached" in done.message
+    assert len(done.recognition.objects) == 1
+
+
+class Wrong:
+    """A controller that takes one good view, then does something wrong."""
+
+    answer = None
+
+    def next_view(self, state):
+        if state.num_pairs == 1:
+            return View(position=np.array([0, 5.0, 0]), target=np.array([9.0, 5, 0]))
+        return self.answer()
+
+    def info(self):
+        return "wrong"
+
+    def result(self):
+        return "seen enough"
+
+
+def raising():
+    raise ZeroDivisionError("no plan")
+
+
+WRONG = {
+    "ZeroDivisionError: no plan": raising,
+    "position holds nan": lambda: View(position=[np.nan, 5, 0], target=[0, 5, 1]),
+    "a View or None is needed": lambda: "left",
+    "runs into an object": lambda: View(position=[20, 5, 12], target=[0, 5, 1]),
+    "no horizontal direction": lambda: View(position=[0, 5, 0], target=[0, 9, 0]),
+    "focal_length is": lambda: View(
+        position=[0, 5, 0], target=[1, 9, 0], focal_length=1, fov_deg=9
+    ),
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_controller_that_fails_leaves_a_whole_exploration(explore_discs, monkeypatch, message):
+    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
+    monkeypatch.setattr(Wrong, "answer", staticmethod(WRONG[message]))
+    done = explore_discs(TREES, controller="wrong")
+    assert done.stop_reason == "controller failed"
+    assert message in done.message
+    assert len(done.views) == 2
+    assert np.isfinite(done.metrics["min_clearance"])
+
+
+def test_a_controller_that_never_ends_is_stopped(explore_discs, monkeypatch):
+    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
+    turn = lambda: View(position=[0, 5, 0], target=[0, 5, 1])  # noqa: E731
+    monkeypatch.setattr(Wrong, "answer", staticmethod(turn))
+    done = explore_discs(TREES, controller="wrong", max_pairs=7)
+    assert done.stop_reason == "limit"
+    assert len(done.views) == 7
+
+
+def test_a_controller_that_ends_with_words_of_its_own_knows_all(explore_discs, monkeypatch):
+    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
+    monkeypatch.setattr(Wrong, "answer", staticmethod(lambda: None))
+    done = explore_discs(TREES, controller="wrong")
+    assert (done.stop_reason, done.message) == ("all known", "seen enough")

@@ -1,0 +1,65 @@
+"""Controllers by name, and plug-ins that are installed beside recon."""
+
+import importlib
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.exploration import frontier, gains, planning, thesis, tour
+from recon.exploration.controllers import CONTROLLERS, make_controller
+
+PLUGIN = Path(__file__).parents[2] / "docs" / "plugin"
+
+
+@pytest.fixture
+def plugged_in(tmp_path, monkeypatch):
+    """The example package, installed where only this test looks."""
+    # A build leaves its litter in the source folder, so it is made from a copy.
+    source, target = shutil.copytree(PLUGIN, tmp_path / "source"), tmp_path / "installed"
+    options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
+    pip = [sys.executable, "-m", "pip", "install", *options, "--target", target, source]
+    subprocess.run(pip, check=True)
+    monkeypatch.syspath_prepend(str(target))
+    importlib.invalidate_caches()
+    yield
+    sys.modules.pop("recon_carousel", None)
+
+
+@pytest.mark.parametrize("name", sorted(CONTROLLERS))
+def test_every_controller_of_the_table_says_who_it_is(name):
+    controller = make_controller(name)
+    assert controller.info()
+    assert "\n" not in controller.info()
+
+
+def test_an_unknown_controller_is_refused_with_the_known_ones():
+    with pytest.raises(InputError, match=r"'fronteer'.*frontier, thesis.*nearest: frontier"):
+        make_controller("fronteer")
+
+
+def test_the_example_package_leads_the_agent(plugged_in, explore_discs):
+    done = explore_discs([(20.0, 0.0, 4.0, 12.0)], controller="carousel")
+    assert (done.stop_reason, done.message) == ("all known", "12 views on a circle")
+    places = np.array([view.position for view in done.views])[1:]
+    assert len(places) == 12
+    assert np.allclose(np.hypot(places[:, 0], places[:, 2]), 8.0)
+
+
+def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
+    info = tmp_path / "broken-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: broken\nVersion: 1\n")
+    (info / "entry_points.txt").write_text("[recon.controllers]\nbroken = nowhere:Nobody\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(InputError, match=r"'broken' .*nowhere:Nobody.* does not load"):
+        make_controller("broken")
+
+
+@pytest.mark.parametrize("module", [frontier, thesis, planning, gains, tour])
+def test_controllers_that_come_with_recon_do_not_ask_the_simulator(module):
+    assert "simulator" not in Path(module.__file__).read_text()

@@ -1,0 +1,88 @@
+"""What views tell of the floor."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from recon.errors import InputError
+from recon.exploration.floor import Floor, azimuths
+
+
+def seen(floor, place, heading_deg, reach=30.0):
+    rays = azimuths(np.radians(heading_deg), np.radians(80.0), reach)
+    floor.see(np.array(place), rays, np.full(len(rays), reach))
+    return floor.known_free
+
+
+def is_known(floor, x, z):
+    return bool(floor.known_free[tuple(floor.cells([x, z]))])
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(1, 60), st.integers(1, 60))
+def test_cells_and_their_middles_are_inverse(size_x, size_z):
+    floor = Floor(size_x=size_x, size_z=size_z)
+    cells = np.argwhere(~floor.occupied)
+    assert np.array_equal(floor.cells(floor.centres(cells)), cells)
+    assert floor.holds(cells).all()
+    assert np.array_equal(floor.flat(cells), np.arange(size_x * size_z))
+    assert floor.flat(np.array([size_x, 0])) == size_x * size_z
+
+
+def test_a_view_knows_its_field_and_no_more():
+    floor = Floor(size_x=100, size_z=100)
+    known = seen(floor, (0.0, 0.0), 0.0)
+    area = 0.5 * np.radians(80.0) * 30.0**2
+    assert 0.97 * area < known.sum() < 1.1 * area
+    assert is_known(floor, 20, 0)
+    assert is_known(floor, 20, 15)
+    assert not is_known(floor, -5, 0)
+    assert not is_known(floor, 10, 12)
+    assert not is_known(floor, 32, 0)
+
+
+def test_azimuth_a_quarter_turn_on_is_along_z():
+    floor = Floor(size_x=100, size_z=100)
+    seen(floor, (0.0, 0.0), 90.0)
+    assert is_known(floor, 0, 20)
+    assert not is_known(floor, 0, -20)
+
+
+@pytest.mark.parametrize("stands", [True, False])
+def test_a_thing_hides_what_is_behind_it(stands):
+    floor = Floor(size_x=100, size_z=100)
+    if stands:
+        floor.occupied |= floor.disc(np.array([15.0, 0.0]), 3.0)
+    seen(floor, (0.0, 0.0), 0.0)
+    assert is_known(floor, 10, 0)
+    assert is_known(floor, 25, 12)
+    assert is_known(floor, 25, 0) is not stands
+
+
+def test_limits_end_the_rays():
+    floor = Floor(size_x=100, size_z=100)
+    rays = azimuths(0.0, np.radians(80.0), 30.0)
+    floor.see(np.zeros(2), rays, np.where(rays > 0, 5.0, 30.0))
+    assert is_known(floor, 20, -5)
+    assert not is_known(floor, 20, 5)
+
+
+def test_what_hangs_over_the_place_hides_nothing():
+    floor = Floor(size_x=100, size_z=100)
+    floor.occupied |= floor.disc(np.zeros(2), 3.0)
+    seen(floor, (0.0, 0.0), 0.0)
+    assert is_known(floor, 20, 0)
+
+
+def test_the_nearest_look_is_kept():
+    floor = Floor(size_x=100, size_z=100)
+    seen(floor, (0.0, 0.0), 0.0)
+    seen(floor, (10.0, 0.0), 0.0)
+    seen(floor, (0.0, 0.0), 0.0)
+    assert 9.0 <= floor.seen_from[tuple(floor.cells([20.0, 0.0]))] <= 10.5
+
+
+def test_a_floor_of_too_many_cells_is_refused():
+    with pytest.raises(InputError, match=r"world\.size_x.* is 100000 x 100000"):
+        Floor(size_x=1e5, size_z=1e5)

@@ -1,0 +1,147 @@
+"""Ways round things, places to look from, and what is unexplored."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from recon.exploration.floor import Floor
+from recon.exploration.planning import Ways, lookouts, plan, stand, unexplored
+from recon.exploration.sight import Sighting
+from recon.exploration.state import State
+from recon.exploration.things import Thing
+from recon.records import View, Voxels
+from recon.settings import Settings
+
+CLEARANCE = Settings().exploration.walk_clearance
+
+
+def state_on(floor, place=(0.0, 0.0), sightings=()):
+    x, z = place
+    return State(
+        num_pairs=1,
+        view=View(position=np.array([x, 5.0, z]), target=np.array([x, 5.0, z - 10.0])),
+        pair=None,
+        voxel_map=None,
+        floor=floor,
+        things=(),
+        sightings=tuple(sightings),
+        objects=(),
+        simulator=None,
+        settings=Settings(),
+    )
+
+
+@pytest.fixture
+def floor():
+    """Known to be free, with a wall from (10, -20) to (10, 20)."""
+    floor = Floor(size_x=80, size_z=80)
+    floor.seen_from[:] = 1.0
+    floor.occupied[50, 20:61] = True
+    return floor
+
+
+def length_of(ways: Ways, end):
+    corners = np.vstack([ways.place, ways.corners(end), end])
+    return np.linalg.norm(np.diff(corners, axis=0), axis=1).sum(), corners
+
+
+def thing_at(x, z, radius, floor):
+    cells = np.argwhere(floor.disc(np.array([x, z]), radius))
+    none = np.empty((0, 3))
+    return Thing(
+        cells=cells,
+        centre=np.array([x, z]),
+        radius=radius,
+        top=8.0,
+        voxels=Voxels(
+            index=none.astype(np.int64), centres=none, means=none,
+            counts=np.empty(0, dtype=np.int64), colours=none.astype(np.uint8), cell_size=1.0,
+        ),
+        bearings_rad=np.empty(0),
+    )  # fmt: skip
+
+
+def test_a_way_goes_round_a_wall_at_a_distance(floor):
+    end = np.array([20.0, 0.0])
+    length, corners = length_of(plan(state_on(floor)), end)
+    around = 2 * np.hypot(10.5, 20.0)
+    assert around < length < 1.25 * around
+    wall = floor.centres(np.argwhere(floor.occupied))
+    for a, b in itertools.pairwise(corners):
+        samples = a + np.linspace(0, 1, 200)[:, None] * (b - a)
+        away = np.linalg.norm(samples[:, None] - wall, axis=-1).min()
+        assert away > CLEARANCE - 1.0
+
+
+def test_a_way_over_open_ground_is_straight(floor):
+    ways = plan(state_on(floor))
+    end = np.array([-31.3, 17.2])
+    length, corners = length_of(ways, end)
+    assert len(corners) == 2
+    assert length == pytest.approx(np.hypot(*end))
+    assert ways.length(end[None])[0] == pytest.approx(length, rel=0.1)
+
+
+def test_what_is_walled_in_is_not_reached(floor):
+    floor.occupied |= floor.disc(np.array([-20.0, 0.0]), 12.0)
+    floor.occupied &= ~floor.disc(np.array([-20.0, 0.0]), 10.0)
+    ways = plan(state_on(floor))
+    assert not ways.reaches(np.array([[-20.0, 0.0], [90.0, 0.0]])).any()
+    assert ways.reaches(np.array([[-20.0, 30.0]])).all()
+
+
+def test_unknown_ground_is_walked_on_only_when_asked(floor):
+    floor.seen_from[:30] = np.inf
+    end = np.array([[-20.0, 0.0]])
+    assert not plan(state_on(floor)).reaches(end)[0]
+    assert plan(state_on(floor), through_unknown=True).reaches(end)[0]
+
+
+def test_sightings_bar_the_way(floor):
+    ghost = Sighting(centre=np.array([-20.0, 0.0]), radius=4.0, distance=20.0, sigma=1.0)
+    assert plan(state_on(floor)).is_clear(np.zeros(2), np.array([-30.0, 0.0]))
+    ways = plan(state_on(floor, sightings=[ghost]))
+    assert not ways.is_clear(np.zeros(2), np.array([-30.0, 0.0]))
+    assert ways.reaches(np.array([[-30.0, 0.0]]))[0]
+
+
+def test_who_stands_too_near_can_get_away(floor):
+    ways = plan(state_on(floor, place=(9.0, 0.0)))
+    assert ways.reaches(np.array([[-20.0, 0.0]]))[0]
+
+
+def test_the_inside_of_a_thing_and_chinks_are_not_unexplored():
+    floor = Floor(size_x=80, size_z=80)
+    floor.seen_from[:] = 1.0
+    tree = thing_at(10.0, 0.0, 8.0, floor)
+    floor.seen_from[floor.disc(np.array([10.0, 0.0]), 6.0)] = np.inf
+    floor.seen_from[5, 5:8] = np.inf
+    floor.seen_from[:6, 60:] = np.inf
+    assert np.array_equal(unexplored(floor, [tree]), np.isinf(floor.seen_from) & lower_right(floor))
+    assert unexplored(floor, []).sum() > unexplored(floor, [tree]).sum()
+
+
+def lower_right(floor):
+    mask = np.zeros(floor.shape, dtype=bool)
+    mask[:6, 60:] = True
+    return mask
+
+
+def test_a_blocked_place_round_a_thing_is_moved_not_dropped(floor):
+    tree = thing_at(-5.0, 0.0, 3.0, floor)
+    free = stand(plan(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
+    assert np.allclose(free, [-18.0, 0.0])
+    blocked = stand(plan(state_on(floor, (-5.0, 25.0))), tree, 0.0, 10.0)
+    assert blocked is not None
+    assert 0.0 < blocked[0] < 10.5 - CLEARANCE + 1.0
+    assert stand(plan(state_on(floor)), thing_at(36.0, 0.0, 3.9, floor), 0.0, 10.0) is None
+
+
+def test_lookouts_can_be_reached_and_reach_the_frontier(floor):
+    floor.seen_from[60:] = np.inf
+    ways, unknown = plan(state_on(floor)), unexplored(floor, [])
+    places = lookouts(ways, unknown)
+    assert ways.reaches(places).all()
+    assert places[:, 0].max() > 15.0
+    assert 10 < len(places) < 200

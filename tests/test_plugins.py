@@ -1,0 +1,39 @@
+"""Parts by name: recon's own and those of installed packages, with one behaviour on failure."""
+
+from importlib.metadata import EntryPoint, EntryPoints
+
+import pytest
+
+from recon.errors import InputError
+from recon.plugins import Registry
+
+OWN = {"join": "os.path:join"}
+PLUGINS = {"split": "os.path:split", "broken": "no_such_module:part", "join": "os.path:basename"}
+
+
+@pytest.fixture
+def registry(monkeypatch):
+    entries = EntryPoints(EntryPoint(name, value, "g") for name, value in PLUGINS.items())
+    monkeypatch.setattr("recon.plugins.entry_points", lambda group: entries.select(group=group))
+    return Registry("g", "matcher", OWN)
+
+
+def test_a_part_is_loaded_by_name_and_none_of_recons_is_replaced(registry):
+    import os.path
+
+    assert registry.load("join") is os.path.join
+    assert registry.load("split") is os.path.split
+    assert registry.names() == ["join", "split", "broken"]
+
+
+def test_an_unknown_name_is_refused_with_the_nearest(registry):
+    with pytest.raises(InputError, match=r"matcher is 'jion', but one of .* \(nearest: join\)"):
+        registry.load("jion")
+
+
+def test_a_broken_plugin_is_named_in_one_line_and_hurts_nobody_else(registry, caplog):
+    with pytest.raises(InputError, match=r"'broken' \(no_such_module:part\) does not load"):
+        registry.load("broken")
+    assert [name for name, _ in registry.parts()] == ["join", "split"]
+    assert len(caplog.records) == 1
+    assert "'broken'" in caplog.text
