@@ -15,18 +15,21 @@ from recon.records.solids import (
     Sphere,
     TruncatedCone,
 )
+from recon.records.surfaces import DisparityMap, Mesh
 
 __all__ = [
     "UNKNOWN",
     "Box",
     "Cone",
     "Cylinder",
+    "DisparityMap",
     "Ellipsoid",
     "Features",
     "FitFailure",
     "FoundObject",
     "GroundGrid",
     "Matches",
+    "Mesh",
     "PairSource",
     "Part",
     "Plane",
