@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.geometry import pose, rotation_about_y, transform
-from recon.recognition import recognise
-from recon.recognition.segments import components
+from recon.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
 from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings

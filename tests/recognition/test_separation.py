@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from recon.recognition import recognise
-from recon.recognition.segments import components
+from recon.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings

@@ -17,7 +17,7 @@ SEARCH = {"min_disparity": 0, "max_disparity": 16}
 EVERY_WAY = [
     {"matcher": "phase"},
     {"matcher": "phase", "cross_check": "row"},
-    {"matcher": "phase", "members": "quarter"},
+    {"matcher": "phase", "support_sampling": "quarter"},
     {"matcher": "vonmises"},
     {"matcher": "sgbm"},
 ]
