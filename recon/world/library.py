@@ -1,0 +1,33 @@
+"""The scenes that ship with recon, by name."""
+
+import difflib
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.world.textures import SHIPPED
+
+
+def scene_names() -> list[str]:
+    """Names of the scenes that ship."""
+    return sorted(path.stem for path in SHIPPED.glob("*.scene"))
+
+
+def find_scene(scene: str | Path) -> Path:
+    """The geometry file of a scene: a file as it is, else the shipped scene of that name.
+
+    Raises
+    ------
+    InputError
+        Where there is neither, with the nearest shipped name.
+    """
+    path = Path(scene)
+    if path.exists():
+        return path
+    shipped = SHIPPED / f"{path}.scene"
+    if path.name == str(path) and shipped.is_file():
+        return shipped
+    known = scene_names()
+    near = difflib.get_close_matches(str(scene), known, n=1, cutoff=0.0)
+    raise InputError(
+        f"{scene} is neither a file nor a scene that ships ({', '.join(known)}; nearest: {near[0]})"
+    )

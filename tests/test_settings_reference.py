@@ -1,0 +1,22 @@
+"""The reference names every setting, with its meaning."""
+
+from dataclasses import asdict
+
+from recon.settings import Settings
+from recon.settings.reference import reference
+
+
+def test_every_setting_is_listed_once_with_its_default():
+    listed = {one.name: one.default for one in reference()}
+    tree = asdict(Settings())
+    assert listed == {f"{s}.{n}": v for s, values in tree.items() for n, v in values.items()}
+
+
+def test_types_meanings_and_the_thesis_are_told():
+    found = {one.name: one for one in reference()}
+    assert found["matching.cross_check"].type == "exact | row"
+    assert "world units" in found["exploration.clearance"].meaning.lower()
+    assert (found["exploration.controller"].default, found["exploration.controller"].thesis) == (
+        "frontier",
+        "thesis",
+    )
