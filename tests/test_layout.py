@@ -42,7 +42,6 @@ HOMES = {
     "pyarrow": {"exports", "batch"},
     "zarr": {"exports", "batch"},
     "fsspec": {"exports", "batch"},
-    "evo": {"sequences"},
 }
 
 # A door's call stands for the import it makes.

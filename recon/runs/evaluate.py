@@ -18,9 +18,8 @@ from recon.runs.disparity import match_files, measure
 from recon.runs.figures import write_figures
 from recon.runs.order import Progress, RunOrder, unwatched
 from recon.runs.products import as_document
-from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.images import read_image
-from recon.sequences.readers.folder import find_calibration
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated

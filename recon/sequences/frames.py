@@ -1,11 +1,13 @@
 """Frames of a recording, read one at a time; what cannot be used is skipped and counted."""
 
+import copy
 import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from recon.errors import InputError
+from recon.notices import notify
 from recon.records import PairSource, StereoPair
 
 log = logging.getLogger(__name__)
@@ -35,6 +37,8 @@ class Frames(Protocol):
 
     def __iter__(self) -> Iterator[Frame]: ...
 
+    def __getitem__(self, part: slice, /) -> "Frames": ...
+
 
 class Recording:
     """A `PairSource` over frames that are read as they are asked for, never all in memory."""
@@ -44,46 +48,54 @@ class Recording:
         frames: Frames,
         *,
         skipped: Iterable[Skipped] = (),
+        unneeded: Iterable[Skipped] = (),
         disparity_range: tuple[int, int] | None = None,
     ) -> None:
         self.disparity_range = disparity_range
         """(min, max) in pixels, both included, where the recording tells; else None."""
         self._frames = frames
         self._unlisted = tuple(skipped)
-        self._told: set[str] = set()
-        self.skipped: list[Skipped] = []
+        self._unneeded = tuple(unneeded)
+        self._has_told = False
+        self.skipped: list[Skipped] = [*self._unneeded, *self._unlisted]
         """What was left out, so far."""
-        self._begin()
 
     def __len__(self) -> int:
         """Pairs to be read at most."""
         return len(self._frames)
 
+    def __getitem__(self, part: slice) -> "Recording":
+        """A part of the frames; nothing of what lies before is read."""
+        return Recording(self._frames[part], disparity_range=self.disparity_range)
+
     def __iter__(self) -> Iterator[StereoPair]:
-        self._begin()
+        self.skipped = [*self._unneeded, *self._unlisted]
         last: Frame | None = None
         for frame in self._frames:
             try:
                 _check_later(frame, last)
                 pair = frame.load()
             except InputError as error:
-                self._skip(frame.name, str(error))
+                self.skipped.append(Skipped(frame.name, str(error)))
+                log.info("frame %s is skipped: %s", frame.name, error)
                 continue
             last = frame
             yield pair
         if last is None:
             raise InputError(f"no pair could be read; the first fault: {self._first_reason()}")
+        self._say_skipped()
 
-    def _begin(self) -> None:
-        self.skipped = []
-        for name, reason in self._unlisted:
-            self._skip(name, reason)
-
-    def _skip(self, name: str, reason: str) -> None:
-        self.skipped.append(Skipped(name, reason))
-        if name not in self._told:
-            self._told.add(name)
-            log.warning("frame %s is skipped: %s", name, reason)
+    def _say_skipped(self) -> None:
+        """Tell once what a whole pass left out."""
+        faulty = self.skipped[len(self._unneeded) :]
+        if faulty and not self._has_told:
+            self._has_told = True
+            number, first = len(faulty), faulty[0]
+            notify(
+                "frames-skipped",
+                f"{number} frame{'s' if number > 1 else ''} skipped; the first is {first.name}: "
+                f"{first.reason}",
+            )
 
     def _first_reason(self) -> str:
         return self.skipped[0].reason if self.skipped else "the sequence is empty"
@@ -113,8 +125,18 @@ class DerivedSource:
     def __len__(self) -> int:
         return len(self.source)
 
+    def __getitem__(self, part: slice) -> "DerivedSource":
+        """A part of the pairs, changed as those of the whole are."""
+        return self.over(self.source[part])
+
     def __iter__(self) -> Iterator[StereoPair]:
         return iter(self.source)
+
+    def over(self, source: PairSource) -> "DerivedSource":
+        """The same change of the pairs of another source."""
+        changed = copy.copy(self)
+        changed.source = source
+        return changed
 
 
 def _check_later(frame: Frame, last: Frame | None) -> None:

@@ -1,65 +1,197 @@
 """Images from files, whole or not at all."""
 
+import io
 import struct
+import warnings
 import zlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, cast
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.notices import notify
+from recon.sequences.jpeg import may_be_cut, probed
+from recon.sequences.text import read_bytes
 
 Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8] | NDArray[np.uint16]
+"""(H, W) grey or (H, W, 3) RGB as it is stored, 8 or 16 bits deep."""
 
 ENDINGS = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp"}
+MAX_BYTES = 1 << 30
+MAX_PIXELS = 1 << 27
+"""What a header claims is believed up to here: 130 megapixels."""
 
+_FORMATS = ("PNG", "JPEG", "BMP", "TIFF", "PPM", "TGA", "WEBP")
+"""Those of Pillow's that are images of cameras; others may run programs."""
 _PNG_START = b"\x89PNG\r\n\x1a\n"
+_PNG_DEPTH = 24
+"""Where a PNG says how many bits a channel has."""
 _JPEG_START = b"\xff\xd8"
-_JPEG_END = b"\xff\xd9"
+_TIFF_STARTS = (b"II*\0", b"MM\0*")
+_EXIF_ORIENTATION = 274
+_EXIF_UPRIGHT = (0, 1)
+_FAULTS = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError,
+           OverflowError, MemoryError, struct.error, zlib.error)  # fmt: skip
+"""What Pillow raises on damaged files."""
+
+cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
 
-def read_image(path: Path) -> Image:
-    """An image as (H, W) grey or (H, W, 3) RGB uint8; 16 bits are brought to 8.
+def read_image(path: Path, eight_bits: Callable[[Pixels], Image] | None = None) -> Image:
+    """An image as (H, W) grey or (H, W, 3) RGB uint8.
+
+    Parameters
+    ----------
+    path : Path
+    eight_bits : callable, optional
+        What brings 16 bits to 8; a stretch of this image's own where not given.
 
     Raises
     ------
     InputError
         Where the file is missing, cut short, damaged or no image.
     """
+    return (eight_bits or _own_stretch)(read_pixels(path))
+
+
+def read_pixels(path: Path) -> Pixels:
+    """An image as it is stored, grey or RGB, 8 or 16 bits deep; see `read_image`."""
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be read ({error.strerror}), but an image is needed"
-        ) from error
-    return decode(data, str(path))
+        data = read_bytes(path, MAX_BYTES)
+    except InputError as error:
+        raise InputError(f"{error}, but an image is needed") from error
+    return decode_pixels(data, str(path))
 
 
 def decode(data: bytes, name: str) -> Image:
     """The image in the bytes of a file; messages call it `name`."""
-    fault = _fault(data)
-    if fault:
+    return _own_stretch(decode_pixels(data, name))
+
+
+def decode_pixels(data: bytes, name: str) -> Pixels:
+    """The image in the bytes of a file, as it is stored.
+
+    Where alpha says that a pixel is not part of the image, it is black. How a viewer would turn
+    it (EXIF) is not done: the camera was calibrated as it stores.
+    """
+    if not data:
+        raise InputError(f"{name} is empty, but a whole image is needed")
+    if data.startswith(_PNG_START) and (fault := _png_fault(data)):
         raise InputError(f"{name} is {fault}, but a whole image is needed")
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_ANYCOLOR)
-    if image is None:
-        raise InputError(f"{name} is no image that OpenCV can read")
-    rgb: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+    if data.startswith(_PNG_START) and data[_PNG_DEPTH] == 16:
+        return masked(_opencv(data, name))
+    return _pillow(data, name)
+
+
+def masked(pixels: Pixels) -> Pixels:
+    """Pixels (H, W), (H, W, 1 to 4) without their alpha, black where it is under a half."""
+    if pixels.ndim == 2:
+        return pixels
+    channels = pixels.shape[2]
+    colour = pixels[..., : 3 if channels > 2 else 1]
+    if channels in (2, 4):
+        opaque = pixels[..., -1:] > np.iinfo(pixels.dtype).max // 2
+        colour = colour * opaque.astype(pixels.dtype)
+    plain: Any = np.ascontiguousarray(colour if channels > 2 else colour[..., 0])
+    return cast("Pixels", plain)
+
+
+def _own_stretch(pixels: Pixels) -> Image:
+    from recon.sequences.depth import stretch_of
+
+    return stretch_of([pixels])(pixels)
+
+
+def _opencv(data: bytes, name: str) -> Pixels:
+    """What Pillow brings down to 8 bits; RGB or RGBA."""
+    try:
+        stored = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise InputError(f"{name} has a size that cannot be read") from error
+    if stored is None or stored.dtype not in (np.uint8, np.uint16):
+        raise InputError(f"{name} is no image that can be read")
+    order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
+    channels = 1 if stored.ndim == 2 else stored.shape[2]
+    rgb: Pixels = cv2.cvtColor(stored, order[channels]) if channels in order else stored
     return rgb
 
 
-def _fault(data: bytes) -> str | None:
-    """What is wrong with a file: OpenCV pads a JPEG that is cut, and libpng writes to stderr."""
-    if not data:
-        return "empty"
-    if data.startswith(_PNG_START):
-        return _png_fault(data)
-    if data.startswith(_JPEG_START) and not data.rstrip(b"\0").endswith(_JPEG_END):
-        return "cut short"
-    return None
+def _pillow(data: bytes, name: str) -> Pixels:
+    image = _loaded(data, name)
+    orientation = image.getexif().get(_EXIF_ORIENTATION, 1)
+    if orientation not in _EXIF_UPRIGHT and not data.startswith(_TIFF_STARTS):
+        notify(
+            "exif-ignored",
+            f"images are marked to be shown turned (EXIF orientation {orientation}), which is "
+            "ignored: they are taken as the camera stored them",
+        )
+    pixels = _array(image, data, name)
+    if data.startswith(_JPEG_START) and may_be_cut(data, pixels):
+        again = _loaded(probed(data), name)
+        if not np.array_equal(pixels, _array(again, data, name)):
+            raise InputError(f"{name} is cut short, but a whole image is needed")
+    return pixels
+
+
+def _loaded(data: bytes, name: str) -> Any:
+    """Pillow's image, decoded."""
+    import PIL.Image
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            image = PIL.Image.open(io.BytesIO(data), formats=_FORMATS)
+            _check_claim(image.size, name)
+            image.load()
+        except PIL.UnidentifiedImageError as error:
+            raise InputError(f"{name} is no image that can be read") from error
+        except PIL.Image.DecompressionBombError as error:
+            raise InputError(f"{name} claims more pixels than are read") from error
+        except InputError:
+            raise
+        except _FAULTS as error:
+            fault = f"{name} is {_reason(error)}"
+            raise InputError(f"{fault}, but a whole image is needed") from error
+    return image
+
+
+def _check_claim(size: tuple[int, int], name: str) -> None:
+    if size[0] * size[1] > MAX_PIXELS:
+        raise InputError(f"{name} claims {size[0]} x {size[1]} pixels, which are not read")
+
+
+def _reason(error: BaseException) -> str:
+    """Damage in one word for people: libraries say it in many ways."""
+    text = str(error).lower()
+    cut = any(word in text for word in ("truncated", "cut", "not processed", "end of", "eof"))
+    return "cut short" if cut or isinstance(error, EOFError) else "damaged"
+
+
+def _array(image: Any, data: bytes, name: str) -> Pixels:
+    """Pillow's image as an array, by its mode."""
+    if image.mode in ("I;16", "I;16B", "I;16L", "I;16N"):
+        grey: Pixels = np.asarray(image).astype(np.uint16)
+        return grey
+    if image.mode == "I":
+        clipped: Pixels = np.clip(np.asarray(image), 0, 65535).astype(np.uint16)
+        return clipped
+    if data.startswith(_TIFF_STARTS) and image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
+        return masked(_opencv(data, name))
+    if image.mode == "F":
+        raise InputError(f"{name} holds floating point numbers, but an image is needed")
+    has_alpha = "transparency" in image.info or image.mode in ("PA", "La", "RGBa")
+    wanted = {"1": "L", "L": "L", "LA": "LA", "RGB": "RGB", "RGBA": "RGBA"}.get(image.mode)
+    mode = "RGBA" if has_alpha and image.mode in ("P", "PA") else (wanted or "RGB")
+    return masked(np.asarray(image.convert(mode)))
 
 
 def _png_fault(data: bytes) -> str | None:
+    """What is wrong with a PNG: its library would write that to stderr."""
     position = len(_PNG_START)
     while position + 12 <= len(data):
         (length,) = struct.unpack_from(">I", data, position)

@@ -54,13 +54,15 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
 def gaps(listed: Sequence[Listed]) -> list[str]:
     """Names that are missing on both sides, where names are numbers that count by a fixed step.
 
-    Numbers that are no count (times in nanoseconds) have more gaps than names.
+    Times in nanoseconds jitter and are no count: all but a few steps must be the smallest one.
     """
     if len(listed) < 3 or not all(entry.name.isdigit() for entry in listed):
         return []
     numbers = [int(entry.name) for entry in listed]
-    step = min(later - sooner for sooner, later in pairwise(numbers))
-    if not 0 < numbers[-1] - numbers[0] <= 2 * step * len(numbers):
+    steps = [later - sooner for sooner, later in pairwise(numbers)]
+    step = min(steps)
+    is_count = step > 0 and not any(size % step for size in steps)
+    if not is_count or steps.count(step) * 2 < len(steps) or sum(steps) > 2 * step * len(numbers):
         return []
     wanted = range(numbers[0], numbers[-1], step)
     return [str(n).zfill(len(listed[0].name)) for n in wanted if n not in set(numbers)]
@@ -74,7 +76,7 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
 
 def _images(folder: Path) -> list[Path]:
     if not folder.is_dir():
-        raise InputError(f"{folder} is no folder, but one of images is needed")
+        raise InputError(f"{folder} is not a folder, but one of images is needed")
     found = [p for p in folder.iterdir() if p.suffix.lower() in ENDINGS and p.name[0] != "."]
     if not found:
         raise InputError(f"{folder} holds no images ({', '.join(sorted(ENDINGS))})")

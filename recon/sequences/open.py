@@ -1,49 +1,43 @@
 """One door to recordings of every form."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from importlib.metadata import entry_points
+import logging
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from recon.errors import InputError
+from recon.plugins import Registry
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
+from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.frames import DerivedSource
 from recon.sequences.odometry.odometry import EstimatedPoses
-from recon.sequences.readers.bag import is_bag, open_bag
-from recon.sequences.readers.euroc import is_euroc, open_euroc
-from recon.sequences.readers.folder import is_folder, open_folder
-from recon.sequences.readers.kitti import is_kitti, open_kitti
-from recon.sequences.readers.pair_dir import is_pair_dir, open_pair_dir
-from recon.sequences.readers.ring import is_ring, open_ring
-from recon.sequences.readers.simulated import is_simulated, open_simulated
-from recon.sequences.readers.video import is_video, open_video
+from recon.sequences.poses import T_up_recorded
+from recon.sequences.readers.reader import Reader
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings
 
+log = logging.getLogger(__name__)
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reader:
-    """How one form of recording is known and opened.
-
-    Plug-ins name an object of this kind in the entry-point group `recon.sequences`.
-    """
-
-    fits: Callable[[Path], bool]
-    """Whether a path holds this form, told by what is in it."""
-    open: Callable[[Path, SequenceSettings], PairSource]
-
-
-READERS = {  # tried in this order: a ring may have images called like a pair's
-    "folder": Reader(fits=is_folder, open=open_folder),
-    "kitti": Reader(fits=is_kitti, open=open_kitti),
-    "euroc": Reader(fits=is_euroc, open=open_euroc),
-    "ring": Reader(fits=is_ring, open=open_ring),
-    "middlebury": Reader(fits=is_pair_dir, open=open_pair_dir),
-    "video": Reader(fits=is_video, open=open_video),
-    "bag": Reader(fits=is_bag, open=open_bag),
-    "simulated": Reader(fits=is_simulated, open=open_simulated),
-}
+_ROOM = "recon.sequences.readers"
+READERS: Registry[Reader] = Registry(
+    "recon.sequences",
+    "format",
+    {  # tried in this order: a ring may have images called like a pair's
+        "folder": f"{_ROOM}.folder:READER",
+        "kitti": f"{_ROOM}.kitti:READER",
+        "euroc": f"{_ROOM}.euroc:READER",
+        "ring": f"{_ROOM}.ring:READER",
+        "middlebury": f"{_ROOM}.pair_dir:READER",
+        "video": f"{_ROOM}.video:READER",
+        "bag": f"{_ROOM}.bag:READER",
+        "simulated": f"{_ROOM}.simulated:READER",
+    },
+)
+NESTED_LEVELS = 2
+"""Folders that hold nothing but one recording are looked into so deep."""
 
 
 def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
@@ -57,7 +51,9 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
     InputError
         Where nothing is at `path`, no reader knows it, or nothing of it can be used.
     """
-    recording = _recording(Path(path), settings)
+    recording = CheckedPairs(
+        _recording(Path(path), settings), has_given_poses=settings.poses == "given"
+    )
     source: DerivedSource
     if settings.poses == "estimated":
         source = EstimatedPoses(recording)
@@ -65,37 +61,91 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
         source = StraightenedPairs(recording, row_residual)
     if settings.poses == "given":
         source = PosedPairs(source)
+    elif settings.poses == "none":
+        source = UnposedPairs(source)
     return source if settings.roi is None else RegionSource(source, settings.roi)
 
 
 class PosedPairs(DerivedSource):
-    """The pairs of a recording that has poses; without, a single pair needs none."""
+    """The pairs of a recording that has poses; a single pair without one is level at the origin."""
 
     def __iter__(self) -> Iterator[StereoPair]:
         for number, pair in enumerate(self.source):
-            if number and pair.T_world_left is None:
+            if pair.T_world_left is None and (number or len(self.source) > 1):
                 raise InputError(
                     f"{pair.name} has no pose, but all pairs need one to be put together: add "
                     "poses.txt, or take --poses estimated or --poses none"
                 )
-            yield pair
+            yield _level(pair)
+
+
+class UnposedPairs(DerivedSource):
+    """Each pair by itself: its left camera is the origin of a world with y up."""
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        for pair in self.source:
+            yield replace(pair, T_world_left=None) if len(self.source) > 1 else _level(pair)
+
+
+def _level(pair: StereoPair) -> StereoPair:
+    """The pair with a pose: its own, else level at the origin, y up."""
+    if pair.T_world_left is not None:
+        return pair
+    return replace(pair, T_world_left=T_up_recorded(np.eye(4)))
 
 
 def _recording(path: Path, settings: SequenceSettings) -> PairSource:
     if not path.exists():
         raise InputError(f"{path} does not exist, but a recording is needed")
-    readers = READERS | _plug_ins()
     if settings.format != "auto":
-        if settings.format not in readers:
-            raise InputError(
-                f"format is {settings.format!r}, but one of {', '.join(readers)} is needed"
-            )
-        return readers[settings.format].open(path, settings)
-    for reader in readers.values():
-        if reader.fits(path):
-            return reader.open(path, settings)
-    raise InputError(f"{path} is no recording that is known ({', '.join(readers)})")
+        reader = READERS.load(settings.format)
+        return reader.open(_fitting_path(reader, path), settings)
+    found = find_recording(path)
+    if found is None:
+        known = ", ".join(READERS.names())
+        raise InputError(f"{path} is not a recording that is known ({known})")
+    return found[0].open(found[1], settings)
 
 
-def _plug_ins() -> dict[str, Reader]:
-    return {entry.name: entry.load() for entry in entry_points(group="recon.sequences")}
+def find_recording(path: Path) -> tuple[Reader, Path] | None:
+    """The reader that knows what is at `path`, and where: there or in the one folder it holds.
+
+    Raises
+    ------
+    InputError
+        Where there is more than one recording.
+    """
+    places = [path]
+    for _ in range(NESTED_LEVELS + 1):
+        found = [(one, place) for place in places if (one := _reader_of(place)) is not None]
+        if len(found) > 1:
+            names = ", ".join(place.name for _, place in found[:3])
+            raise InputError(f"{path} holds {len(found)} recordings ({names}, ...): name one")
+        if found:
+            return found[0]
+        places = [inner for place in places for inner in _inside(place)]
+    return None
+
+
+def _inside(place: Path) -> list[Path]:
+    return sorted(one for one in place.iterdir() if one.name[0] != ".") if place.is_dir() else []
+
+
+def _reader_of(path: Path) -> Reader | None:
+    """The first reader that knows a path; one of a plug-in that fails is left out."""
+    for name, reader in READERS.parts():
+        try:
+            if reader.fits(path):
+                return reader
+        # A package of somebody else's may fail in any way.
+        except Exception as error:
+            log.warning("format %r fails on %s (%s); it is left out", name, path, error)
+    return None
+
+
+def _fitting_path(reader: Reader, path: Path) -> Path:
+    """`path`, or the only thing in it that the reader knows."""
+    if reader.fits(path):
+        return path
+    inner = [place for place in _inside(path) if reader.fits(place)]
+    return inner[0] if len(inner) == 1 else path

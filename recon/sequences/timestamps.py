@@ -2,16 +2,22 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_finite
-from recon.sequences.poses import Trajectory, read_lines
+from recon.sequences.poses import GivenPoses
+from recon.sequences.text import read_lines
+from recon.sequences.units import in_seconds, matched
 
 Array = NDArray[np.float64]
+
+MIN_STAMP = 10**9
+"""Numbers in names from here on are times: in nanoseconds a second, in seconds the year 2001."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,7 +34,7 @@ class Moment:
 def list_moments(
     names: Sequence[str],
     times: Array | None,
-    trajectory: Trajectory | None,
+    given: GivenPoses | None,
     *,
     needs_pose: bool = True,
 ) -> list[Moment]:
@@ -36,40 +42,108 @@ def list_moments(
 
     Rows that are as many as names go in order. Otherwise the numbers in the names count the rows,
     so that a frame that is missing does not shift the rest: from the first frame where the
-    numbers span as many rows as there are, else from frame 0.
+    numbers span as many rows as there are, else from frame 0. Poses with times are joined by
+    time, where the frames have times too: in a file, or as their names.
 
     Parameters
     ----------
     names : sequence of str
     times : (R,) or None
-        Seconds, one a row.
-    trajectory : Trajectory or None
-        Of the left camera, timed or one pose a row.
+        Seconds, one per row.
+    given : GivenPoses or None
+        Of the left camera: timed, named, numbered, or one per row.
     needs_pose : bool
-        Whether a frame for which the trajectory has no pose is at fault.
+        Whether a frame for which there is no pose is at fault; otherwise poses that cannot be
+        joined are left out.
 
     Raises
     ------
     InputError
-        Where there are more rows than frames and the names have no numbers.
+        Where times or poses are neither as many as the frames nor told apart by the names.
     """
-    if trajectory is not None and times is None:
-        times = trajectory.stamps_s
-    num_rows = next((len(rows) for rows in (times, trajectory) if rows is not None), len(names))
-    return [_moment(row, times, trajectory, needs_pose) for row in _rows(names, num_rows)]
+    if times is None and given is not None and given.stamps_s is not None:
+        times = _times_of_names(names, given)
+    stamps = _stamps(names, times, given)
+    if given is None:
+        return [Moment(stamp_s=stamp) for stamp in stamps]
+    try:
+        poses = _poses(names, stamps, given, is_timed=times is not None)
+    except InputError:
+        if needs_pose:
+            raise
+        return [Moment(stamp_s=stamp) for stamp in stamps]
+    return [
+        Moment(
+            stamp_s=stamp,
+            T_world_left=T,
+            fault="there is no pose for it" if needs_pose and T is None else None,
+        )
+        for stamp, T in zip(stamps, poses, strict=True)
+    ]
 
 
-def _rows(names: Sequence[str], num_rows: int) -> list[int]:
+def _times_of_names(names: Sequence[str], given: GivenPoses) -> Array | None:
+    """Seconds that the names of the frames state, as those of EuRoC do; None where they do not."""
+    assert given.stamps_s is not None
     numbers = [last_number(name) for name in names]
+    if any(number is None or number < MIN_STAMP for number in numbers):
+        return None
+    return in_seconds(np.array(numbers, dtype=np.float64))
+
+
+def _stamps(names: Sequence[str], times: Array | None, given: GivenPoses | None) -> list[float]:
+    if times is not None:
+        return [float(times[row]) for row in _rows(names, len(times), "times")]
+    if given is not None and given.stamps_s is not None and len(given) == len(names):
+        return [float(stamp) for stamp in given.stamps_s]
+    return [float(row) for row in range(len(names))]
+
+
+def _poses(
+    names: Sequence[str], stamps: Sequence[float], given: GivenPoses, *, is_timed: bool
+) -> list[Array | None]:
+    """The pose of each frame in recon's world: by its name, number, time or row."""
+    if given.names is not None:
+        return _by_name(names, given)
+    if given.numbers is not None:
+        row_of = {int(number): row for row, number in enumerate(given.numbers)}
+        rows = [row_of.get(last_number(name) or 0) for name in names]
+        return [None if row is None else given.row_in_world(row) for row in rows]
+    if given.stamps_s is not None and is_timed:
+        scaled = matched(given.stamps_s, np.array(stamps), "the poses")
+        timed = replace(given, stamps_s=scaled)
+        return [timed.in_world(stamp) for stamp in stamps]
+    return [given.row_in_world(row) for row in _rows(names, len(given), "poses")]
+
+
+def _by_name(names: Sequence[str], given: GivenPoses) -> list[Array | None]:
+    """Poses of files whose stem is the frame's name, or holds its number; the left one first."""
+    rows: dict[str, int] = {}
+    files = [*enumerate(given.names or ())]
+    for row, name in sorted(files, key=lambda item: "right" in item[1].lower(), reverse=True):
+        stem = Path(name).stem
+        rows[str(last_number(stem))] = row
+        rows[stem] = row
+    keys = [name if name in rows else str(last_number(name)) for name in names]
+    if not any(key in rows for key in keys):
+        raise InputError(
+            f"the poses are of {given.names[0] if given.names else 'no image'}, ..., but the "
+            f"frames are called {names[0]}, ..."
+        )
+    return [given.row_in_world(rows[key]) if key in rows else None for key in keys]
+
+
+def _rows(names: Sequence[str], num_rows: int, what: str) -> list[int]:
     if len(names) == num_rows:
         return [*range(num_rows)]
-    if None in numbers and len(names) < num_rows:
+    numbers = [last_number(name) for name in names]
+    known = [number for number in numbers if number is not None]
+    start = known[0] if known and known[-1] - known[0] + 1 == num_rows else 0
+    if len(known) < len(names) or max(known) - start >= num_rows:
         raise InputError(
-            f"there are {num_rows} times or poses for {len(names)} frames, whose names "
-            f"({names[0]}, ...) have no numbers to tell which is whose"
+            f"there are {num_rows} {what} for {len(names)} frames ({names[0]}, ...), but as many "
+            "are needed, or numbers in the names that tell which is whose"
         )
-    known = [number if number is not None else row for row, number in enumerate(numbers)]
-    start = known[0] if known[-1] - known[0] + 1 == num_rows else 0
     return [number - start for number in known]
 
 
@@ -79,21 +153,11 @@ def last_number(name: str) -> int | None:
     return int(numbers[-1]) if numbers else None
 
 
-def _moment(
-    row: int, times: Array | None, trajectory: Trajectory | None, needs_pose: bool
-) -> Moment:
-    if times is not None and row >= len(times):
-        return Moment(stamp_s=float(row), fault=f"there is no time in row {row + 1} for it")
-    stamp = float(row) if times is None else float(times[row])
-    if trajectory is None:
-        return Moment(stamp_s=stamp)
-    T_world_left = trajectory.in_world(float(row) if trajectory.stamps_s is None else stamp)
-    fault = "there is no pose for it" if needs_pose and T_world_left is None else None
-    return Moment(stamp_s=stamp, T_world_left=T_world_left, fault=fault)
-
-
 def read_times(path: Path) -> Array | None:
-    """The first number of each line of a file, seconds; None where there is no file.
+    """The first number of each line of a file, in seconds; None where there is no file.
+
+    Milliseconds, microseconds and nanoseconds are known by their size, times of the day
+    (KITTI raw's "2011-09-26 13:02:25.964389445") count from the first.
 
     Raises
     ------
@@ -104,9 +168,18 @@ def read_times(path: Path) -> Array | None:
         return None
     times: list[float] = []
     for number, line in enumerate(read_lines(path), start=1):
+        bare = line.partition("#")[0].replace(",", " ").strip()
         try:
-            times += [float(line.split()[0])] if line.strip() else []
+            times += [_time(bare)] if bare else []
         except ValueError as error:
             raise InputError(f"{path}, line {number}: {line[:40]!r} is no time") from error
     check_finite(str(path), np.array(times))
-    return np.array(times)
+    return in_seconds(np.array(times))
+
+
+def _time(text: str) -> float:
+    clock = re.match(r"(\d{4}-\d\d-\d\d)[ T](\d\d:\d\d:\d\d)(\.\d+)?", text)
+    if clock is None:
+        return float(text.split()[0])
+    day = datetime.fromisoformat(f"{clock[1]}T{clock[2]}+00:00")
+    return day.timestamp() + float(clock[3] or 0)

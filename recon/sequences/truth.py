@@ -1,6 +1,5 @@
 """Disparity in files: the true one of a pair folder, and a found one."""
 
-import json
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,7 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.files import atomic_path
+from recon.sequences.images import ENDINGS as IMAGE_ENDINGS
+from recon.sequences.images import MAX_BYTES, decode_pixels
+from recon.sequences.pfm import decode_pfm, is_pfm, write_pfm
+from recon.sequences.text import read_bytes, read_json
+
+NAMES = ("disp_left", "disp0GT", "disp0", "disp1", "disp2", "disp_occ_0", "disp_occ", "disp_noc_0")
+"""recon's; Middlebury's of 2014, of 2005 and 2006 (view1), of 2001 and 2003 (im2); KITTI's."""
+ENDINGS = IMAGE_ENDINGS | {".pfm"}
+KITTI_SCALE = 256.0
 
 
 class DisparityTruth(NamedTuple):
@@ -22,38 +29,48 @@ class DisparityTruth(NamedTuple):
 
 
 def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTruth:
-    """The truth `disp_left.*` of a pair folder; its scale is in meta.json unless given.
+    """The truth `disp_left.*` of a pair folder, or what Middlebury and KITTI call it.
+
+    Its scale is in meta.json unless given.
 
     Raises
     ------
     InputError
         Where there is no truth, or no scale of whole-numbered truth.
     """
-    files = sorted(Path(pair_dir).glob("disp_left.*"))
-    if not files:
+    found = find_truth(Path(pair_dir))
+    if found is None:
         raise InputError(f"{pair_dir} holds no disp_left.* (.png, .pfm, .tif)")
-    return read_truth_file(files[0], truth_scale)
+    return read_truth_file(found, truth_scale)
+
+
+def find_truth(pair_dir: Path) -> Path | None:
+    """The truth of the left image in a pair folder; None where it has none."""
+    for stem in NAMES:
+        files = [f for f in sorted(pair_dir.glob(f"{stem}.*")) if f.suffix.lower() in ENDINGS]
+        if files:
+            return files[0]
+    return None
 
 
 def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTruth:
     """Disparity of a file: floats as they are (scale 1), whole numbers by their scale.
 
     0 and what is not finite is unknown. Without `truth_scale`, whole numbers need the
-    "truth_scale" of the meta.json beside the file.
+    "truth_scale" of the meta.json beside the file; 16 bits without one are KITTI's, 256.
     """
     stored = _read_numbers(path)
     whole = np.issubdtype(stored.dtype, np.integer)
-    scale = truth_scale or (_scale_beside(path) if whole else 1.0)
-    disparity = stored.astype(np.float64) / scale
+    if truth_scale is None:
+        truth_scale = _scale_beside(path, stored.dtype) if whole else 1.0
+    disparity = stored.astype(np.float64) / truth_scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
-    return DisparityTruth(disparity, _step_px(disparity, scale) if whole else 0.0)
+    return DisparityTruth(disparity, _step_px(disparity, truth_scale) if whole else 0.0)
 
 
 def write_disparity(path: Path, disparity_px: NDArray[np.float64]) -> None:
     """Write a disparity (H, W) as PFM, what is unknown (NaN) as infinite, as Middlebury has it."""
-    stored = np.where(np.isnan(disparity_px), np.inf, disparity_px).astype(np.float32)
-    with atomic_path(path) as part:
-        cv2.imwrite(str(part), stored)
+    write_pfm(path, np.where(np.isnan(disparity_px), np.inf, disparity_px))
 
 
 def _step_px(disparity: NDArray[np.float64], scale: float) -> float:
@@ -63,22 +80,44 @@ def _step_px(disparity: NDArray[np.float64], scale: float) -> float:
 
 
 def _read_numbers(path: Path) -> NDArray[np.generic]:
+    """(H, W) numbers of an image; several channels must say the same."""
+    data = read_bytes(path, MAX_BYTES)
+    numbers = decode_pfm(data, str(path)) if is_pfm(data) else _decode(data, path)
+    if numbers.ndim == 2:
+        return numbers
+    colours = numbers[..., :3] if numbers.shape[2] > 2 else numbers[..., :1]
+    if not (np.isfinite(colours) == np.isfinite(colours[..., :1])).all() or not np.array_equal(
+        np.nan_to_num(colours), np.broadcast_to(np.nan_to_num(colours[..., :1]), colours.shape)
+    ):
+        raise InputError(
+            f"{path} has {numbers.shape[2]} channels that differ, but one of disparities is needed"
+        )
+    one: NDArray[np.generic] = colours[..., 0]
+    return one
+
+
+def _decode(data: bytes, path: Path) -> NDArray[np.generic]:
+    if data.startswith((b"II*\0", b"MM\0*")):  # TIFF may hold floats
+        try:
+            stored = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        except cv2.error as error:
+            raise InputError(f"{path} has a size that cannot be read") from error
+        if stored is not None:
+            numbers: NDArray[np.generic] = stored
+            return numbers
     try:
-        data = np.frombuffer(path.read_bytes(), np.uint8)
-    except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror})") from error
-    numbers = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
-    if numbers is None:
-        raise InputError(f"{path} is no image of disparities")
-    grey: NDArray[np.generic] = numbers if numbers.ndim == 2 else numbers[..., 0]
-    return grey
+        return decode_pixels(data, str(path))
+    except InputError as error:
+        raise InputError(f"{path} is no image of disparities ({error})") from error
 
 
-def _scale_beside(path: Path) -> float:
+def _scale_beside(path: Path, stored: np.dtype[np.generic]) -> float:
     meta = path.parent / "meta.json"
+    if stored == np.uint16 and not meta.is_file():
+        return KITTI_SCALE
     try:
-        scale = float(json.loads(meta.read_text(encoding="utf-8"))["truth_scale"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        scale = float(read_json(meta)["truth_scale"])
+    except (InputError, ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{path} holds whole numbers, but {meta} tells no truth_scale: give --truth-scale"
         ) from error

@@ -17,6 +17,9 @@ class SequenceSettings:
     every: Count = 1
     roi: tuple[int, int, int, int] | None = None
     """x, y, width, height in pixels of the rectified images: the rest is cut off both."""
+    left_topic: str | None = None
+    """Topic of a bag's left images; by its name where not given."""
+    right_topic: str | None = None
     max_confirmed_depth: Positive = 30.0
     """Only points nearer than this, world units, count for the share that other pairs confirm."""
     only_confirmed: bool = False

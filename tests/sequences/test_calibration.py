@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
+from recon.sequences.calibration.chains import read_sensors
 from recon.sequences.calibration.files import read_calibration
-from recon.sequences.calibration.yaml_files import read_sensors
 
 K_LEFT = np.array([[458.654, 0, 367.215], [0, 457.296, 248.375], [0, 0, 1]])
 K_RIGHT = np.array([[457.587, 0, 379.999], [0, 456.134, 255.238], [0, 0, 1]])

@@ -20,12 +20,15 @@ def test_colours_come_as_rgb_and_grey_stays_grey(tmp_path, colours):
     np.testing.assert_array_equal(read_image(tmp_path / "grey.png"), colours[..., 0])
 
 
-def test_sixteen_bits_become_eight_and_alpha_goes(tmp_path, colours):
+def test_sixteen_bits_become_eight_and_alpha_is_a_mask(tmp_path, colours):
     cv2.imwrite(str(tmp_path / "deep.png"), colours[..., 0].astype(np.uint16) * 257)
     np.testing.assert_array_equal(read_image(tmp_path / "deep.png"), colours[..., 0])
     alpha = np.full((20, 30, 1), 128, np.uint8)
+    alpha[:, :10] = 127
     cv2.imwrite(str(tmp_path / "alpha.png"), np.concatenate([colours[..., ::-1], alpha], axis=2))
-    np.testing.assert_array_equal(read_image(tmp_path / "alpha.png"), colours)
+    image = read_image(tmp_path / "alpha.png")
+    np.testing.assert_array_equal(image[:, 10:], colours[:, 10:])
+    assert not image[:, :10].any()
 
 
 @pytest.mark.parametrize("ending", ["png", "jpg"])

@@ -8,7 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
 from recon.geometry import pose
-from recon.sequences.poses import T_up_recorded, Trajectory, read_trajectory
+from recon.sequences.pose_files import read_poses
+from recon.sequences.poses import GivenPoses, T_up_recorded
 from recon.sequences.timestamps import list_moments
 
 rotations = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda v: Rotation.from_rotvec(v).as_matrix())
@@ -40,7 +41,7 @@ def write(path, form, poses):
 
 @pytest.mark.parametrize("form", ["kitti", "tum", "euroc"])
 def test_all_forms_give_the_same_poses(tmp_path, form):
-    trajectory = read_trajectory(write(tmp_path / "poses.txt", form, some_poses()))
+    trajectory = read_poses(write(tmp_path / "poses.txt", form, some_poses()))
     np.testing.assert_allclose(trajectory.poses, some_poses(), atol=1e-7)
     if form == "kitti":
         assert trajectory.stamps_s is None
@@ -51,7 +52,7 @@ def test_all_forms_give_the_same_poses(tmp_path, form):
 def test_spaces_and_a_comment_do_not_matter(tmp_path):
     path = write(tmp_path / "poses.txt", "kitti", some_poses())
     path.write_text("# poses\n" + path.read_text().replace(" ", "   ") + "  \n\n")
-    assert len(read_trajectory(path)) == 4
+    assert len(read_poses(path)) == 4
 
 
 @pytest.mark.parametrize(
@@ -60,8 +61,8 @@ def test_spaces_and_a_comment_do_not_matter(tmp_path):
         ("1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n", r"line 2: rows have \[3, 12\] numbers"),
         ("1 0 0 0 0 1 0 0 0 0 1 nan\n", "line 1: .* but finite numbers are needed"),
         ("0 0 0 0 0 0 0 1\nzero\n", "line 2: 'zero', but finite"),
-        ("2 0 0 0 0 2 0 0 0 0 2 0\n", r"line 1: the pose is no rotation .*off by 3\)"),
-        ("1 0 0 0 0 1 0 0 0 0 -1 0\n", "line 1: the pose is no rotation"),
+        ("2 0 0 0 0 2 0 0 0 0 2 0\n", r"line 1: the pose is not a rotation .*off by 3\)"),
+        ("1 0 0 0 0 1 0 0 0 0 -1 0\n", "line 1: the pose is not a rotation"),
         ("1 0 0 0 0 0 0 1\n0.5 0 0 0 0 0 0 1\n", "line 2: the time is not after the one before"),
         ("# nothing\n", "holds no pose"),
     ],
@@ -70,7 +71,7 @@ def test_what_is_no_pose_is_named_by_its_line(tmp_path, text, message):
     path = tmp_path / "poses.txt"
     path.write_text(text)
     with pytest.raises(InputError, match=message):
-        read_trajectory(path)
+        read_poses(path)
 
 
 @settings(deadline=None, max_examples=30)
@@ -93,7 +94,7 @@ def test_a_world_with_y_up_stays_and_kittis_is_turned():
 def test_between_two_times_the_pose_is_between_too():
     turns = Rotation.from_rotvec([[0, 0, 0], [0, 0.4, 0]]).as_matrix()
     ends = np.stack([pose(R, t) for R, t in zip(turns, ([0, 0, 0], [1, 2, 3]), strict=True)])
-    trajectory = Trajectory(poses=ends, stamps_s=np.array([10.0, 10.2]))
+    trajectory = GivenPoses(poses=ends, stamps_s=np.array([10.0, 10.2]))
     middle = trajectory.at(10.05)
     np.testing.assert_allclose(middle[:3, 3], [0.25, 0.5, 0.75])
     np.testing.assert_allclose(middle[:3, :3], Rotation.from_rotvec([0, 0.1, 0]).as_matrix())
@@ -103,7 +104,7 @@ def test_between_two_times_the_pose_is_between_too():
 
 
 def test_over_a_long_gap_nothing_is_made_up():
-    trajectory = Trajectory(poses=np.stack([np.eye(4)] * 2), stamps_s=np.array([0.0, 3.0]))
+    trajectory = GivenPoses(poses=np.stack([np.eye(4)] * 2), stamps_s=np.array([0.0, 3.0]))
     assert trajectory.at(1.5) is None
     assert trajectory.at(3.0) is not None
 

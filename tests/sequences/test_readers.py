@@ -1,13 +1,15 @@
 """Every form of recording gives the same pairs through the one door."""
 
 from dataclasses import astuple
+from importlib.metadata import EntryPoint
 
 import numpy as np
 import pytest
 
 from recon.errors import InputError
 from recon.sequences import open_sequence
-from recon.sequences.open import READERS, Reader
+from recon.sequences.open import READERS
+from recon.sequences.readers.reader import Reader
 from recon.settings import SequenceSettings
 from tests.sequences.recordings import (
     NUM_PAIRS,
@@ -110,7 +112,7 @@ def test_a_single_pair_stands_at_the_origin_and_knows_its_search_range(tmp_path)
 def test_without_poses_several_pairs_cannot_be_put_together(tmp_path):
     path = write_folder(tmp_path / "recording")
     (path / "poses.txt").unlink()
-    with pytest.raises(InputError, match=r"000001 has no pose.*--poses estimated"):
+    with pytest.raises(InputError, match=r"000000 has no pose.*--poses estimated"):
         list(open_sequence(path, SequenceSettings()))
     assert len(list(open_sequence(path, SequenceSettings(poses="none")))) == NUM_PAIRS
 
@@ -152,27 +154,43 @@ def test_one_video_holds_both_eyes_side_by_side(tmp_path):
 
 
 def test_what_is_no_recording_is_refused(tmp_path):
-    with pytest.raises(InputError, match="is no recording that is known"):
+    with pytest.raises(InputError, match="is not a recording that is known"):
         open_sequence(tmp_path, SequenceSettings())
     with pytest.raises(InputError, match="does not exist"):
         open_sequence(tmp_path / "nothing", SequenceSettings())
-    with pytest.raises(InputError, match="left is no folder"):
+    with pytest.raises(InputError, match="left is not a folder"):
         open_sequence(tmp_path, SequenceSettings(format="folder"))
 
 
 def test_a_plug_in_is_found_by_its_name(tmp_path, monkeypatch):
-    class Entry:
-        name = "mine"
-
-        def load(self):
-            return Reader(fits=lambda path: (path / "mine").exists(), open=READERS["folder"].open)
-
-    monkeypatch.setattr("recon.sequences.open.entry_points", lambda group: [Entry()])
+    plug_in(monkeypatch, mine="tests.sequences.test_readers:MINE")
     path = write_folder(tmp_path / "recording")
     (path / "left").rename(path / "links")
     (path / "mine").touch()
-    with pytest.raises(InputError, match="left is no folder"):
+    with pytest.raises(InputError, match="left is not a folder"):
         open_sequence(path, SequenceSettings())
+
+
+@pytest.mark.parametrize("value", ["no_such_module:X", "tests.sequences.test_readers:BROKEN"])
+def test_a_broken_plug_in_hurts_nobody(tmp_path, monkeypatch, value):
+    plug_in(monkeypatch, broken=value)
+    path = write_folder(tmp_path / "recording")
+    assert len(list(open_sequence(path, SequenceSettings()))) == NUM_PAIRS
+    with pytest.raises(InputError, match="is not a recording that is known"):
+        open_sequence(path / "left", SequenceSettings())
+
+
+def plug_in(monkeypatch, **values):
+    entries = [EntryPoint(name, value, "recon.sequences") for name, value in values.items()]
+    monkeypatch.setattr("recon.plugins.entry_points", lambda group: entries)
+
+
+def _fail(path):
+    raise RuntimeError("a fault of somebody else's")
+
+
+MINE = Reader(fits=lambda path: (path / "mine").exists(), open=READERS.load("folder").open)
+BROKEN = Reader(fits=_fail, open=_fail)
 
 
 def _grey(image):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_finite, check_shape
-from recon.geometry import check_rigid
+from recon.geometry import check_rigid, pose
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,11 @@ class Camera:
         if self.distortion.shape not in [(number,) for number in numbers]:
             raise InputError(
                 f"distortion has {self.distortion.size} numbers, but one of {numbers} is needed"
+            )
+        if np.abs(self.matrix[[1, 2, 2], [0, 0, 1]]).max() > 1e-6 or self.matrix[2, 2] != 1.0:
+            raise InputError(
+                f"camera matrix is {self.matrix.round(3).tolist()}, but rows fx s cx, 0 fy cy, "
+                "0 0 1 are needed"
             )
         if not (np.diag(self.matrix) > 0).all():
             raise InputError(
@@ -79,6 +84,26 @@ class Calibration:
         return bool(
             across and aligned and straight and _same_rows(self.left.matrix, self.right.matrix)
         )
+
+
+def from_projections(
+    left: Array, right: Array, *, size: tuple[int, int] | None = None
+) -> Calibration:
+    """Rectified cameras of two (3, 4) projections ``K [I | t]`` of one world."""
+    cameras = [Camera(matrix=P[:, :3], distortion=np.zeros(0), size=size) for P in (left, right)]
+    step = projected_step(right) - projected_step(left)
+    return Calibration(left=cameras[0], right=cameras[1], T_right_left=pose(np.eye(3), step))
+
+
+def projected_step(projection: Array) -> Array:
+    """The step t (3,) of a projection ``K [I | t]`` (3, 4)."""
+    try:
+        step = np.linalg.solve(projection[:, :3], projection[:, 3]).astype(np.float64)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"projection matrix is {projection.tolist()}, but one of a camera is needed"
+        ) from error
+    return step
 
 
 def _same_rows(left: Array, right: Array) -> bool:

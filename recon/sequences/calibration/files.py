@@ -1,98 +1,143 @@
 """Calibration files of every form, told apart by what they hold."""
 
-import re
+from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
+from recon.errors import InputError
+from recon.sequences.calibration import chains
+from recon.sequences.calibration.cameras import Calibration
+from recon.sequences.calibration.documents import MAX_BYTES, Document, read_document
+from recon.sequences.calibration.opencv_files import is_opencv, is_ros, opencv, ros
+from recon.sequences.calibration.rows import Cameras, is_kitti, is_middlebury, kitti, middlebury
+from recon.sequences.text import read_lines
 
-from recon.errors import InputError, check_finite
-from recon.geometry import pose
-from recon.sequences.calibration.cameras import Calibration, Camera
-from recon.sequences.calibration.yaml_files import read_yaml_calibration
-from recon.sequences.poses import read_lines
-
-Array = NDArray[np.float64]
+PARTNERS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("cam0", "cam1"),
+            ("camera0", "camera1"), ("infra1", "infra2"))  # fmt: skip
+"""How the names of two files of one rig differ."""
+ENDINGS = (".txt", ".yaml", ".yml", ".xml", ".json")
 
 
-def read_calibration(path: Path) -> Calibration:
-    """The two cameras of a calibration file.
+def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
+    """The two cameras of a calibration.
 
-    KITTI's rows (3 x 4 projection matrices, with or without a label: the first two are left and
-    right), Middlebury's keys, or the YAML of OpenCV 4 and 5 or Kalibr.
+    KITTI's rows (3 x 4 projection matrices, with or without a label), KITTI raw's
+    calib_cam_to_cam.txt, Middlebury's keys; OpenCV's YAML, XML or JSON, in one file or as
+    intrinsics.yml and extrinsics.yml; ROS's left.yaml and right.yaml; the YAML of Kalibr, OKVIS,
+    VINS-Fusion and ORB-SLAM.
+
+    Parameters
+    ----------
+    path : Path
+        A file, one of two that belong together, or a folder that holds one calibration.
+    cameras : (left, right), optional
+        Which of KITTI's four cameras took the images; the first two where not given.
 
     Raises
     ------
     InputError
         With the line or the key that is wrong or missing.
     """
-    lines = read_lines(path)
-    if any(re.match(r"\s*cam0\s*=", line) for line in lines):
-        return _middlebury(path, lines)
-    if any(len(line.rpartition(":")[2].split()) == 12 for line in lines):
-        return from_projections(*[*kitti_projections(path).values()][:2])
-    return read_yaml_calibration(path)
+    if path.is_dir():
+        path = find_calibration(path)
+    lines = read_lines(path, MAX_BYTES)
+    if is_middlebury(lines):
+        return middlebury(path)
+    if is_kitti(lines):
+        return kitti(path, cameras)
+    try:
+        return _of_document(path, read_document(path))
+    except KeyError as error:
+        raise InputError(f"{path} lacks {error.args[0]}") from error
+    except InputError as error:
+        raise error if str(path) in str(error) else InputError(f"{path}: {error}") from error
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{path}: {error}") from error
 
 
-def kitti_projections(path: Path) -> dict[str, Array]:
-    """The (3, 4) projection matrices of KITTI's calib.txt, by their labels or lines.
+def _of_document(path: Path, document: Document) -> Calibration:
+    if is_ros(document):
+        return ros(*_two_sides(path))
+    for fits, read in (
+        (chains.is_kalibr, chains.kalibr),
+        (chains.is_okvis, chains.okvis),
+        (chains.is_orbslam, chains.orbslam),
+    ):
+        if fits(document):
+            return read(document)
+    if chains.is_vins(document):
+        return chains.vins(document, path.parent)
+    return opencv(_with_partner(path, document))
+
+
+def _two_sides(path: Path) -> tuple[Document, Document]:
+    """The documents of a left and a right file, whichever of them is given."""
+    for left, right in PARTNERS:
+        for here, there in ((left, right), (right, left)):
+            partner = path.with_name(path.name.replace(here, there))
+            if here in path.name and partner.is_file():
+                files = (path, partner) if here == left else (partner, path)
+                return read_document(files[0]), read_document(files[1])
+    raise InputError(
+        f"{path} holds one camera of ROS, but no file of the other side lies beside it "
+        "(left.yaml and right.yaml)"
+    )
+
+
+def _with_partner(path: Path, document: Document) -> Document:
+    """Intrinsics with the extrinsics beside them, or the other way round."""
+    has_step, has_cameras = "R" in document and "T" in document, is_opencv(document)
+    if has_step and "M1" in document:
+        return document
+    for here, there in (("intrinsic", "extrinsic"), ("extrinsic", "intrinsic")):
+        partner = path.with_name(path.name.replace(here, there))
+        missing = not has_step if here == "intrinsic" else True
+        if here in path.name and missing and partner.is_file():
+            return {**read_document(partner), **document}
+    if not has_cameras and not has_step:
+        raise KeyError(
+            "K1 or M1: it is no calibration that is known (OpenCV, ROS, Kalibr, OKVIS, "
+            "VINS-Fusion, ORB-SLAM, KITTI, Middlebury)"
+        )
+    return document
+
+
+def find_calibration(path: Path, names: Sequence[str] = ("calib.txt",)) -> Path:
+    """The calibration file of a folder: one of `names`, or the first that holds a calibration.
 
     Raises
     ------
     InputError
-        Where there are not two, or a row has not twelve numbers.
+        Where there is none.
     """
-    rows: dict[str, str] = {}
-    for number, line in enumerate(read_lines(path), start=1):
-        label, _, values = line.rpartition(":")
-        if line.strip():
-            rows[label.strip() or f"line {number}"] = values
-    wanted = [name for name in rows if name.startswith(("P", "line"))]
-    if len(wanted) < 2:
-        raise InputError(f"{path} holds {len(wanted)} projection matrix, but two are needed")
-    return {name: _matrix(path, rows, name, (3, 4)) for name in wanted}
+    for name in names:
+        if (path / name).is_file():
+            return path / name
+    files = [
+        file
+        for file in sorted(path.iterdir() if path.is_dir() else [])
+        if file.suffix.lower() in ENDINGS and file.is_file() and file.name[0] != "."
+    ]
+    files.sort(key=_likelihood)
+    faults = []
+    for file in files:
+        try:
+            read_calibration(file)
+        except InputError as error:
+            faults.append((file, str(error)))
+        else:
+            return file
+    raise InputError(_none_found(path, faults))
 
 
-def from_projections(left: Array, right: Array) -> Calibration:
-    """Rectified cameras of two (3, 4) projections ``K [I | t]`` of one world."""
-    cameras = [Camera(matrix=P[:, :3], distortion=np.zeros(0)) for P in (left, right)]
-    t_left, t_right = (np.linalg.solve(P[:, :3], P[:, 3]) for P in (left, right))
-    return Calibration(
-        left=cameras[0], right=cameras[1], T_right_left=pose(np.eye(3), t_right - t_left)
-    )
+def _likelihood(file: Path) -> tuple[bool, bool]:
+    """A sorting key: names that say calibration first, then structured files before texts."""
+    return "calib" not in file.name.lower(), file.suffix.lower() == ".txt"
 
 
-def _middlebury(path: Path, lines: list[str]) -> Calibration:
-    """Middlebury 2014's keys; their millimetres become metres."""
-    keys = {line.partition("=")[0].strip(): line.partition("=")[2] for line in lines}
-    left, right = (_matrix(path, keys, name, (3, 3)) for name in ("cam0", "cam1"))
-    size = None
-    if "width" in keys and "height" in keys:
-        size = (int(_number(path, keys, "width")), int(_number(path, keys, "height")))
-    step = pose(np.eye(3), [-_number(path, keys, "baseline") / 1000.0, 0.0, 0.0])
-    return Calibration(
-        left=Camera(matrix=left, distortion=np.zeros(0), size=size),
-        right=Camera(matrix=right, distortion=np.zeros(0), size=size),
-        T_right_left=step,
-        disparity_range=(0, int(_number(path, keys, "ndisp"))) if "ndisp" in keys else None,
-    )
-
-
-def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int]) -> Array:
-    """The numbers of a key, row by row, brackets and semicolons left out."""
-    fields = re.sub(r"[\[\];,]", " ", keys.get(name, "")).split()
-    try:
-        numbers = np.array([float(field) for field in fields]).reshape(shape)
-        check_finite(f"{path}: {name}", numbers)
-        return numbers
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(
-            f"{path}: {name} is {keys.get(name, 'missing')!r:.80}, but "
-            f"{shape[0] * shape[1]} numbers are needed"
-        ) from error
-
-
-def _number(path: Path, keys: dict[str, str], name: str) -> float:
-    return float(_matrix(path, keys, name, (1, 1))[0, 0])
+def _none_found(path: Path, faults: list[tuple[Path, str]]) -> str:
+    likely = [fault for file, fault in faults if "calib" in file.name.lower()] or [
+        fault for file, fault in faults if file.suffix.lower() in (".yaml", ".yml", ".xml")
+    ]
+    if likely:
+        return likely[0]
+    return f"{path} holds no calibration: calib.txt or a YAML file is needed"

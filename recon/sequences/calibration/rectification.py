@@ -11,6 +11,7 @@ from recon.errors import InputError
 from recon.geometry import invert, pose
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
+from recon.sequences.depth import alike
 from recon.sequences.images import Image
 
 Array = NDArray[np.float64]
@@ -49,7 +50,7 @@ class Rectifier:
         self, left: Image, right: Image, T_world_raw: Array | None, stamp_s: float, name: str
     ) -> StereoPair:
         """The rectified pair of raw images, whose left camera stood at `T_world_raw`."""
-        left, right = self(left, right)
+        left, right = self(*alike(left, right))
         return StereoPair(
             left=left,
             right=right,

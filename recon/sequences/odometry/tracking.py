@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import StereoPair
+from recon.sequences.depth import grey
 from recon.sequences.images import Image
 
 Array = NDArray[np.float64]
@@ -68,11 +69,11 @@ class Tracks:
 def track(first: StereoPair, second: StereoPair) -> Tracks:
     """Follow corners of `first` through all four images."""
     left, right, next_left, next_right = (
-        _grey(image) for image in (first.left, first.right, second.left, second.right)
+        grey(image) for image in (first.left, first.right, second.left, second.right)
     )
     points = corners(left)
     seen, is_seen = _seen_by_both(left, right, points)
-    moved, is_moved = _follow(left, next_left, points[is_seen])
+    moved, is_moved = follow(left, next_left, points[is_seen])
     next_seen, is_next_seen = _seen_by_both(next_left, next_right, moved[is_moved])
     return Tracks(
         first=seen.select(is_seen).select(is_moved).select(is_next_seen),
@@ -82,8 +83,8 @@ def track(first: StereoPair, second: StereoPair) -> Tracks:
 
 def sight(pair: StereoPair) -> Sightings:
     """Corners that both eyes see."""
-    left = _grey(pair.left)
-    seen, is_seen = _seen_by_both(left, _grey(pair.right), corners(left))
+    left = grey(pair.left)
+    seen, is_seen = _seen_by_both(left, grey(pair.right), corners(left))
     return seen.select(is_seen)
 
 
@@ -113,7 +114,7 @@ def _spans(extent: int, parts: int) -> list[tuple[int, int]]:
 def _seen_by_both(
     left: Image, right: Image, points: NDArray[np.float32]
 ) -> tuple[Sightings, NDArray[np.bool_]]:
-    found, is_found = _follow(left, right, points)
+    found, is_found = follow(left, right, points)
     offset = points.astype(np.float64) - found
     row_offset = -offset[:, 1]
     usual = np.median(row_offset[is_found]) if is_found.any() else 0.0
@@ -124,21 +125,33 @@ def _seen_by_both(
     return seen, is_found & is_level
 
 
-def _follow(
-    source: Image, target: Image, points: NDArray[np.float32]
+def follow(
+    source: Image,
+    target: Image,
+    points: NDArray[np.float32],
+    guess: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Where points went, and whether following them back leads home."""
+    """Points (N, 2) followed into another image, and whether following them back leads home.
+
+    Parameters
+    ----------
+    source, target : (H, W) uint8
+    points : (N, 2) float32
+        In `source`.
+    guess : (N, 2) float32, optional
+        Where they are about in `target`.
+    """
     if not len(points):
         return points, np.zeros(0, np.bool_)
-    follow = partial(
+    step = partial(
         cv2.calcOpticalFlowPyrLK, winSize=(LK_WINDOW_PX, LK_WINDOW_PX), maxLevel=LK_LEVELS
     )
-    there, ahead, _ = follow(source, target, points, None)
-    home, back, _ = follow(target, source, there, None)
+    if guess is None:
+        there, ahead, _ = step(source, target, points, None)
+        home, back, _ = step(target, source, there, None)
+    else:
+        known = {"flags": cv2.OPTFLOW_USE_INITIAL_FLOW}
+        there, ahead, _ = step(source, target, points, guess.copy(), **known)
+        home, back, _ = step(target, source, there, points.copy(), **known)
     error = np.linalg.norm(home - points, axis=1)
     return there, (ahead[:, 0] == 1) & (back[:, 0] == 1) & (error < MAX_RETURN_ERROR_PX)
-
-
-def _grey(image: Image) -> Image:
-    grey: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    return grey

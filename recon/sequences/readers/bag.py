@@ -2,8 +2,10 @@
 
 import re
 import sqlite3
-from collections.abc import Iterator
+import struct
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -15,8 +17,9 @@ from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
+from recon.sequences.depth import Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording
-from recon.sequences.poses import Trajectory
+from recon.sequences.poses import GivenPoses
 from recon.sequences.readers.bag_messages import (
     CAMERA_TYPE,
     IMAGE_TYPES,
@@ -24,88 +27,130 @@ from recon.sequences.readers.bag_messages import (
     image,
     stamp_ns,
 )
-from recon.sequences.readers.folder import given_trajectory
+from recon.sequences.readers.folder import given_poses
+from recon.sequences.readers.reader import Reader
 from recon.settings import SequenceSettings
 
-SIDES = {"left": re.compile(r"left|cam(era)?_?0"), "right": re.compile(r"right|cam(era)?_?1")}
-"""What topics of the two cameras are called."""
+SIDES = ("left", "right")
+NAMES = (
+    {"left": re.compile(r"left"), "right": re.compile(r"right")},
+    {"left": re.compile(r"infra_?1"), "right": re.compile(r"infra_?2")},
+    {"left": re.compile(r"cam(era)?_?0"), "right": re.compile(r"cam(era)?_?1")},
+    {"left": re.compile(r"cam(era)?_?1"), "right": re.compile(r"cam(era)?_?2")},
+)
+"""What topics of the two cameras are called, tried in turn: the first that names both sides."""
+ENDINGS = (".bag", ".mcap", ".db3")
 MAX_STAMP_GAP_NS = 1_000_000
 """Between the two images of a pair: cameras that are triggered together differ by less."""
 MAX_WAITING = 64
 """Images that are kept until their partner comes."""
+
+NUM_FIRST = 8
+"""Messages of whose images the first of each side tells size and levels."""
+_DAMAGE = (ValueError, KeyError, IndexError, TypeError, AssertionError, EOFError, struct.error)
+"""What a reader of damaged bags raises."""
 
 Messages = dict[str, Any]
 """The messages of one moment, by their side."""
 
 
 def is_bag(path: Path) -> bool:
-    """Whether `path` is a bag of ROS 1, or a folder of ROS 2's."""
+    """Whether `path` is a bag of ROS 1, a folder or a single file of ROS 2's."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
-    return path.suffix == ".bag"
+    return path.suffix in ENDINGS
 
 
 def open_bag(path: Path, settings: SequenceSettings) -> Recording:
     """The recording in a bag; calib.* and poses.txt beside it come before what it holds."""
-    images = _topics(path, IMAGE_TYPES)
-    first = next(_messages(path, [images["left"]]), None)
-    if first is None:
-        raise InputError(f"{path} holds no images of the topic {images['left']}")
-    calibration = _calibration(path, is_rectified="rect" in images["left"])
-    height, width = image(first[1]).shape[:2]
+    images = image_topics(path, settings)
+    stream = _messages(path, [*images.values()])
+    first = {topic: message for topic, _, message in islice(stream, NUM_FIRST)}
+    for topic in images.values():
+        if topic not in first:
+            first[topic] = next((m for _, _, m in _messages(path, [topic])), None)
+        if first[topic] is None:
+            raise InputError(f"{path} holds no images of the topic {topic}")
+    samples = {topic: image(message) for topic, message in first.items()}
+    calibration = _calibration(path, images)
+    height, width = samples[images["left"]].shape[:2]
     rectify = rectifier(calibration, (width, height))
-    trajectory = given_trajectory(path.parent / "poses.txt", settings)
-    frames = _BagFrames(path, images, rectify, trajectory, settings)
+    given = given_poses(path.parent, settings)
+    frames = _BagFrames(
+        path=path,
+        topics=images,
+        load=_Loader(
+            rectify=rectify,
+            eight_bits=stretch_of([*samples.values()]),
+            given=given,
+            needs_pose=settings.poses == "given" and given is not None,
+        ),
+        wanted=slice(0, None, settings.every),
+    )
     return Recording(frames, disparity_range=calibration.disparity_range)
 
 
-class _BagFrames:
-    """Pairs of images in the order of the bag; each pass reads it anew."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Loader:
+    """What makes a pair of two messages."""
 
-    def __init__(
-        self,
-        path: Path,
-        topics: dict[str, str],
-        rectify: Rectifier,
-        trajectory: Trajectory | None,
-        settings: SequenceSettings,
-    ) -> None:
-        self._path, self._topics, self._rectify = path, topics, rectify
-        self._trajectory, self._poses, self._every = trajectory, settings.poses, settings.every
+    rectify: Rectifier
+    eight_bits: Stretch
+    given: GivenPoses | None
+    needs_pose: bool
 
-    def __len__(self) -> int:
-        with _opened(self._path) as reader:
-            lefts = [c.msgcount for c in reader.connections if c.topic == self._topics["left"]]
-        return -(-int(sum(lefts)) // self._every)
-
-    def __iter__(self) -> Iterator[Frame]:
-        sides = {topic: side for side, topic in self._topics.items()}
-        stream = ((sides[topic], m) for topic, m in _messages(self._path, [*sides]))
-        for stamp, messages in islice(paired(stream), 0, None, self._every):
-            load = partial(self._load, stamp, messages)
-            yield Frame(name=str(stamp), stamp_s=stamp * 1e-9, load=load)
-
-    def _load(self, stamp: int, messages: Messages) -> StereoPair:
+    def __call__(self, stamp: int, messages: Messages) -> StereoPair:
+        """The rectified pair of a moment."""
         for side in SIDES:
             if side not in messages:
                 raise InputError(f"it has no {side} image")
-        T_world_left = None
-        if self._trajectory is not None:
-            T_world_left = self._trajectory.in_world(stamp * 1e-9)
-            if T_world_left is None and self._poses == "given":
-                raise InputError("there is no pose for it")
-        left, right = image(messages["left"]), image(messages["right"])
-        return self._rectify.pair(left, right, T_world_left, stamp * 1e-9, str(stamp))
+        T_world_left = None if self.given is None else self.given.in_world(stamp * 1e-9)
+        if T_world_left is None and self.needs_pose:
+            raise InputError("there is no pose for it")
+        left, right = (self.eight_bits(image(messages[side])) for side in SIDES)
+        return self.rectify.pair(left, right, T_world_left, stamp * 1e-9, str(stamp))
 
 
-def paired(stream: Iterator[tuple[str, Any]]) -> Iterator[tuple[int, Messages]]:
-    """Messages ("left" or "right", message) put together by their time stamps, in order.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _BagFrames:
+    """Pairs of images in the order of the bag; each pass reads it anew."""
+
+    path: Path
+    topics: dict[str, str]
+    load: _Loader
+    wanted: slice
+
+    def __len__(self) -> int:
+        with _opened(self.path) as reader:
+            lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
+        return len(range(int(sum(lefts)))[self.wanted])
+
+    def __getitem__(self, part: slice) -> "_BagFrames":
+        with _opened(self.path) as reader:
+            lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
+        rows = range(int(sum(lefts)))[self.wanted][part]
+        return replace(self, wanted=slice(rows.start, rows.stop, rows.step))
+
+    def __iter__(self) -> Iterator[Frame]:
+        sides = {topic: side for side, topic in self.topics.items()}
+        stream = (
+            (sides[topic], stamp_ns(message) or received, message)
+            for topic, received, message in _messages(self.path, [*sides])
+        )
+        rows = self.wanted
+        for stamp, messages in islice(paired(stream), rows.start, rows.stop, rows.step):
+            yield Frame(
+                name=str(stamp), stamp_s=stamp * 1e-9, load=partial(self.load, stamp, messages)
+            )
+
+
+def paired(stream: Iterable[tuple[str, int, Any]]) -> Iterator[tuple[int, Messages]]:
+    """Messages ("left" or "right", stamp, message) put together by their stamps, in order.
 
     A message without a partner comes alone.
     """
     waiting: dict[str, dict[int, Any]] = {side: {} for side in SIDES}
-    for side, message in stream:
-        stamp = stamp_ns(message)
+    for side, stamp, message in stream:
         other = "right" if side == "left" else "left"
         partner = min(waiting[other], key=lambda t: abs(t - stamp), default=None)
         if partner is None or abs(partner - stamp) > MAX_STAMP_GAP_NS:
@@ -125,52 +170,127 @@ def _alone(waiting: dict[str, dict[int, Any]], end: int | None) -> list[tuple[in
     return [(t, {side: waiting[side].pop(t)}) for t, side in old]
 
 
-def _calibration(path: Path, *, is_rectified: bool) -> Calibration:
-    for file in sorted(path.parent.glob("calib.*")):
+def _calibration(path: Path, images: dict[str, str]) -> Calibration:
+    """The calibration beside a bag, else that of the cameras whose images are taken."""
+    for file in sorted(path.parent.glob("calib*.*")):
         return read_calibration(file)
-    infos = _topics(path, (CAMERA_TYPE,))
-    left, right = (next(_messages(path, [infos[side]]), None) for side in SIDES)
+    infos = {side: _info_topic(path, topic) for side, topic in images.items()}
+    if None in infos.values():
+        try:
+            return read_calibration(path.parent)
+        except InputError as error:
+            raise InputError(
+                f"{path} holds no camera info, and no calib.* lies beside it"
+            ) from error
+    left, right = (next((m for _, _, m in _messages(path, [str(infos[s])])), None) for s in SIDES)
     if left is None or right is None:
         raise InputError(f"{path} holds no camera info, and no calib.* lies beside it")
-    return calibration_of(left[1], right[1], is_rectified=is_rectified)
+    return calibration_of(left, right, is_rectified="rect" in images["left"])
 
 
-def _topics(path: Path, types: tuple[str, ...]) -> dict[str, str]:
-    """The topic of each side among those of some types; rectified ones before raw ones."""
-    with _opened(path) as reader:
-        topics = sorted({c.topic for c in reader.connections if c.msgtype in types})
-    topics.sort(key=lambda topic: "rect" not in topic)
-    found = {
-        side: next((topic for topic in topics if name.search(topic.lower())), None)
-        for side, name in SIDES.items()
-    }
+def _info_topic(path: Path, image_topic: str) -> str | None:
+    """The camera info beside a topic of images, or the only one that has its name."""
+    topics = topics_of(path, (CAMERA_TYPE,))
+    side = image_topic.rstrip("/").rpartition("/")[0]
+    near = [t for t in topics if t.rpartition("/")[0] in (side, image_topic)]
+    if near:
+        return near[0]
+    # cam0/image_raw and cam0_info, left/image and left_camera_info: the same name begins both.
+    stem = side.rpartition("/")[2]
+    named = [t for t in topics if stem and re.search(rf"(^|/){re.escape(stem)}[^/]*", t)]
+    return named[0] if len(named) == 1 else None
+
+
+def image_topics(path: Path, settings: SequenceSettings) -> dict[str, str]:
+    """The topic of each side: the one asked for, or the one whose name says it.
+
+    Raises
+    ------
+    InputError
+        With the topics of images there are.
+    """
+    topics = topics_of(path, IMAGE_TYPES)
+    asked = {"left": settings.left_topic, "right": settings.right_topic}
+    for side, topic in asked.items():
+        if topic is not None and topic not in topics:
+            raise InputError(
+                f"{side} topic is {topic!r}, but one of {', '.join(topics) or 'none'} is needed"
+            )
+    chosen = _named_sides([topic for topic in topics if topic not in asked.values()])
+    found = {side: asked[side] or chosen.get(side) for side in SIDES}
     missing = [side for side, topic in found.items() if topic is None]
-    if missing:
-        kind = types[0].rpartition("/")[2]
+    if missing or found["left"] == found["right"]:
+        side = missing[0] if missing else "right"
         raise InputError(
-            f"{path} holds no {kind} topic of the {missing[0]} camera (of {topics or 'none'})"
+            f"{path} holds no Image topic of the {side} camera that is known by its name (of "
+            f"{', '.join(topics) or 'none'}): give --left-topic and --right-topic"
         )
-    return {side: topic for side, topic in found.items() if topic is not None}
+    return {side: str(topic) for side, topic in found.items()}
 
 
-def _messages(path: Path, topics: list[str]) -> Iterator[tuple[str, Any]]:
-    """(topic, message) in the order of the bag."""
+def _named_sides(topics: list[str]) -> dict[str, str]:
+    """The topic of each side by its name: by its last part that tells before the others."""
+    ranked = sorted(topics, key=_likelihood)
+    for names in NAMES:
+        found = {
+            side: next((topic for topic in ranked if _says(names, side, topic)), None)
+            for side in SIDES
+        }
+        if None not in found.values():
+            return {side: str(topic) for side, topic in found.items()}
+    return {}
+
+
+def _says(names: dict[str, re.Pattern[str]], side: str, topic: str) -> bool:
+    """Whether the last part of a topic that names a side names this one."""
+    other = "right" if side == "left" else "left"
+    for part in reversed(topic.lower().split("/")):
+        if names[side].search(part):
+            return True
+        if names[other].search(part):
+            return False
+    return False
+
+
+def _likelihood(topic: str) -> tuple[bool, bool, str]:
+    """A sorting key: rectified images before raw ones, depth and masks last."""
+    name = topic.lower()
+    return any(word in name for word in ("depth", "mask", "disparity")), "rect" not in name, topic
+
+
+def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
+    """Names of the topics of a bag that carry some types, sorted."""
+    with _opened(path) as reader:
+        return sorted({c.topic for c in reader.connections if c.msgtype in types})
+
+
+def _messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
+    """(topic, time of the bag in ns, message) in the order of the bag."""
     with _opened(path) as reader:
         wanted = [c for c in reader.connections if c.topic in topics]
-        for connection, _, data in reader.messages(connections=wanted) if wanted else ():
-            yield connection.topic, reader.deserialize(data, connection.msgtype)
+        for connection, received, data in reader.messages(connections=wanted) if wanted else ():
+            yield connection.topic, received, reader.deserialize(data, connection.msgtype)
 
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """An open reader; what it cannot read is an `InputError`."""
     highlevel = load_extra("rosbags.highlevel", "ros")
-    faults = (highlevel.AnyReaderError, sqlite3.Error, OSError, ValueError)
+    faults = (highlevel.AnyReaderError, sqlite3.Error, OSError, *_DAMAGE)
     try:
-        with highlevel.AnyReader([path]) as reader:
+        with highlevel.AnyReader([path], default_typestore=_usual_types()) as reader:
             yield reader
     except InputError:
         raise
     except faults as error:
         reason = str(error).partition("\n")[0]
         raise InputError(f"{path} cannot be read as a bag ({reason})") from error
+
+
+def _usual_types() -> Any:
+    """Definitions of messages for bags of ROS 2 that bring none."""
+    typesys = load_extra("rosbags.typesys", "ros")
+    return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+
+
+READER = Reader(fits=is_bag, open=open_bag)

@@ -2,37 +2,33 @@
 
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.geometry import invert, pose
-from recon.sequences.calibration.cameras import Calibration, Camera
-from recon.sequences.calibration.files import from_projections
-from recon.sequences.images import Image, decode
+from recon.libraries import load_extra
+from recon.sequences.calibration.cameras import Calibration, Camera, from_projections
+from recon.sequences.calibration.opencv_files import LENSES, from_rectified
+from recon.sequences.images import Pixels, decode_pixels, masked
 
-BAYER = {
-    "bayer_rggb8": cv2.COLOR_BayerRGGB2RGB,
-    "bayer_bggr8": cv2.COLOR_BayerBGGR2RGB,
-    "bayer_gbrg8": cv2.COLOR_BayerGBRG2RGB,
-    "bayer_grbg8": cv2.COLOR_BayerGRBG2RGB,
-}
-CHANNELS = {"mono8": 1, "8UC1": 1, "rgb8": 3, "8UC3": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4}
-"""Encodings of one byte a channel."""
+PLAIN = {"8UC1": "mono8", "8UC3": "bgr8", "8UC4": "bgra8", "16UC1": "mono16", "16UC3": "bgr16"}
+"""What OpenCV's encodings, which name no colours, hold by its own order."""
+_PNG_START = b"\x89PNG"
+DEPTH_HEADER_BYTES = 64
+"""compressedDepth writes some parameters before the PNG."""
 
 IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 CAMERA_TYPE = "sensor_msgs/msg/CameraInfo"
 
 
 def stamp_ns(message: Any) -> int:
-    """When a message was taken, by its header."""
+    """When a message was taken, by its header; 0 where nobody set it."""
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
-def image(message: Any) -> Image:
-    """The image of an Image or CompressedImage, grey or RGB.
+def image(message: Any) -> Pixels:
+    """The image of an Image or CompressedImage, grey or RGB, 8 or 16 bits deep.
 
     Raises
     ------
@@ -41,39 +37,46 @@ def image(message: Any) -> Image:
     """
     data = np.asarray(message.data, dtype=np.uint8)
     if hasattr(message, "format"):
-        return decode(data.tobytes(), "its compressed image")
-    if message.encoding == "mono16":
-        return _deep(message, data)
-    channels = 1 if message.encoding in BAYER else CHANNELS.get(message.encoding)
-    if channels is None:
-        raise InputError(f"its image is encoded as {message.encoding!r}, which is not known")
-    return _to_rgb(_pixels(message, data, channels), message.encoding)
+        return _compressed(data.tobytes())
+    encoding = PLAIN.get(message.encoding, message.encoding)
+    library = load_extra("rosbags.image.image", "ros")
+    try:
+        _, _, kind, channels = library.to_cvtype(encoding)
+        pixels = _pixels(message, data, np.dtype(kind), channels)
+        return masked(_in_rgb(library, pixels, encoding))
+    except library.ImageError as error:
+        raise InputError(
+            f"its image is encoded as {message.encoding!r:.40}, which is not known"
+        ) from error
 
 
-def _pixels(message: Any, data: NDArray[np.uint8], num_bytes: int) -> Image:
-    """(H, W, num_bytes) without what pads the rows."""
-    if data.size != message.height * message.step or message.step < message.width * num_bytes:
+def _compressed(data: bytes) -> Pixels:
+    start = data.find(_PNG_START, 0, DEPTH_HEADER_BYTES)
+    return decode_pixels(data[max(0, start) :], "its compressed image")
+
+
+def _pixels(message: Any, data: NDArray[np.uint8], kind: np.dtype[Any], channels: int) -> Pixels:
+    """(H, W) or (H, W, channels) without what pads the rows."""
+    num_bytes = message.width * channels * kind.itemsize
+    if data.size != message.height * message.step or message.step < num_bytes or not num_bytes:
         raise InputError(
             f"its image has {data.size} bytes, which are not {message.height} rows of "
             f"{message.width} pixels"
         )
-    rows = data.reshape(message.height, message.step)[:, : message.width * num_bytes]
-    return rows.reshape(message.height, message.width, num_bytes)
+    rows = np.ascontiguousarray(data.reshape(message.height, message.step)[:, :num_bytes])
+    values = rows.view(kind.newbyteorder(">" if message.is_bigendian else "<")).astype(kind)
+    shape = (message.height, message.width, channels)
+    return values.reshape(shape if channels > 1 else shape[:2])
 
 
-def _deep(message: Any, data: NDArray[np.uint8]) -> Image:
-    """The upper byte of each pixel of 16 bits."""
-    return np.ascontiguousarray(_pixels(message, data, 2)[..., 0 if message.is_bigendian else 1])
-
-
-def _to_rgb(pixels: Image, encoding: str) -> Image:
-    if encoding in BAYER:
-        colour: Image = cv2.cvtColor(pixels[..., 0], BAYER[encoding])
-        return colour
-    if pixels.shape[2] == 1:
-        return np.ascontiguousarray(pixels[..., 0])
-    order = slice(2, None, -1) if encoding.startswith("bgr") else slice(0, 3)
-    return np.ascontiguousarray(pixels[..., order])
+def _in_rgb(library: Any, pixels: Pixels, encoding: str) -> Pixels:
+    """Grey as it is, all colours as RGB, alpha kept."""
+    if encoding.startswith("mono"):
+        return pixels
+    wanted = "rgba" if "a8" in encoding or "a16" in encoding else "rgb"
+    depth = "16" if pixels.dtype == np.uint16 else "8"
+    rgb: Pixels = library.convert_color(pixels, encoding, wanted + depth)
+    return rgb
 
 
 def calibration_of(left: Any, right: Any, *, is_rectified: bool) -> Calibration:
@@ -87,15 +90,9 @@ def calibration_of(left: Any, right: Any, *, is_rectified: bool) -> Calibration:
         raise InputError("the camera info of the bag is empty, but a projection is needed")
     if is_rectified:
         return from_projections(P_left, P_right)
-    step = np.linalg.solve(P_right[:, :3], P_right[:, 3])
-    T_rectified_left, T_rectified_right = (
-        pose(_field(info, "R").reshape(3, 3), np.zeros(3)) for info in (left, right)
-    )
-    return Calibration(
-        left=_camera(left),
-        right=_camera(right),
-        T_right_left=invert(T_rectified_right) @ pose(np.eye(3), step) @ T_rectified_left,
-    )
+    R_left, R_right = (_field(info, "R").reshape(3, 3) for info in (left, right))
+    cameras = [_camera(info) for info in (left, right)]
+    return from_rectified(cameras, (P_left, P_right), (R_left, R_right))
 
 
 def _field(info: Any, name: str) -> NDArray[np.float64]:
@@ -107,6 +104,6 @@ def _camera(info: Any) -> Camera:
     return Camera(
         matrix=_field(info, "K").reshape(3, 3),
         distortion=_field(info, "D"),
-        is_fisheye=info.distortion_model == "equidistant",
+        is_fisheye=LENSES.get(info.distortion_model, False),
         size=(int(info.width), int(info.height)),
     )

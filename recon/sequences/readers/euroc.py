@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from recon.errors import InputError
-from recon.sequences.calibration.yaml_files import read_sensors
+from recon.sequences.calibration.chains import read_sensors
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
-from recon.sequences.poses import read_lines
-from recon.sequences.readers.folder import file_recording, given_trajectory
+from recon.sequences.readers.folder import file_recording, given_poses
+from recon.sequences.readers.reader import Reader
+from recon.sequences.text import read_lines
 from recon.sequences.timestamps import list_moments
 from recon.settings import SequenceSettings
 
@@ -31,7 +32,7 @@ def open_euroc(path: Path, settings: SequenceSettings) -> Recording:
     lefts, rights = (_stamped(root / camera) for camera in ("cam0", "cam1"))
     stamps = sorted(lefts.keys() | rights.keys())
     listed = [Listed(name=str(t), left=lefts.get(t), right=rights.get(t)) for t in stamps]
-    truth = given_trajectory(root / "state_groundtruth_estimate0" / "data.csv", settings)
+    truth = given_poses(root / "state_groundtruth_estimate0", settings, ("data.csv",))
     moments = list_moments(
         [entry.name for entry in listed],
         NANOSECONDS * np.array(stamps),
@@ -60,3 +61,6 @@ def _stamped(camera: Path) -> dict[int, Path]:
             raise InputError(f"{table}, line {number}: {line[:60]!r} is no time and file name")
         found[int(stamp)] = camera / "data" / name.strip()
     return found
+
+
+READER = Reader(fits=is_euroc, open=open_euroc)

@@ -1,21 +1,36 @@
 """A plain folder: left/, right/, a calibration, and where known poses.txt and times.txt."""
 
+import logging
 from collections.abc import Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from recon.errors import InputError
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration
-from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
+from recon.sequences.depth import Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import read_image
+from recon.sequences.images import Pixels, read_image, read_pixels
 from recon.sequences.listing import Listed, gaps, list_pairs
-from recon.sequences.poses import Trajectory, read_trajectory
+from recon.sequences.pose_files import read_poses
+from recon.sequences.poses import GivenPoses
+from recon.sequences.readers.reader import Reader
 from recon.sequences.timestamps import Moment, list_moments, read_times
 from recon.settings import SequenceSettings
+
+log = logging.getLogger(__name__)
+
+TIMES = ("times.txt", "timestamps.txt")
+POSES = ("poses.txt", "poses.csv", "groundtruth.txt", "transforms.json", "images.txt")
+"""Files of poses, KITTI's and TUM's, EuRoC's, TUM's, nerfstudio's and COLMAP's names."""
+NUM_FIRST = 10
+"""Frames of whose images a few tell the levels of all."""
 
 
 def is_folder(path: Path) -> bool:
@@ -28,30 +43,41 @@ def open_folder(path: Path, settings: SequenceSettings) -> Recording:
     listed = list_pairs(path / "left", path / "right")
     moments = list_moments(
         [entry.name for entry in listed],
-        read_times(path / "times.txt"),
-        given_trajectory(path / "poses.txt", settings),
+        find_times(path),
+        given_poses(path, settings),
         needs_pose=settings.poses == "given",
     )
     return file_recording(listed, moments, read_calibration(find_calibration(path)), settings)
 
 
-def find_calibration(path: Path) -> Path:
-    """The calibration file of a folder: calib.txt, or the first YAML file.
+def find_times(path: Path) -> NDArray[np.float64] | None:
+    """Seconds of the frames, as times.txt or timestamps.txt of a folder says; None without."""
+    for name in TIMES:
+        if (path / name).is_file():
+            return read_times(path / name)
+    return None
+
+
+def given_poses(
+    path: Path, settings: SequenceSettings, names: Sequence[str] = POSES
+) -> GivenPoses | None:
+    """The poses of a folder where it has them: to be used, or to judge estimated ones by.
 
     Raises
     ------
     InputError
-        Where there is none.
+        Where they cannot be read, but are to be used.
     """
-    for file in [path / "calib.txt", *sorted(path.glob("*.yaml")), *sorted(path.glob("*.yml"))]:
-        if file.is_file():
-            return file
-    raise InputError(f"{path} holds no calibration: calib.txt or a YAML file is needed")
-
-
-def given_trajectory(path: Path, settings: SequenceSettings) -> Trajectory | None:
-    """The poses of a file where there is one: to be used, or to judge estimated ones by."""
-    return read_trajectory(path) if settings.poses != "none" and path.is_file() else None
+    files = [path / name for name in names if (path / name).is_file()]
+    if settings.poses == "none" or not files:
+        return None
+    try:
+        return read_poses(files[0])
+    except InputError as error:
+        if settings.poses == "given":
+            raise
+        log.warning("%s; poses are estimated without", error)
+        return None
 
 
 def file_recording(
@@ -62,6 +88,7 @@ def file_recording(
 ) -> Recording:
     """Images in files, each with its moment."""
     rectify = rectifier(calibration, first_size(listed))
+    eight_bits = first_stretch(listed)
     skipped = [Skipped(name, "it is in neither folder") for name in gaps(listed)]
     frames = []
     for entry, moment in islice(zip(listed, moments, strict=True), 0, None, settings.every):
@@ -69,9 +96,23 @@ def file_recording(
         if fault:
             skipped.append(Skipped(entry.name, fault))
             continue
-        load = partial(_load, entry, moment, rectify)
+        load = partial(load_pair, entry, moment, rectify, eight_bits)
         frames.append(Frame(name=entry.name, stamp_s=moment.stamp_s, load=load))
     return Recording(frames, skipped=skipped, disparity_range=calibration.disparity_range)
+
+
+def first_stretch(listed: Sequence[Listed]) -> Stretch:
+    """What brings 16 bits to 8, by both cameras in a few of the first frames."""
+    samples: list[Pixels] = []
+    for entry in listed[: NUM_FIRST : max(1, NUM_FIRST // 2)]:
+        for path in (entry.left, entry.right):
+            try:
+                samples += [read_pixels(path)] if path else []
+            except InputError:  # skipped and counted when its turn comes
+                continue
+        if samples and samples[0].dtype == np.uint8:
+            break
+    return stretch_of(samples)
 
 
 def first_size(listed: Sequence[Listed]) -> tuple[int, int]:
@@ -85,7 +126,7 @@ def first_size(listed: Sequence[Listed]) -> tuple[int, int]:
     faults = []
     for path in (path for entry in listed for path in (entry.left, entry.right) if path):
         try:
-            height, width = read_image(path).shape[:2]
+            height, width = read_pixels(path).shape[:2]
         except InputError as error:
             faults.append(str(error))
         else:
@@ -99,8 +140,12 @@ def _fault(entry: Listed) -> str | None:
     return None
 
 
-def _load(entry: Listed, moment: Moment, rectify: Rectifier) -> StereoPair:
+def load_pair(entry: Listed, moment: Moment, rectify: Rectifier, eight_bits: Stretch) -> StereoPair:
+    """The rectified pair of two files."""
     assert entry.left is not None
     assert entry.right is not None
-    left, right = read_image(entry.left), read_image(entry.right)
+    left, right = read_image(entry.left, eight_bits), read_image(entry.right, eight_bits)
     return rectify.pair(left, right, moment.T_world_left, moment.stamp_s, entry.name)
+
+
+READER = Reader(fits=is_folder, open=open_folder)

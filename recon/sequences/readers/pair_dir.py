@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from recon.errors import InputError
-from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
 from recon.sequences.poses import T_up_recorded
-from recon.sequences.readers.folder import file_recording, find_calibration
+from recon.sequences.readers.folder import file_recording
+from recon.sequences.readers.reader import Reader
 from recon.sequences.timestamps import Moment
 from recon.settings import SequenceSettings
 
@@ -23,7 +24,7 @@ NAMES = {
 
 def is_pair_dir(path: Path) -> bool:
     """Whether `path` holds one left and one right image."""
-    return all(_image(path, side) for side in NAMES)
+    return path.is_dir() and all(_image(path, side) for side in NAMES)
 
 
 def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
@@ -31,8 +32,7 @@ def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
     pair = Listed(
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
-    T_world_left = T_up_recorded(np.eye(4)) if settings.poses != "none" else None
-    moment = Moment(stamp_s=0.0, T_world_left=T_world_left)
+    moment = Moment(stamp_s=0.0, T_world_left=T_up_recorded(np.eye(4)))
     calibration = read_calibration(find_calibration(path))
     return file_recording([pair], [moment], calibration, settings)
 
@@ -54,3 +54,6 @@ def find_image(path: Path, side: str) -> Path:
 def _image(path: Path, side: str) -> Path | None:
     files = (file for stem in NAMES[side] for file in sorted(path.glob(f"{stem}.*")))
     return next((file for file in files if file.suffix.lower() in ENDINGS), None)
+
+
+READER = Reader(fits=is_pair_dir, open=open_pair_dir)

@@ -17,9 +17,11 @@ from recon.geometry import invert, pose, transform
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
 from recon.sequences.calibration.rectification import common_axes, warping
+from recon.sequences.calibration.rigid import made_rigid, say_rigid
 from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.images import Image, read_image
-from recon.sequences.poses import read_lines
+from recon.sequences.readers.reader import Reader
+from recon.sequences.text import read_lines
 from recon.settings import SequenceSettings
 
 Array = NDArray[np.float64]
@@ -71,7 +73,7 @@ def open_ring(path: Path, settings: SequenceSettings) -> Recording:
         for number, pair in [*enumerate(pairs)][:: settings.every]
     ]
     highest = max(pair.max_disparity for pair in pairs)
-    return Recording(frames, skipped=twins, disparity_range=(0, highest))
+    return Recording(frames, unneeded=twins, disparity_range=(0, highest))
 
 
 def read_views(path: Path) -> list[RingView]:
@@ -82,23 +84,27 @@ def read_views(path: Path) -> list[RingView]:
     InputError
         With the line that is none.
     """
-    views = []
+    views, errors = [], []
     for number, line in enumerate(read_lines(path), start=1):
         name, _, values = line.strip().partition(" ")
         if not values:
             continue
         try:
             numbers = np.array([float(value) for value in values.split()])
-            K, R, t = np.split(numbers, [9, 18])
-            T_cam_world = pose(R.reshape(3, 3), t.reshape(3))
-        except ValueError as error:
+            K, R, t = (part.reshape(-1, 3) for part in np.split(numbers, [9, 18]))
+            T_cam_world, off = made_rigid(name, pose(R, t[0]))
+        except (ValueError, IndexError) as error:
             raise InputError(
                 f"{path}, line {number}: 21 numbers (K, R, t) are needed after {name}"
             ) from error
-        camera = Camera(matrix=K.reshape(3, 3), distortion=np.zeros(0))
+        camera = Camera(matrix=K, distortion=np.zeros(0))
+        errors.append(off)
         views.append(
             RingView(path=path.parent / name, camera=camera, T_world_cam=invert(T_cam_world))
         )
+    if not views:
+        raise InputError(f"{path} holds no views, but a name, K, R and t per line are needed")
+    say_rigid(f"{path}: the rotation of a view", max(errors))
     return views
 
 
@@ -245,3 +251,6 @@ def _box_rig(
         baseline=calibration.baseline,
     )
     return rig, int(np.ceil(np.ptp(shift)))
+
+
+READER = Reader(fits=is_ring, open=open_ring)

@@ -13,9 +13,10 @@ from recon.errors import InputError
 from recon.records import StereoPair
 from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.listing import natural
-from recon.sequences.readers.folder import given_trajectory
+from recon.sequences.readers.folder import find_times, given_poses
 from recon.sequences.readers.pair_dir import is_pair_dir, open_pair_dir
-from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.sequences.readers.reader import Reader
+from recon.sequences.timestamps import Moment, list_moments
 from recon.settings import SequenceSettings
 
 
@@ -31,8 +32,8 @@ def open_simulated(path: Path, settings: SequenceSettings) -> Recording:
         raise InputError(f"{path} holds no folders with left.* and right.*")
     moments = list_moments(
         [folder.name for folder in folders],
-        read_times(path / "times.txt"),
-        given_trajectory(path / "poses.txt", settings),
+        find_times(path),
+        given_poses(path, settings),
         needs_pose=settings.poses == "given",
     )
     frames, skipped = [], []
@@ -55,3 +56,6 @@ def _pair_dirs(path: Path) -> list[Path]:
         return []
     folders = [folder for folder in path.iterdir() if folder.is_dir() and is_pair_dir(folder)]
     return sorted(folders, key=lambda folder: natural(folder.name))
+
+
+READER = Reader(fits=is_simulated, open=open_simulated)

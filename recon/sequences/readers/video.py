@@ -10,15 +10,17 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.records import StereoPair
-from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.images import Image
-from recon.sequences.readers.folder import find_calibration, given_trajectory
-from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.sequences.readers.folder import find_times, given_poses
+from recon.sequences.readers.reader import Reader
+from recon.sequences.timestamps import Moment, list_moments
 from recon.settings import SequenceSettings
 
 ENDINGS = {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"}
+MAX_FRAMES = 1 << 24
 USUAL_RATE_HZ = 30.0
 """Where the file does not say."""
 
@@ -39,14 +41,15 @@ def open_video(path: Path, settings: SequenceSettings) -> Recording:
     width, height = clips[0].size
     size = (width // 2, height) if len(clips) == 1 else clips[0].size
     num_frames = min(clip.num_frames for clip in clips)
-    times = read_times(folder / "times.txt")
+    times = find_times(folder)
     moments = list_moments(
         [f"{number:06d}" for number in range(num_frames)],
         np.arange(num_frames) / clips[0].rate_hz if times is None else times,
-        given_trajectory(folder / "poses.txt", settings),
+        given_poses(folder, settings),
         needs_pose=settings.poses == "given",
     )
-    frames = _VideoFrames(files, moments, rectifier(calibration, size), settings.every)
+    wanted = range(0, num_frames, settings.every)
+    frames = _VideoFrames(files, moments, rectifier(calibration, size), wanted)
     return Recording(
         frames, skipped=_surplus(clips, num_frames), disparity_range=calibration.disparity_range
     )
@@ -74,7 +77,7 @@ class _Clip:
                 cv2.CAP_PROP_FPS,
             )
         )
-        if not number > 0:
+        if not 0 < number < MAX_FRAMES:
             raise InputError(f"{path} holds no frames")
         return cls(
             path=path,
@@ -88,22 +91,34 @@ class _VideoFrames:
     """Frames decoded one after the other, each pass from the start."""
 
     def __init__(
-        self, files: Sequence[Path], moments: Sequence[Moment], rectify: Rectifier, every: int
+        self,
+        files: Sequence[Path],
+        moments: Sequence[Moment],
+        rectify: Rectifier,
+        wanted: Sequence[int],
     ) -> None:
         self._files, self._moments = files, moments
-        self._rectify, self._every = rectify, every
+        self._rectify, self._wanted = rectify, wanted
 
     def __len__(self) -> int:
-        return len(self._moments[:: self._every])
+        return len(self._wanted)
+
+    def __getitem__(self, part: slice) -> "_VideoFrames":
+        return _VideoFrames(self._files, self._moments, self._rectify, self._wanted[part])
 
     def __iter__(self) -> Iterator[Frame]:
         videos = [_opened(file) for file in self._files]
-        for number, moment in enumerate(self._moments):
+        next_number = 0
+        for number in self._wanted:
+            # What lies between is passed over without being converted: seeking is not exact.
+            for _ in range(number - next_number):
+                for video in videos:
+                    video.grab()
             grabbed = [video for video in videos if video.grab()]
-            if number % self._every == 0:
-                name = f"{number:06d}"
-                load = partial(self._load, grabbed, moment, name)
-                yield Frame(name=name, stamp_s=moment.stamp_s, load=load)
+            next_number = number + 1
+            moment, name = self._moments[number], f"{number:06d}"
+            load = partial(self._load, grabbed, moment, name)
+            yield Frame(name=name, stamp_s=moment.stamp_s, load=load)
 
     def _load(self, videos: list[cv2.VideoCapture], moment: Moment, name: str) -> StereoPair:
         if moment.fault:
@@ -148,3 +163,6 @@ def _opened(path: Path) -> cv2.VideoCapture:
     if not video.isOpened():
         raise InputError(f"{path} is no video that OpenCV can read")
     return video
+
+
+READER = Reader(fits=is_video, open=open_video)

@@ -1,0 +1,159 @@
+"""Calibrations in rows of text: KITTI's projections, KITTI raw's, Middlebury's keys."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError, check_finite
+from recon.geometry import invert, pose
+from recon.sequences.calibration.cameras import (
+    Calibration,
+    Camera,
+    from_projections,
+    projected_step,
+)
+from recon.sequences.calibration.documents import MAX_BYTES
+from recon.sequences.text import is_finite, read_lines
+
+Array = NDArray[np.float64]
+Cameras = tuple[int, int]
+"""Numbers of the left and the right camera, as KITTI counts its four."""
+
+MAX_CAMERAS = 8
+"""More unlabelled projections than a rig has cameras are poses."""
+MIN_FOCAL_PX = 2.0
+"""A projection with less has pixels of 50 degrees: it is a pose."""
+
+
+def is_middlebury(lines: Sequence[str]) -> bool:
+    """Whether there is a key cam0=."""
+    return any(re.match(r"\s*cam0\s*=", line) for line in lines)
+
+
+def is_kitti(lines: Sequence[str]) -> bool:
+    """Whether a row holds twelve numbers after its label."""
+    return any(len(_fields(line)) == 12 and all(map(is_finite, _fields(line))) for line in lines)
+
+
+def _fields(line: str) -> list[str]:
+    return line.rpartition(":")[2].split()
+
+
+def middlebury(path: Path) -> Calibration:
+    """Middlebury 2014's keys; their millimetres become metres."""
+    lines = read_lines(path, MAX_BYTES)
+    keys = {line.partition("=")[0].strip(): line.partition("=")[2] for line in lines}
+    left, right = (_matrix(path, keys, name, (3, 3)) for name in ("cam0", "cam1"))
+    size = None
+    if "width" in keys and "height" in keys:
+        size = (_count(path, keys, "width"), _count(path, keys, "height"))
+    step = pose(np.eye(3), [-_number(path, keys, "baseline") / 1000.0, 0.0, 0.0])
+    return Calibration(
+        left=Camera(matrix=left, distortion=np.zeros(0), size=size),
+        right=Camera(matrix=right, distortion=np.zeros(0), size=size),
+        T_right_left=step,
+        disparity_range=(0, _count(path, keys, "ndisp")) if "ndisp" in keys else None,
+    )
+
+
+def kitti(path: Path, cameras: Cameras | None = None) -> Calibration:
+    """Two rows of projections: those of the cameras asked for, else the first two."""
+    rows = kitti_projections(path)
+    left, right = chosen(rows, cameras)
+    size = _rectified_size(path, left)
+    return from_projections(rows[left], rows[right], size=size)
+
+
+def kitti_projections(path: Path) -> dict[str, Array]:
+    """The (3, 4) projection matrices of a KITTI file, by their labels or lines.
+
+    Raises
+    ------
+    InputError
+        Where there are not two, a row has not twelve numbers, or the rows are poses.
+    """
+    rows = _labelled(path)
+    wanted = [name for name in rows if re.match(r"P\d|P_rect|P$|line", name)]
+    if len(wanted) < 2:
+        raise InputError(f"{path} holds {len(wanted)} projection matrix, but two are needed")
+    found = {name: _matrix(path, rows, name, (3, 4)) for name in wanted}
+    if len(found) > MAX_CAMERAS or any(_is_pose(P) for P in found.values()):
+        raise InputError(f"{path} holds poses, but a calibration is needed")
+    return found
+
+
+def chosen(names: Sequence[str] | dict[str, Array], cameras: Cameras | None) -> tuple[str, str]:
+    """The labels of two cameras by their numbers; the first two where none is so called."""
+    for form in ("P{0}", "P_rect_{0:02d}", "P_rect_{0}"):
+        labels = [form.format(number) for number in cameras or ()]
+        if labels and all(label in names for label in labels):
+            return labels[0], labels[1]
+    first, second = [*names][:2]
+    return first, second
+
+
+def T_camera0_left(path: Path, cameras: Cameras) -> Array:
+    """Where the left camera stands in the frame of camera 0, by its projection ``K [I | t]``."""
+    rows = kitti_projections(path)
+    P = rows[chosen(rows, cameras)[0]]
+    return pose(np.eye(3), -projected_step(P))
+
+
+def T_raw0_rectified0(path: Path) -> Array:
+    """The turn of KITTI raw's rectified camera 0 in its raw frame; none in other files."""
+    rows = _labelled(path)
+    if "R_rect_00" not in rows:
+        return np.eye(4)
+    return invert(pose(_matrix(path, rows, "R_rect_00", (3, 3)), np.zeros(3)))
+
+
+def _labelled(path: Path) -> dict[str, str]:
+    rows: dict[str, str] = {}
+    for number, line in enumerate(read_lines(path, MAX_BYTES), start=1):
+        label, _, values = line.rpartition(":")
+        if line.strip() and not line.lstrip().startswith("#"):
+            rows[label.strip() or f"line {number}"] = values
+    return rows
+
+
+def _is_pose(P: Array) -> bool:
+    """Whether a (3, 4) matrix has the focal length of a rotation."""
+    return bool(np.abs(P[:2, :2]).max() < MIN_FOCAL_PX)
+
+
+def _rectified_size(path: Path, label: str) -> tuple[int, int] | None:
+    """KITTI raw's S_rect_0N of a projection P_rect_0N."""
+    rows = _labelled(path)
+    name = label.replace("P_rect", "S_rect")
+    if name == label or name not in rows:
+        return None
+    width, height = _matrix(path, rows, name, (2, 1)).ravel()
+    return round(width), round(height)
+
+
+def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int]) -> Array:
+    """The numbers of a key, row by row, brackets and semicolons left out."""
+    fields = re.sub(r"[\[\];,]", " ", keys.get(name, "")).split()
+    try:
+        values = np.array([float(field) for field in fields]).reshape(shape)
+    except ValueError as error:
+        raise InputError(
+            f"{path}: {name} is {keys.get(name, 'missing')!r:.80}, but "
+            f"{shape[0] * shape[1]} numbers are needed"
+        ) from error
+    check_finite(f"{path}: {name}", values)
+    return values
+
+
+def _number(path: Path, keys: dict[str, str], name: str) -> float:
+    return float(_matrix(path, keys, name, (1, 1))[0, 0])
+
+
+def _count(path: Path, keys: dict[str, str], name: str) -> int:
+    number = _number(path, keys, name)
+    if not 0 < number < 1e6:
+        raise InputError(f"{path}: {name} is {number:g}, but a positive whole number is needed")
+    return int(number)

@@ -1,0 +1,1 @@
+"""Contradictions between what a recording says of itself and what its images show."""

@@ -1,0 +1,126 @@
+"""Given poses held against the motions that the images show."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import permutations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import invert, pose, transform
+from recon.records import StereoPair
+from recon.sequences.contradictions.pairs import Finding
+from recon.sequences.odometry.motion import agreeing_tracks, refine_motion
+from recon.sequences.odometry.tracking import Tracks, track
+
+Array = NDArray[np.float64]
+
+MIN_FLOW_PX = 2.0
+"""Median way of points in the image below which a rig stands."""
+EXPLAINED_SHARE = 0.5
+"""Of that way, poses must leave less than this unexplained: inverse ones leave twice of it."""
+FITTING_SHARE = 0.25
+"""What a reading of the poses must leave less of to be named."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """Two pairs of one rig, and points that moved between them as one motion says."""
+
+    first: StereoPair
+    second: StereoPair
+    tracks: Tracks
+
+    def error_px(self, T_second_first: Array) -> float:
+        """Median distance in the second left image of the points to where a motion puts them."""
+        rig = self.first.rig
+        points = rig.triangulate(self.tracks.first.points_px, self.tracks.first.disparity_px)
+        moved = transform(T_second_first, points)
+        ahead = moved[:, 2] > 1e-6
+        if not ahead.any():
+            return float("inf")
+        error = rig.project_left(moved[ahead]) - self.tracks.second.points_px[ahead]
+        return float(np.median(np.linalg.norm(error, axis=1)))
+
+    @property
+    def flow_px(self) -> float:
+        """Median way of the points in the left image."""
+        return self.error_px(np.eye(4))
+
+
+def step_between(first: StereoPair, second: StereoPair) -> Step | None:
+    """The step between two posed pairs; None where the images tell of none."""
+    if first.rig != second.rig or first.T_world_left is None or second.T_world_left is None:
+        return None
+    tracks = track(first, second)
+    agreeing = agreeing_tracks(tracks, first.rig)
+    if agreeing is None:
+        return None
+    T_second_first, rows = agreeing
+    step = Step(first=first, second=second, tracks=tracks.select(rows))
+    refined = refine_motion(T_second_first, step.tracks, first.rig)
+    return step if step.flow_px > max(MIN_FLOW_PX, 2.0 * step.error_px(refined)) else None
+
+
+def pose_finding(steps: Sequence[Step]) -> Finding | None:
+    """What the poses of some steps contradict; None where they agree or nothing moved."""
+    if not steps:
+        return None
+    left = _unexplained(steps, _given)
+    if left <= EXPLAINED_SHARE:
+        return None
+    reading = next((text for text, share in _readings(steps) if share < FITTING_SHARE), None)
+    advice = f"they fit {reading}" if reading else "try --poses estimated"
+    return Finding(
+        code="poses-disagree",
+        text="poses contradict the images: of the motion that these show, the poses leave "
+        f"{left:.0%} unexplained; {advice}",
+    )
+
+
+def _unexplained(steps: Sequence[Step], motion: object) -> float:
+    assert callable(motion)
+    return float(np.median([step.error_px(motion(step)) / step.flow_px for step in steps]))
+
+
+def _given(step: Step) -> Array:
+    """`T_second_first` of the poses as they are."""
+    assert step.first.T_world_left is not None
+    assert step.second.T_world_left is not None
+    T: Array = invert(step.second.T_world_left) @ step.first.T_world_left
+    return T
+
+
+def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
+    """What else the poses may mean, and the share of the motion that each leaves."""
+    turns = [pose(R, np.zeros(3)) for R in _right_angles()]
+    for text, motion in (
+        ("as those of a body whose axes are not the camera's", _given),
+        ("when inverted: they bring the world into the camera", _inverse),
+        ("in the opposite order", _backward),
+    ):
+        shares = [
+            _unexplained(steps, lambda step, T=T, motion=motion: invert(T) @ motion(step) @ T)
+            for T in turns
+        ]
+        yield text, min(shares)
+
+
+def _inverse(step: Step) -> Array:
+    assert step.first.T_world_left is not None
+    assert step.second.T_world_left is not None
+    T: Array = step.second.T_world_left @ invert(step.first.T_world_left)
+    return T
+
+
+def _backward(step: Step) -> Array:
+    return invert(_given(step))
+
+
+def _right_angles() -> Iterator[Array]:
+    """All 24 turns (3, 3) by right angles."""
+    for order in permutations(range(3)):
+        for signs in product((-1.0, 1.0), repeat=3):
+            turn = np.diag(signs)[list(order)]
+            if np.linalg.det(turn) > 0:
+                yield turn

@@ -1,0 +1,158 @@
+"""Two images held against what is said of them: their rows, their sides, their moment, a range."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.notices import notify
+from recon.sequences.contradictions.survey import survey
+from recon.sequences.images import Image
+from recon.sequences.odometry.tracking import Sightings
+
+Array = NDArray[np.float64]
+
+MIN_SIGHTINGS = 25
+"""Fewer tell nothing."""
+MAX_ROW_OFFSET_PX = 0.75
+"""Median of the row offsets. Real rigs stay below (KITTI 0.3): what lenses leave is not said."""
+INLIER_PX = 1.0
+LEVEL_SHARE = 0.85
+"""Of the points of sound pairs, 0.94 and more are within a pixel of the rows of a lens."""
+MIN_GAIN = 0.1
+"""Share of points that any motion between two moments must explain beyond a lens's rows."""
+SLACK_PX = 1.5
+"""Beyond both ends of a range: noise."""
+SWAPPED_SHARE, OUTSIDE_SHARE = 0.7, 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What one pair of images shows."""
+
+    code: str
+    text: str
+
+
+def check_images(left: Image, right: Image, search: tuple[int, int]) -> None:
+    """Say what two images that are to be matched contradict.
+
+    Parameters
+    ----------
+    left, right : (H, W) or (H, W, 3) uint8
+    search : (min, max)
+        Disparities in pixels that are looked for, both included.
+    """
+    for finding in findings(left, right, search=search):
+        notify(finding.code, finding.text)
+
+
+def findings(
+    left: Image,
+    right: Image,
+    *,
+    search: tuple[int, int] | None = None,
+    nearest_px: float = 0.0,
+) -> list[Finding]:
+    """What a pair contradicts; nothing where too little is seen by both cameras.
+
+    Parameters
+    ----------
+    left, right : (H, W) or (H, W, 3) uint8
+    search : (min, max), optional
+        Disparities in pixels that are looked for.
+    nearest_px : float
+        Disparity of what is infinitely far, below which nothing can be.
+    """
+    if left.shape == right.shape and np.array_equal(left, right):
+        return [Finding(code="same-image", text="left and right are the same image")]
+    seen = survey(left, right)
+    if len(seen) < MIN_SIGHTINGS:
+        return []
+    lowest = nearest_px if search is None else min(nearest_px, search[0])
+    found = [_moment(seen) or _rows(seen), _sides(seen, lowest)]
+    if search is not None and found[1] is None:
+        found.append(_range(seen, search))
+    return [finding for finding in found if finding is not None]
+
+
+def _sides(seen: Sightings, lowest: float) -> Finding | None:
+    behind = seen.disparity_px < lowest - SLACK_PX
+    if behind.mean() < SWAPPED_SHARE:
+        return None
+    low, high = np.percentile(seen.disparity_px, [5, 95])
+    return Finding(
+        code="left-right-swapped",
+        text=f"left and right seem to be swapped: {behind.mean():.0%} of what both cameras see has "
+        f"a disparity below {lowest:g} px ({low:.0f} to {high:.0f} px)",
+    )
+
+
+def _rows(seen: Sightings) -> Finding | None:
+    middle = float(np.median(seen.row_offset_px))
+    typical = float(np.median(np.abs(seen.row_offset_px)))
+    if typical <= MAX_ROW_OFFSET_PX:
+        return None
+    return Finding(
+        code="rows-differ",
+        text=f"rows of the two images do not correspond: the right one's lie {typical:.1f} px off "
+        f"(median {middle:+.1f} px); rectify the images or mend their calibration",
+    )
+
+
+def _moment(seen: Sightings) -> Finding | None:
+    """Rows that differ with depth: a camera moved between the two images."""
+    is_level = np.abs(seen.row_offset_px - _lens_rows(seen)) < INLIER_PX
+    if is_level.mean() > LEVEL_SHARE or np.median(np.abs(seen.row_offset_px)) < MAX_ROW_OFFSET_PX:
+        return None
+    by_motion = _share_of_motion(seen)
+    if by_motion - is_level.mean() < MIN_GAIN:
+        return None
+    return Finding(
+        code="not-simultaneous",
+        text="left and right seem to be of different moments: a motion between them explains "
+        f"{by_motion:.0%} of what both cameras see, corresponding rows {is_level.mean():.0%}",
+    )
+
+
+def _lens_rows(seen: Sightings) -> Array:
+    """(N,) row offsets that depend on the place in the image alone, fitted robustly."""
+    centre, spread = seen.points_px.mean(axis=0), seen.points_px.std(axis=0) + 1e-9
+    x, y = ((seen.points_px - centre) / spread).T
+    design = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+    fitted = np.full(len(seen), np.median(seen.row_offset_px))
+    for _ in range(10):
+        error = (seen.row_offset_px - fitted) / INLIER_PX
+        weight = 1.0 / np.sqrt(1.0 + error**2)
+        fitted = (
+            design
+            @ np.linalg.lstsq(design * weight[:, None], seen.row_offset_px * weight, rcond=None)[0]
+        )
+    return fitted
+
+
+def _share_of_motion(seen: Sightings) -> float:
+    """Share of points that one epipolar geometry of any kind explains."""
+    try:
+        _, inliers = cv2.findFundamentalMat(
+            seen.points_px, seen.right_points_px, cv2.FM_RANSAC, INLIER_PX, 0.999
+        )
+    except cv2.error:
+        return 0.0
+    return 0.0 if inliers is None else float(inliers.mean())
+
+
+def _range(seen: Sightings, search: tuple[int, int]) -> Finding | None:
+    low, high = search
+    above = seen.disparity_px > high + SLACK_PX
+    below = seen.disparity_px < low - SLACK_PX
+    if max(above.mean(), below.mean()) < OUTSIDE_SHARE:
+        return None
+    found_low, found_high = np.percentile(seen.disparity_px, [2, 98])
+    return Finding(
+        code="search-range-too-small",
+        text=f"{(above | below).mean():.0%} of what both cameras see lies outside of the "
+        f"disparities {low} to {high} px that are searched: it reaches from {found_low:.0f} to "
+        f"{found_high:.0f} px",
+    )

@@ -1,0 +1,93 @@
+"""Sixteen bits brought to eight: one stretch for both cameras and all frames."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.notices import notify
+from recon.sequences.images import Image, Pixels, read_pixels
+
+FULL = 65535
+LOW_PERCENT, HIGH_PERCENT = 0.1, 99.9
+"""Of the pixels: beyond are hot pixels and highlights."""
+MARGIN = 0.05
+"""Of the span, left on both sides for frames that are darker or brighter than the first ones."""
+FULL_SHARE = 0.8
+"""A span from here on is taken for all of the 16 bits."""
+NUM_SAMPLES = 100_000
+"""Pixels of an image that are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Levels that become black and white."""
+
+    low: float = 0.0
+    high: float = FULL
+
+    def __call__(self, pixels: Pixels) -> Image:
+        """The image in 8 bits; one that has 8 stays as it is."""
+        if pixels.dtype == np.uint8:
+            return pixels.astype(np.uint8, copy=False)
+        scaled = (pixels.astype(np.float32) - self.low) * (255.0 / (self.high - self.low))
+        eight: Image = np.clip(np.rint(scaled), 0, 255).astype(np.uint8)
+        return eight
+
+
+def stretch_of(images: Sequence[Pixels]) -> Stretch:
+    """The stretch that shows what images of both cameras hold; said where they are 16 bits deep.
+
+    Pixels of 0 are left out where there are others: they are masked, not dark.
+    """
+    deep = [_sample(pixels) for pixels in images if pixels.dtype == np.uint16]
+    if not deep:
+        return Stretch()
+    levels = np.concatenate(deep)
+    seen = levels[levels > 0] if levels.any() else levels
+    low, high = np.percentile(seen, [LOW_PERCENT, HIGH_PERCENT])
+    margin = max(MARGIN * (high - low), 1.0)
+    low, high = max(0.0, low - margin), min(float(FULL), high + margin)
+    if high - low >= FULL_SHARE * FULL:
+        low, high = 0.0, float(FULL)
+    notify(
+        "depth-stretched",
+        f"images have 16 bits: levels {low:.0f} to {high:.0f} become 0 to 255, in both cameras and "
+        "all frames",
+    )
+    return Stretch(float(low), float(high))
+
+
+def _sample(pixels: Pixels) -> NDArray[np.uint16]:
+    flat = pixels.ravel()
+    return flat[:: max(1, flat.size // NUM_SAMPLES)].astype(np.uint16)
+
+
+def read_pair(left_path: Path, right_path: Path) -> tuple[Image, Image]:
+    """Two images, both in colour or both in grey, stretched alike where they have 16 bits.
+
+    Raises
+    ------
+    InputError
+        Where one is missing, cut short, damaged or no image.
+    """
+    left, right = read_pixels(left_path), read_pixels(right_path)
+    stretch = stretch_of([left, right])
+    return alike(stretch(left), stretch(right))
+
+
+def alike(left: Image, right: Image) -> tuple[Image, Image]:
+    """Both images in grey where one of them is."""
+    if left.ndim == right.ndim:
+        return left, right
+    notify("colour-missing", "one camera is grey and one in colour: both are taken as grey")
+    return grey(left), grey(right)
+
+
+def grey(image: Image) -> Image:
+    """An image (H, W) or (H, W, 3) RGB as grey."""
+    one: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    return one

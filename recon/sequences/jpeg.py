@@ -1,0 +1,40 @@
+"""JPEG files that were cut and closed again: their decoder fills the rest with grey, silently."""
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+PROBE = b"\x55" * 64
+"""More entropy-coded bits: whole images ignore them, cut ones decode them as what is missing."""
+FILLED = 128
+"""The level of what was never decoded."""
+
+_END = 0xD9
+_MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
+_PROGRESSIVE = 0xC2
+
+
+def may_be_cut(data: bytes, pixels: NDArray[np.generic]) -> bool:
+    """Whether a decoded image (H, W, ...) ends as a cut one does, or is progressive."""
+    is_filled = bool((pixels[-8:, -8:] == FILLED).all())
+    return is_filled or any(kind == _PROGRESSIVE for kind, _ in _markers(data))
+
+
+def probed(data: bytes) -> bytes:
+    """The file with more bits before its end: its pixels change where some were missing."""
+    end = next((at for kind, at in _markers(data) if kind == _END), len(data))
+    return data[:end] + PROBE + data[end:]
+
+
+def _markers(data: bytes) -> list[tuple[int, int]]:
+    """(kind, position) of the markers of a file, up to its end."""
+    found, at = [], 2
+    while (marker := _MARKER.search(data, at)) is not None:
+        kind, at = data[marker.start() + 1], marker.start()
+        found.append((kind, at))
+        if kind == _END:
+            break
+        # The bits of a scan follow its header, and are passed over by the search.
+        at += 2 + int.from_bytes(data[at + 2 : at + 4], "big")
+    return found
