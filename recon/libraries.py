@@ -6,6 +6,8 @@ import importlib
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import ModuleType
 
 from recon.errors import MissingLibraryError
@@ -78,3 +80,19 @@ def rendering_fault() -> str | None:
     if result.returncode == 0:
         return None
     return f"rendering does not work (exit {result.returncode}); run: {APT_LINE}"
+
+
+@contextmanager
+def listening_to_compiler(begin: Callable[[], None], end: Callable[[], None]) -> Iterator[None]:
+    """Call `begin` and `end` round everything that numba compiles meanwhile."""
+    event = importlib.import_module("numba.core.event")
+
+    class Ear(event.Listener):  # type: ignore[name-defined,misc]
+        def on_start(self, _event: object) -> None:
+            begin()
+
+        def on_end(self, _event: object) -> None:
+            end()
+
+    with event.install_listener("numba:compile", Ear()):
+        yield

@@ -47,13 +47,17 @@ class Registry(Generic[Part]):
         InputError
             For a name that is not there, with the nearest one, and for a part that does not load.
         """
+        self.check(name)
+        return self._loaded(self._entries()[name])
+
+    def check(self, name: str) -> None:
+        """Raise `InputError` for a name that is not there, with the nearest one."""
         entries = self._entries()
         if name not in entries:
             known = ", ".join(sorted(entries))
             near = difflib.get_close_matches(name, entries, n=1, cutoff=0.0)
             nearest = f" (nearest: {near[0]})" if near else ""
             raise InputError(f"{self.noun} is {name!r}, but one of {known} is needed{nearest}")
-        return self._loaded(entries[name])
 
     def parts(self) -> Iterator[tuple[str, Part]]:
         """Every part that loads, with its name; one that does not is named in one warning."""

@@ -27,6 +27,8 @@ class RunPlan:
     """What makes a run what it is: the same plan gives the same bytes."""
 
     command: str
+    arguments: dict[str, Any] = field(default_factory=dict)
+    """What the command asks besides its inputs and its settings, as JSON has it."""
     settings_toml: str
     seed: int
     inputs: tuple[Path, ...]
@@ -36,6 +38,7 @@ class RunPlan:
         """Everything that has to agree before a run is resumed."""
         return {
             "command": self.command,
+            "arguments": json.loads(json.dumps(self.arguments)),
             "seed": self.seed,
             "settings_sha256": hashlib.sha256(self.settings_toml.encode()).hexdigest(),
             "inputs": [{"name": p.name, "sha256": digest(p)} for p in self.inputs],
@@ -92,7 +95,7 @@ class RunFolder:
         for name, value in self.identity.items():
             if manifest.get(name) != value:
                 raise InputError(
-                    f"{self.path} was made with another {name.removesuffix('_sha256')}; "
+                    f"{self.path} was made with different {name.removesuffix('_sha256')}; "
                     "resume with the same, or give --overwrite"
                 )
         self.is_finished = manifest["state"] == "finished"
@@ -185,15 +188,13 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file, or of the names and contents of all files in a folder."""
-    sha = hashlib.sha256()
-    files = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-    for file in files:
-        if path.is_dir():
-            sha.update(file.relative_to(path).as_posix().encode() + b"\0")
-        with file.open("rb") as stream:
-            sha.update(hashlib.file_digest(stream, "sha256").digest())
-    return sha.hexdigest()
+    """SHA-256 of a file, as `sha256sum` prints it; of a folder, that of its files' listing."""
+    if path.is_dir():
+        files = sorted(file for file in path.rglob("*") if file.is_file())
+        listing = "".join(f"{digest(f)}  {f.relative_to(path).as_posix()}\n" for f in files)
+        return hashlib.sha256(listing.encode()).hexdigest()
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def versions() -> dict[str, str]:

@@ -60,10 +60,10 @@ def test_resume_starts_fresh_or_finds_it_done_or_refuses(tmp_path, plan):
     finish(tmp_path / "run", plan)
     assert prepare(tmp_path / "run", plan, resume=True).is_finished
     other = RunPlan(command="explore", settings_toml="a = 2\n", seed=0, inputs=plan.inputs)
-    with pytest.raises(InputError, match="made with another settings"):
+    with pytest.raises(InputError, match="made with different settings"):
         prepare(tmp_path / "run", other, resume=True)
     plan.inputs[0].write_text("another world")
-    with pytest.raises(InputError, match="made with another inputs"):
+    with pytest.raises(InputError, match="made with different inputs"):
         prepare(tmp_path / "run", plan, resume=True)
 
 

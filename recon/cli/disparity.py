@@ -1,10 +1,11 @@
 """`recon disparity`."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from recon.cli.jobs import do_job
 from recon.cli.options import (
     FOLDER,
     MATCHING,
@@ -12,12 +13,11 @@ from recon.cli.options import (
     PATH,
     SETTINGS,
     PositiveNumber,
-    build_settings,
-    print_json,
-    run_order,
-    start_logging,
     with_options,
 )
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
 
 
 @click.command(epilog="Example: recon disparity left.png right.png --max-disparity 64 -o out")
@@ -38,18 +38,10 @@ from recon.cli.options import (
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:
     """Match two rectified images; -o leaves matches.npz and figures."""
-    start_logging(given)
-    from recon.runs.disparity import disparity_run, search_range
-    from recon.runs.order import unwatched
+    named = {name: given[name] for name in ("truth", "truth_scale", "calib")}
+    do_job("disparity", (left, right), given, say=_say, **named)
 
-    settings = build_settings(given, search_range(given["calib"]) if given["calib"] else {})
-    report = disparity_run(
-        left, right, settings,
-        order=run_order(given, "disparity", unwatched) if given["output"] else None,
-        truth_path=given["truth"], truth_scale=given["truth_scale"],
-    )  # fmt: skip
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        for name, value in report.items():
-            click.echo(f"{name:20} {value}")
+
+def _say(report: "Report") -> None:
+    for name, value in report.numbers.items():
+        click.echo(f"{name:20} {value}")

@@ -1,23 +1,15 @@
 """`recon explore`."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from recon.cli.options import (
-    FOLDER,
-    MATCHING,
-    OUTPUT,
-    PATH,
-    SETTINGS,
-    build_settings,
-    print_json,
-    run_order,
-    start_logging,
-    with_options,
-)
-from recon.cli.progress import progress_bar
+from recon.cli.jobs import counted, do_job
+from recon.cli.options import FOLDER, MATCHING, OUTPUT, PATH, SETTINGS, with_options
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
 
 
 @click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
@@ -31,27 +23,15 @@ from recon.cli.progress import progress_bar
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world: map it, name its objects."""
-    start_logging(given)
-    from recon.runs.explore import BASE, BASE_QUALITY, explore_run
-
-    base = BASE | {"render.noise_seed": given["seed"]}
-    settings = build_settings(given, base, BASE_QUALITY)
-    with progress_bar("pairs", given["quiet"]) as progress:
-        report = explore_run(scene, settings, run_order(given, scene.stem, progress))
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        _say(report)
-    if report["stop_reason"] == "interrupted":
-        raise click.Abort
+    do_job("explore", (scene,), given, say=_say)
 
 
-def _say(report: dict[str, Any]) -> None:
+def _say(report: "Report") -> None:
     for found in report["objects"]:
         x, _, z = found["centre"]
         click.echo(f"{found['label']:12} at x {x:7.2f}, z {z:7.2f}   {found['probability']:.0%}")
     click.echo(
-        f"{report['num_pairs']} pairs, {report['num_points']} points, "
+        f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "
         f"{report['coverage']:.0%} of the floor known; stopped: {report['stop_reason']}"
     )
-    click.echo(report["run"])
+    click.echo(report.run)

@@ -5,13 +5,12 @@ import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import click
 
 import recon
 
-Quality = Literal["best", "fast"]
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
 
@@ -77,24 +76,20 @@ def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Comma
     return decorate
 
 
-def build_settings(
-    given: dict[str, Any], base: dict[str, Any] | None = None, base_quality: Quality = "best"
-) -> Any:
-    """Settings from weakest to strongest: base, preset, file, quality, options, --set.
+def build_settings(given: dict[str, Any]) -> Any:
+    """Settings of what was given, from weakest to strongest: preset, file, quality, options, --set.
+
+    What none of them says follows from the kind of job and its inputs.
 
     Parameters
     ----------
     given : dict
         The options of a command.
-    base : dict
-        By "stage.name", what the command asks for by itself.
-    base_quality : {"best", "fast"}
     """
     from recon.settings import Settings, parse_overrides, read_toml, updated, with_preset
     from recon.settings import with_quality as qualified
 
-    settings = updated(qualified(Settings(), base_quality), tree(base or {}))
-    settings = with_preset(settings, given["preset"])
+    settings = with_preset(Settings(), given["preset"])
     if given["settings_file"] is not None:
         file = given["settings_file"]
         settings = updated(settings, read_toml(file), str(file))
@@ -113,16 +108,6 @@ def tree(flat: dict[str, Any]) -> dict[str, dict[str, Any]]:
         if value is not None:
             tables.setdefault(stage, {})[name] = value
     return tables
-
-
-def run_order(given: dict[str, Any], name: str, progress: Any) -> Any:
-    """Where a run goes: `runs/NAME` where no -o says otherwise."""
-    from recon.runs.order import RunOrder
-
-    return RunOrder(
-        path=given["output"] or Path("runs") / name, seed=given["seed"],
-        overwrite=given["overwrite"], resume=given["resume"], progress=progress,
-    )  # fmt: skip
 
 
 class StderrHandler(logging.Handler):

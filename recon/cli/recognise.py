@@ -1,19 +1,15 @@
 """`recon recognise`."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from recon.cli.options import (
-    OUTPUT,
-    PATH,
-    SETTINGS,
-    build_settings,
-    print_json,
-    start_logging,
-    with_options,
-)
+from recon.cli.jobs import do_job
+from recon.cli.options import OUTPUT, PATH, SETTINGS, with_options
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
 
 
 @click.command(epilog="Example: recon recognise runs/village/map.npz")
@@ -24,15 +20,12 @@ from recon.cli.options import (
 @with_options(SETTINGS, OUTPUT)
 def recognise(file: Path, **given: Any) -> None:
     """Name the objects of a map or a cloud."""
-    start_logging(given)
-    from recon.runs.clouds import recognise_run
+    do_job("recognise", (file,), given, say=_say, up=given["up"])
 
-    report = recognise_run(file, build_settings(given), up=given["up"])
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        for found in report["objects"]:
-            place = ", ".join(f"{value:.2f}" for value in found["centre"])
-            click.echo(f"{found['label']:14} at {place}   {found['probability']:.0%}")
-        for reason, count in report["failures"].items():
-            click.echo(f"not named: {count} x {reason}")
+
+def _say(report: "Report") -> None:
+    for found in report["objects"]:
+        place = ", ".join(f"{value:.2f}" for value in found["centre"])
+        click.echo(f"{found['label']:14} at {place}   {found['probability']:.0%}")
+    for reason, count in report["failures"].items():
+        click.echo(f"not named: {count} x {reason}")

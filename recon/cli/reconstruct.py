@@ -1,23 +1,15 @@
 """`recon reconstruct`."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from recon.cli.options import (
-    FOLDER,
-    MATCHING,
-    OUTPUT,
-    PATH,
-    SETTINGS,
-    build_settings,
-    print_json,
-    run_order,
-    start_logging,
-    with_options,
-)
-from recon.cli.progress import progress_bar
+from recon.cli.jobs import counted, do_job
+from recon.cli.options import FOLDER, MATCHING, OUTPUT, PATH, SETTINGS, with_options
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
 
 
 def parse_roi(
@@ -41,18 +33,12 @@ def parse_roi(
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
-    start_logging(given)
-    from recon.runs.reconstruct import base_values, reconstruct_run
+    do_job("reconstruct", (sequence,), given, say=_say)
 
-    settings = build_settings(given, base_values(sequence, given["sequence__format"] or "auto"))
-    with progress_bar("pairs", given["quiet"]) as progress:
-        order = run_order(given, sequence.resolve().name, progress)
-        report = reconstruct_run(sequence, settings, order)
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        click.echo(
-            f"{report['num_pairs']} pairs, {report['num_points']} points, "
-            f"{report['num_voxels']} occupied cells"
-        )
-        click.echo(report["run"])
+
+def _say(report: "Report") -> None:
+    click.echo(
+        f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "
+        f"{counted(report['num_voxels'], 'occupied cell')}"
+    )
+    click.echo(report.run)

@@ -1,10 +1,8 @@
 """The agent: view -> pair -> map -> state -> next view, until a controller or a limit ends it."""
 
 import logging
-import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -15,43 +13,35 @@ from recon.exploration.floor import Array
 from recon.exploration.memory import Memory
 from recon.exploration.metrics import Record, pairs_until_objects, path_bound
 from recon.exploration.state import State, Walk
-from recon.mapping.pair import process_pair
-from recon.recognition import recognise
-from recon.records import Matches, PointCloud, Recognition, StereoPair, View
+from recon.mapping import mapper
+from recon.mapping.mapper import Mapper
+from recon.records import Recognition, Reconstruction, StereoPair, View
 from recon.settings import Settings
+from recon.stopwatch import Stopwatch
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import new_map, occupied
 from recon.world.world import World
 
 log = logging.getLogger(__name__)
 
 STOP_REASONS = ("all known", "nothing reachable", "limit", "controller failed", "interrupted")
-STAGES = ("render", "stereo", "map", "plan", "recognise")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step:
+class Step(mapper.Step):
     """One pair of an exploration."""
 
-    number: int
-    """0, 1, ..."""
     view: View
-    pair: StereoPair
-    matches: Matches
-    cloud: PointCloud
-    """World."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exploration:
     """What an exploration left."""
 
-    voxel_map: VoxelMap
+    reconstruction: Reconstruction[VoxelMap]
     recognition: Recognition
-    trajectory: Array
-    """(N, 4, 4) T_world_left, one a pair."""
-    stamps_s: Array
-    """(N,)"""
+    """Of the reconstruction's voxels."""
+    clearest: mapper.Step | None
+    """The step with most matches."""
     views: tuple[View, ...]
     known_free: Array
     """(K, 2) x, z of the middles of the floor cells known to be free."""
@@ -61,8 +51,6 @@ class Exploration:
     """What the controller said at the end, or why it failed."""
     metrics: dict[str, Any]
     """The numbers of metrics.json, but for `seconds`."""
-    seconds: dict[str, float]
-    """Wall time by stage."""
 
 
 Take = Callable[[View], StereoPair]
@@ -74,6 +62,7 @@ def explore(
     settings: Settings,
     observe: Observe | None = None,
     take: Take | None = None,
+    stopwatch: Stopwatch | None = None,
 ) -> Exploration:
     """Let a controller lead the agent through a world until it ends.
 
@@ -83,6 +72,8 @@ def explore(
         Called with every `Step`.
     take : callable, optional
         Gives the pair of a view; `world.take` where not given.
+    stopwatch : Stopwatch, optional
+        Counts the time of the stages `render`, `stereo`, `map`, `plan` and `recognise`.
 
     Returns
     -------
@@ -95,7 +86,7 @@ def explore(
         For an unknown controller.
     """
     controller = make_controller(settings.exploration.controller)
-    agent = Agent(world, settings, take or world.take)
+    agent = Agent(world, settings, take or world.take, stopwatch or Stopwatch())
     try:
         for step in agent.steps(controller):
             if observe is not None:
@@ -108,17 +99,15 @@ def explore(
 class Agent:
     """Two eyes that walk; the state of one exploration."""
 
-    def __init__(self, world: World, settings: Settings, take: Take) -> None:
+    def __init__(self, world: World, settings: Settings, take: Take, stopwatch: Stopwatch) -> None:
         self.world = world
         self.settings = settings
         self.take = take
         self.record = Record(world=world, baseline=settings.eyes.baseline)
-        self.memory = Memory(settings=settings, voxel_map=new_map(settings.map))
+        self.stopwatch = stopwatch
+        self.mapper = Mapper(settings, stopwatch=stopwatch, compares=False)
+        self.memory = Memory(settings=settings, voxel_map=self.mapper.voxel_map)
         self.views: list[View] = []
-        self.poses: list[Array] = []
-        self.stamps_s: list[float] = []
-        self.num_points = 0
-        self.seconds = dict.fromkeys(STAGES, 0.0)
         self.stop_reason = ""
         self.message = ""
 
@@ -129,7 +118,7 @@ class Agent:
         view: View | None = start
         while view is not None:
             try:
-                with self._timed("render"):
+                with self.stopwatch.stage("render"):
                     pair = self.take(view)
             except InputError as error:
                 return self.stop("controller failed", f"its view cannot be taken: {error}")
@@ -148,30 +137,28 @@ class Agent:
 
     def _look(self, view: View, pair: StereoPair) -> Step:
         """Put a pair into the map and the memory."""
-        number = len(self.views)
-        result = process_pair(pair, self.settings, self.memory.voxel_map, number)
-        self.seconds["stereo"] += result.stereo_s
-        self.seconds["map"] += result.map_s
-        with self._timed("map"):
-            self.memory.remember(view, pair, result.cloud)
-        with self._timed("recognise"):
+        (mapped,) = self.mapper.process(self._stamped(pair))
+        with self.stopwatch.stage("map"):
+            self.memory.remember(view, mapped.pair, mapped.cloud)
+        with self.stopwatch.stage("recognise"):
             self.memory.name_things()
-        self._note(view, pair, result.cloud)
-        return Step(number=number, view=view, pair=pair, matches=result.matches, cloud=result.cloud)
-
-    def _note(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
-        """Keep what the metrics are made of."""
         self.views.append(view)
-        self.poses.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
-        self.stamps_s.append(pair.stamp_s)
-        self.num_points += len(cloud)
         self.record.note(len(self.views), self.memory.floor)
+        parts = {part.name: getattr(mapped, part.name) for part in fields(mapped)}
+        return Step(**parts, view=view)
+
+    def _stamped(self, pair: StereoPair) -> StereoPair:
+        """The pair with a time after the one before; its number where it states none."""
+        stamps_s = self.mapper.trajectory.stamps_s
+        if not len(stamps_s) or pair.stamp_s > stamps_s[-1]:
+            return pair
+        return replace(pair, stamp_s=float(len(stamps_s)))
 
     def _ask(self, controller: Controller, step: Step) -> View | None:
         """The controller's next view, walked to; None where there is a reason to stop."""
         state = self._state(step)
         try:
-            with self._timed("plan"):
+            with self.stopwatch.stage("plan"):
                 view = controller.next_view(state)
             if view is None:
                 said = controller.result()
@@ -213,21 +200,23 @@ class Agent:
 
     def exploration(self) -> Exploration:
         """All that there is, whatever ended it."""
-        voxels = occupied(self.memory.voxel_map, self.settings.map)
-        with self._timed("recognise"):
-            recognition = recognise(voxels, self.settings.recognition)
+        voxels = self.mapper.voxels()
+        recognition = self.mapper.recognise(voxels)
         floor = self.memory.floor
         return Exploration(
-            voxel_map=self.memory.voxel_map,
+            reconstruction=Reconstruction(
+                map=self.mapper.voxel_map,
+                voxels=voxels,
+                objects=recognition.objects,
+                trajectory=self.mapper.trajectory,
+            ),
             recognition=recognition,
-            trajectory=np.array(self.poses).reshape(-1, 4, 4),
-            stamps_s=np.array(self.stamps_s),
+            clearest=self.mapper.clearest,
             views=tuple(self.views),
             known_free=floor.centres(np.argwhere(floor.known_free)),
             stop_reason=self.stop_reason,
             message=self.message,
             metrics=self._metrics(recognition),
-            seconds=self.seconds,
         )
 
     def _metrics(self, recognition: Recognition) -> dict[str, Any]:
@@ -235,7 +224,7 @@ class Agent:
         reach = self.settings.exploration.viewing_distance
         return {
             "num_pairs": len(self.views),
-            "num_points": self.num_points,
+            "num_points": self.mapper.num_points,
             "num_objects": len(recognition.objects),
             "path_length": self.record.path_length,
             "path_bound": path_bound(self.world.start(), self.world.objects, reach),
@@ -245,12 +234,6 @@ class Agent:
             "stop_reason": self.stop_reason,
             "curve": [list(point) for point in self.record.curve],
         }
-
-    @contextmanager
-    def _timed(self, stage: str) -> Iterator[None]:
-        began = time.perf_counter()
-        yield
-        self.seconds[stage] += time.perf_counter() - began
 
 
 def check_view(view: View) -> None:

@@ -1,6 +1,5 @@
 """The straight line: two images -> pairs of features -> coloured world points -> the voxel map."""
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,10 +22,9 @@ class PairResult:
     matches: Matches
     cloud: PointCloud
     """In the world; in the left camera's frame where the pair has no pose."""
-    stereo_s: float
-    """Wall time from images to points."""
-    map_s: float
-    """Wall time of putting them into the map."""
+
+    def __repr__(self) -> str:
+        return f"PairResult({len(self.matches)} matches, {len(self.cloud)} points)"
 
 
 def match_pair(
@@ -61,21 +59,35 @@ def match_pair(
     )
 
 
-def match_images(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings) -> Matches:
-    """Match two rectified images as the settings say."""
+def match_images(
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    settings: Settings,
+    stated_range: tuple[int, int] | None = None,
+) -> Matches:
+    """Match two rectified images as the settings say.
+
+    Parameters
+    ----------
+    stated_range : (min, max), optional
+        Search range in pixels that holds where the settings were not given one.
+    """
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
-    return match_features(features_left, features_right, settings)
+    return match_features(features_left, features_right, settings, stated_range)
 
 
 def match_features(
-    features_left: Features, features_right: Features, settings: Settings
+    features_left: Features,
+    features_right: Features,
+    settings: Settings,
+    stated_range: tuple[int, int] | None = None,
 ) -> Matches:
-    """Match and fine tune the features of two rectified images."""
+    """Match the features of two rectified images, to fractions of a pixel."""
     # Pairs of like phase and magnitude, cross checked (Eqs 15 to 18).
-    matches = match(features_left, features_right, settings.matching)
-    # Fine tuning by the phase that is left (Eqs 20, 21).
+    matches = match(features_left, features_right, settings.matching.searching(stated_range))
+    # Refined by the phase that is left (Eqs 20, 21).
     return refine(matches, features_left, features_right)
 
 
@@ -85,22 +97,27 @@ def process_pair(
     """One pair into the map.
 
     All points with a depth are returned, so that far things are seen; the map takes only those
-    that are sure enough for its cells.
+    that are sure enough for its cells. The search range is the one that the settings were given,
+    else what the pair states.
+
+    Parameters
+    ----------
+    view : int, optional
+        Number of the pair; needed by a map that keeps views.
     """
-    began = time.perf_counter()
-    matches, cloud = points_of(pair, settings)
-    seen = time.perf_counter()
-    insert(cloud, pair, settings, voxel_map, view)
-    done = time.perf_counter()
-    return PairResult(matches=matches, cloud=cloud, stereo_s=seen - began, map_s=done - seen)
+    result = match_points(pair, settings)
+    insert(result.cloud, pair, settings, voxel_map, view)
+    return result
 
 
-def points_of(pair: StereoPair, settings: Settings) -> tuple[Matches, PointCloud]:
+def match_points(pair: StereoPair, settings: Settings) -> PairResult:
     """The matches of a pair and their points: in the world, where the pair has a pose."""
-    matches = match_images(pair.left, pair.right, settings)
+    matches = match_images(pair.left, pair.right, settings, pair.disparity_range)
     # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
     cloud = triangulate(matches, pair, settings.triangulation)
-    return matches, cloud if pair.T_world_left is None else cloud.transformed(pair.T_world_left)
+    if pair.T_world_left is not None:
+        cloud = cloud.transformed(pair.T_world_left)
+    return PairResult(matches=matches, cloud=cloud)
 
 
 def insert(
@@ -110,7 +127,7 @@ def insert(
     voxel_map: VoxelMap,
     view: int | None = None,
 ) -> None:
-    """Every point that is sure enough raises the count of its cell (section 4.4)."""
+    """Count every point that is sure enough in its cell (section 4.4)."""
     origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
     if settings.map.max_sigma is not None and cloud.sigma is not None:
         cloud = cloud.select(cloud.sigma <= settings.map.max_sigma * settings.map.cell_size)

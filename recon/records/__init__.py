@@ -4,6 +4,7 @@ from recon.records.clouds import GroundGrid, PointCloud, Segments, Voxels
 from recon.records.matches import Features, Matches, check_alike
 from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
 from recon.records.pairs import PairSource, StereoPair, View, check_images
+from recon.records.reconstruction import Reconstruction
 from recon.records.solids import (
     Box,
     Cone,
@@ -16,6 +17,7 @@ from recon.records.solids import (
     TruncatedCone,
 )
 from recon.records.surfaces import DisparityMap, Mesh
+from recon.records.trajectory import Trajectory
 
 __all__ = [
     "UNKNOWN",
@@ -35,10 +37,12 @@ __all__ = [
     "Plane",
     "PointCloud",
     "Recognition",
+    "Reconstruction",
     "Segments",
     "Solid",
     "Sphere",
     "StereoPair",
+    "Trajectory",
     "TruncatedCone",
     "View",
     "Voxels",

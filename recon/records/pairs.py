@@ -58,6 +58,8 @@ class StereoPair:
     stamp_s: float = 0.0
     name: str = "pair"
     """What messages call it: a file or a number."""
+    disparity_range: tuple[int, int] | None = None
+    """(min, max) in pixels, both included, where the recording states it."""
 
     def __post_init__(self) -> None:
         check_images(self.left, self.right, self.name)

@@ -11,28 +11,25 @@ from recon.recognition.fitting.shapes import candidates
 from recon.records import FitFailure, PointCloud, Voxels
 from recon.records.objects import as_json
 from recon.records.solids import parameters
-from recon.settings import Settings
+from recon.runs.job import Job, Kind, Numbers
+from recon.runs.work import Work
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.occupancy import occupied
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 
 
-def recognise_run(path: Path, settings: Settings, up: Up = "y") -> dict[str, Any]:
-    """Name the objects of a map or a cloud.
-
-    Returns
-    -------
-    dict
-        The document of `objects.json`.
-    """
+def _recognise(job: Job, work: Work) -> Numbers:
+    """Name the objects of a map or a cloud; the document of `objects.json`."""
+    (path,) = job.inputs
+    up: Up = job.arguments.get("up", "y")
     data = read(path)
     if isinstance(data, VoxelMap):
-        data = occupied(data, settings.map)
-    if isinstance(data, Voxels) and up == "y":
-        return as_json(recognise(data, settings.recognition))
-    cloud = _as_cloud(data)
-    return as_json(recognise_cloud(cloud, settings.recognition, up))
+        data = occupied(data, job.settings.map)
+    with work.stage("recognise"):
+        if isinstance(data, Voxels) and up == "y":
+            return dict(as_json(recognise(data, job.settings.recognition)))
+        return dict(as_json(recognise_cloud(_as_cloud(data), job.settings.recognition, up)))
 
 
 def fit_run(path: Path) -> dict[str, Any]:
@@ -95,3 +92,6 @@ def _as_cloud(data: VoxelMap | Voxels | PointCloud) -> PointCloud:
         return data
     voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
     return PointCloud(points=voxels.means, colours=voxels.colours)
+
+
+RECOGNISE = Kind(run=_recognise)

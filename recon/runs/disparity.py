@@ -13,10 +13,10 @@ from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
 from recon.mapping.pair import match_features
 from recon.records import Matches, check_images
+from recon.runfolder import RunFolder
 from recon.runs.figures import write_figures
-from recon.runs.order import RunOrder
-from recon.runs.products import as_document, write_metrics
-from recon.runs.report import read_json
+from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_image
 from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
@@ -38,13 +38,18 @@ class MatchedPair:
     """(H, W) disparity of every pixel, NaN = unknown, where the settings want it."""
 
 
-def match_files(left_path: Path, right_path: Path, settings: Settings) -> MatchedPair:
+def match_files(
+    left_path: Path,
+    right_path: Path,
+    settings: Settings,
+    stated_range: tuple[int, int] | None = None,
+) -> MatchedPair:
     """Match two image files as the settings say."""
     left, right = read_image(left_path), read_image(right_path)
     check_images(left, right, f"{left_path} and {right_path}")
     began = time.perf_counter()
     features = detect(left, settings.features), detect(right, settings.features)
-    matches = match_features(*features, settings)
+    matches = match_features(*features, settings, stated_range)
     seconds = time.perf_counter() - began
     dense = densify(matches, *features, left, settings.dense) if settings.dense.enabled else None
     return MatchedPair(
@@ -52,47 +57,37 @@ def match_files(left_path: Path, right_path: Path, settings: Settings) -> Matche
     )
 
 
-def search_range(calib_path: Path) -> dict[str, Any]:
-    """The search range that a calibration states, by "stage.name"; empty where it does not."""
-    stated = read_calibration(calib_path).disparity_range
+def _base(job: Job) -> Tree:
+    """The search range that a calibration states."""
+    calib = job.arguments.get("calib")
+    stated = None if calib is None else read_calibration(calib).disparity_range
     if stated is None:
         return {}
-    return {"matching.min_disparity": stated[0], "matching.max_disparity": stated[1]}
+    return {"matching": {"min_disparity": stated[0], "max_disparity": stated[1]}}
 
 
-def disparity_run(
-    left_path: Path,
-    right_path: Path,
-    settings: Settings,
-    *,
-    order: RunOrder | None = None,
-    truth_path: Path | None = None,
-    truth_scale: float | None = None,
-) -> dict[str, Any]:
-    """Match two images; leave a run folder where one is ordered.
-
-    Returns
-    -------
-    dict
-        The document of `recon disparity --json`.
-    """
-    inputs = tuple(path for path in (left_path, right_path, truth_path) if path)
-    run = order and order.folder("disparity", settings, inputs)
-    if run and run.is_finished:
-        return dict(read_json(run.path / "metrics.json"))
-    pair = match_files(left_path, right_path, settings)
+def _match(job: Job, work: Work) -> Numbers:
+    """Match two images, and hold them against the truth where it is known."""
+    left, right = job.inputs
+    with work.stage("stereo"):
+        pair = match_files(left, right, job.settings)
+    truth_path, truth_scale = job.arguments.get("truth"), job.arguments.get("truth_scale")
     truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
-    metrics = as_document(measure(pair, truth))
-    if run:
-        with run.opened():
-            write_matches(run.path / "matches.npz", pair.matches)
-            figures = {"disparity": draw_disparity(pair.left, pair.matches)}
-            if pair.dense_px is not None:
-                write_disparity(run.path / "dense.pfm", pair.dense_px)
-                figures["dense"] = draw_dense(pair.left, pair.dense_px)
-            write_figures(run.path, figures)
-            write_metrics(run, metrics)
-    return metrics
+    if work.folder:
+        _write(work.folder, pair, work)
+    return measure(pair, truth)
+
+
+def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
+    with work.stage("write"):
+        write_matches(run.path / "matches.npz", pair.matches)
+        if pair.dense_px is not None:
+            write_disparity(run.path / "dense.pfm", pair.dense_px)
+    with work.stage("figures"):
+        figures = {"disparity": draw_disparity(pair.left, pair.matches)}
+        if pair.dense_px is not None:
+            figures["dense"] = draw_dense(pair.left, pair.dense_px)
+        write_figures(run.path, figures)
 
 
 def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
@@ -118,3 +113,6 @@ def write_matches(path: Path, matches: Matches) -> None:
     names = ("points_px", "disparity_px", "sigma_px", "score")
     with atomic_path(path) as part:
         np.savez_compressed(part, **{name: getattr(matches, name) for name in names})
+
+
+DISPARITY = Kind(run=_match, base=_base)

@@ -16,8 +16,9 @@ from recon.mapping.pair import match_images
 from recon.records import Features, Matches
 from recon.runs.disparity import match_files, measure
 from recon.runs.figures import write_figures
-from recon.runs.order import Progress, RunOrder, unwatched
-from recon.runs.products import as_document
+from recon.runs.job import Job, Kind, Numbers
+from recon.runs.outputs import as_document
+from recon.runs.work import Work
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.images import read_image
 from recon.sequences.readers.pair_dir import find_image
@@ -58,49 +59,25 @@ class Trial:
         return as_document(names | measure(pair, self.truth) | shares)
 
 
-def evaluate_run(
-    pair_dirs: Iterable[Path],
-    settings: Settings,
-    matchers: Iterable[str],
-    *,
-    truth_scale: float | None = None,
-    order: RunOrder | None = None,
-    progress: Progress = unwatched,
-) -> dict[str, Any]:
+def _evaluate(job: Job, work: Work) -> Numbers:
     """Judge every matcher on every pair.
 
-    Parameters
-    ----------
-    pair_dirs : iterable of Path
-        Folders with left.*, right.* and disp_left.*.
-    settings : Settings
-    matchers : iterable of str
-    truth_scale : float, optional
-        Stored truth / this = disparity; each pair's own where not given.
-    order : RunOrder, optional
-        Where figures and numbers are left.
-    progress : callable
-
-    Returns
-    -------
-    dict
-        The document of `recon evaluate --json`.
+    The inputs are folders with left.*, right.* and disp_left.*.
     """
-    names, paths = list(matchers), tuple(pair_dirs)
-    check_names(paths)
-    run = order and order.folder("evaluate", settings, paths)
-    trials = [t for path in paths for t in _trials(path, settings, names, truth_scale)]
+    names = job.arguments.get("matchers") or (job.settings.matching.matcher,)
+    scale = job.arguments.get("truth_scale")
+    check_names(job.inputs)
+    trials = [t for path in job.inputs for t in _trials(path, job.settings, names, scale)]
     rows = []
     for trial in trials:
-        rows.append(trial.row())
-        progress(len(rows), len(trials))
-    report = {"pairs": rows}
-    if run:
-        with run.opened():
-            run.write_json("metrics.json", report)
+        with work.stage("stereo"):
+            rows.append(trial.row())
+        work.progress(len(rows), len(trials))
+    if work.folder:
+        with work.stage("figures"):
             for trial in trials:
-                write_figures(run.path, trial_images(trial))
-    return report
+                write_figures(work.folder.path, trial_images(trial))
+    return {"pairs": rows}
 
 
 def check_names(paths: tuple[Path, ...]) -> None:
@@ -112,7 +89,7 @@ def check_names(paths: tuple[Path, ...]) -> None:
 
 
 def _trials(
-    pair_dir: Path, settings: Settings, matchers: list[str], truth_scale: float | None
+    pair_dir: Path, settings: Settings, matchers: Iterable[str], truth_scale: float | None
 ) -> Iterator[Trial]:
     truth = read_truth(pair_dir, truth_scale)
     search = own_range(pair_dir, truth)
@@ -168,3 +145,6 @@ def model_image(left: Features, right: Features, matches: Matches, settings: Set
     shown = min(len(measured), len(model.widths_px))
     titles = [f"filters {width:g} px wide" for width in left.widths_px[:shown]]
     return mixture(phases, [*model.densities(phases)[:shown]], [*measured[:shown]], titles)
+
+
+EVALUATE = Kind(run=_evaluate, stages=("reading", "stereo", "figures"))

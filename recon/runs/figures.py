@@ -17,22 +17,23 @@ from recon.figures.parts import parts
 from recon.figures.slices import SIZE as SLICES_SIZE
 from recon.figures.slices import slices
 from recon.files import atomic_path
-from recon.records import Matches
+from recon.mapping.mapper import Step
+from recon.records import Reconstruction
 from recon.runfolder import read_manifest
-from recon.runs.contents import RunContents, read_contents
+from recon.runs.reading import read_reconstruction
 from recon.voxelmap.ground import height_sum
 from recon.voxelmap.weights import Weights
 
 Data = dict[str, NDArray[np.generic]]
 
 
-def _cells(run: RunContents) -> Data:
+def _cells(run: Reconstruction) -> Data:
     kept = ("index", "means", "counts", "colours", "weights")
     values = {name: getattr(run.voxels, name) for name in kept}
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _solids(run: RunContents) -> Data:
+def _solids(run: Reconstruction) -> Data:
     return _cells(run) | {
         "label": np.array([found.label for found in run.objects], dtype=np.str_),
         "probability": np.array([found.probability for found in run.objects]),
@@ -41,16 +42,16 @@ def _solids(run: RunContents) -> Data:
     }
 
 
-def _floor(run: RunContents) -> Data:
+def _floor(run: Reconstruction) -> Data:
     floor = height_sum(run.voxels)
     return {"cells": floor.cells, "origin_xz": floor.origin_xz}
 
 
-def _way(run: RunContents) -> Data:
+def _way(run: Reconstruction) -> Data:
     return {"stamps_s": run.trajectory.stamps_s, "T_world_left": run.trajectory.T_world_left}
 
 
-def _sigma(run: RunContents) -> NDArray[np.float64]:
+def _sigma(run: Reconstruction) -> NDArray[np.float64]:
     """(K,) the sigma, in cells, that points of a cell's mean weight have."""
     if run.voxels.weights is None:
         raise InputError('the map keeps no weights; make it with map.occupancy = ["weight"]')
@@ -63,9 +64,9 @@ def _sigma(run: RunContents) -> NDArray[np.float64]:
 class Kind:
     """One kind of figure: how it is drawn and how large where nobody says."""
 
-    draw: Callable[[RunContents, str, Size], Image]
+    draw: Callable[[Reconstruction, str, Size], Image]
     size: Size
-    data: Callable[[RunContents], Data]
+    data: Callable[[Reconstruction], Data]
     """The arrays that are drawn, by name."""
     needs_weights: bool = False
     """Whether the map must keep weights (the rule `weight` of map.occupancy)."""
@@ -131,30 +132,28 @@ ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
 """What every run leaves without being asked."""
 
 
-def draw_always(contents: RunContents) -> dict[str, Image]:
+def draw_always(contents: Reconstruction) -> dict[str, Image]:
     """The figures that every run leaves, by name."""
     return {name: KINDS[name].draw(contents, "default", KINDS[name].size) for name in ALWAYS}
 
 
-def add_pair(images: dict[str, Image], left: Image, matches: Matches) -> dict[str, Image]:
-    """The images, with the disparity of the clearest pair and a sheet of them all."""
-    drawn = disparity(left, matches)
+def add_pair(images: dict[str, Image], step: Step) -> dict[str, Image]:
+    """The images, with the disparity of a step and a sheet of them all."""
+    drawn = disparity(step.pair.left, step.matches)
     sheet = {
         "The map, with what was found": images["map3d"],
-        "What the left eye saw": left,
+        "What the left eye saw": step.pair.left,
         "What was matched": drawn,
         "The floor, with names": images["labels"],
     }
     return images | {"disparity": drawn, "overview": overview(sheet)}
 
 
-def leave_figures(
-    run_path: Path, contents: RunContents, clearest: tuple[Image, Matches] | None
-) -> None:
-    """Draw and write what every run leaves; `clearest` is the left image with most matches."""
+def write_run_figures(run_path: Path, contents: Reconstruction, clearest: Step | None) -> None:
+    """Draw and write what every run leaves; `clearest` is the step with most matches."""
     images = draw_always(contents)
     if clearest is not None:
-        images = add_pair(images, *clearest)
+        images = add_pair(images, clearest)
     write_figures(run_path, images)
 
 
@@ -193,7 +192,7 @@ def figure_run(
     if kind is not None and kind not in KINDS:
         raise InputError(f"kind is {kind!r}, but one of {', '.join(KINDS)} is needed")
     read_manifest(run_path)
-    contents = read_contents(run_path)
+    contents = read_reconstruction(run_path)
     has_weights = contents.voxels.weights is not None
     wanted = [kind] if kind else [k for k in KINDS if has_weights or not KINDS[k].needs_weights]
     images = {k: KINDS[k].draw(contents, view, size or KINDS[k].size) for k in wanted}

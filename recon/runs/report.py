@@ -1,10 +1,48 @@
-"""What a finished run says of itself."""
+"""What a job gave, just now or as its run folder has it."""
 
 import json
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
+from recon.notices import Notice
+from recon.records import FoundObject
+from recon.records.objects import from_json
+
+Numbers = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Report:
+    """What a job gave."""
+
+    kind: str
+    """Of the job."""
+    numbers: Numbers = field(repr=False)
+    """What it found, by the names of its JSON document."""
+    warnings: tuple[Notice, ...] = ()
+    """What was measured and found contradictory."""
+    run: Path | None = None
+    """The run folder it left."""
+
+    def __getitem__(self, name: str) -> Any:
+        return self.numbers[name]
+
+    @property
+    def objects(self) -> tuple[FoundObject, ...]:
+        """The objects that were found; empty for kinds that find none."""
+        return from_json(self.numbers) if "objects" in self.numbers else ()
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether it ended early on purpose, and can be resumed."""
+        return bool(self.numbers.get("stop_reason") == "interrupted")
+
+    def as_json(self) -> dict[str, Any]:
+        """The document that `--json` prints."""
+        run = {} if self.run is None else {"run": str(self.run)}
+        return run | self.numbers | {"warnings": [notice.as_json() for notice in self.warnings]}
 
 
 def read_json(path: Path) -> Any:
@@ -13,7 +51,7 @@ def read_json(path: Path) -> Any:
     Raises
     ------
     InputError
-        Where it is not there or is no JSON.
+        Where it is not there or is not JSON.
     """
     try:
         return json.loads(path.read_text(encoding="utf-8"))
@@ -23,10 +61,21 @@ def read_json(path: Path) -> Any:
         raise InputError(f"{path}: {error}, but JSON is needed") from error
 
 
-def read_report(run_path: Path) -> dict[str, Any]:
-    """The metrics of a run with its folder and its objects."""
-    metrics = read_json(run_path / "metrics.json")
-    objects = read_json(run_path / "objects.json")
-    if not (isinstance(metrics, dict) and isinstance(objects, dict) and "objects" in objects):
-        raise InputError(f"{run_path} holds damaged metrics.json or objects.json")
-    return {"run": str(run_path)} | metrics | {"objects": objects["objects"]}
+def read_report(kind: str, run_path: Path) -> Report:
+    """The report of a run, from its folder.
+
+    Raises
+    ------
+    InputError
+        Where a file is missing or damaged.
+    """
+    numbers = read_json(run_path / "metrics.json")
+    if not isinstance(numbers, dict):
+        raise InputError(f"{run_path} holds a damaged metrics.json")
+    if (run_path / "objects.json").exists():
+        objects = read_json(run_path / "objects.json")
+        if not (isinstance(objects, dict) and "objects" in objects):
+            raise InputError(f"{run_path} holds a damaged objects.json")
+        numbers["objects"] = objects["objects"]
+    warnings = tuple(Notice(**notice) for notice in numbers.pop("warnings", []))
+    return Report(kind=kind, numbers=numbers, warnings=warnings, run=run_path)

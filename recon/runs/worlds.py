@@ -8,13 +8,14 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.exploration.agent import explore
+from recon.figures.canvas import Image
 from recon.figures.confusion import confusion_matrix, reliability
 from recon.recognition import recognise
 from recon.records import FoundObject
 from recon.runs.figures import write_figures
-from recon.runs.order import Progress, RunOrder, unwatched
-from recon.settings import Settings
-from recon.voxelmap.occupancy import occupied
+from recon.runs.job import Job, Kind, Numbers
+from recon.runs.work import Work
+from recon.settings import EXPLORER_BASE
 from recon.world.generator import random_scene
 from recon.world.objects import TrueObject
 from recon.world.world import World
@@ -34,49 +35,47 @@ class Naming:
     probability: float
 
 
-def worlds_run(
-    num_worlds: int,
-    settings: Settings,
-    *,
-    seed: int = 0,
-    order: RunOrder | None = None,
-    progress: Progress = unwatched,
-) -> dict[str, Any]:
-    """Explore random worlds and count labels, by the recogniser of the settings and the thesis's.
-
-    Returns
-    -------
-    dict
-        For either recogniser the share of right labels and the confusion, true by found.
-    """
-    run = order and order.folder("evaluate", settings, ())
+def _worlds(job: Job, work: Work) -> Numbers:
+    """Explore random worlds and count labels, by the settings' recogniser and the thesis's."""
+    num_worlds: int = job.arguments["worlds"]
     own: list[Naming] = []
     thesis: list[Naming] = []
     for number in range(num_worlds):
-        scene = random_scene(np.random.default_rng([seed, number]), NUM_OBJECTS, GAP)
-        world = World(scene, settings.eyes, settings.render, settings.world)
-        done = explore(world, settings)
-        voxels = occupied(done.voxel_map, settings.map)
-        by_thesis = recognise(voxels, replace(settings.recognition, recogniser="thesis"))
-        own += namings(world.objects, done.recognition.objects)
-        thesis += namings(world.objects, by_thesis.objects)
-        progress(number + 1, num_worlds)
-    report: dict[str, Any] = {"worlds": num_worlds, "robust": tally(own), "thesis": tally(thesis)}
-    if run:
-        with run.opened():
-            run.write_json("metrics.json", report)
-            write_figures(
-                run.path,
-                {
-                    "confusion": confusion_matrix(report["robust"]["confusion"]),
-                    "confusion_thesis": confusion_matrix(report["thesis"]["confusion"]),
-                    "reliability": reliability(
-                        np.array([one.probability for one in own]),
-                        np.array([one.found == one.true for one in own]),
-                    ),
-                },
-            )
+        by_settings, by_thesis = _explore_one(job, number, work)
+        own += by_settings
+        thesis += by_thesis
+        work.progress(number + 1, num_worlds)
+    report: Numbers = {"worlds": num_worlds, "robust": tally(own), "thesis": tally(thesis)}
+    if work.folder:
+        with work.stage("figures"):
+            write_figures(work.folder.path, _images(report, own))
     return report
+
+
+def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[Naming]]:
+    """What the settings' recogniser and the thesis's call the objects of one world."""
+    settings = job.settings
+    scene = random_scene(np.random.default_rng([job.seed, number]), NUM_OBJECTS, GAP)
+    world = World(scene, settings.eyes, settings.render, settings.world)
+    done = explore(world, settings, stopwatch=work.stopwatch)
+    with work.stage("recognise"):
+        chosen = replace(settings.recognition, recogniser="thesis")
+        by_thesis = recognise(done.reconstruction.voxels, chosen)
+    return (
+        namings(world.objects, done.recognition.objects),
+        namings(world.objects, by_thesis.objects),
+    )
+
+
+def _images(report: Numbers, own: list[Naming]) -> dict[str, Image]:
+    return {
+        "confusion": confusion_matrix(report["robust"]["confusion"]),
+        "confusion_thesis": confusion_matrix(report["thesis"]["confusion"]),
+        "reliability": reliability(
+            np.array([one.probability for one in own]),
+            np.array([one.found == one.true for one in own]),
+        ),
+    }
 
 
 def namings(
@@ -110,3 +109,10 @@ def tally(named: list[Naming]) -> dict[str, Any]:
         "success": 100.0 * right / len(named),
         "confusion": {true: dict(sorted(row.items())) for true, row in sorted(confusion.items())},
     }
+
+
+WORLDS = Kind(
+    run=_worlds,
+    base=lambda job: EXPLORER_BASE,
+    stages=("render", "stereo", "map", "plan", "recognise", "figures"),
+)

@@ -52,7 +52,7 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
         Where nothing is at `path`, no reader knows it, or nothing of it can be used.
     """
     recording = CheckedPairs(
-        _recording(Path(path), settings), has_given_poses=settings.poses == "given"
+        RangedPairs(_recording(Path(path), settings)), has_given_poses=settings.poses == "given"
     )
     source: DerivedSource
     if settings.poses == "estimated":
@@ -64,6 +64,17 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
     elif settings.poses == "none":
         source = UnposedPairs(source)
     return source if settings.roi is None else RegionSource(source, settings.roi)
+
+
+class RangedPairs(DerivedSource):
+    """Pairs that carry the search range which their recording states."""
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        for pair in self.source:
+            if pair.disparity_range is None:
+                yield replace(pair, disparity_range=self.disparity_range)
+            else:
+                yield pair
 
 
 class PosedPairs(DerivedSource):

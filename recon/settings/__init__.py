@@ -1,9 +1,16 @@
 """Settings: one frozen dataclass a stage, read from and saved as TOML, unknown names refused."""
 
 from recon.settings.exploration import ExplorationSettings
-from recon.settings.files import parse_overrides, read_toml, to_toml, updated
+from recon.settings.files import given_tree, merged, parse_overrides, read_toml, to_toml, updated
 from recon.settings.mapping import MapSettings
-from recon.settings.presets import PRESETS, QUALITIES, Quality, with_preset, with_quality
+from recon.settings.presets import (
+    EXPLORER_BASE,
+    PRESETS,
+    QUALITIES,
+    Quality,
+    with_preset,
+    with_quality,
+)
 from recon.settings.recognition import RecognitionSettings
 from recon.settings.sequences import SequenceSettings
 from recon.settings.settings import Settings
@@ -16,6 +23,7 @@ from recon.settings.stereo import (
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 __all__ = [
+    "EXPLORER_BASE",
     "PRESETS",
     "QUALITIES",
     "DenseSettings",
@@ -31,6 +39,8 @@ __all__ = [
     "Settings",
     "TriangulationSettings",
     "WorldSettings",
+    "given_tree",
+    "merged",
     "parse_overrides",
     "read_toml",
     "to_toml",

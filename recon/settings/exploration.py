@@ -1,12 +1,11 @@
 """Settings of the explorer."""
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count, Positive
+from recon.settings.stage import Count, Positive, table
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class ExplorationSettings:
     """How the agent walks (thesis 4.4)."""
 

@@ -3,18 +3,24 @@
 import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from recon.errors import InputError
 from recon.settings.settings import Settings
+from recon.settings.stage import first_fault, given
 from recon.settings.world import FOLLOWERS
 
 Tree = dict[str, dict[str, Any]]
+
+STAGES: dict[str, Any] = {
+    field.name: type(getattr(Settings(), field.name)) for field in fields(Settings)
+}
+"""The table of each stage, by its name."""
 
 
 def to_tree(settings: Settings) -> Tree:
@@ -57,6 +63,19 @@ def _value(text: str) -> Any:
         return text
 
 
+def given_tree(settings: Settings) -> Tree:
+    """The values that somebody gave, by stage and name, without what are defaults."""
+    return {stage: given(getattr(settings, stage)) for stage in STAGES}
+
+
+def merged(weaker: Mapping[str, Any], stronger: Mapping[str, Any]) -> Tree:
+    """Both trees; where both have a value, the stronger one's."""
+    return {
+        stage: {**weaker.get(stage, {}), **stronger.get(stage, {})}
+        for stage in [*weaker, *(stage for stage in stronger if stage not in weaker)]
+    }
+
+
 def updated(settings: Settings, changes: Mapping[str, Any], source: str = "settings") -> Settings:
     """`settings` with the values of `changes`, all of them checked; the word "none" is None.
 
@@ -65,17 +84,17 @@ def updated(settings: Settings, changes: Mapping[str, Any], source: str = "setti
     InputError
         For an unknown name, with the nearest known one, and for a value out of its range.
     """
-    tree: dict[str, Any] = asdict(settings)
+    stages = {stage: getattr(settings, stage) for stage in STAGES}
     for stage, values in changes.items():
-        _check_known(stage, tree, source)
+        _check_known(stage, STAGES, source)
         if not isinstance(values, Mapping):
             raise InputError(f"{source}: {stage} is {values!r}, but a table is needed")
-        for name, value in values.items():
-            _check_known(f"{stage}.{name}", {f"{stage}.{known}" for known in tree[stage]}, source)
-            tree[stage][name] = None if value == "none" else value
-            if FOLLOWERS.get(name, name) not in values:
-                tree[stage].pop(FOLLOWERS[name])
-    return _checked(tree, source)
+        known = [f"{stage}.{known.name}" for known in fields(STAGES[stage])]
+        for name in values:
+            _check_known(f"{stage}.{name}", known, source)
+        plain = {name: None if value == "none" else value for name, value in values.items()}
+        stages[stage] = _changed(stage, given(stages[stage]), plain, source)
+    return Settings(**stages)
 
 
 def _check_known(name: str, known: Iterable[str], source: str) -> None:
@@ -85,13 +104,13 @@ def _check_known(name: str, known: Iterable[str], source: str) -> None:
         raise InputError(f"{source}: {name} is unknown; the nearest known name is {near[0]}")
 
 
-def _checked(tree: Mapping[str, Any], source: str) -> Settings:
+def _changed(stage: str, before: dict[str, Any], changes: dict[str, Any], source: str) -> Any:
+    """A stage's table with its given values and their changes; what follows from one, does."""
+    followers = {FOLLOWERS[name] for name in changes if name in FOLLOWERS} - set(changes)
+    kept = {name: value for name, value in before.items() if name not in followers}
     try:
-        return TypeAdapter(Settings).validate_python(tree)
-    except ValidationError as error:
-        first = error.errors()[0]
-        name = ".".join(str(step) for step in first["loc"])
-        message = first["msg"].removeprefix("Value error, ")
-        # What is wrong with a whole stage says its own values.
-        value = "" if isinstance(first["input"], dict) else f" is {first['input']!r}"
-        raise InputError(f"{source}: {name}{value}: {message}") from error
+        return STAGES[stage](**kept | changes)
+    except InputError as error:
+        fault = error.__cause__
+        assert isinstance(fault, ValidationError)
+        raise InputError(f"{source}: {first_fault(fault, stage)}") from error

@@ -2,14 +2,12 @@
 
 from typing import Literal
 
-from pydantic.dataclasses import dataclass
-
-from recon.settings.stage import STRICT, Count, NonNegative, Positive, Share
+from recon.settings.stage import Count, NonNegative, Positive, Share, table
 
 OccupancyRule = Literal["count", "weight", "carving", "log-odds", "views"]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class MapSettings:
     """Cells, and when one counts as occupied (thesis 4.4)."""
 

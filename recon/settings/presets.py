@@ -2,7 +2,7 @@
 
 from typing import Any, Literal
 
-from recon.settings.files import updated
+from recon.settings.files import merged, updated
 from recon.settings.settings import Settings
 
 Quality = Literal["best", "fast"]
@@ -45,3 +45,12 @@ def with_preset(settings: Settings, name: str) -> Settings:
 def with_quality(settings: Settings, quality: Quality) -> Settings:
     """`settings` with the stereo values of a quality."""
     return updated(settings, QUALITIES[quality], f"quality {quality}")
+
+
+EXPLORER_BASE = merged(
+    QUALITIES["fast"],
+    {"matching": {"min_disparity": -10, "max_disparity": 20, "cross_check": "exact"}},
+)
+"""What an explorer takes where nobody says otherwise. With both eyes on the target, disparities
+lie round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against
+its whole row: a phantom before the eyes walls the agent in."""

@@ -3,12 +3,11 @@
 from typing import Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count, Positive
+from recon.settings.stage import Count, Positive, table
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class RecognitionSettings:
     """From cells to named objects (thesis 4.5)."""
 

@@ -2,12 +2,10 @@
 
 from typing import Literal
 
-from pydantic.dataclasses import dataclass
-
-from recon.settings.stage import STRICT, Count, Positive
+from recon.settings.stage import Count, Positive, table
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class SequenceSettings:
     """Which pairs of a recording are read, and where their poses come from."""
 

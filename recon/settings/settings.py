@@ -2,13 +2,11 @@
 
 from dataclasses import field
 
-from pydantic.dataclasses import dataclass
-
 from recon.settings.exploration import ExplorationSettings
 from recon.settings.mapping import MapSettings
 from recon.settings.recognition import RecognitionSettings
 from recon.settings.sequences import SequenceSettings
-from recon.settings.stage import STRICT
+from recon.settings.stage import table
 from recon.settings.stereo import (
     DenseSettings,
     FeatureSettings,
@@ -18,7 +16,7 @@ from recon.settings.stereo import (
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class Settings:
     """One table a stage; a stage is handed its own table and nothing else."""
 

@@ -1,8 +1,14 @@
-"""What every stage's settings share: frozen, checked when made, no unknown names."""
+"""Tables of settings: frozen, checked when made, and each knows what it was given."""
 
-from typing import Annotated
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import wraps
+from typing import Annotated, Any, TypeVar, dataclass_transform
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, ValidationError
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+from recon.errors import InputError
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
@@ -10,3 +16,47 @@ Positive = Annotated[float, Field(gt=0)]
 NonNegative = Annotated[float, Field(ge=0)]
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=1)]
+
+Table = TypeVar("Table")
+
+
+@dataclass_transform(
+    frozen_default=True, kw_only_default=True, field_specifiers=(Field, field, dataclass)
+)
+def table(cls: type[Table]) -> type[Table]:
+    """Make a class a table of settings: a frozen dataclass that refuses what it cannot use.
+
+    Its instances raise `InputError`, and remember which values were given (see `given`): what was
+    not may follow from a recording or a world.
+    """
+    made: Any = checked_dataclass(frozen=True, kw_only=True, config=STRICT)(cls)
+    made.__init__ = _remembering(made.__init__, made.__name__)
+    return made  # type: ignore[no-any-return]
+
+
+def given(instance: Any) -> dict[str, Any]:
+    """The values of a table that its maker gave, by name."""
+    names = instance.__dict__.get("_given", {field.name for field in fields(instance)})
+    return {name: getattr(instance, name) for name in instance.__dict__ if name in names}
+
+
+def _remembering(init: Callable[..., None], name: str) -> Callable[..., None]:
+    @wraps(init)
+    def __init__(self: Any, **values: Any) -> None:
+        try:
+            init(self, **values)
+        except ValidationError as error:
+            raise InputError(first_fault(error, name)) from error
+        object.__setattr__(self, "_given", frozenset(values))
+
+    return __init__
+
+
+def first_fault(error: ValidationError, table_name: str = "") -> str:
+    """The first thing that is wrong, in one line: name, value, need."""
+    first = error.errors()[0]
+    name = ".".join(str(step) for step in (table_name, *first["loc"]) if step != "")
+    message = first["msg"].removeprefix("Value error, ")
+    # A fault of a whole table says its own values.
+    value = f" is {first['input']!r}" if first["loc"] else ""
+    return f"{name}{value}: {message}"

@@ -3,12 +3,11 @@
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
-from recon.settings.stage import STRICT, Count, NonNegative, Positive, Share
+from recon.settings.stage import Count, NonNegative, Positive, Share, given, table
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class FeatureSettings:
     """Which points of an image are features (thesis 3.2, 3.3)."""
 
@@ -24,7 +23,7 @@ class FeatureSettings:
     """Widths of the filters, fine to coarse; the wavelength is 2.22 times as long."""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class MatchingSettings:
     """How features of two images become pairs (thesis 3.4)."""
 
@@ -47,6 +46,13 @@ class MatchingSettings:
     keep: Count | None = None
     """How many of the most confident pairs to keep; None = all."""
 
+    def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
+        """The same, over the search range that a recording states, but for what was given."""
+        if stated is None:
+            return self
+        own = given(self)
+        return MatchingSettings(**{"min_disparity": stated[0], "max_disparity": stated[1]} | own)
+
     @model_validator(mode="after")
     def _range_is_not_empty(self) -> Self:
         if self.max_disparity < self.min_disparity:
@@ -56,7 +62,7 @@ class MatchingSettings:
         return self
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class TriangulationSettings:
     """How pairs become coloured points (thesis 3.5, 4.5)."""
 
@@ -66,7 +72,7 @@ class TriangulationSettings:
     """Points whose depth is less sure than this many world units are left out; None = none."""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class DenseSettings:
     """How matches are spread over the image (the thesis's future work)."""
 

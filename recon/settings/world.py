@@ -4,10 +4,9 @@ import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 from pydantic_core import ArgsKwargs
 
-from recon.settings.stage import STRICT, NonNegative, Positive
+from recon.settings.stage import NonNegative, Positive, table
 
 _FOCAL_LENGTH = 0.1
 _FOV_DEG = 80.0
@@ -21,7 +20,7 @@ FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
 """What follows where a setting is changed, unless it is given too."""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class EyesSettings:
     """The two simulated cameras (the thesis's table of parameters).
 
@@ -71,7 +70,7 @@ class EyesSettings:
         return self
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class RenderSettings:
     """How images of the world are made."""
 
@@ -92,7 +91,7 @@ class RenderSettings:
     noise_seed: int = Field(default=0, ge=0)
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class WorldSettings:
     """The floor that is explored, round the origin."""
 

@@ -5,7 +5,6 @@ from dataclasses import asdict, dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from recon.camera import StereoRig
 from recon.errors import InputError, check_finite
@@ -30,8 +29,8 @@ def eyes_of(view: View, eyes: EyesSettings) -> EyesSettings:
     values = {name: value for name, value in asdict(eyes).items() if stay({name})}
     try:
         return EyesSettings(**values | changes)
-    except ValidationError as error:
-        raise InputError(f"view with {changes}: {error.errors()[0]['msg']}") from error
+    except InputError as error:
+        raise InputError(f"view with {changes}: {error}") from error
 
 
 def rig_of(view: View, eyes: EyesSettings) -> StereoRig:

@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from recon.exploration import agent
 from recon.exploration.agent import Exploration, explore
+from recon.mapping import mapper
 from recon.settings import Settings, updated
 from tests.exploration.flatland import Flatland
 
@@ -27,7 +27,7 @@ def explore_discs(monkeypatch) -> Callable[..., Exploration]:
         }
         settings = updated(Settings(), changes)
         world = Flatland(discs=discs, settings=settings)
-        monkeypatch.setattr(agent, "process_pair", world.process_pair)
+        monkeypatch.setattr(mapper, "match_points", world.match_points)
         return explore(world, settings, observe, take)
 
     return run

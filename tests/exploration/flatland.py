@@ -80,9 +80,9 @@ class Flatland:
             free &= np.hypot(x[:, None] - cx, z - cz) > radius
         return free
 
-    def process_pair(self, pair, settings, voxel_map, view=None):
-        """In place of `recon.mapping.pair.process_pair`: random points of what is visible."""
-        rng = np.random.default_rng(0 if view is None else view)
+    def match_points(self, pair, settings):
+        """In place of `recon.mapping.pair.match_points`: random points of what is visible."""
+        rng = np.random.default_rng(int(pair.stamp_s))
         points, depth = self._visible(pair, rng)
         sigma = pair.rig.depth_sigma(depth, self.sigma_px)
         eye = pair.T_world_left[:3, 3]
@@ -90,8 +90,7 @@ class Flatland:
         cloud = PointCloud(
             points=noisy, colours=np.full((len(noisy), 3), 90, dtype=np.uint8), sigma=sigma
         )
-        voxel_map.insert(cloud.select(sigma <= settings.map.max_sigma), eye, view)
-        return PairResult(matches=no_matches(), cloud=cloud, stereo_s=0.0, map_s=0.0)
+        return PairResult(matches=no_matches(), cloud=cloud)
 
     def _visible(self, pair, rng):
         """Pixels of the left eye that are edges (one in ten), and where they lie in the world."""

@@ -18,6 +18,10 @@ def is_found(exploration, disc):
     )
 
 
+def positions(exploration):
+    return exploration.reconstruction.trajectory.positions
+
+
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
 def test_a_controller_ends_by_itself_with_every_object_and_the_floor_known(
     explore_discs, controller
@@ -42,7 +46,7 @@ def test_the_frontier_controller_walks_less_than_the_thesis(explore_discs):
 def test_metrics_trajectory_and_curve_tell_of_the_same_walk(explore_discs):
     done = explore_discs(TREES)
     metrics = done.metrics
-    assert metrics["num_pairs"] == len(done.views) == len(done.trajectory) == len(done.stamps_s)
+    assert metrics["num_pairs"] == len(done.views) == len(done.reconstruction.trajectory)
     assert metrics["curve"][-1] == [
         metrics["num_pairs"], metrics["path_length"], metrics["coverage"],
     ]  # fmt: skip
@@ -51,13 +55,13 @@ def test_metrics_trajectory_and_curve_tell_of_the_same_walk(explore_discs):
     assert 1 <= metrics["pairs_until_objects"] <= metrics["num_pairs"]
     straight = np.linalg.norm(np.diff([v.position for v in done.views], axis=0), axis=1).sum()
     assert straight - 1e-9 <= metrics["path_length"] <= 1.5 * straight
-    eyes = done.trajectory[:, :3, 3] - [view.position for view in done.views]
+    eyes = done.reconstruction.trajectory.positions - [view.position for view in done.views]
     assert np.allclose(np.linalg.norm(eyes, axis=1), 0.15)
 
 
 def test_the_same_world_is_explored_in_the_same_way(explore_discs):
     first, second = explore_discs(TREES[:2]), explore_discs(TREES[:2])
-    assert np.array_equal(first.trajectory, second.trajectory)
+    assert np.array_equal(positions(first), positions(second))
     assert first.metrics == second.metrics
 
 
@@ -66,7 +70,7 @@ def test_pairs_taken_before_lead_to_the_same_end(explore_discs):
     first = explore_discs(TREES[:2], observe=lambda step: saved.append(step.pair))
     again = explore_discs(TREES[:2], take=lambda view: saved.pop(0))
     assert saved == []
-    assert np.array_equal(first.trajectory, again.trajectory)
+    assert np.array_equal(positions(first), positions(again))
 
 
 def test_ctrl_c_leaves_a_whole_exploration(explore_discs):
@@ -77,7 +81,7 @@ def test_ctrl_c_leaves_a_whole_exploration(explore_discs):
     done = explore_discs(TREES, observe=observe)
     assert done.stop_reason == done.metrics["stop_reason"] == "interrupted"
     assert len(done.views) == 5
-    assert done.voxel_map.num_cells > 0
+    assert done.reconstruction.map.num_cells > 0
 
 
 def test_ctrl_c_before_the_first_pair_leaves_an_empty_exploration(explore_discs):
@@ -86,7 +90,7 @@ def test_ctrl_c_before_the_first_pair_leaves_an_empty_exploration(explore_discs)
 
     done = explore_discs(TREES, take=take)
     assert done.stop_reason == "interrupted"
-    assert done.metrics["num_pairs"] == done.metrics["num_points"] == len(done.trajectory) == 0
+    assert done.metrics["num_pairs"] == done.metrics["num_points"] == len(positions(done)) == 0
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])

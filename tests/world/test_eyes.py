@@ -1,7 +1,6 @@
 import math
 
 import pytest
-from pydantic import ValidationError
 
 from recon.errors import InputError
 from recon.settings.files import to_tree, updated
@@ -33,7 +32,7 @@ def test_a_later_change_wins_over_an_earlier_one():
 
 
 def test_two_that_disagree_are_refused():
-    with pytest.raises(ValidationError, match="do not belong together; give one of them"):
+    with pytest.raises(InputError, match="do not belong together; give one of them"):
         EyesSettings(fov_deg=60.0, focal_length=0.2)
     with pytest.raises(InputError, match="do not belong together"):
         updated(Settings(), {"eyes": {"fov_deg": 60.0, "focal_length": 0.2}})

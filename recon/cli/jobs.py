@@ -1,0 +1,64 @@
+"""One way from the options of a command to a job that is done and said."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from recon.cli.options import build_settings, print_json, start_logging
+from recon.cli.progress import shown_progress
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
+
+
+def do_job(
+    kind: str,
+    inputs: tuple[Path, ...],
+    given: dict[str, Any],
+    *,
+    say: Callable[["Report"], None],
+    unit: str = "pairs",
+    **arguments: Any,
+) -> None:
+    """Make a job of a command's options, do it, and print what came of it.
+
+    Parameters
+    ----------
+    given : dict
+        All options of the command; those of settings and of the run folder are looked up by name.
+    say : callable
+        Prints the report for people.
+    unit : str
+        What progress counts.
+    arguments
+        What the command asks besides; None was not given.
+    """
+    start_logging(given)
+    from recon.runs.execute import execute
+    from recon.runs.job import Job
+
+    job = Job(
+        kind=kind,
+        inputs=inputs,
+        arguments={name: value for name, value in arguments.items() if value is not None},
+        settings=build_settings(given),
+        seed=given.get("seed", 0),
+    )
+    with shown_progress(unit, given["quiet"]) as events:
+        report = execute(
+            job, given.get("output"), events,
+            overwrite=given.get("overwrite", False), resume=given.get("resume", False),
+        )  # fmt: skip
+    if given["as_json"]:
+        print_json(report.as_json())
+    elif not given["quiet"]:
+        say(report)
+    if report.is_interrupted:
+        raise click.Abort
+
+
+def counted(number: int, noun: str) -> str:
+    """ "1 pair", "2 pairs"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

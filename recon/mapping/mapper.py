@@ -1,0 +1,185 @@
+"""The loop from pairs to the map, the same for recordings and for walks."""
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.mapping.consistency import Consistency, Witness
+from recon.mapping.pair import insert, match_points
+from recon.mapping.views import CellCounts, count_cells, with_views
+from recon.recognition import recognise
+from recon.records import (
+    Matches,
+    PointCloud,
+    Recognition,
+    Reconstruction,
+    StereoPair,
+    Trajectory,
+    Voxels,
+)
+from recon.settings import Settings
+from recon.stopwatch import Stopwatch
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import new_map, occupied
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """One pair and what it gave."""
+
+    number: int
+    """0, 1, ..."""
+    pair: StereoPair
+    matches: Matches
+    cloud: PointCloud
+    """World; what went on to the map."""
+
+    def __repr__(self) -> str:
+        return (
+            f"Step({self.number}: {self.pair.name}, {len(self.matches)} matches, "
+            f"{len(self.cloud)} points)"
+        )
+
+
+class Mapper:
+    """Puts pairs into a map, one at a time, and counts.
+
+    Parameters
+    ----------
+    settings : Settings, optional
+    stopwatch : Stopwatch, optional
+        Counts the time of the stages `stereo`, `map` and `recognise`.
+    compares : bool
+        Hold pairs with poses against the one before and the one after (`confirmed_share`). Where
+        only confirmed points are wanted, a pair goes into the map when the next one has come.
+    counts_views : bool
+        Remember which cells each pair hit, so that `reconstruction` can count views of objects.
+    """
+
+    def __init__(
+        self,
+        settings: Settings | None = None,
+        *,
+        stopwatch: Stopwatch | None = None,
+        compares: bool = True,
+        counts_views: bool = True,
+    ) -> None:
+        self.settings = settings or Settings()
+        self.voxel_map = new_map(self.settings.map)
+        self.consistency = Consistency(max_depth=self.settings.sequence.max_confirmed_depth)
+        self.clearest: Step | None = None
+        """The step with most matches."""
+        self.num_points = 0
+        self._stopwatch = stopwatch or Stopwatch()
+        self._compares = compares
+        self._seen: list[CellCounts] | None = [] if counts_views else None
+        self._stamps_s: list[float] = []
+        self._poses: list[NDArray[np.float64]] = []
+        self._waiting: deque[Step] = deque()
+
+    def __repr__(self) -> str:
+        return (
+            f"Mapper({self.num_pairs} pairs, {self.num_points} points, "
+            f"{self.voxel_map.num_cells} cells)"
+        )
+
+    @property
+    def num_pairs(self) -> int:
+        """Pairs taken so far."""
+        return len(self._poses)
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """One pose per pair taken, in order."""
+        return Trajectory(
+            stamps_s=np.array(self._stamps_s), T_world_left=np.array(self._poses).reshape(-1, 4, 4)
+        )
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """The numbers of `metrics.json` that need no truth."""
+        return {
+            "num_pairs": self.num_pairs,
+            "num_points": self.num_points,
+            "confirmed_share": self.consistency.share if self.num_pairs > 1 else None,
+            "confirmed_distance_median": self.consistency.median_distance,
+        }
+
+    def process(self, pair: StereoPair) -> list[Step]:
+        """Take the next pair; the steps whose points are now in the map."""
+        if not isinstance(pair, StereoPair):
+            raise InputError(f"pair is a {type(pair).__name__}, but a StereoPair is needed")
+        with self._stopwatch.stage("stereo"):
+            result = match_points(pair, self.settings)
+        step = Step(number=self.num_pairs, pair=pair, matches=result.matches, cloud=result.cloud)
+        self._stamps_s.append(pair.stamp_s)
+        self._poses.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
+        if self.clearest is None or len(step.matches) > len(self.clearest.matches):
+            self.clearest = step
+        with self._stopwatch.stage("map"):
+            return self._settle(step)
+
+    def finish(self) -> list[Step]:
+        """The steps that still waited for a next pair."""
+        with self._stopwatch.stage("map"):
+            return self._confirmed(self.consistency.finish())
+
+    def voxels(self) -> Voxels:
+        """The occupied cells, by the rules of the settings."""
+        return occupied(self.voxel_map, self.settings.map)
+
+    def recognise(self, voxels: Voxels, seen: Iterable[CellCounts] | None = None) -> Recognition:
+        """Find and name the objects of the map.
+
+        Parameters
+        ----------
+        voxels : Voxels
+            The occupied cells.
+        seen : iterable of CellCounts, optional
+            Cells that the pairs hit; as remembered where not given.
+        """
+        with self._stopwatch.stage("recognise"):
+            found = recognise(voxels, self.settings.recognition)
+            return with_views(found, voxels, (self._seen or []) if seen is None else seen)
+
+    def reconstruction(self) -> Reconstruction[VoxelMap]:
+        """All that has come of the pairs so far."""
+        voxels = self.voxels()
+        return Reconstruction(
+            map=self.voxel_map,
+            voxels=voxels,
+            objects=self.recognise(voxels).objects,
+            trajectory=self.trajectory,
+        )
+
+    def _settle(self, step: Step) -> list[Step]:
+        """Put into the map what need not wait, or waits no longer."""
+        if step.pair.T_world_left is None or not self._compares:
+            return [self._insert(step)]
+        witnesses = self.consistency.add(step.pair, step.cloud)
+        if not self.settings.sequence.only_confirmed:
+            return [self._insert(step)]
+        self._waiting.append(step)
+        return self._confirmed(witnesses)
+
+    def _confirmed(self, witnesses: list[Witness]) -> list[Step]:
+        """Put the confirmed points of pairs that waited into the map; all of a single pair."""
+        if not self._waiting:
+            return []
+        steps = [(self._waiting.popleft(), witness) for witness in witnesses]
+        if self.num_pairs == 1:
+            return [self._insert(step) for step, _ in steps]
+        chosen = ((step, step.cloud.select(seen.is_confirmed)) for step, seen in steps)
+        return [self._insert(replace(step, cloud=cloud)) for step, cloud in chosen]
+
+    def _insert(self, step: Step) -> Step:
+        insert(step.cloud, step.pair, self.settings, self.voxel_map, step.number)
+        self.num_points += len(step.cloud)
+        if self._seen is not None:
+            self._seen.append(count_cells(step.cloud, step.number, self.settings.map.cell_size))
+        return step

@@ -1,0 +1,69 @@
+"""Where the left camera was, pair by pair."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from recon.errors import InputError, check_shape
+from recon.geometry import pose
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """Poses of the left camera in the world, one per pair, in order."""
+
+    stamps_s: Array
+    """(N,)"""
+    T_world_left: Array
+    """(N, 4, 4)"""
+
+    def __post_init__(self) -> None:
+        check_shape("T_world_left", self.T_world_left, (None, 4, 4))
+        check_shape("stamps_s", self.stamps_s, (len(self.T_world_left),))
+
+    def __len__(self) -> int:
+        return len(self.stamps_s)
+
+    def __repr__(self) -> str:
+        return f"Trajectory({len(self)} poses, {self.length:.3g} world units long)"
+
+    @property
+    def positions(self) -> Array:
+        """(N, 3) in the world."""
+        positions: Array = self.T_world_left[:, :3, 3]
+        return positions
+
+    @property
+    def length(self) -> float:
+        """Length of the way from pose to pose, world units."""
+        return float(np.linalg.norm(np.diff(self.positions, axis=0), axis=1).sum())
+
+    def as_tum(self) -> str:
+        """The text of `trajectory.txt`: stamp tx ty tz qx qy qz qw."""
+        quaternions = Rotation.from_matrix(self.T_world_left[:, :3, :3]).as_quat()
+        rows = np.column_stack([self.stamps_s, self.positions, quaternions])
+        return "".join(" ".join(f"{value:.9f}" for value in row) + "\n" for row in rows)
+
+    @classmethod
+    def from_tum(cls, text: str, name: str = "trajectory") -> Self:
+        """Read what `as_tum` wrote.
+
+        Raises
+        ------
+        InputError
+            For a row without its eight numbers; `name` is what the message calls the text.
+        """
+        try:
+            rows = np.loadtxt(text.splitlines(), ndmin=2) if text.strip() else np.empty((0, 8))
+        except ValueError as error:
+            raise InputError(f"{name}: {error}, but eight numbers per row are needed") from error
+        if rows.shape[1] != 8:
+            raise InputError(f"{name}: {rows.shape[1]} numbers per row, but eight are needed")
+        turns = Rotation.from_quat(rows[:, 4:]).as_matrix() if len(rows) else np.empty((0, 3, 3))
+        poses = [pose(*row) for row in zip(turns, rows[:, 1:4], strict=True)]
+        return cls(stamps_s=rows[:, 0], T_world_left=np.array(poses).reshape(-1, 4, 4))

@@ -1,0 +1,68 @@
+"""Jobs done: the one way in for the command line, for batches and for pages."""
+
+from pathlib import Path
+
+from recon.notices import Notice, collected_notices
+from recon.runfolder import RunFolder
+from recon.runs.events import Events
+from recon.runs.job import KINDS, Job, Numbers
+from recon.runs.outputs import as_document
+from recon.runs.report import Report, read_report
+from recon.runs.work import Work
+from recon.stopwatch import Stopwatch
+
+
+def execute(
+    job: Job,
+    folder: str | Path | None = None,
+    events: Events | None = None,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+) -> Report:
+    """Do a job.
+
+    Parameters
+    ----------
+    job : Job
+        Settings that were not given are filled in from its kind and inputs.
+    folder : path, optional
+        The run folder to leave; where not given, `runs/NAME` for kinds that always leave one.
+    events : Events, optional
+        Whom to tell what is going on, and whom to ask whether to go on.
+    overwrite : bool
+        Replace an existing run.
+    resume : bool
+        Go on with a run that was cut; a finished one is left untouched, and its report read.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    InputError
+        Where an input cannot be used, or the folder holds another run.
+    """
+    events = events or Events()
+    stopwatch = Stopwatch(events.on_stage)
+    with collected_notices() as notices, stopwatch.counting_compilation():
+        job = job.resolved()
+        kind = KINDS.load(job.kind)
+        path = folder or kind.folder(job)
+        if path is None:
+            work = Work(events=events, stopwatch=stopwatch, folder=None)
+            return _reported(job, kind.run(job, work), notices)
+        run = RunFolder.prepare(Path(path), job.plan(), overwrite=overwrite, resume=resume)
+        if not run.is_finished:
+            with run.opened():
+                work = Work(events=events, stopwatch=stopwatch, folder=run)
+                numbers = kind.run(job, work)
+                run.seconds = dict.fromkeys(kind.stages, 0.0) | stopwatch.seconds
+                report = _reported(job, {"seconds": run.seconds} | numbers, notices)
+                run.write_json("metrics.json", report.as_json())
+    return read_report(job.kind, run.path)
+
+
+def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:
+    return Report(kind=job.kind, numbers=as_document(numbers), warnings=tuple(notices))

@@ -1,0 +1,112 @@
+"""A job: all that decides what a run gives."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from recon.plugins import Registry
+from recon.runfolder import RunPlan
+from recon.settings import Settings, given_tree, merged, to_toml, updated
+
+if TYPE_CHECKING:
+    from recon.runs.work import Work
+
+Tree = Mapping[str, Mapping[str, Any]]
+Numbers = dict[str, Any]
+"""What a job found, by the names of its JSON document."""
+
+MODEL_FILES = (("matching", "model"), ("recognition", "catalogue"))
+"""Settings that may name a file."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """One call of a command, before or after its defaults are filled in.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the command: "explore", "reconstruct", "disparity", ...
+    inputs : tuple of Path
+        What is read.
+    arguments : mapping
+        What the command asks besides; a path is an input, too.
+    settings : Settings
+        Values that were not given follow from the kind and its inputs.
+    """
+
+    kind: str
+    inputs: tuple[Path, ...] = ()
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    settings: Settings = field(default_factory=Settings)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        KINDS.check(self.kind)
+        object.__setattr__(self, "inputs", tuple(Path(path) for path in self.inputs))
+
+    def resolved(self) -> Self:
+        """The same job with every default filled in, so that its settings say all."""
+        return replace(self, settings=resolve(self))
+
+    def files(self) -> tuple[Path, ...]:
+        """Everything that is read: inputs, paths among the arguments, models and catalogues."""
+        named = [value for value in self.arguments.values() if isinstance(value, Path)]
+        words = [getattr(getattr(self.settings, stage), name) for stage, name in MODEL_FILES]
+        models = [Path(word) for word in words if word is not None and Path(word).is_file()]
+        return (*self.inputs, *named, *KINDS.load(self.kind).reads(self), *models)
+
+    def plan(self) -> RunPlan:
+        """What the job's run folder has to agree with."""
+        return RunPlan(
+            command=self.kind,
+            arguments={
+                name: value.name if isinstance(value, Path) else value
+                for name, value in self.arguments.items()
+            },
+            settings_toml=to_toml(self.settings),
+            seed=self.seed,
+            inputs=self.files(),
+        )
+
+    def identity(self) -> dict[str, Any]:
+        """All that decides what the run gives, files by their content."""
+        return self.plan().identity()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """One kind of job: what it does, and what it takes where nobody says otherwise."""
+
+    run: Callable[[Job, "Work"], Numbers]
+    """Does the work, and gives what `metrics.json` and `--json` hold."""
+    base: Callable[[Job], Tree] = lambda job: {}
+    """The settings that the kind and its inputs suggest, by stage and name."""
+    reads: Callable[[Job], tuple[Path, ...]] = lambda job: ()
+    """Files that are read besides the inputs."""
+    folder: Callable[[Job], Path | None] = lambda job: None
+    """The run folder where nobody names one; None = none is left."""
+    stages: tuple[str, ...] = ()
+    """What `seconds` of metrics.json always names, whether it took time or not."""
+
+
+KINDS: Registry[Kind] = Registry(
+    "recon.jobs",
+    "kind of job",
+    {
+        "explore": "recon.runs.explore:EXPLORE",
+        "reconstruct": "recon.runs.reconstruct:RECONSTRUCT",
+        "disparity": "recon.runs.disparity:DISPARITY",
+        "evaluate": "recon.runs.evaluate:EVALUATE",
+        "worlds": "recon.runs.worlds:WORLDS",
+        "recognise": "recon.runs.clouds:RECOGNISE",
+    },
+)
+"""Every kind by name; a kind is its file and a line here."""
+
+
+def resolve(job: Job) -> Settings:
+    """The settings of a job: what its kind and inputs suggest, under what was given."""
+    base = KINDS.load(job.kind).base(job)
+    return updated(Settings(), merged(base, given_tree(job.settings)), job.kind)

@@ -1,0 +1,44 @@
+"""What every run with a map leaves besides its figures."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from recon.exports.ply import read_cloud_chunks
+from recon.mapping.views import CellCounts, count_cells
+from recon.records import Recognition, Reconstruction
+from recon.records.objects import as_json
+from recon.runfolder import RunFolder
+from recon.voxelmap import VoxelMap
+
+
+def cells_hit(cloud_path: Path, cell_size: float) -> Iterator[CellCounts]:
+    """The cells that the pairs of a cloud file hit, read in pieces."""
+    for cloud, pair_number in read_cloud_chunks(cloud_path):
+        yield count_cells(cloud, pair_number, cell_size)
+
+
+def write_outputs(
+    run: RunFolder, reconstruction: Reconstruction[VoxelMap], recognition: Recognition
+) -> None:
+    """Write the map, the objects and the trajectory."""
+    reconstruction.map.save(run.path / "map.npz")
+    run.write_json("objects.json", as_json(recognition))
+    run.write_text("trajectory.txt", reconstruction.trajectory.as_tum())
+
+
+def as_document(numbers: dict[str, Any]) -> dict[str, Any]:
+    """Numbers as JSON has them: one that is not known is null."""
+    return {name: _plain(value) for name, value in numbers.items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return as_document(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value
