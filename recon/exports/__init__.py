@@ -1,6 +1,6 @@
 """Maps and clouds as files and objects of other programs, and back."""
 
-from recon.exports.formats import FORMATS, format_of, read, write
+from recon.exports.formats import FORMATS, format_of, read, read_mesh, write
 from recon.exports.open3d import as_point_cloud, as_voxel_grid, of_point_cloud, of_voxel_grid
 from recon.exports.vti import as_image, of_image
 
@@ -14,5 +14,6 @@ __all__ = [
     "of_point_cloud",
     "of_voxel_grid",
     "read",
+    "read_mesh",
     "write",
 ]

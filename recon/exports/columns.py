@@ -7,13 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.records import PointCloud, Voxels
+from recon.exports.colours import colour_names, colours_of
+from recon.notices import notify
+from recon.records import Crs, PointCloud, Voxels
 
 Columns = dict[str, NDArray[Any]]
 
 XYZ = ("x", "y", "z")
 RGB = ("red", "green", "blue")
 INDEX = ("index_x", "index_y", "index_z")
+
+MAX_COORDINATE = 1e15
+"""Squares of farther ones lose all meaning, or overflow."""
 
 # Names of single columns and of the fields of Voxels that they hold.
 _KEPT = {"weight": "weights", "num_views": "num_views", "hits": "hits", "passes": "passes"}
@@ -26,8 +31,12 @@ def columns_of(data: PointCloud | Voxels) -> Columns:
 
 
 def _of_cloud(cloud: PointCloud) -> Columns:
-    columns = _split(XYZ, cloud.points) | _split(RGB, cloud.colours)
-    return columns if cloud.sigma is None else columns | {"sigma": cloud.sigma}
+    columns = _split(XYZ, cloud.points)
+    if cloud.colours is not None:
+        columns |= _split(RGB, cloud.colours)
+    if cloud.sigma is not None:
+        columns["sigma"] = cloud.sigma
+    return columns | {name: v for name, v in cloud.attributes.items() if name not in columns}
 
 
 def _of_voxels(voxels: Voxels) -> Columns:
@@ -44,72 +53,97 @@ def _of_voxels(voxels: Voxels) -> Columns:
     return columns | {"cell_size": np.full(len(voxels), voxels.cell_size)}
 
 
-def from_columns(columns: Mapping[str, NDArray[Any]]) -> PointCloud | Voxels:
+def from_columns(
+    columns: Mapping[str, NDArray[Any]], crs: Crs | None = None
+) -> PointCloud | Voxels:
     """Cells where the columns name their index, count and size, otherwise points.
 
-    Points without colour are grey; those that are not finite, with which depth cameras mark that
-    nothing was measured, are left out.
+    Points that are not finite, with which depth cameras mark that nothing was measured, are left
+    out. Columns of text are left out and named.
 
     Raises
     ------
     InputError
-        Where x, y or z is missing.
+        Where x, y or z is missing, or a value cannot be what its name says.
     """
-    missing = [name for name in XYZ if name not in columns]
+    texts = [name for name, values in columns.items() if values.dtype.kind not in "biuf"]
+    if texts:
+        notify("columns-dropped", f"columns that are not numbers are left out: {', '.join(texts)}")
+    numbers = {name: values for name, values in columns.items() if name not in texts}
+    if {*INDEX, *XYZ, "count", "cell_size"} <= numbers.keys() and len(numbers["x"]):
+        return _as_voxels(numbers)
+    return measured(cloud_in(numbers, crs))
+
+
+def cloud_in(columns: Mapping[str, NDArray[Any]], crs: Crs | None = None) -> PointCloud:
+    """The points of columns, each of them; what is neither place nor colour is an attribute."""
+    by_lower = {name.lower(): name for name in reversed(list(columns))}
+    missing = [name for name in XYZ if name not in by_lower]
     if missing:
         raise InputError(f"its columns are {', '.join(columns)}, but {missing[0]} is needed")
-    places = _joined(columns, XYZ).astype(np.float64)
-    if {*INDEX, "count", "cell_size"} <= columns.keys() and len(places):
-        return _as_voxels(columns, places)
-    return measured(cloud_in(columns))
-
-
-def cloud_in(columns: Mapping[str, NDArray[Any]]) -> PointCloud:
-    """The points of columns, each of them."""
-    points = _joined(columns, XYZ).astype(np.float64)
-    sigma = columns.get("sigma")
+    places = [by_lower[name] for name in XYZ]
+    points = _joined(columns, places).astype(np.float64)
+    _check_reach(points)
+    colours = colour_names(columns)
+    sigma = _sigma(columns)
+    used = {*places, *colours, *(["sigma"] if sigma is not None else [])}
     return PointCloud(
         points=points,
-        colours=_colours(columns, len(points)),
-        sigma=None if sigma is None else sigma.astype(np.float64),
+        colours=colours_of(columns, colours) if colours else None,
+        sigma=sigma,
+        attributes={name: values for name, values in columns.items() if name not in used},
+        crs=crs,
     )
+
+
+def _check_reach(points: NDArray[np.float64]) -> None:
+    farthest = np.abs(points[np.isfinite(points)]).max(initial=0.0)
+    if farthest > MAX_COORDINATE:
+        raise InputError(f"a coordinate is {farthest:g}, but {MAX_COORDINATE:g} at most is needed")
+
+
+def _sigma(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.float64] | None:
+    """What can be a standard deviation; other programs may mean another sigma."""
+    values = columns.get("sigma")
+    if values is None or values.dtype.kind != "f" or (values < 0).any():
+        return None
+    return values.astype(np.float64)
 
 
 def measured(cloud: PointCloud) -> PointCloud:
     """The points that are finite."""
-    return cloud.select(np.flatnonzero(np.isfinite(cloud.points).all(axis=1)))
+    finite = np.flatnonzero(np.isfinite(cloud.points).all(axis=1))
+    return cloud if len(finite) == len(cloud) else cloud.select(finite)
 
 
-def _as_voxels(columns: Mapping[str, NDArray[Any]], means: NDArray[np.float64]) -> Voxels:
+def _as_voxels(columns: Mapping[str, NDArray[Any]]) -> Voxels:
     cell_size = float(columns["cell_size"][0])
+    if (columns["cell_size"] != cell_size).any():
+        raise InputError("its cells differ in cell_size, but one is needed")
     index = _joined(columns, INDEX).astype(np.int64)
     kept: dict[str, Any] = {
         field: columns[name].astype(np.float64 if name == "weight" else np.int64)
         for name, field in _KEPT.items()
         if name in columns
     }
-    if _HUES[0] in columns:
+    if set(_HUES) <= columns.keys():
         kept["hues"] = _joined(columns, _HUES).astype(np.int64)
+    means = _joined(columns, XYZ).astype(np.float64)
+    colours = colour_names(columns)
     return Voxels(
         index=index,
         centres=(index.astype(np.float64) + 0.5) * cell_size,
         means=means,
         counts=columns["count"].astype(np.int64),
-        colours=_colours(columns, len(means)),
+        colours=colours_of(columns, colours) if colours else cloud_in(columns).shown_colours,
         cell_size=cell_size,
         **kept,
     )
-
-
-def _colours(columns: Mapping[str, NDArray[Any]], num: int) -> NDArray[np.uint8]:
-    if not set(RGB) <= columns.keys():
-        return np.full((num, 3), 128, np.uint8)
-    return _joined(columns, RGB).astype(np.uint8)
 
 
 def _split(names: tuple[str, ...], values: NDArray[Any]) -> Columns:
     return dict(zip(names, values.T, strict=True))
 
 
-def _joined(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...]) -> NDArray[Any]:
+def _joined(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...] | list[str]) -> Any:
     return np.column_stack([columns[name] for name in names])

@@ -1,81 +1,47 @@
 """All formats by ending: one table, one function to write and one to read."""
 
-import logging
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports import glb, las, nav2, npz, octomap, parquet, pcd, ply, vti, zarr
-from recon.exports.columns import Columns, columns_of, from_columns
+from recon.exports.format import Data, Format, Up
+from recon.exports.triangles import sampled
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned
-from recon.records import PointCloud, Voxels
+from recon.files import PathLike, check_name, check_regular
+from recon.notices import notify
+from recon.plugins import Registry
+from recon.records import Mesh, PointCloud, Voxels
 from recon.voxelmap import VoxelMap
 
-Data = PointCloud | Voxels | VoxelMap
 Box = tuple[Sequence[float], Sequence[float]]
 """Low and high corner (3,), world."""
 
-_log = logging.getLogger(__name__)
+_HOMES = {
+    ".ply": "ply", ".pcd": "pcd", ".las": "las", ".laz": "las", ".parquet": "parquet",
+    ".zarr": "zarr", ".npz": "npz", ".npy": "npz:NPY", ".vti": "vti", ".bt": "octomap",
+    ".ot": "octomap", ".glb": "glb", ".pgm": "nav2", ".yaml": "nav2", ".yml": "nav2",
+    ".xyz": "text", ".txt": "text", ".csv": "text", ".pts": "text:PTS", ".asc": "text",
+    ".e57": "e57", ".obj": "obj", ".stl": "meshes", ".off": "meshes", ".vtk": "vtk",
+    ".vtp": "vtk", ".vtu": "vtk",
+}  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Format:
-    """How files of one ending are written and read."""
-
-    write: Callable[[Path, Any], None]
-    read: Callable[[Path], Data] | None
-    """None where it holds neither a map nor a cloud."""
-    up: Literal["y", "z"] = "y"
-    """The axis that is up in the file."""
-    takes: tuple[type, ...] = (PointCloud, Voxels)
-    """What it is written of; of a map its cells are taken where it is not among these."""
+def _home(place: str) -> str:
+    module, _, name = place.partition(":")
+    return f"recon.exports.{module}:{name or 'FORMAT'}"
 
 
-def _table(module: Any, up: Literal["y", "z"] = "y") -> Format:
-    """A format that holds named columns."""
-
-    def write(path: Path, data: PointCloud | Voxels) -> None:
-        columns: Columns = columns_of(data if up == "y" else turned(data, R_ZUP_YUP))
-        module.write(path, columns)
-
-    def read(path: Path) -> Data:
-        columns = module.read(path)
-        try:
-            data = from_columns(columns)
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from error
-        return data if up == "y" else turned(data, R_YUP_ZUP)
-
-    return Format(write=write, read=read, up=up)
+FORMATS: Registry[Format] = Registry(
+    "recon.formats", "format", {ending: _home(place) for ending, place in _HOMES.items()}
+)
+"""Formats by ending, those of installed packages too."""
 
 
-_LAS = _table(las, up="z")
-_OCTOMAP = Format(write=octomap.write, read=octomap.read, up="z", takes=(Voxels, VoxelMap))
-_NAV2 = Format(write=nav2.write, read=None, up="z", takes=(Voxels, VoxelMap))
-
-FORMATS: Mapping[str, Format] = {
-    ".ply": _table(ply),
-    ".pcd": _table(pcd),
-    ".las": _LAS,
-    ".laz": _LAS,
-    ".parquet": _table(parquet),
-    ".zarr": _table(zarr),
-    ".npz": Format(write=npz.write, read=npz.read, takes=(PointCloud, Voxels, VoxelMap)),
-    ".vti": Format(write=vti.write, read=vti.read, takes=(Voxels,)),
-    ".bt": _OCTOMAP,
-    ".ot": _OCTOMAP,
-    ".glb": Format(write=glb.write, read=None),
-    ".pgm": _NAV2,
-    ".yaml": _NAV2,
-}
-
-
-def format_of(path: str | Path) -> Format:
+def format_of(path: PathLike) -> Format:
     """The format of an ending.
 
     Raises
@@ -84,24 +50,27 @@ def format_of(path: str | Path) -> Format:
         For an ending that none has.
     """
     ending = Path(path).suffix.lower()
-    if ending not in FORMATS:
-        raise InputError(f"{path}: the ending {ending!r} is unknown; known are {' '.join(FORMATS)}")
-    return FORMATS[ending]
+    if ending not in FORMATS.names():
+        known = " ".join(FORMATS.names())
+        raise InputError(f"{path}: the ending {ending!r} is unknown; known are {known}")
+    return FORMATS.load(ending)
 
 
-def write(data: Data, path: str | Path, box: Box | None = None) -> None:
-    """Write a cloud, cells or a map by the ending of `path`, whole or not at all.
+def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None = None) -> None:
+    """Write a cloud, cells, a map or a mesh by the ending of `path`, whole or not at all.
 
     Formats of robots and surveyors (.las .laz .bt .ot .pgm) have z up; what is written there is
     turned: (x, y, z) becomes (x, -z, y).
 
     Parameters
     ----------
-    data : PointCloud, Voxels or VoxelMap
+    data : PointCloud, Voxels, VoxelMap or Mesh
         Of a map, all cells with a point.
     path : path
     box : (low, high), optional
         Only points, or cells whose middle, inside these corners (3,) of the world.
+    up : "y" or "z", optional
+        The axis that is up in the file; the format's own where not given.
 
     Raises
     ------
@@ -111,19 +80,58 @@ def write(data: Data, path: str | Path, box: Box | None = None) -> None:
         Where the library of the format is not installed.
     """
     form = format_of(path)
+    check_name(path)
     if box is not None:
         data = _inside(data, *np.asarray(box, dtype=np.float64))
+        if not len_of(data):
+            notify("box-empty", f"{path}: nothing lies inside the box")
+    if up is not None and up != form.up:
+        # The format turns it once more, by as much.
+        data = turned(_cells_of(data), R_ZUP_YUP if up == "z" else R_YUP_ZUP)
+    if isinstance(data, Mesh):
+        if form.write_mesh is None:
+            raise InputError(f"{path}: a format that holds no triangles; give --sample N")
+        form.write_mesh(Path(path), data)
+        return
     if isinstance(data, VoxelMap) and VoxelMap not in form.takes:
         data = data.occupied(min_count=1)
-    if not isinstance(data, form.takes):
-        raise InputError(f"{path}: a format for cells cannot hold a cloud of points")
+    if form.write is None or not isinstance(data, form.takes):
+        raise InputError(f"{path}: {_cannot_hold(form, data)}")
     form.write(Path(path), data)
-    if form.up == "z":
-        _log.info("%s has z up: (x, y, z) was written as (x, -z, y)", path)
 
 
-def read(path: str | Path) -> Data:
+def _cannot_hold(form: Format, data: Data) -> str:
+    if form.write is None and form.write_mesh is None:
+        return "a format that is only read"
+    kind = "a cloud of points" if isinstance(data, PointCloud) else "cells"
+    holds = "cells" if Voxels in form.takes else "triangles"
+    return f"a format for {holds} cannot hold {kind}"
+
+
+def len_of(data: Data) -> int:
+    """How many points, cells or triangles there are."""
+    return data.num_cells if isinstance(data, VoxelMap) else len(data)
+
+
+def read(
+    path: PathLike,
+    *,
+    columns: Sequence[str] | None = None,
+    sample: int | None = None,
+    seed: int = 0,
+) -> PointCloud | Voxels | VoxelMap:
     """Read a cloud, cells or a map, with y up, by the ending of `path`.
+
+    Parameters
+    ----------
+    path : path
+    columns : sequence of str, optional
+        Names of the columns of a table of text.
+    sample : int, optional
+        Points drawn from a cloud, or evenly from the triangles of a mesh, of which otherwise the
+        vertices are taken.
+    seed : int
+        Of the sample.
 
     Raises
     ------
@@ -132,16 +140,101 @@ def read(path: str | Path) -> Data:
     MissingLibraryError
         Where the library of the format is not installed.
     """
+    data = read_silently(path, columns=columns, sample=sample, seed=seed)
+    if format_of(path).up == "z":
+        notify("turned-to-y-up", f"{path} has z up: (x, y, z) was read as (x, z, -y)")
+    return data
+
+
+def read_silently(
+    path: PathLike,
+    *,
+    columns: Sequence[str] | None = None,
+    sample: int | None = None,
+    seed: int = 0,
+) -> PointCloud | Voxels | VoxelMap:
+    """The same as `read`, without a word on how it was turned."""
+    form = _readable(path)
+    rng = np.random.default_rng(seed)
+    if sample is not None and holds_mesh(path):
+        return sampled(read_mesh(path), sample, rng)
+    assert form.read is not None
+    given: dict[str, Any] = {"columns": columns} if columns else {}
+    if not given.keys() <= form.options:
+        raise InputError(f"{path}: names its columns itself, but --columns are given")
+    data = _named(path, form.read, **given)
+    return data if sample is None else _drawn(data, sample, rng)
+
+
+def _readable(path: PathLike) -> Format:
     form = format_of(path)
     if form.read is None:
         raise InputError(f"{path}: holds neither a cloud nor a map that can be read back")
-    if not Path(path).exists():
+    if Path(path).suffix.lower() != ".zarr":
+        check_regular(path)
+    elif not Path(path).exists():
         raise FileNotFoundError(2, "No such file or directory", str(path))
-    return form.read(Path(path))
+    return form
+
+
+def _named(path: PathLike, reader: Any, **given: Any) -> Any:
+    """What a reader finds; its errors name the file."""
+    try:
+        return reader(Path(path), **given)
+    except InputError as error:
+        if str(path) in str(error):
+            raise
+        raise InputError(f"{path}: {error}") from error
+
+
+def _drawn(
+    data: PointCloud | Voxels | VoxelMap, num: int, rng: np.random.Generator
+) -> PointCloud | Voxels:
+    """Some points or cells, in the order they had."""
+    rows = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    if num >= len(rows):
+        return rows
+    return rows.select(np.sort(rng.choice(len(rows), num, replace=False)))
+
+
+def holds_mesh(path: PathLike) -> bool:
+    """Whether a file holds triangles."""
+    form = _readable(path)
+    return form.read_mesh is not None and bool(_named(path, form.has_mesh))
+
+
+def read_mesh(path: PathLike) -> Mesh:
+    """Read triangles, with y up, by the ending of `path`.
+
+    Raises
+    ------
+    InputError
+        For an ending or a file without triangles, and for one that is not whole.
+    """
+    form = _readable(path)
+    if form.read_mesh is None:
+        raise InputError(f"{path}: a format that holds no triangles")
+    mesh: Mesh = _named(path, form.read_mesh)
+    return mesh
+
+
+@overload
+def _inside(data: VoxelMap, low: Any, high: Any) -> VoxelMap: ...
+
+
+@overload
+def _inside(data: Data, low: Any, high: Any) -> Data: ...
 
 
 def _inside(data: Data, low: NDArray[np.float64], high: NDArray[np.float64]) -> Data:
     if isinstance(data, VoxelMap):
         return data.cropped(low, high)
+    if isinstance(data, Mesh):
+        is_kept: Any = ((data.vertices >= low) & (data.vertices <= high)).all(axis=1)
+        return data.select(np.flatnonzero(is_kept[data.triangles].all(axis=1)))
     places = data.points if isinstance(data, PointCloud) else data.centres
     return data.select(np.flatnonzero(((places >= low) & (places <= high)).all(axis=1)))
+
+
+def _cells_of(data: Data) -> PointCloud | Voxels | Mesh:
+    return data.occupied(min_count=1) if isinstance(data, VoxelMap) else data

@@ -1,4 +1,4 @@
-"""Points as LAS or LAZ (ASPRS), by laspy: z up, every other value an extra dimension."""
+"""Points as LAS or LAZ (ASPRS), by laspy: z up, every other value a dimension of its own."""
 
 from pathlib import Path
 from typing import Any
@@ -7,8 +7,13 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.exports.columns import RGB, XYZ, Columns
+from recon.exports.format import Format, table
+from recon.exports.lasheader import check_header
+from recon.exports.numbers import drop_columns, held_columns
+from recon.exports.silence import silent
 from recon.files import atomic_path
 from recon.libraries import load_extra
+from recon.records import Crs
 
 # LAS keeps places as whole steps in 32 bits: as fine as the extent allows, by powers of ten.
 _FINEST_STEP = 1e-7
@@ -17,51 +22,122 @@ _MAX_STEPS = 2**31 - 1
 # 8 bits as 16: 255 becomes 65535.
 _COLOUR_FACTOR = 257
 
+_HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
+_MAX_NAME_BYTES = 32
 
-def write(path: Path, columns: Columns) -> None:
+# A column whose name is LAS's own, but whose values are not, stands beside it.
+_BESIDE = "_value"
+
+_CRS_USER = "LASF_Projection"
+_CRS_NUMBERS = (2112, 34735, 34736, 34737)
+_WKT = 2112
+
+
+def write(path: Path, columns: Columns, crs: Crs | None) -> None:
     """Write columns; places are rounded to steps of a power of ten, from 1e-7 on."""
     laspy = load_extra("laspy", "las")
-    file = laspy.LasData(_header(laspy, columns))
+    extra = {name: v for name, v in columns.items() if name not in XYZ + RGB}
+    held = held_columns(extra, _HELD, path)
+    long = [name for name in held if len(name.encode()) > _MAX_NAME_BYTES]
+    drop_columns(long, path)
+    kept = {name: values for name, values in held.items() if name not in long}
+    header, names = _header(laspy, columns, kept, crs)
+    file = laspy.LasData(header)
     for name in XYZ:
         file[name] = columns[name]
     for name in RGB:
-        file[name] = columns[name].astype(np.uint16) * _COLOUR_FACTOR
-    for name in _extra(columns):
-        file[name] = columns[name]
+        if name in columns:
+            file[name] = columns[name].astype(np.uint16) * _COLOUR_FACTOR
+    for name, values in kept.items():
+        file[names[name]] = values
     with atomic_path(path) as temporary:
         file.write(str(temporary))
 
 
-def _header(laspy: Any, columns: Columns) -> Any:
-    header = laspy.LasHeader(point_format=7, version="1.4")
+def _header(
+    laspy: Any, columns: Columns, held: Columns, crs: Crs | None
+) -> tuple[Any, dict[str, str]]:
+    """The header, and the dimension that each column goes into."""
+    # Format 7 is 6 with colours.
+    kind = 7 if set(RGB) <= columns.keys() else 6
+    header = laspy.LasHeader(point_format=kind, version="1.4")
     low = np.array([columns[name].min(initial=np.inf) for name in XYZ])
     high = np.array([columns[name].max(initial=-np.inf) for name in XYZ])
     if len(columns["x"]):
         header.offsets = np.floor(low)
         steps = (high - header.offsets) / _MAX_STEPS
         header.scales = 10.0 ** np.ceil(np.log10(np.maximum(steps, _FINEST_STEP)))
-    for name in _extra(columns):
-        header.add_extra_dim(laspy.ExtraBytesParams(name=name, type=columns[name].dtype))
-    return header
+    own = {dimension.name: dimension for dimension in header.point_format.dimensions}
+    names = {name: name for name in held}
+    for name, values in held.items():
+        if name not in own or not _fits(values, own[name]):
+            names[name] = name + _BESIDE if name in own else name
+            header.add_extra_dim(laspy.ExtraBytesParams(name=names[name], type=values.dtype))
+    for number, content in crs.records if crs else ():
+        header.vlrs.append(laspy.VLR(_CRS_USER, number, record_data=content))
+        header.global_encoding.wkt |= number == _WKT
+    return header, names
 
 
-def _extra(columns: Columns) -> list[str]:
-    return [name for name in columns if name not in XYZ + RGB]
+def _fits(values: Any, dimension: Any) -> bool:
+    """Whether a dimension of LAS itself holds the values; its name is then its own."""
+    whole = values.dtype.kind in "iub" or bool((values == np.floor(values)).all())
+    if dimension.kind.name == "FloatingPoint":
+        return True
+    return whole and bool((values >= dimension.min).all() and (values <= dimension.max).all())
 
 
-def read(path: Path) -> Columns:
-    """The places, the colours where there are any, and the extra dimensions."""
+def read(path: Path) -> tuple[Columns, Crs | None]:
+    """Places, colours where there are any, every other dimension, and the reference system.
+
+    Raises
+    ------
+    InputError
+        Where the header claims what the file cannot hold, or its points cannot be unpacked.
+    """
     laspy = load_extra("laspy", "las")
+    check_header(path)
     try:
-        file = laspy.read(str(path))
-    except (laspy.errors.LaspyException, ValueError, EOFError, RuntimeError) as error:
-        raise InputError(f"{path}: not a whole LAS file ({error})") from error
+        with silent():
+            file = laspy.read(str(path))
+    except Exception as error:
+        raise InputError(f"not a whole LAS file ({_one_line(error)})") from error
+    except BaseException as error:
+        # A panic of the Rust part is not an Exception.
+        if type(error).__name__ != "PanicException":
+            raise
+        raise InputError("not a whole LAZ file (its points cannot be unpacked)") from error
+    return _columns(file), _crs(file)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+def _columns(file: Any) -> Columns:
+    """Places and dimensions; of LAS's own dimensions those that are not 0 throughout."""
     columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
-    if set(RGB) <= set(file.point_format.dimension_names):
-        wide = {name: np.asarray(file[name]) for name in RGB}
-        # Some writers put 8 bits into the 16 without widening them.
-        factor = _COLOUR_FACTOR if max(c.max(initial=0) for c in wide.values()) > 255 else 1
-        columns |= {name: (values // factor).astype(np.uint8) for name, values in wide.items()}
-    for name in file.point_format.extra_dimension_names:
-        columns[name] = np.asarray(file[name])
+    extra = set(file.point_format.extra_dimension_names)
+    for name in file.point_format.dimension_names:
+        values = np.asarray(file[name])
+        if values.ndim == 2:
+            columns |= {f"{name}_{n}": column for n, column in enumerate(values.T)}
+        elif name not in ("X", "Y", "Z") and (name in (*RGB, *extra) or values.any()):
+            columns[name] = values
+    for name in [name for name in columns if name.endswith(_BESIDE)]:
+        own = name.removesuffix(_BESIDE)
+        if own not in columns:
+            columns[own] = columns.pop(name)
     return columns
+
+
+def _crs(file: Any) -> Crs | None:
+    records = tuple(
+        (record.record_id, bytes(record.record_data_bytes()))
+        for record in [*file.header.vlrs, *(file.header.evlrs or ())]
+        if record.user_id == _CRS_USER and record.record_id in _CRS_NUMBERS
+    )
+    return Crs(records=records) if records else None
+
+
+FORMAT: Format = table(read, write, up="z", keeps_crs=True)

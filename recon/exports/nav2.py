@@ -1,14 +1,18 @@
 """A map of the floor for nav2 and other planners of robots: `.pgm` and its `.yaml`; z up."""
 
+import math
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from recon.errors import InputError, ReconError
-from recon.files import atomic_path
+from recon.errors import InputError
+from recon.exports.format import Format
+from recon.files import atomic_path, check_memory, check_regular
+from recon.files.documents import read_yaml
 from recon.records import GroundGrid, Voxels
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN, navigation
@@ -32,7 +36,8 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     if not floor.cells.size:
         raise InputError(f"{path}: nothing of the map is at the height of a robot")
     _write_image(path.with_suffix(".pgm"), floor)
-    _write_description(path.with_suffix(".yaml"), floor)
+    is_image = path.suffix.lower() == ".pgm"
+    _write_description(path.with_suffix(".yaml") if is_image else path, floor)
 
 
 _NONE = Sightings(
@@ -41,9 +46,10 @@ _NONE = Sightings(
 
 
 def _write_image(path: Path, floor: GroundGrid) -> None:
+    greys = image(floor)
     with atomic_path(path) as temporary:
-        if not cv2.imwrite(str(temporary), image(floor)):
-            raise ReconError(f"{path}: could not be written")
+        head = f"P5\n{greys.shape[1]} {greys.shape[0]}\n255\n"
+        temporary.write_bytes(head.encode() + greys.tobytes())
 
 
 def image(floor: GroundGrid) -> NDArray[np.uint8]:
@@ -72,3 +78,92 @@ def _write_description(path: Path, floor: GroundGrid) -> None:
     }
     with atomic_path(path) as temporary:
         temporary.write_text(yaml.safe_dump(description, sort_keys=False), encoding="utf-8")
+
+
+def read(path: Path) -> Voxels:
+    """The occupied cells, each with count 1, in one layer at the height of a robot.
+
+    Cells of an origin between cells of the world's grid are moved by less than half a cell; free
+    and unknown floor is not kept.
+
+    Raises
+    ------
+    InputError
+        Where the description lacks a number, or the image is not whole.
+    """
+    is_image = path.suffix.lower() == ".pgm"
+    description = _description(_description_of(path) if is_image else path)
+    greys = _read_image(path if is_image else path.parent / description["image"])
+    shares = (greys if description["negate"] else 255 - greys.astype(np.int64)) / 255.0
+    row, column = np.nonzero(shares > description["occupied_thresh"])
+    size = description["resolution"]
+    x, y = description["origin"][:2]
+    # Rows go down, and the second axis of a format with z up is -z of the world.
+    ground = np.column_stack(
+        [x + (column + 0.5) * size, -(y + (greys.shape[0] - row - 0.5) * size)]
+    )
+    cells = np.floor(ground / size + _ROUNDING).astype(np.int64)
+    height = math.ceil(_LOWEST / size - 0.5)
+    index = np.unique(
+        np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]]), axis=0
+    )
+    centres = (index + 0.5) * size
+    colours = np.full((len(index), 3), _GREYS[OCCUPIED], np.uint8)
+    return Voxels(
+        index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
+        colours=colours, cell_size=size,
+    )  # fmt: skip
+
+
+_LOWEST = 0.5
+"""Height from which on a cell stands in a robot's way, as `navigation` has it."""
+_ROUNDING = 1e-6
+
+
+def _description_of(image_path: Path) -> Path:
+    """The description beside an image."""
+    found = [image_path.with_suffix(s) for s in (".yaml", ".yml")]
+    for path in found:
+        if path.is_file():
+            return path
+    raise InputError(f"{image_path}: its description {found[0].name} is not beside it")
+
+
+def _description(path: Path) -> dict[str, Any]:
+    """The numbers of a description, with nav2's own where one is left out."""
+    check_regular(path)
+    content = read_yaml(path)
+    try:
+        found: dict[str, Any] = {
+            "image": str(content["image"]),
+            "resolution": float(content["resolution"]),
+            "origin": [float(value) for value in content["origin"]],
+            "negate": int(content.get("negate", 0)),
+            "occupied_thresh": float(content.get("occupied_thresh", 0.65)),
+        }
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path}: not the description of a nav2 map ({error!r})") from error
+    origin = found["origin"]
+    if not (0 < found["resolution"] < math.inf and len(origin) >= 2 and np.isfinite(origin).all()):
+        raise InputError(f"{path}: resolution is {found['resolution']}, origin {origin}")
+    if any(origin[2:]):
+        raise InputError(f"{path}: its origin is turned by {origin[2]}, but 0 is needed")
+    if Path(found["image"]).is_absolute() or ".." in Path(found["image"]).parts:
+        raise InputError(f"{path}: its image {found['image']!r} lies outside its folder")
+    return found
+
+
+def _read_image(path: Path) -> NDArray[np.uint8]:
+    check_regular(path)
+    content = np.fromfile(path, np.uint8)
+    check_memory(path, 100.0 * len(content))
+    try:
+        greys = cv2.imdecode(content, cv2.IMREAD_GRAYSCALE)
+    except cv2.error:
+        greys = None
+    if greys is None:
+        raise InputError(f"{path}: not a whole image")
+    return np.asarray(greys, np.uint8)
+
+
+FORMAT = Format(write=write, read=read, up="z", takes=(Voxels, VoxelMap))

@@ -1,20 +1,23 @@
-"""Maps, cells and points as numpy's npz."""
+"""Maps, cells and points as numpy's npz, and points as its npy."""
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.columns import measured
+from recon.exports.arrays import columns_in
+from recon.exports.columns import XYZ, cloud_in, columns_of, measured
+from recon.exports.format import Format
+from recon.exports.numbers import drop_columns
+from recon.files import atomic_path
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import VoxelMap, archive
 
 Data = PointCloud | Voxels | VoxelMap
 
-# What the arrays of points are called, by us and by others.
-_POINTS = ("points", "xyz")
-_COLOURS = ("colours", "colors", "rgb")
+_OWN = {field.name for field in fields(PointCloud)}
 
 
 def write(path: Path, data: Data) -> None:
@@ -22,8 +25,16 @@ def write(path: Path, data: Data) -> None:
     if isinstance(data, VoxelMap):
         data.save(path)
         return
-    fields = {name: getattr(data, name) for name in type(data).__slots__}
-    archive.save(path, {name: np.asarray(v) for name, v in fields.items() if v is not None})
+    if isinstance(data, PointCloud) and data.crs is not None:
+        drop_columns(["the coordinate reference system"], path)
+    arrays = {
+        name: np.asarray(value)
+        for name in type(data).__slots__
+        if (value := getattr(data, name)) is not None and name not in ("attributes", "crs")
+    }
+    if isinstance(data, PointCloud):
+        arrays |= {name: v for name, v in data.attributes.items() if name not in _OWN}
+    archive.save(path, arrays)
 
 
 def read(path: Path) -> Data:
@@ -35,23 +46,42 @@ def read(path: Path) -> Data:
         Where the arrays are none of these.
     """
     columns = archive.read_columns(path)
-    if "version" in columns:
+    if "version" in columns and "channels" in columns:
         return VoxelMap.load(path)
     try:
-        if "counts" in columns:
-            fields: dict[str, Any] = {n: columns[n] for n in Voxels.__slots__ if n in columns}
-            return Voxels(**fields | {"cell_size": float(columns["cell_size"])})
-        return _cloud(columns)
+        if "counts" in columns and "index" in columns:
+            kept: dict[str, Any] = {n: columns[n] for n in Voxels.__slots__ if n in columns}
+            return Voxels(**kept | {"cell_size": float(columns["cell_size"])})
+        return measured(cloud_in(columns_in(columns)))
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: neither a map nor a cloud ({error})") from error
+        raise InputError(f"neither a map nor a cloud ({error})") from error
 
 
-def _cloud(columns: archive.Columns) -> PointCloud:
-    points = next((columns[name] for name in _POINTS if name in columns), None)
-    if points is None:
-        raise InputError(f"its arrays are {', '.join(columns)}, but points is needed")
-    grey = np.full((len(points), 3), 128, np.uint8)
-    colours = next((columns[name] for name in _COLOURS if name in columns), grey)
-    return measured(
-        PointCloud(points=points.astype(np.float64), colours=colours, sigma=columns.get("sigma"))
-    )
+def read_npy(path: Path) -> PointCloud:
+    """The points of one array (N, 3 or more), or of one with named fields.
+
+    Raises
+    ------
+    InputError
+        Where it is cut short, or holds anything but numbers.
+    """
+    array = archive.read_array(path)
+    if array.dtype.names:
+        return measured(cloud_in(columns_in({n: array[n].reshape(-1) for n in array.dtype.names})))
+    if array.ndim == 3 and array.shape[2] >= len(XYZ):
+        array = array.reshape(-1, array.shape[2])
+    return measured(cloud_in(columns_in({"points": array})))
+
+
+def write_npy(path: Path, data: PointCloud | Voxels) -> None:
+    """Write rows with named fields."""
+    columns = columns_of(data)
+    rows = np.empty(len(data), [(name, values.dtype) for name, values in columns.items()])
+    for name, values in columns.items():
+        rows[name] = values
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.save(file, rows, allow_pickle=False)
+
+
+FORMAT = Format(write=write, read=read, takes=(PointCloud, Voxels, VoxelMap))
+NPY = Format(write=write_npy, read=read_npy)

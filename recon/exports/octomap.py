@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, ReconError
+from recon.exports.format import Format
 from recon.exports.octomapfile import Header, check_whole
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned_index
-from recon.files import atomic_path
+from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra
 from recon.records import Voxels
 from recon.voxelmap import VoxelMap
@@ -19,6 +20,9 @@ from recon.voxelmap.table import order_of
 # Cells of a tree along an axis, on either side of 0.
 _REACH = 1 << 15
 _DEPTH = 16
+
+_CELL_BYTES = 300.0
+"""Of memory for a cell, while leaves are cut into cells and ordered."""
 
 # What OctoMap gives a cell after one hit, and where it stops counting.
 _ONE_HIT = float(log_odds(np.ones(1, np.int64), np.zeros(1, np.int64))[0])
@@ -52,6 +56,17 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     with atomic_path(path) as temporary:
         if not (tree.write if has_colour else tree.writeBinary)(str(temporary)):
             raise ReconError(f"{path}: OctoMap could not write it")
+        _check_written(temporary, path, tree.size())
+
+
+def _check_written(temporary: Path, path: Path, num_nodes: int) -> None:
+    """OctoMap does not say where a disk is full."""
+    try:
+        held = check_whole(temporary).num_nodes
+    except InputError:
+        held = -1
+    if held != num_nodes:
+        raise ReconError(f"{path}: OctoMap could not write it whole; is the disk full?")
 
 
 def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:
@@ -75,8 +90,12 @@ def read(path: Path) -> Voxels:
     """
     octomap = load_extra("pyoctomap", "octomap")
     header = check_whole(path)
-    leaves = _occupied_leaves(octomap, path, header) if header.num_nodes else []
-    return _voxels(np.array(leaves).reshape(-1, 7), header.cell_size)
+    leaves = np.array(_occupied_leaves(octomap, path, header) if header.num_nodes else []).reshape(
+        -1, 7
+    )
+    num_cells = float((np.rint(leaves[:, 3] / header.cell_size) ** 3).sum())
+    check_memory(path, _CELL_BYTES * num_cells)
+    return _voxels(leaves, header.cell_size)
 
 
 def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[float, ...]]:
@@ -124,3 +143,6 @@ def _expanded(
     if not index:
         return np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8)
     return np.concatenate(index), leaves[np.concatenate(rows), 4:].astype(np.uint8)
+
+
+FORMAT = Format(write=write, read=read, up="z", takes=(Voxels, VoxelMap))

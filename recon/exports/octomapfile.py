@@ -62,7 +62,8 @@ def _header(content: bytes) -> tuple[Header, int]:
     lines = [line.split() for line in text.decode("ascii").splitlines()]
     values = {words[0]: words[1] for words in lines if len(words) == 2 and words[0] != "#"}
     cell_size = float(values["res"])
-    if not (cell_size > 0 and np.isfinite(cell_size)):
+    # Smaller or larger ones than these cannot be told apart, or overflow.
+    if not 1e-9 <= cell_size <= 1e9:
         raise ValueError(f"its cells have size {cell_size}")
     header = Header(kind=values["id"], num_nodes=int(values["size"]), cell_size=cell_size)
     return header, len(text) + len(mark)

@@ -54,6 +54,8 @@ def cloud_of(columns: Columns) -> Any:
     o3d = load_open3d()
     cloud = o3d.t.geometry.PointCloud()
     for field, names in (("positions", XYZ), ("colors", RGB)):
+        if not set(names) <= columns.keys():
+            continue
         cloud.point[field] = o3d.core.Tensor(np.column_stack([columns[n] for n in names]))
     for name, values in columns.items():
         if name not in XYZ + RGB:

@@ -1,29 +1,72 @@
 """A table of points or cells as Parquet, by pyarrow."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.exports.columns import Columns
-from recon.files import atomic_path
+from recon.exports.format import Format, table
+from recon.exports.numbers import drop_columns
+from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra
 
 
 def write(path: Path, columns: Columns) -> None:
     """Write columns under their names."""
     parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
-    table = arrow.table({name: np.ascontiguousarray(v) for name, v in columns.items()})
+    content = arrow.table({name: np.ascontiguousarray(v) for name, v in columns.items()})
     with atomic_path(path) as temporary:
-        parquet.write_table(table, temporary, compression="zstd")
+        parquet.write_table(content, temporary, compression="zstd")
 
 
 def read(path: Path) -> Columns:
-    """The columns of numbers."""
+    """The columns of numbers; a missing one is NaN.
+
+    Raises
+    ------
+    InputError
+        Where the file is cut short, or unpacks to more than the memory allowed.
+    """
     parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
     try:
         with path.open("rb") as file:
-            table = parquet.read_table(file)
-        return {name: table.column(name).to_numpy() for name in table.column_names}
-    except arrow.ArrowException as error:
-        raise InputError(f"{path}: not a whole Parquet file ({error})") from error
+            source = parquet.ParquetFile(file)
+            _check_size(source, path)
+            found = source.read()
+    except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
+        raise InputError(f"not a whole Parquet file ({_one_line(error)})") from error
+    kept = [name for name in found.column_names if _is_number(arrow, found.schema.field(name))]
+    drop_columns([name for name in found.column_names if name not in kept], path)
+    return {name: _values(arrow, found.column(name)) for name in kept}
+
+
+def _check_size(source: Any, path: Path) -> None:
+    """Against a column of one value, which packs to nothing: the rows count too."""
+    about = source.metadata
+    groups = [about.row_group(n) for n in range(about.num_row_groups)]
+    unpacked = sum(abs(one.total_byte_size) for one in groups)
+    check_memory(path, 3.0 * max(unpacked, 8 * about.num_rows * about.num_columns))
+
+
+def _is_number(arrow: Any, field: Any) -> bool:
+    kinds = arrow.types
+    tests = (kinds.is_integer, kinds.is_floating, kinds.is_boolean, kinds.is_decimal)
+    return any(test(field.type) for test in tests)
+
+
+def _values(arrow: Any, column: Any) -> NDArray[Any]:
+    kinds = arrow.types
+    if column.null_count or kinds.is_decimal(column.type) or kinds.is_float16(column.type):
+        column = column.cast(arrow.float64())
+    values: NDArray[Any] = column.to_numpy()
+    return values
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
+FORMAT: Format = table(read, write)

@@ -11,10 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import Columns, cloud_in, columns_of
-from recon.exports.plyheader import Layout, header, read_header
-from recon.files import atomic_path
-from recon.records import PointCloud
+from recon.exports.columns import RGB, Columns, cloud_in, columns_of
+from recon.exports.format import Format, table
+from recon.exports.numbers import held_columns
+from recon.exports.plyheader import HELD, Element, Header, header, read_header
+from recon.exports.plyrows import Rows, read_rows
+from recon.exports.triangles import Faces, check_faces, mesh_of
+from recon.files import atomic_path, check_memory
+from recon.records import Mesh, PointCloud
 
 RUN_CLOUD = np.dtype(
     [(name, "<f8") for name in "xyz"]
@@ -49,7 +53,7 @@ class CloudWriter:
 
     def append(self, cloud: PointCloud, pair_number: int) -> None:
         """Add the world points of one pair; a sigma that is not known becomes NaN."""
-        columns = columns_of(cloud)
+        columns = dict(zip(RGB, cloud.shown_colours.T, strict=True)) | columns_of(cloud)
         columns.setdefault("sigma", np.full(len(cloud), np.nan))
         vertices = as_vertices(columns | {"pair": np.full(len(cloud), pair_number)}, RUN_CLOUD)
         self._file.write(vertices.tobytes())
@@ -71,21 +75,55 @@ def read_cloud_chunks(
 ) -> Iterator[tuple[PointCloud, NDArray[np.int32]]]:
     """The points of a run folder's cloud in pieces, each with the number of its pair (M,)."""
     with Path(path).open("rb") as file:
-        layout = read_header(file, path)
-        if layout.dtype != RUN_CLOUD:
-            raise InputError(f"{path}: holds {layout.dtype.names}, not what a run's cloud holds")
-        for start in range(0, layout.count, _CHUNK_ROWS):
-            vertices = np.fromfile(file, RUN_CLOUD, min(_CHUNK_ROWS, layout.count - start))
-            cloud = cloud_in({name: vertices[name] for name in RUN_CLOUD.names or ()})
-            yield cloud, vertices["pair"]
+        vertex = _run_vertices(read_header(file, path), path)
+        _check_held(file, vertex, path)
+        for start in range(0, vertex.count, _CHUNK_ROWS):
+            vertices = np.fromfile(file, RUN_CLOUD, min(_CHUNK_ROWS, vertex.count - start))
+            columns = {name: vertices[name] for name in RUN_CLOUD.names or ()}
+            pair_number = columns.pop("pair")
+            yield cloud_in(columns), pair_number
+
+
+def _run_vertices(found: Header, path: str | os.PathLike[str]) -> Element:
+    vertex = found.elements[0]
+    if found.is_text or vertex.has_lists or vertex.row_dtype != RUN_CLOUD:
+        names = ", ".join(one.name for one in vertex.properties)
+        raise InputError(f"{path}: holds {names}, which is not what a run's cloud holds")
+    return vertex
+
+
+def _check_held(file: BinaryIO, vertex: Element, path: str | os.PathLike[str]) -> None:
+    held = os.fstat(file.fileno()).st_size - file.tell()
+    if held < vertex.count * vertex.min_row_bytes:
+        raise InputError(f"{path}: {vertex.count} vertices are claimed, but {held} bytes follow")
 
 
 def write(path: Path, columns: Columns) -> None:
     """Write columns as the properties of vertices, in the smallest type of PLY that holds them."""
-    dtype = np.dtype([(name, values.dtype) for name, values in columns.items()])
+    _write(path, columns, None)
+
+
+def write_mesh(path: Path, mesh: Mesh) -> None:
+    """Write vertices, with colours and normals where there are any, and triangles."""
+    columns: Columns = dict(zip("xyz", mesh.vertices.T, strict=True))
+    if mesh.normals is not None:
+        columns |= zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)
+    if mesh.colours is not None:
+        columns |= zip(RGB, mesh.colours.T, strict=True)
+    faces = np.empty(len(mesh), [("length", "u1"), ("triangle", "<i4", 3)])
+    faces["length"], faces["triangle"] = 3, mesh.triangles
+    _write(path, columns, faces)
+
+
+def _write(path: Path, columns: Columns, faces: NDArray[np.void] | None) -> None:
+    held = held_columns(columns, HELD, path)
+    dtype = np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in held.items()])
+    num_faces = None if faces is None else len(faces)
     with atomic_path(path) as temporary, temporary.open("wb") as file:
-        file.write(header(dtype, len(columns["x"])))
-        file.write(as_vertices(columns, dtype).tobytes())
+        file.write(header(dtype, len(columns["x"]), num_faces))
+        file.write(as_vertices(held, dtype).tobytes())
+        if faces is not None:
+            file.write(faces.tobytes())
 
 
 def read(path: Path) -> Columns:
@@ -94,27 +132,52 @@ def read(path: Path) -> Columns:
     Raises
     ------
     InputError
-        Where the file is no PLY of plain vertices, or holds less than it claims.
+        Where the file is not a PLY file of vertices, holds less than it claims, or its faces name
+        vertices that are not there.
     """
+    rows = _rows(path, {"vertex", "face"})
+    check_faces(_faces(rows.get("face")), rows["vertex"].count)
+    return rows["vertex"].columns
+
+
+def read_mesh(path: Path) -> Mesh:
+    """The vertices and the faces, cut into triangles.
+
+    Raises
+    ------
+    InputError
+        Where it holds no faces, or one that names a vertex that is not there.
+    """
+    rows = _rows(path, {"vertex", "face"})
+    return mesh_of(rows["vertex"].columns, _faces(rows.get("face")))
+
+
+def has_faces(path: Path) -> bool:
+    """Whether a file holds faces too."""
     with path.open("rb") as file:
-        layout = read_header(file, path)
-        if layout.is_text:
-            vertices = _read_text(file, layout, path)
-        else:
-            vertices = np.fromfile(file, layout.dtype, layout.count)
-    return {name: vertices[name] for name in layout.dtype.names or ()}
+        face = read_header(file, path).element("face")
+    return face is not None and face.count > 0
 
 
-def _read_text(file: BinaryIO, layout: Layout, path: Path) -> NDArray[np.void]:
-    if not layout.count:
-        return np.empty(0, layout.dtype)
-    try:
-        rows = np.loadtxt(file, layout.dtype, max_rows=layout.count, ndmin=1)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
-    if len(rows) != layout.count:
-        raise InputError(f"{path}: {layout.count} vertices are claimed, but {len(rows)} follow")
-    return rows
+def _faces(rows: Rows | None) -> Faces:
+    lists = rows.lists if rows else {}
+    names = [name for name in ("vertex_indices", "vertex_index") if name in lists]
+    return lists[names[0]] if names else []
+
+
+def _rows(path: Path, names: set[str]) -> dict[str, Rows]:
+    with path.open("rb") as file:
+        found = read_header(file, path)
+        _check_memory(found, path)
+        content = file.read()
+    return read_rows(content, found, names)
+
+
+def _check_memory(found: Header, path: Path) -> None:
+    # Text is counted by its bytes, which are more than those of its numbers.
+    size = path.stat().st_size
+    claimed = sum(one.count * one.min_row_bytes for one in found.elements)
+    check_memory(path, 3 * max(size, claimed if not found.is_text else 0))
 
 
 def as_vertices(columns: Columns, dtype: np.dtype[np.void]) -> NDArray[np.void]:
@@ -123,3 +186,6 @@ def as_vertices(columns: Columns, dtype: np.dtype[np.void]) -> NDArray[np.void]:
     for name in dtype.names or ():
         vertices[name] = columns[name]
     return vertices
+
+
+FORMAT: Format = table(read, write, mesh=(read_mesh, write_mesh, has_faces))

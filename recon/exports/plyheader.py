@@ -1,12 +1,13 @@
-"""The header of a PLY file: what its vertices hold."""
+"""The header of a PLY file: its elements and what each of their rows holds."""
 
-import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import BinaryIO
 
 import numpy as np
 
 from recon.errors import InputError
+from recon.files import PathLike
 
 # Both generations of names.
 _TYPES = {
@@ -16,75 +17,131 @@ _TYPES = {
     "float32": "f4", "float64": "f8",
 }  # fmt: skip
 _NAMES = {code: name for name, code in reversed(_TYPES.items())}
+HELD = frozenset(_NAMES)
+"""The numbers that PLY has, by numpy's codes."""
 _BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
 
-_MAX_LINES = 1000
-_MAX_LINE_BYTES = 1000
+_MAX_HEADER_BYTES = 1_000_000
+_END = b"end_header"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
-    """What follows a header."""
+class Property:
+    """One value of a row, or a list of values after their number."""
 
-    dtype: np.dtype[np.void]
-    """Of one vertex."""
+    name: str
+    dtype: str
+    """Of the value, or of each value of the list."""
+    length_dtype: str | None = None
+    """Of the number before a list; None for a single value."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """A table of the file."""
+
+    name: str
     count: int
-    """Vertices."""
+    """Rows."""
+    properties: tuple[Property, ...]
+
+    @property
+    def has_lists(self) -> bool:
+        """Whether rows may differ in length."""
+        return any(one.length_dtype for one in self.properties)
+
+    @property
+    def row_dtype(self) -> np.dtype[np.void]:
+        """Of a row without its lists."""
+        return np.dtype([(p.name, p.dtype) for p in self.properties if not p.length_dtype])
+
+    @property
+    def min_row_bytes(self) -> int:
+        """Of a binary row whose lists are empty."""
+        return sum(np.dtype(p.length_dtype or p.dtype).itemsize for p in self.properties)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Header:
+    """What a file says of itself."""
+
+    elements: tuple[Element, ...]
     is_text: bool
 
+    def element(self, name: str) -> Element | None:
+        """The element of that name; None where there is none."""
+        return next((one for one in self.elements if one.name == name), None)
 
-def header(dtype: np.dtype[np.void], count: int) -> bytes:
-    """The header of binary vertices; as long for every count, so that it can be written again."""
+
+def header(dtype: np.dtype[np.void], count: int, faces: int | None = None) -> bytes:
+    """The header of binary vertices, and of triangles after them.
+
+    It is as long for every count, so that it can be written again.
+    """
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {count:012d}"]
     for name in dtype.names or ():
         lines.append(f"property {_NAMES[dtype[name].str[1:]]} {name}")
+    if faces is not None:
+        lines += [f"element face {faces:012d}", "property list uchar int vertex_indices"]
     return "\n".join([*lines, "end_header", ""]).encode("ascii")
 
 
-def read_header(file: BinaryIO, path: str | os.PathLike[str]) -> Layout:
-    """Read up to the first vertex.
+def read_header(file: BinaryIO, path: PathLike) -> Header:
+    """Read up to the first row.
 
     Raises
     ------
     InputError
-        Where the file is no PLY of plain vertices, or holds less than it claims.
+        Where the file is not a PLY file of vertices.
     """
     try:
-        layout = _parsed(_header_lines(file))
+        found = _parsed(_header_lines(file))
     except (ValueError, KeyError, IndexError) as error:
-        raise InputError(f"{path}: not a PLY file of plain vertices ({error})") from error
-    held = os.fstat(file.fileno()).st_size - file.tell()
-    # In a text a vertex takes a digit and a line's end at least.
-    if held < layout.count * (2 if layout.is_text else layout.dtype.itemsize):
-        raise InputError(f"{path}: {layout.count} vertices are claimed, but {held} bytes follow")
-    return layout
+        raise InputError(f"{path}: not a PLY file of vertices ({error})") from error
+    return found
 
 
 def _header_lines(file: BinaryIO) -> list[list[str]]:
-    """The words of each line."""
-    lines: list[list[str]] = []
-    for _ in range(_MAX_LINES):
-        words = file.readline(_MAX_LINE_BYTES).decode("ascii").split()
-        lines.append(words)
-        if lines[0] != ["ply"]:
-            raise ValueError("its first line is not ply")
-        if words == ["end_header"]:
-            return lines
-    raise ValueError("its header has no end")
+    """The words of each line; the file is left at its first row."""
+    content = file.read(_MAX_HEADER_BYTES)
+    if content[:3] != b"ply":
+        raise ValueError("its first line is not ply")
+    end = content.find(_END)
+    if end < 0:
+        raise ValueError("its header has no end")
+    newline = b"\r\n" if content[3:5] == b"\r\n" else content[3:4]
+    start = content.find(newline, end) + len(newline)
+    file.seek(start if start >= len(newline) else end + len(_END))
+    return [line.split() for line in content[:end].decode("latin-1").splitlines()]
 
 
-def _parsed(lines: list[list[str]]) -> Layout:
-    form, *_ = [words[1] for words in lines if words[:1] == ["format"]]
-    first, *others = [row for row, words in enumerate(lines) if words[:1] == ["element"]]
-    if lines[first][1] != "vertex":
-        raise ValueError(f"its first element is {lines[first][1]}")
-    last = others[0] if others else len(lines)
-    fields = [
-        (words[2], _BYTE_ORDERS[form] + _TYPES[words[1]])
-        for words in lines[first:last]
-        if words[:1] == ["property"]
-    ]
-    count = int(lines[first][2])
-    if count < 0:
-        raise ValueError(f"it claims {count} vertices")
-    return Layout(dtype=np.dtype(fields), count=count, is_text=form == "ascii")
+def _parsed(lines: Sequence[list[str]]) -> Header:
+    form = next(words[1] for words in lines if words[:1] == ["format"])
+    starts = [row for row, words in enumerate(lines) if words[:1] == ["element"]]
+    ends = [*starts[1:], len(lines)]
+    elements = tuple(
+        _element(lines[start:end], _BYTE_ORDERS[form])
+        for start, end in zip(starts, ends, strict=True)
+    )
+    found = Header(elements=elements, is_text=form == "ascii")
+    if found.element("vertex") is None:
+        raise ValueError("it has no vertices")
+    return found
+
+
+def _element(lines: Sequence[list[str]], order: str) -> Element:
+    (_, name, count), *rest = lines
+    if int(count) < 0:
+        raise ValueError(f"it claims {count} of {name}")
+    properties = tuple(_property(words, order) for words in rest if words[:1] == ["property"])
+    if not properties and int(count):
+        raise ValueError(f"its {name} has no properties")
+    return Element(name=name, count=int(count), properties=properties)
+
+
+def _property(words: list[str], order: str) -> Property:
+    if words[1] == "list":
+        _, _, length, kind, name = words
+        return Property(name=name, dtype=order + _TYPES[kind], length_dtype=order + _TYPES[length])
+    _, kind, name = words
+    return Property(name=name, dtype=order + _TYPES[kind])

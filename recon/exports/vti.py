@@ -2,17 +2,20 @@
 
 import math
 import re
-import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, ReconError
+from recon.exports import vtk
+from recon.exports.format import Format
+from recon.exports.silence import silent
+from recon.exports.vtk import read_dataset
 from recon.files import atomic_path
 from recon.libraries import load_pyvista
-from recon.records import Voxels
+from recon.records import PointCloud, Voxels
 from recon.voxelmap.table import order_of
 
 MAX_CELLS = 1 << 25
@@ -20,12 +23,30 @@ MAX_CELLS = 1 << 25
 
 
 _HEADER_BYTES = 1000
+_EXTENT = re.compile(rb'<ImageData[^>]*WholeExtent="' + rb" +".join([rb"(-?\d+)"] * 6) + rb' *"')
 
 
 def write(path: Path, voxels: Voxels) -> None:
     """Write the block that the cells span; cells without points have count 0."""
+    image = as_image(voxels)
     with atomic_path(path) as temporary:
-        as_image(voxels).save(temporary)
+        with silent():
+            image.save(temporary)
+        _check_written(temporary, path, image)
+
+
+def _check_written(temporary: Path, path: Path, image: Any) -> None:
+    """VTK does not say where a disk is full."""
+    try:
+        _check_whole(temporary)
+        again = read_dataset(temporary)
+        is_same = all(
+            np.array_equal(again.cell_data[name], image.cell_data[name]) for name in image.cell_data
+        )
+    except (InputError, KeyError, FileNotFoundError):
+        is_same = False
+    if not is_same:
+        raise ReconError(f"{path}: VTK could not write it whole; is the disk full?")
 
 
 def as_image(voxels: Voxels) -> Any:
@@ -64,36 +85,40 @@ def _fields(voxels: Voxels) -> dict[str, NDArray[Any]]:
     }
 
 
-def read(path: Path) -> Voxels:
-    """The cells of a block that have points.
+def read(path: Path) -> PointCloud | Voxels:
+    """The cells of a block that have points; of others' blocks, the places that have a value.
 
     Raises
     ------
     InputError
-        Where the file is no VTK image with counts, means and colours of its cells.
+        Where the file is not a whole VTK image.
     """
     _check_whole(path)
-    try:
-        with warnings.catch_warnings(action="error"):
-            image = load_pyvista().read(path)
-    except (UserWarning, ValueError, RuntimeError) as error:
-        raise InputError(f"{path}: VTK cannot read it") from error
-    missing = [name for name in ("counts", "means", "colours") if name not in image.cell_data]
-    if missing:
-        raise InputError(f"{path}: its cells have no {missing[0]}")
+    image = read_dataset(path)
+    if not {"counts", "means", "colours"} <= set(image.cell_data.keys()):
+        return vtk.read_points(path)
+    _check_cells(image)
     return of_image(image)
+
+
+def _check_cells(image: Any) -> None:
+    spacing, counts = np.array(image.spacing), np.asarray(image.cell_data["counts"])
+    if not ((spacing == spacing[0]).all() and 0 < spacing[0] < np.inf):
+        raise InputError(f"its cells have sides {spacing.tolist()}, but cubes are needed")
+    if not (counts.ndim == 1 and counts.dtype.kind in "iu" and (counts >= 0).all()):
+        raise InputError("its counts cannot come from points")
 
 
 def _check_whole(path: Path) -> None:
     """VTK itself would say on the screen what is missing, and go on."""
     content = path.read_bytes()
-    extent = re.search(rb'<ImageData WholeExtent="([-\d ]+)"', content[:_HEADER_BYTES])
+    extent = _EXTENT.search(content[:_HEADER_BYTES])
     if extent is None or not content.rstrip().endswith(b"</VTKFile>"):
-        raise InputError(f"{path}: not a whole VTK image")
-    ends = [int(word) for word in extent[1].split()]
+        raise InputError("not a whole VTK image")
+    ends = [int(word) for word in extent.groups()]
     num_cells = math.prod(high - low for low, high in zip(ends[::2], ends[1::2], strict=True))
     if num_cells > MAX_CELLS:
-        raise InputError(f"{path}: claims {num_cells} cells, but {MAX_CELLS} are the most")
+        raise InputError(f"claims {num_cells} cells, but {MAX_CELLS} are the most")
 
 
 def of_image(image: Any) -> Voxels:
@@ -111,3 +136,6 @@ def of_image(image: Any) -> Voxels:
         **fields,
     )
     return voxels.select(order_of(index))
+
+
+FORMAT = Format(write=write, read=read, takes=(Voxels,))

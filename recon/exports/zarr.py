@@ -1,13 +1,20 @@
 """A group of arrays as Zarr (version 3): a folder, one array a column."""
 
+import contextlib
+import math
 import secrets
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.exports.arrays import columns_in
 from recon.exports.columns import Columns
+from recon.exports.format import Format, table
+from recon.files import check_memory
 from recon.libraries import load_extra
 
 
@@ -21,27 +28,66 @@ def write(path: Path, columns: Columns) -> None:
     """
     zarr = load_extra("zarr", "tables")
     if path.exists() and not (path / "zarr.json").is_file():
-        raise InputError(f"{path} is there and no Zarr group, but a free name is needed")
+        raise InputError(f"{path} is there and not a Zarr group, but a free name is needed")
     # A folder cannot take the place of another in one step: the old one is moved away first.
     mark = secrets.token_hex(4)
     new, old = (path.with_name(f".{mark}-{word}-{path.name}") for word in ("new", "old"))
     try:
-        group = zarr.create_group(str(new))
-        for name, values in columns.items():
-            group.create_array(name, data=np.ascontiguousarray(values))
+        # Zeros are written too, so that a missing chunk is one that was lost.
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            group = zarr.create_group(str(new))
+            for name, values in columns.items():
+                group.create_array(name, data=np.ascontiguousarray(values))
         if path.exists():
             path.replace(old)
         new.replace(path)
     finally:
+        if old.exists() and not path.exists():
+            old.replace(path)
         shutil.rmtree(new, ignore_errors=True)
         shutil.rmtree(old, ignore_errors=True)
 
 
 def read(path: Path) -> Columns:
-    """The arrays of the group."""
+    """The arrays of the group.
+
+    Raises
+    ------
+    InputError
+        Where a chunk is missing, or arrays claim more than the memory allowed.
+    """
     zarr = load_extra("zarr", "tables")
+    if not path.is_dir():
+        raise InputError("not a Zarr group (it is a file)")
     try:
-        group = zarr.open_group(str(path), mode="r")
-        return {name: array[:] for name, array in group.arrays()}
-    except (ValueError, KeyError, TypeError, RuntimeError, FileNotFoundError) as error:
-        raise InputError(f"{path}: not a Zarr group ({error})") from error
+        with contextlib.closing(zarr.open_group(str(path), mode="r").store) as store:
+            arrays = dict(zarr.open_group(store, mode="r").arrays())
+            check_memory(path, 3.0 * sum(_num_bytes(array) for array in arrays.values()))
+            return columns_in({name: _values(array) for name, array in arrays.items()})
+    except InputError:
+        raise
+    # Its parts raise errors of no common kind for damaged folders.
+    except Exception as error:
+        raise InputError(f"not a whole Zarr group ({_one_line(error)})") from error
+
+
+def _num_bytes(array: Any) -> float:
+    return float(math.prod(array.shape) * array.dtype.itemsize)
+
+
+def _values(array: Any) -> NDArray[Any]:
+    if min(array.chunks, default=1) < 1:
+        raise InputError(f"{array.basename} has chunks of {array.chunks}")
+    if array.nchunks > array.size + 1 or array.nchunks_initialized < array.nchunks:
+        raise InputError(
+            f"{array.basename} has {array.nchunks_initialized} of {array.nchunks} chunks"
+        )
+    values: NDArray[Any] = np.asarray(array[:])
+    return values
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
+FORMAT: Format = table(read, write)

@@ -21,7 +21,7 @@ def gather(cloud: PointCloud, cell_size: float, min_count: int = 1) -> Voxels:
 
     # Offsets from the cell keep the precision of points far from the origin.
     means = mean(cloud.points - index * cell_size) + cells * cell_size
-    colours = np.rint(mean(cloud.colours.astype(np.float64))).astype(np.uint8)
+    colours = np.rint(mean(cloud.shown_colours.astype(np.float64))).astype(np.uint8)
     kept = counts >= min_count
     return Voxels(
         index=cells[kept],

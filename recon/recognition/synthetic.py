@@ -129,7 +129,7 @@ def observe(stack: Stack, colours: Array, orbit: Orbit, rng: np.random.Generator
         seen.append(_seen(stack, colours, eye, orbit, rng))
     return PointCloud(
         points=np.concatenate([cloud.points for cloud in seen]),
-        colours=np.concatenate([cloud.colours for cloud in seen]),
+        colours=np.concatenate([cloud.shown_colours for cloud in seen]),
     )
 
 

@@ -1,6 +1,6 @@
 """Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
 
-from recon.records.clouds import GroundGrid, PointCloud, Segments, Voxels
+from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
 from recon.records.matches import Features, Matches, check_alike
 from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
 from recon.records.pairs import PairSource, StereoPair, View, check_images
@@ -23,6 +23,7 @@ __all__ = [
     "UNKNOWN",
     "Box",
     "Cone",
+    "Crs",
     "Cylinder",
     "DisparityMap",
     "Ellipsoid",

@@ -1,6 +1,8 @@
-"""Coloured points, and the occupied cells they gather in."""
+"""Points, coloured where colours are known, and the occupied cells they gather in."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,46 +10,90 @@ from numpy.typing import ArrayLike, NDArray
 from recon.errors import InputError, check_shape
 from recon.geometry import transform
 
+GREY = 128
+"""The level shown where a colour is needed and none is known."""
+
+NORMALS = (
+    ("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"), ("NormalX", "NormalY", "NormalZ"),
+)  # fmt: skip
+"""Names of the attributes that turn with the points, as programs have them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crs:
+    """A coordinate reference system, as a LAS file keeps it."""
+
+    records: tuple[tuple[int, bytes], ...]
+    """Number and content of each record: 2112 is WKT, 34735 to 34737 are the keys of GeoTIFF."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PointCloud:
-    """Coloured points, each with the standard deviation of its depth.
+    """Points with what was measured at each: colour, standard deviation of the depth, attributes.
 
     The frame is the one its holder names: left camera out of a pair, world in a run.
     """
 
     points: NDArray[np.float64]
     """(M, 3) world units."""
-    colours: NDArray[np.uint8]
-    """(M, 3) RGB."""
+    colours: NDArray[np.uint8] | None = None
+    """(M, 3) RGB; None where they are not known."""
     sigma: NDArray[np.float64] | None = None
     """(M,) world units; NaN or None where nothing is known of it."""
+    attributes: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    """(M,) numbers each, by name; normals are in the frame of the points."""
+    crs: Crs | None = None
+    """The system of the points as surveyed, with z up."""
 
     def __post_init__(self) -> None:
         check_shape("points", self.points, (None, 3))
         if self.points.dtype.kind not in "fiu":
             raise InputError(f"points are {self.points.dtype}, but real numbers are needed")
-        check_shape("colours", self.colours, (len(self.points), 3))
-        if self.colours.dtype != np.uint8:
-            raise InputError(f"colours are {self.colours.dtype}, but uint8 is needed")
+        if self.colours is not None:
+            check_shape("colours", self.colours, (len(self.points), 3))
+            if self.colours.dtype != np.uint8:
+                raise InputError(f"colours are {self.colours.dtype}, but uint8 is needed")
         if self.sigma is not None:
             check_shape("sigma", self.sigma, (len(self.points),))
             if (self.sigma < 0).any():
                 raise InputError(f"sigma is {self.sigma.min()}, but 0 or more is needed")
+        for name, values in self.attributes.items():
+            check_shape(name, values, (len(self.points),))
 
     def __len__(self) -> int:
         return len(self.points)
 
+    @property
+    def shown_colours(self) -> NDArray[np.uint8]:
+        """(M, 3) RGB; mid grey where no colours are known, for what cannot do without."""
+        if self.colours is not None:
+            return self.colours
+        return np.full((len(self.points), 3), GREY, np.uint8)
+
     def transformed(self, T_target_source: ArrayLike) -> "PointCloud":
-        """The same points in the target frame; distances and sigmas stay."""
+        """The same points and normals in the target frame; distances and sigmas stay."""
+        attributes = dict(self.attributes)
+        rotation = np.asarray(T_target_source, dtype=np.float64)[:3, :3]
+        for names in NORMALS:
+            if set(names) <= attributes.keys():
+                normals = np.column_stack([attributes[name] for name in names]) @ rotation.T
+                attributes |= zip(names, normals.T, strict=True)
         return PointCloud(
-            points=transform(T_target_source, self.points), colours=self.colours, sigma=self.sigma
+            points=transform(T_target_source, self.points),
+            colours=self.colours,
+            sigma=self.sigma,
+            attributes=attributes,
         )
 
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_] | slice) -> "PointCloud":
         """The points of `rows`, in that order."""
-        sigma = None if self.sigma is None else self.sigma[rows]
-        return PointCloud(points=self.points[rows], colours=self.colours[rows], sigma=sigma)
+        return PointCloud(
+            points=self.points[rows],
+            colours=None if self.colours is None else self.colours[rows],
+            sigma=None if self.sigma is None else self.sigma[rows],
+            attributes={name: values[rows] for name, values in self.attributes.items()},
+            crs=self.crs,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,6 +122,19 @@ class Voxels:
     """(K,) scans with a point in the cell."""
     passes: NDArray[np.int64] | None = None
     """(K,) scans that looked through the cell to a point behind."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.cell_size < np.inf:
+            raise InputError(f"cell_size is {self.cell_size}, but a finite number over 0 is needed")
+        num_cells = len(self.index)
+        for name in ("index", "centres", "means", "colours"):
+            check_shape(name, getattr(self, name), (num_cells, 3))
+        for name in ("counts", "weights", "num_views", "hits", "passes"):
+            values = getattr(self, name)
+            if values is not None:
+                check_shape(name, values, (num_cells,))
+        if num_cells and self.counts.min() < 1:
+            raise InputError(f"counts hold {self.counts.min()}, but 1 or more is needed")
 
     def __len__(self) -> int:
         return len(self.index)

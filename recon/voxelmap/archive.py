@@ -4,6 +4,7 @@ Any numpy reads it: `numpy.load(path)` gives the columns by name. Nothing in it 
 """
 
 import os
+import sys
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.files import atomic_path
+from recon.files import atomic_path, check_memory
 from recon.voxelmap import hits
 from recon.voxelmap.table import Rows
 
@@ -23,10 +24,13 @@ VERSION = 1
 
 Columns = Mapping[str, NDArray[Any]]
 
+_COPIES = 3.0
+"""Of an array in memory until its map is built."""
+
 # What the zip and npy readers say of a file that is cut or changed.
 _BROKEN = (
     zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, OSError, RuntimeError,
-    OverflowError, SyntaxError,
+    OverflowError, SyntaxError, NotImplementedError, TypeError,
 )  # fmt: skip
 
 
@@ -88,31 +92,59 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     with Path(path).open("rb") as file:
         try:
             with zipfile.ZipFile(file) as archive:
+                entries = [one for one in archive.infolist() if one.filename.endswith(".npy")]
+                check_memory(path, _COPIES * sum(one.file_size for one in entries))
                 return {
-                    name.removesuffix(".npy"): _read_column(archive, name)
-                    for name in archive.namelist()
+                    entry.filename.removesuffix(".npy"): _read_entry(archive, entry)
+                    for entry in entries
                 }
         except _BROKEN as error:
-            raise InputError(f"{path}: not a whole npz archive ({_one_line(error)})") from error
+            raise _not_whole(path, error) from error
 
 
-def _read_column(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    with archive.open(name) as member:
-        shape, is_fortran, dtype = _read_header(member)
-        # read() takes what is there, and no memory for what is not.
-        data = member.read()
+def read_array(path: str | os.PathLike[str]) -> NDArray[Any]:
+    """The array of an npy file."""
+    with Path(path).open("rb") as file:
+        try:
+            check_memory(path, _COPIES * os.fstat(file.fileno()).st_size)
+            return _read_array(file, Path(path).name)
+        except _BROKEN as error:
+            raise _not_whole(path, error) from error
+
+
+def _not_whole(path: str | os.PathLike[str], error: Exception) -> InputError:
+    if isinstance(error, InputError) and str(path) in str(error):
+        return error
+    return InputError(f"{path}: not a whole npz archive or npy file ({_one_line(error)})")
+
+
+def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
+    with archive.open(entry) as member:
+        return _read_array(member, entry.filename)
+
+
+def _read_array(file: BinaryIO | Any, name: str) -> NDArray[Any]:
+    shape, is_fortran, dtype = _read_header(file)
     claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
+    # read() takes what is there, and no memory for what is not, nor for what is too much.
+    data = file.read(min(claimed + 1, sys.maxsize))
     if len(data) != claimed:
         raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
     return np.frombuffer(data, dtype).reshape(shape, order="F" if is_fortran else "C")
 
 
-def _read_header(member: BinaryIO | Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    if np.lib.format.read_magic(member) != (1, 0):
-        raise InputError("an array is not of npy version 1.0")
-    shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(member)
+def _read_header(file: BinaryIO | Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    version = np.lib.format.read_magic(file)
+    if version not in ((1, 0), (2, 0)):
+        raise InputError("an array is of a newer npy version than 2.0")
+    if version == (1, 0):
+        shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
+    else:
+        shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(file)
     if dtype.hasobject:
         raise InputError(f"an array of {dtype} is not plain numbers")
+    if min(shape, default=0) < 0:
+        raise InputError(f"an array has shape {shape}")
     return shape, is_fortran, dtype
 
 

@@ -18,7 +18,7 @@ class Hues(RowSums):
 
     def amounts(self, scan: Scan) -> NDArray[np.uint64]:
         """One in the bin of each point's hue, the last being grey (N, 13)."""
-        return np.eye(self.width, dtype=np.uint64)[self.bins(scan.cloud.colours)]
+        return np.eye(self.width, dtype=np.uint64)[self.bins(scan.cloud.shown_colours)]
 
     def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
         """`Voxels.hues`."""

@@ -104,7 +104,7 @@ class VoxelMap:
         scan = Scan(cloud=replace(cloud, points=points), origin=_eye(origin), view=view)
         for channel in self._channels.values():
             channel.check(scan)
-        inside = (points, np.ascontiguousarray(cloud.colours), self.cell_size)
+        inside = (points, np.ascontiguousarray(cloud.shown_colours), self.cell_size)
         rows = self._add(hits.insert, inside, len(points))
         for channel in self._channels.values():
             channel.add(scan, rows)

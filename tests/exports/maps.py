@@ -29,6 +29,9 @@ def same(a, b, tolerance=0.0):
         ours, theirs = getattr(a, name), getattr(b, name)
         if ours is None or theirs is None:
             assert ours is theirs, name
+        elif isinstance(ours, dict):
+            assert sorted(ours) == sorted(theirs), name
+            assert all(np.array_equal(ours[key], theirs[key]) for key in ours), name
         else:
             assert np.asarray(ours).dtype == np.asarray(theirs).dtype, name
             assert np.abs(np.subtract(ours, theirs, dtype=float)).max(initial=0) <= tolerance, name

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from recon.errors import InputError, MissingLibraryError, ReconError
+from recon.errors import InputError, MissingLibraryError
 from recon.exports import FORMATS, read, write
 from recon.libraries import load_open3d
 from recon.records import PointCloud, Voxels
@@ -18,6 +18,7 @@ from tests.exports.maps import CHANNELS, a_cloud, a_map, same
 
 OF_CLOUDS = [".ply", ".pcd", ".las", ".laz", ".parquet", ".zarr", ".npz"]
 OF_CELLS = [*OF_CLOUDS, ".vti"]
+OTHERS = [".bt", ".ot", ".pgm", ".yaml"]
 
 
 @pytest.mark.parametrize("with_sigma", [True, False])
@@ -53,7 +54,7 @@ def test_a_map_comes_back_exactly(tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "map.npz").read_bytes()
 
 
-@pytest.mark.parametrize("ending", sorted(FORMATS))
+@pytest.mark.parametrize("ending", sorted({*OF_CELLS, *OTHERS, ".glb", ".csv", ".xyz"}))
 def test_the_same_data_gives_the_same_bytes(tmp_path, ending):
     names = ("map.pgm", "map.yaml") if ending in (".pgm", ".yaml") else (f"map{ending}",)
     contents = []
@@ -66,17 +67,16 @@ def test_the_same_data_gives_the_same_bytes(tmp_path, ending):
     assert contents[0] == contents[1]
 
 
-@pytest.mark.parametrize("ending", sorted({*FORMATS} - {".pcd", ".pgm", ".yaml"}))
+@pytest.mark.parametrize("ending", sorted({*OF_CELLS, ".bt", ".ot", ".csv"}))
 def test_an_empty_map_is_written(tmp_path, ending):
     write(VoxelMap(), tmp_path / f"map{ending}")
-    if FORMATS[ending].read is not None:
-        data = read(tmp_path / f"map{ending}")
-        assert (data.num_cells if isinstance(data, VoxelMap) else len(data)) == 0
+    data = read(tmp_path / f"map{ending}")
+    assert (data.num_cells if isinstance(data, VoxelMap) else len(data)) == 0
 
 
 @pytest.mark.parametrize(
     ("ending", "message"),
-    [(".pcd", "there are no points"), (".pgm", "nothing of the map is at the height of a robot")],
+    [(".pgm", "nothing of the map is at the height of a robot")],
 )
 def test_formats_that_cannot_be_empty_say_so(tmp_path, ending, message):
     with pytest.raises(InputError, match=message):
@@ -121,12 +121,14 @@ def test_las_has_z_up_and_named_values(tmp_path, ending):
     assert file.red.max() == 257 * int(voxels.colours[:, 0].max())
 
 
-def test_turning_is_logged(tmp_path, caplog):
+def test_turning_is_said(tmp_path, caplog):
     with caplog.at_level(logging.INFO):
         write(a_cloud(), tmp_path / "cloud.las")
         write(a_cloud(), tmp_path / "cloud.ply")
+        read(tmp_path / "cloud.las")
+        read(tmp_path / "cloud.ply")
     assert [record.message.split(" has ")[1] for record in caplog.records] == [
-        "z up: (x, y, z) was written as (x, -z, y)"
+        "z up: (x, y, z) was read as (x, z, -y)"
     ]
 
 
@@ -200,7 +202,7 @@ def test_a_cloud_in_a_box(tmp_path):
     assert (points.min(axis=0) >= [95, 0, -45]).all()
 
 
-@pytest.mark.parametrize("ending", [".foo", "", ".txt"])
+@pytest.mark.parametrize("ending", [".foo", "", ".docx"])
 def test_an_unknown_ending_is_refused(tmp_path, ending):
     with pytest.raises(InputError, match=r"is unknown; known are \.ply \.pcd \.las"):
         write(a_cloud(), tmp_path / f"cloud{ending}")
@@ -215,19 +217,13 @@ def test_formats_for_cells_take_no_points(tmp_path, ending):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("ending", [".glb", ".pgm", ".yaml"])
-def test_what_holds_no_map_is_not_read(tmp_path, ending):
-    with pytest.raises(InputError, match="holds neither a cloud nor a map that can be read back"):
-        read(tmp_path / f"map{ending}")
-
-
-@pytest.mark.parametrize("ending", [e for e, form in FORMATS.items() if form.read])
+@pytest.mark.parametrize("ending", FORMATS.names())
 def test_a_missing_file_is_a_file_error(tmp_path, ending):
     with pytest.raises(FileNotFoundError):
         read(tmp_path / f"map{ending}")
 
 
-@pytest.mark.parametrize("ending", [e for e, form in FORMATS.items() if form.read])
+@pytest.mark.parametrize("ending", FORMATS.names())
 @pytest.mark.parametrize("content", [b"", b"\x00\x01 nonsense \xff" * 40])
 def test_nonsense_is_refused_in_one_line(tmp_path, ending, content, capfd):
     path = tmp_path / f"map{ending}"
@@ -239,7 +235,7 @@ def test_nonsense_is_refused_in_one_line(tmp_path, ending, content, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("ending", [e for e in FORMATS if FORMATS[e].read and e != ".zarr"])
+@pytest.mark.parametrize("ending", [e for e in (*OF_CELLS, *OTHERS) if e not in (".zarr", ".pgm")])
 @pytest.mark.parametrize("share", [0.3, 0.95])
 def test_a_cut_file_is_refused_in_one_line(tmp_path, ending, share, capfd):
     path = tmp_path / f"map{ending}"
@@ -281,14 +277,6 @@ def test_a_missing_library_is_named_with_its_extra(tmp_path, monkeypatch, ending
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_write_that_open3d_reports_as_failed_is_an_error(tmp_path, monkeypatch):
-    o3d = load_open3d()
-    monkeypatch.setattr(o3d.t.io, "write_point_cloud", lambda *_: False)
-    with pytest.raises(ReconError, match="Open3D could not write it"):
-        write(a_cloud(), tmp_path / "cloud.pcd")
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_cells_too_far_for_octomap_are_refused(tmp_path):
     voxel_map = VoxelMap(1.0)
     far = PointCloud(points=np.array([[0, 40000.0, 0]]), colours=np.zeros((1, 3), np.uint8))
@@ -314,7 +302,7 @@ def test_a_zarr_group_replaces_its_like_and_nothing_else(tmp_path):
     other = tmp_path / "mine.zarr"
     other.mkdir()
     (other / "work.txt").write_text("mine")
-    with pytest.raises(InputError, match="is there and no Zarr group"):
+    with pytest.raises(InputError, match="is there and not a Zarr group"):
         write(a_cloud(), other)
     assert (other / "work.txt").read_text() == "mine"
 
@@ -332,14 +320,14 @@ def test_a_text_ply_of_others_is_read(tmp_path):
     assert cloud.sigma is None
 
 
-def test_a_big_endian_ply_without_colour_is_grey(tmp_path):
+def test_a_big_endian_ply_without_colour_stays_without(tmp_path):
     header = "ply\nformat binary_big_endian 1.0\nelement vertex 1\n"
     header += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
     content = header.encode() + np.array([1.0, -2.0, 3.0], ">f8").tobytes()
     (tmp_path / "cloud.ply").write_bytes(content)
     cloud = read(tmp_path / "cloud.ply")
     assert cloud.points.tolist() == [[1, -2, 3]]
-    assert cloud.colours.tolist() == [[128, 128, 128]]
+    assert cloud.colours is None
 
 
 def test_an_npz_of_others_is_read(tmp_path):

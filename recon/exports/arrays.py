@@ -1,0 +1,62 @@
+"""Arrays by name, (N,) or (N, K), as single columns: clouds in files of numpy and Zarr."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports.columns import RGB, XYZ, Columns
+from recon.exports.numbers import drop_columns
+from recon.exports.text import names_by_kind
+
+# What the arrays of points are called, by us and by others.
+_POINTS = ("points", "xyz", "pos", "positions", "vertices", "pc", "point_cloud", "pointcloud")
+_COLOURS = ("colours", "colors", "rgb", "colour", "color")
+_NORMALS = ("normals", "normal")
+
+
+def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
+    """Arrays of rows as single columns."""
+    points = _points(arrays)
+    named = {points: XYZ} if points else {}
+    num = len(arrays[points]) if points else max(map(np.size, arrays.values()), default=0)
+    columns: Columns = {}
+    dropped = []
+    for name, values in arrays.items():
+        is_colour = name.lower() in _COLOURS
+        names = named.get(name) or (RGB if is_colour else ("nx", "ny", "nz"))
+        if values.dtype.kind not in "biuf" or values.ndim not in (1, 2) or len(values) != num:
+            if name == points:
+                raise InputError(f"{name} is {values.dtype} {values.shape}, not numbers (N, 3)")
+            dropped.append(name)
+        elif values.ndim == 1:
+            columns[name] = values
+        elif name in named or is_colour or name.lower() in _NORMALS:
+            columns |= _split(name, values, names)
+        else:
+            columns |= {f"{name}_{n}": column for n, column in enumerate(values.T)}
+    drop_columns(dropped, "recon")
+    return columns
+
+
+def _points(arrays: Mapping[str, NDArray[Any]]) -> str | None:
+    """The array of the places; None where x, y and z stand alone, or nothing is like one."""
+    lower = {name.lower(): name for name in arrays}
+    found = next((lower[name] for name in _POINTS if name in lower), None)
+    if found is None and not set(XYZ) <= lower.keys():
+        alike = [n for n, v in arrays.items() if v.ndim == 2 and v.shape[1] >= 3]
+        if len(alike) != 1:
+            raise InputError(f"its arrays are {', '.join(arrays)}, but points is needed")
+        return alike[0]
+    return found
+
+
+def _split(name: str, values: NDArray[Any], names: tuple[str, ...]) -> Columns:
+    """The columns of an array; what stands behind the three is told by its range."""
+    if values.shape[1] < len(names):
+        raise InputError(f"{name} has shape {values.shape}, but (N, 3) is needed")
+    if names == XYZ and values.shape[1] > len(XYZ):
+        names = names_by_kind(values.astype(np.float64))
+    return dict(zip(names, values.T, strict=False))

@@ -1,0 +1,85 @@
+"""The record of one file format, and the formats that are tables of points."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from recon.exports.columns import Columns, columns_of, from_columns
+from recon.exports.numbers import drop_columns
+from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned
+from recon.records import Crs, Mesh, PointCloud, Voxels
+from recon.voxelmap import VoxelMap
+
+Data = PointCloud | Voxels | VoxelMap | Mesh
+Up = Literal["y", "z"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Format:
+    """Reading and writing of files of one ending; data has y up on this side of it."""
+
+    read: Callable[..., PointCloud | Voxels | VoxelMap] | None = None
+    """Path, and the `options` by name. None where it holds neither a map nor a cloud."""
+    write: Callable[[Path, Any], None] | None = None
+    """None where it is only read."""
+    up: Up = "y"
+    """The axis that is up in the file."""
+    takes: tuple[type, ...] = (PointCloud, Voxels)
+    """What it is written of; of a map its cells are taken where it is not among these."""
+    options: frozenset[str] = frozenset()
+    """Keywords that `read` knows."""
+    read_mesh: Callable[[Path], Mesh] | None = None
+    write_mesh: Callable[[Path, Mesh], None] | None = None
+    has_mesh: Callable[[Path], bool] = lambda _: True
+    """Whether a file holds triangles, where the format can."""
+
+
+MeshParts = tuple[
+    Callable[[Path], Mesh], Callable[[Path, Mesh], None] | None, Callable[[Path], bool]
+]
+
+
+def table(
+    read: Callable[..., Columns | tuple[Columns, Crs | None]],
+    write: Callable[..., None] | None,
+    *,
+    up: Up = "y",
+    options: frozenset[str] = frozenset(),
+    keeps_crs: bool = False,
+    mesh: MeshParts | tuple[None, None, Any] = (None, None, lambda _: False),
+) -> Format:
+    """A format that holds named columns.
+
+    Parameters
+    ----------
+    read, write : callables
+        Columns of a path, with the coordinate reference system where `keeps_crs`.
+    """
+
+    def read_table(path: Path, **given: Any) -> PointCloud | Voxels:
+        found = read(path, **given)
+        columns, crs = found if isinstance(found, tuple) else (found, None)
+        data = from_columns(columns, crs)
+        return data if up == "y" else turned(data, R_YUP_ZUP)
+
+    def write_table(path: Path, data: PointCloud | Voxels) -> None:
+        assert write is not None
+        columns = columns_of(data if up == "y" else turned(data, R_ZUP_YUP))
+        crs = data.crs if isinstance(data, PointCloud) else None
+        if keeps_crs:
+            write(path, columns, crs)
+            return
+        if crs is not None:
+            drop_columns(["the coordinate reference system"], path)
+        write(path, columns)
+
+    return Format(
+        read=read_table,
+        write=None if write is None else write_table,
+        up=up,
+        options=options,
+        read_mesh=mesh[0],
+        write_mesh=mesh[1],
+        has_mesh=mesh[2],
+    )

@@ -1,0 +1,129 @@
+"""The header of a LAS or LAZ file (ASPRS 1.0 to 1.4), held against the file before it is read."""
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.files import check_memory
+
+_MIN_HEADER_BYTES = 227
+_RECORD_BYTES, _EXTENDED_BYTES = 54, 60
+_NO_TABLE = -1
+
+# Compressed points are marked by the highest bit of their format.
+_COMPRESSED = 0x80
+_MIN_POINT_BYTES = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
+
+# Chunks of LAZ hold 50000 points unless told; even constant ones take some bytes.
+_MAX_POINTS_OF_BYTE = 20_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Header:
+    """What a file says of itself."""
+
+    num_points: int
+    point_bytes: int
+    start: int
+    """Where the points begin."""
+    is_compressed: bool
+
+
+def check_header(path: Path) -> Header:
+    """The header of a file that is as large as it claims.
+
+    Raises
+    ------
+    InputError
+        Where counts, scales, offsets or lengths cannot be those of this file.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(375)
+        try:
+            found = _parsed(head)
+            _check_scales(head)
+            _check_records(file, head, found, size)
+        except (struct.error, ValueError, IndexError) as error:
+            raise InputError(f"not a whole LAS file ({error})") from error
+        _check_points(file, found, size)
+    check_memory(path, 3.0 * found.num_points * found.point_bytes)
+    return found
+
+
+def _parsed(head: bytes) -> Header:
+    if head[:4] != b"LASF" or len(head) < _MIN_HEADER_BYTES:
+        raise ValueError("its first bytes are others")
+    major, minor = head[24:26]
+    (start,) = struct.unpack_from("<I", head, 96)
+    code, point_bytes, num_points = struct.unpack_from("<BHI", head, 104)
+    if (major, minor) >= (1, 4):
+        (num_points,) = struct.unpack_from("<Q", head, 247)
+    if point_bytes < _MIN_POINT_BYTES[code & 0x3F]:
+        raise ValueError(f"points of format {code & 0x3F} have {point_bytes} bytes")
+    return Header(
+        num_points=num_points, point_bytes=point_bytes, start=start,
+        is_compressed=bool(code & _COMPRESSED),
+    )  # fmt: skip
+
+
+def _check_scales(head: bytes) -> None:
+    numbers = np.array(struct.unpack_from("<6d", head, 131))
+    if not (np.isfinite(numbers).all() and (numbers[:3] != 0).all()):
+        raise ValueError(f"its scales are {numbers[:3].tolist()}, offsets {numbers[3:].tolist()}")
+
+
+def _check_records(file: BinaryIO, head: bytes, found: Header, size: int) -> None:
+    """The variable records lie between the header and the points, the extended ones after."""
+    header_bytes, _, count = struct.unpack_from("<HII", head, 94)
+    if not header_bytes <= found.start <= size:
+        raise ValueError(f"its points begin at byte {found.start} of {size}")
+    at = header_bytes
+    if count * _RECORD_BYTES > found.start - header_bytes:
+        raise ValueError(f"{count} variable records are claimed")
+    for _ in range(count):
+        file.seek(at + 20)
+        (length,) = struct.unpack("<H", file.read(2))
+        at += _RECORD_BYTES + length
+    if at > found.start:
+        raise ValueError("its variable records reach into its points")
+    if head[25] >= 4:
+        first, count = struct.unpack_from("<QI", head, 235)
+        if count and (first < found.start or first + count * _EXTENDED_BYTES > size):
+            raise ValueError(f"{count} extended records are claimed")
+
+
+def _check_points(file: BinaryIO, found: Header, size: int) -> None:
+    held = size - found.start
+    claim = f"{found.num_points} points are claimed, but {held} bytes follow"
+    if not found.is_compressed:
+        if held < found.num_points * found.point_bytes:
+            raise InputError(claim)
+        return
+    if found.num_points > _MAX_POINTS_OF_BYTE * held:
+        raise InputError(claim)
+    if found.num_points:
+        _check_chunks(file, found, size)
+
+
+def _check_chunks(file: BinaryIO, found: Header, size: int) -> None:
+    """The table of chunks lies after the points, and has room in the file."""
+    file.seek(found.start)
+    place = _int64(file.read(8))
+    if place == _NO_TABLE:
+        file.seek(size - 8)
+        place = _int64(file.read(8))
+    if not found.start + 8 <= place <= size - 8:
+        raise InputError("not a whole LAZ file (its table of chunks is missing)")
+    file.seek(place)
+    version, count = struct.unpack("<II", file.read(8))
+    if version or count > found.num_points or count > size:
+        raise InputError(f"not a whole LAZ file ({count} chunks are claimed)")
+
+
+def _int64(content: bytes) -> int:
+    return int.from_bytes(content, "little", signed=True)

@@ -1,0 +1,171 @@
+"""Triangles as STL, OFF and GLB, and written as OBJ, by trimesh."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports.columns import measured
+from recon.exports.format import Format
+from recon.files import atomic_path, check_memory
+from recon.libraries import load_extra
+from recon.records import Mesh, PointCloud
+
+_STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
+_COPIES = 10.0
+
+_EXPORTS: dict[str, dict[str, Any]] = {"obj": {"digits": 17, "header": None}, "off": {"digits": 17}}
+
+
+def read_mesh(path: Path) -> Mesh:
+    """All triangles of a file, in one frame.
+
+    Raises
+    ------
+    InputError
+        Where it is cut short, or holds no triangles.
+    """
+    parts = [part for part in _parts(path) if len(getattr(part, "faces", ()))]
+    if not parts:
+        raise InputError("it holds no triangles, but a mesh is needed")
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return Mesh(
+        vertices=_vertices(parts),
+        triangles=np.concatenate(
+            [part.faces + start for part, start in zip(parts, starts, strict=False)]
+        ).astype(np.int32),
+        colours=_colours(parts),
+    )
+
+
+def read(path: Path) -> PointCloud:
+    """The vertices of a file, of its triangles and of its points."""
+    parts = [part for part in _parts(path) if len(getattr(part, "vertices", ()))]
+    if not parts:
+        raise InputError("it holds no vertices")
+    return measured(PointCloud(points=_vertices(parts), colours=_colours(parts)))
+
+
+def _parts(path: Path) -> list[Any]:
+    """The geometries of a file, each moved to its place."""
+    trimesh = load_extra("trimesh", "mesh")
+    content = path.read_bytes()
+    check_memory(path, _COPIES * len(content))
+    ending = path.suffix.lower().removeprefix(".")
+    if ending in _CHECKS:
+        _CHECKS[ending](content)
+    try:
+        scene = trimesh.load_scene(
+            io.BytesIO(content), file_type=ending, process=False, maintain_order=True,
+            skip_materials=True,
+        )  # fmt: skip
+        parts = list(scene.dump())
+        if ending == "stl":
+            # Its triangles have corners of their own, as if none touched another.
+            for part in parts:
+                part.merge_vertices()
+        return parts
+    # trimesh's readers raise whatever their parsing meets.
+    except Exception as error:
+        raise InputError(f"not a whole {ending.upper()} file ({_one_line(error)})") from error
+
+
+def _check_stl(content: bytes) -> None:
+    """A binary file has room for what it claims; a text ends."""
+    if content[:5].lower() == b"solid" and b"facet" in content[:2000]:
+        if b"endsolid" not in content[-2000:]:
+            raise InputError("not a whole STL file (its text has no end)")
+        return
+    count = int.from_bytes(content[80:84], "little")
+    held = len(content) - _STL_HEADER_BYTES
+    if held < count * _STL_TRIANGLE_BYTES:
+        raise InputError(f"{count} triangles are claimed, but {max(held, 0)} bytes follow")
+
+
+def _check_glb(content: bytes) -> None:
+    claimed = int.from_bytes(content[8:12], "little")
+    if content[:4] != b"glTF" or claimed > len(content):
+        raise InputError(f"not a whole GLB file ({claimed} bytes are claimed)")
+
+
+def _check_off(content: bytes) -> None:
+    lines = [line.split(b"#")[0] for line in content.splitlines()]
+    words = b" ".join(lines).split()
+    if not words or words[0].upper() not in (b"OFF", b"COFF", b"NOFF", b"CNOFF"):
+        raise InputError("not an OFF file (its first line is another)")
+    counts = [int(word) for word in words[1:4] if word.isdigit()]
+    if len(counts) < 2 or len(words) < 4 + 3 * counts[0] + 4 * counts[1]:
+        raise InputError(f"not a whole OFF file ({counts[:2]} vertices and faces are claimed)")
+
+
+_CHECKS: dict[str, Callable[[bytes], None]] = {
+    "stl": _check_stl, "glb": _check_glb, "off": _check_off,
+}  # fmt: skip
+
+
+def _vertices(parts: list[Any]) -> NDArray[np.float64]:
+    return np.concatenate([np.asarray(part.vertices, np.float64) for part in parts])
+
+
+def _colours(parts: list[Any]) -> NDArray[np.uint8] | None:
+    """RGB of the vertices, where all parts have colours of vertices."""
+    found = [_vertex_colours(part) for part in parts]
+    kept = [colours for colours in found if colours is not None]
+    return np.concatenate(kept) if len(kept) == len(found) else None
+
+
+def _vertex_colours(part: Any) -> NDArray[np.uint8] | None:
+    if getattr(part, "faces", None) is None:
+        colours = np.asarray(part.colors)
+    elif part.visual.kind == "vertex":
+        colours = np.asarray(part.visual.vertex_colors)
+    else:
+        return None
+    return colours[:, :3].astype(np.uint8) if len(colours) == len(part.vertices) else None
+
+
+def _one_line(error: BaseException) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
+def write_mesh(path: Path, mesh: Mesh) -> None:
+    """Write a mesh as OBJ with the colours of its vertices, STL or OFF.
+
+    Raises
+    ------
+    InputError
+        Where STL, which has 32-bit places, cannot hold them to a thousandth of the mesh's size.
+    """
+    ending = path.suffix.lower().removeprefix(".")
+    if ending == "stl":
+        _check_precision(path, mesh)
+    trimesh = load_extra("trimesh", "mesh")
+    shape = trimesh.Trimesh(
+        vertices=mesh.vertices, faces=mesh.triangles, vertex_colors=mesh.colours, process=False
+    )
+    content = shape.export(file_type=ending, **_EXPORTS.get(ending, {}))
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def _check_precision(path: Path, mesh: Mesh) -> None:
+    size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
+    error = np.abs(mesh.vertices - mesh.vertices.astype(np.float32)).max(initial=0.0)
+    if error > 1e-4 * size:
+        raise InputError(
+            f"{path}: 32-bit places would move vertices by {error:g}; give .ply, .obj or .glb"
+        )
+
+
+def has_triangles(path: Path) -> bool:
+    """Whether a file holds triangles, beside or without points."""
+    return any(len(getattr(part, "faces", ())) for part in _parts(path))
+
+
+FORMAT = Format(
+    read=read, read_mesh=read_mesh, write_mesh=write_mesh, takes=(), has_mesh=has_triangles
+)

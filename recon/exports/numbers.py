@@ -1,0 +1,125 @@
+"""Numbers out of text, and numbers brought into the types that a format has."""
+
+import re
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.notices import notify
+
+# How C libraries write what is not a number.
+_NOT_A_NUMBER = re.compile(rb"[-+]?(?:nan\([a-z0-9]*\)|1\.#(?:qnan|snan|ind)\d*)", re.IGNORECASE)
+_INFINITE = re.compile(rb"1\.#inf\d*", re.IGNORECASE)
+_SHOWN = 40
+
+
+def parsed(
+    lines: Sequence[bytes], num_columns: int | None, separator: str | None = None
+) -> NDArray[np.float64]:
+    """The numbers (N, K) of lines of text.
+
+    Raises
+    ------
+    InputError
+        Where a line has another number of words, or a word that is not a number.
+    """
+    if not lines:
+        return np.zeros((0, num_columns or 0))
+    try:
+        table = np.loadtxt(lines, np.float64, delimiter=separator, ndmin=2, comments=None)
+    except ValueError:
+        table = _parsed_slowly(lines, separator)
+    if num_columns is not None and table.shape[1] != num_columns:
+        raise InputError(f"a row has {table.shape[1]} values, but {num_columns} are needed")
+    return table
+
+
+def _parsed_slowly(lines: Sequence[bytes], separator: str | None) -> NDArray[np.float64]:
+    """The same, with the rarer ways to write NaN and infinity; an empty field is NaN."""
+    rows = [
+        [_number(word) for word in _words(_INFINITE.sub(b"inf", line), separator)] for line in lines
+    ]
+    for row, line in zip(rows, lines, strict=True):
+        if len(row) != len(rows[0]):
+            raise InputError(
+                f"{_shown(line)} has {len(row)} values, but the first row has {len(rows[0])}"
+            )
+    return np.array(rows, np.float64)
+
+
+def _words(line: bytes, separator: str | None) -> list[bytes]:
+    words = line.split(None if separator is None else separator.encode())
+    return [word.strip() or b"nan" for word in words]
+
+
+def _number(word: bytes) -> float:
+    try:
+        # Python's own would take underscores.
+        return float(_NOT_A_NUMBER.sub(b"nan", word).replace(b"_", b"?"))
+    except ValueError:
+        raise InputError(f"{_shown(word)} is not a number") from None
+
+
+def _shown(text: bytes) -> str:
+    return repr(text[:_SHOWN].decode("latin-1"))
+
+
+def whole(values: NDArray[Any], dtype: str | np.dtype[Any], name: str) -> NDArray[Any]:
+    """Values in the type that was claimed for them.
+
+    Raises
+    ------
+    InputError
+        Where the type is one of whole numbers that cannot hold them.
+    """
+    kind = np.dtype(dtype)
+    if kind.kind == "f":
+        with np.errstate(over="ignore"):
+            found = values.astype(kind)
+        lost = np.isinf(found) & np.isfinite(values)
+        if lost.any():
+            raise InputError(f"{name} is {values[lost][0]:g}, but {kind} is claimed for it")
+        return found
+    limits = np.iinfo(kind)
+    # Written so that NaN fails too.
+    fits = (values >= limits.min) & (values <= limits.max) & (values == np.floor(values))
+    if not fits.all():
+        raise InputError(f"{name} is {values[~fits][0]:g}, but {kind} is claimed for it")
+    return values.astype(kind)
+
+
+def narrowed(values: NDArray[Any], held: Collection[str]) -> NDArray[Any] | None:
+    """The same values in one of the types `held`; None where none holds them exactly."""
+    if values.dtype.str[1:] in held:
+        return values
+    if values.dtype.kind not in "biuf":
+        return None
+    for code in ("u1", "i4", "f4", "f8"):
+        if code in held and _is_exact(values, np.dtype(code)):
+            return values.astype(code)
+    return None
+
+
+def _is_exact(values: NDArray[Any], kind: np.dtype[Any]) -> bool:
+    if values.dtype.kind == "f" and kind.kind != "f":
+        return False
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.array_equal(values.astype(kind), values, equal_nan=True))
+
+
+def held_columns(
+    columns: dict[str, NDArray[Any]], held: Collection[str], place: object
+) -> dict[str, NDArray[Any]]:
+    """The columns in types that a format holds; those that it cannot are named in a notice."""
+    found = {name: narrowed(values, held) for name, values in columns.items()}
+    drop_columns([name for name, values in found.items() if values is None], place)
+    return {name: values for name, values in found.items() if values is not None}
+
+
+def drop_columns(names: Sequence[str], place: object) -> None:
+    """Say which columns are left out."""
+    if names:
+        notify("columns-dropped", f"{place}: cannot hold {', '.join(names)}; left out")

@@ -1,0 +1,190 @@
+"""Points as rows of text (.xyz .txt .asc .csv .pts), columns told by a header or by range."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports.columns import XYZ, Columns
+from recon.exports.format import Format, table
+from recon.exports.numbers import drop_columns, held_columns, parsed
+from recon.files import atomic_path, check_memory
+
+_COMMENTS = (b"#", b"//", b"%", b"!")
+_SEPARATORS = (";", ",", "\t")
+_SKIPPED = "_"
+_HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
+_WORD = re.compile(r"[^\s,;]+")
+_RGB = ("red", "green", "blue")
+_NORMAL = ("nx", "ny", "nz")
+_CHUNK_ROWS = 1 << 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Table:
+    """The lines of a file, told apart."""
+
+    names: tuple[str, ...] | None
+    """Of the header; None where there is none."""
+    rows: Sequence[bytes]
+    separator: str | None
+    claimed: int | None
+    """Points that a first line of one number claims, as in .pts."""
+
+
+def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
+    """The columns of numbers.
+
+    Parameters
+    ----------
+    path : path
+    columns : sequence of str, optional
+        Names of the columns in their order, `_` for one to pass over; otherwise a header names
+        them, or their number and range: places, then intensity, colours and normals.
+
+    Raises
+    ------
+    InputError
+        Where a row is cut short, or holds a word that is not a number.
+    """
+    check_memory(path, 6.0 * path.stat().st_size)
+    found = _split(path.read_bytes())
+    if not found.rows and found.names is None:
+        raise InputError("it holds no points")
+    if found.claimed is not None and len(found.rows) < found.claimed:
+        raise InputError(f"{found.claimed} points are claimed, but {len(found.rows)} follow")
+    names = tuple(columns) if columns else found.names
+    values, texts = _values(found, names)
+    names = names or names_by_kind(values)
+    if len(names) != values.shape[1] + len(texts):
+        raise InputError(f"a row has {values.shape[1]} values, but {len(names)} are named")
+    drop_columns([names[n] for n in texts if names[n] != _SKIPPED], "recon")
+    numbers = [name for n, name in enumerate(names) if n not in texts]
+    return {
+        name: _typed(values[:, n], name, found.rows)
+        for n, name in enumerate(numbers)
+        if name != _SKIPPED
+    }
+
+
+def _split(content: bytes) -> _Table:
+    lines = [line.strip() for line in content.removeprefix(b"\xef\xbb\xbf").splitlines()]
+    lines = [line for line in lines if line]
+    comments = [line for line in lines[:100] if line.startswith(_COMMENTS)]
+    rows = [line for line in lines if not line.startswith(_COMMENTS)]
+    names = next((n for line in reversed(comments) if (n := _header_names(line))), None)
+    claimed = None
+    if rows and rows[0].isdigit() and len(rows[0]) < 16:
+        claimed, rows = int(rows[0]), rows[1:]
+    if rows and (first := _header_names(rows[0])):
+        names, rows = first, rows[1:]
+    separator = next((s for s in _SEPARATORS if rows and s.encode() in rows[0]), None)
+    if separator in (";", "\t") and rows and b"," in rows[0] and b"." not in rows[0]:
+        rows = [row.replace(b",", b".") for row in rows]
+    return _Table(names=names, rows=rows, separator=separator, claimed=claimed)
+
+
+def _header_names(line: bytes) -> tuple[str, ...] | None:
+    """The names in a line; None unless x, y and z are among them."""
+    text = line.decode("utf-8", "replace").lstrip("#/%! ").replace('"', "").replace("'", "")
+    words = tuple(_WORD.findall(text))
+    return words if set(XYZ) <= {word.lower() for word in words} else None
+
+
+def _values(found: _Table, names: tuple[str, ...] | None) -> tuple[NDArray[np.float64], set[int]]:
+    """The numbers (N, K), and which columns of a table with names hold text."""
+    separator = found.separator
+    if names is None or separator is None or not found.rows:
+        return parsed(found.rows, len(names) if names else None, separator), set()
+    first = found.rows[0].split(separator.encode())
+    texts = {
+        n
+        for n, word in enumerate(first[: len(names)])
+        if names[n].lower() not in XYZ and word.strip() and not _is_number(word)
+    }
+    rows: Sequence[bytes] = found.rows
+    if texts:
+        cut = [row.split(separator.encode()) for row in rows]
+        rows = [
+            separator.encode().join(w for n, w in enumerate(row) if n not in texts) for row in cut
+        ]
+    return parsed(rows, len(names) - len(texts), separator), texts
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
+    """Names for columns without any: x y z, a single value, then triples by their range."""
+    num = values.shape[1]
+    if num < len(XYZ):
+        raise InputError(f"a row has {num} values, but x, y and z are needed")
+    names = [*XYZ, *(["intensity"] if num % 3 == 1 else [])]
+    while num - len(names) >= len(XYZ):
+        triple = values[:, len(names) : len(names) + 3]
+        kind = next((k for k in _kinds(triple) if k[0] not in names), None)
+        if kind is None:
+            break
+        names += kind
+    return (*names, *(f"column_{n}" for n in range(len(names), num)))
+
+
+def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
+    """What three columns can be: unit normals, or colours of bytes or shares."""
+    lengths = np.linalg.norm(triple, axis=1)
+    is_unit = ((np.abs(lengths - 1.0) < 0.01) | (lengths == 0.0)).all() and lengths.any()
+    is_levels = bool((triple >= 0.0).all() and (triple <= 65535.0).all())
+    is_levels &= bool((triple <= 1.0).all() or (triple == np.floor(triple)).all())
+    kinds = [_NORMAL] if is_unit and not (triple == np.floor(triple)).all() else []
+    return [*kinds, *([_RGB] if is_levels else []), *([_NORMAL] if is_unit else [])]
+
+
+def _typed(values: NDArray[np.float64], name: str, rows: Sequence[bytes]) -> NDArray[Any]:
+    """Whole numbers as such, so that colours of bytes are told from shares."""
+    has_point = bool(rows) and b"." in rows[0]
+    is_share = has_point and values.max(initial=0.0) <= 1.0
+    is_whole = np.abs(values) < 2**31
+    if name.lower() in XYZ or is_share or not (is_whole & (values == np.floor(values))).all():
+        return values
+    return values.astype(np.int32)
+
+
+def write(path: Path, columns: Columns) -> None:
+    """Write a header of names and one row a point, every number to its last digit."""
+    held = held_columns(columns, _HELD, path)
+    mark = "," if path.suffix.lower() == ".csv" else " "
+    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.write(("" if mark == "," else "# ") + mark.join(held) + "\n")
+        _write_rows(file, held, mark)
+
+
+def write_pts(path: Path, columns: Columns) -> None:
+    """Write the number of points, then x y z, intensity and colours as Leica's programs do."""
+    num = len(columns["x"])
+    kept: Columns = {name: columns[name] for name in XYZ}
+    kept["intensity"] = columns.get("intensity", np.zeros(num, np.int32))
+    kept |= {name: columns[name] for name in _RGB if name in columns}
+    drop_columns([name for name in columns if name not in kept], path)
+    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.write(f"{num}\n")
+        _write_rows(file, kept, " ")
+
+
+def _write_rows(file: TextIO, columns: Columns, mark: str) -> None:
+    for start in range(0, len(columns["x"]), _CHUNK_ROWS):
+        parts = [values[start : start + _CHUNK_ROWS].tolist() for values in columns.values()]
+        file.writelines(mark.join(map(repr, row)) + "\n" for row in zip(*parts, strict=True))
+
+
+FORMAT: Format = table(read, write, options=frozenset({"columns"}))
+PTS: Format = table(read, write_pts, options=frozenset({"columns"}))

@@ -1,0 +1,97 @@
+"""Triangles out of the faces of other programs, and points on them."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports.columns import cloud_in
+from recon.records import Mesh, PointCloud
+
+Faces = NDArray[Any] | Sequence[NDArray[Any]]
+"""Rows of vertices: (F, K), or one array a face."""
+
+_NORMAL = ("nx", "ny", "nz")
+
+
+def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
+    """The mesh of vertices as columns, and faces of three corners or more.
+
+    Raises
+    ------
+    InputError
+        Where there are no faces, or one names a vertex that is not there.
+    """
+    cloud = cloud_in(columns)
+    check_faces(faces, len(cloud))
+    triangles = fans(faces)
+    if not len(triangles):
+        raise InputError("it holds no faces, but a mesh is needed")
+    normals = [cloud.attributes[name] for name in _NORMAL if name in cloud.attributes]
+    return Mesh(
+        vertices=cloud.points,
+        triangles=triangles,
+        colours=cloud.colours,
+        normals=np.column_stack(normals).astype(float) if len(normals) == 3 else None,
+    )
+
+
+def check_faces(faces: Faces, num_vertices: int) -> None:
+    """Raise `InputError` where a face names a vertex that is not there."""
+    if not len(faces):
+        return
+    named = faces.reshape(-1) if isinstance(faces, np.ndarray) else np.concatenate(faces)
+    lowest, highest = float(named.min(initial=0)), float(named.max(initial=0))
+    if lowest < 0 or highest >= max(num_vertices, 1):
+        wrong = lowest if lowest < 0 else highest
+        raise InputError(f"a face names vertex {wrong:.0f}, but there are {num_vertices}")
+
+
+def fans(faces: Faces) -> NDArray[np.int32]:
+    """Triangles (T, 3) of faces, each a fan round its first corner."""
+    by_length: dict[int, Any] = {}
+    if isinstance(faces, np.ndarray):
+        by_length[faces.shape[1]] = faces
+    else:
+        for face in faces:
+            by_length.setdefault(len(face), []).append(face)
+    triangles = [
+        np.asarray(rows)[:, [0, n, n + 1]].reshape(-1, 3)
+        for length, rows in by_length.items()
+        for n in range(1, length - 1)
+    ]
+    if not triangles:
+        return np.zeros((0, 3), np.int32)
+    return np.concatenate(triangles).astype(np.int32)
+
+
+def sampled(mesh: Mesh, num: int, rng: np.random.Generator) -> PointCloud:
+    """`num` points evenly over the surface, with colours and normals between those of the corners.
+
+    Raises
+    ------
+    InputError
+        Where the surface has no area.
+    """
+    areas = mesh.triangle_areas
+    if not areas.sum() > 0:
+        raise InputError("the triangles have no area, but points on them are asked for")
+    rows = rng.choice(len(areas), num, p=areas / areas.sum())
+    # Even in a triangle: the root of one share, and the other along it.
+    root, share = np.sqrt(rng.random(num)), rng.random(num)
+    weights = np.column_stack([1.0 - root, root * (1.0 - share), root * share])
+
+    def between(values: NDArray[Any]) -> NDArray[np.float64]:
+        mixed: NDArray[np.float64] = np.einsum("nc,nck->nk", weights, values[mesh.triangles[rows]])
+        return mixed
+
+    attributes = {}
+    if mesh.normals is not None:
+        attributes = dict(zip(_NORMAL, between(mesh.normals).T, strict=True))
+    return PointCloud(
+        points=between(mesh.vertices),
+        colours=None if mesh.colours is None else np.rint(between(mesh.colours)).astype(np.uint8),
+        attributes=attributes,
+    )

@@ -1,0 +1,106 @@
+"""Points of VTK's other files (.vtk .vtp .vtu, and .vti of others), by pyvista."""
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.exports.arrays import columns_in
+from recon.exports.columns import RGB, Columns, from_columns
+from recon.exports.format import Format, table
+from recon.exports.silence import silent
+from recon.files import check_memory
+from recon.libraries import load_pyvista
+from recon.records import PointCloud, Voxels
+
+_COPIES = 10.0
+
+# Counts that a legacy file claims, and the bytes that each takes at least.
+_LEGACY = re.compile(rb"(?m)^\s*(POINTS|CELLS|POINT_DATA|CELL_DATA|LINES|POLYGONS)\s+(\d+)", re.I)
+_XML = re.compile(rb"NumberOf(?:Points|Cells|Polys|Verts)=\"(\d+)\"")
+_DIMENSIONS = re.compile(rb"(?m)^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", re.I)
+
+
+def read(path: Path) -> Columns:
+    """The points, or the middles of cells that alone have values, with every value by name.
+
+    Of a block (.vti, structured points) only places with a value other than 0 are taken.
+
+    Raises
+    ------
+    InputError
+        Where the file is not whole, or holds no points.
+    """
+    _check_claims(path.read_bytes(), path)
+    mesh = read_dataset(path)
+    if not mesh.n_points:
+        raise InputError("it holds no points")
+    has_cells = not mesh.point_data.keys() and bool(mesh.cell_data.keys())
+    points = mesh.cell_centers().points if has_cells else mesh.points
+    values = mesh.cell_data if has_cells else mesh.point_data
+    arrays = {_name(name, values[name]): np.asarray(values[name]) for name in values}
+    columns = columns_in({"points": np.asarray(points)} | arrays)
+    return _with_value(columns) if load_pyvista().ImageData is type(mesh) else columns
+
+
+def read_dataset(path: Path) -> Any:
+    """The dataset of a file, without what VTK prints.
+
+    Raises
+    ------
+    InputError
+        Where VTK cannot read it.
+    """
+    pyvista = load_pyvista()
+    try:
+        with silent(), warnings.catch_warnings(action="error"):
+            found = pyvista.read(path)
+    # VTK and pyvista raise whatever their parsing meets.
+    except Exception as error:
+        raise InputError("VTK cannot read it") from error
+    if not isinstance(found, pyvista.DataSet):
+        raise InputError(f"holds a {type(found).__name__}, but one dataset is needed")
+    return found
+
+
+def _check_claims(content: bytes, path: Path) -> None:
+    """VTK takes the memory that a file claims before it looks."""
+    size = len(content)
+    is_legacy = content.startswith(b"# vtk DataFile")
+    if not is_legacy and b"<VTKFile" not in content[:1000]:
+        raise InputError("not a file of VTK")
+    if not is_legacy and not content.rstrip().endswith(b"</VTKFile>"):
+        raise InputError("not a whole file of VTK")
+    claims = [int(match[2]) for match in _LEGACY.finditer(content)] if is_legacy else []
+    if any(count > size for count in claims):
+        raise InputError(f"{max(claims)} are claimed, but the file has {size} bytes")
+    for match in _DIMENSIONS.finditer(content):
+        check_memory(path, _COPIES * float(np.prod([float(word) for word in match.groups()])))
+    for match in _XML.finditer(content):
+        check_memory(path, _COPIES * 12.0 * float(match[1]))
+
+
+def _name(name: str, values: Any) -> str:
+    """Colours, whatever a program calls them, by one name."""
+    is_colour = values.ndim == 2 and values.shape[1] in (3, 4) and values.dtype == np.uint8
+    return "rgb" if is_colour and ("rgb" in name.lower() or "col" in name.lower()) else name
+
+
+def _with_value(columns: Columns) -> Columns:
+    """The rows where a value is neither 0 nor NaN; all where none has values."""
+    values = [v for name, v in columns.items() if name not in ("x", "y", "z", *RGB)]
+    if not values:
+        return columns
+    is_kept = np.any([np.nan_to_num(v) != 0 for v in values], axis=0)
+    return {name: column[is_kept] for name, column in columns.items()}
+
+
+def read_points(path: Path) -> PointCloud | Voxels:
+    """The points of a file as a cloud."""
+    return from_columns(read(path))
+
+
+FORMAT: Format = table(read, None)

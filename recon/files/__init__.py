@@ -1,0 +1,13 @@
+"""Files: whole or not at all when written, regular and within limits when read."""
+
+from recon.files.atomic import PathLike, atomic_path
+from recon.files.limits import check_memory, check_name, check_regular, memory_limit
+
+__all__ = [
+    "PathLike",
+    "atomic_path",
+    "check_memory",
+    "check_name",
+    "check_regular",
+    "memory_limit",
+]

@@ -1,0 +1,66 @@
+"""Files that appear whole or not at all."""
+
+import errno
+import os
+import re
+import secrets
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+PathLike = str | os.PathLike[str]
+
+# A temporary name: process, random mark, wanted name.
+_TEMPORARY = re.compile(r"\.(\d+)-[0-9a-f]{8}-(.+)")
+_STALE_S = 60.0
+
+
+@contextmanager
+def atomic_path(path: PathLike) -> Iterator[Path]:
+    """A temporary name beside `path`; what is written there takes its place at the end.
+
+    The temporary name keeps the ending, as writers choose the format by it. What stood at `path`
+    before is replaced in one step, and stays untouched where the block raises. Temporary files
+    that killed processes left for the same name are removed.
+
+    Raises
+    ------
+    OSError
+        Of the wanted name, as where the disk is full.
+    """
+    wanted = Path(path)
+    if not wanted.parent.is_dir():
+        # Said of the folder that was asked for, not of the temporary name.
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(wanted.parent))
+    _remove_stale(wanted)
+    temporary = wanted.with_name(f".{os.getpid()}-{secrets.token_hex(4)}-{wanted.name}")
+    try:
+        yield temporary
+        temporary.replace(wanted)
+    except OSError as error:
+        if error.errno is None or error.filename not in (None, str(temporary), temporary):
+            raise
+        raise OSError(error.errno, os.strerror(error.errno), str(wanted)) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _remove_stale(wanted: Path) -> None:
+    with os.scandir(wanted.parent) as entries:
+        names = [entry.name for entry in entries if entry.name.startswith(".")]
+    for name in names:
+        match = _TEMPORARY.fullmatch(name)
+        if match and match[2] == wanted.name and _is_stale(wanted.with_name(name), int(match[1])):
+            wanted.with_name(name).unlink(missing_ok=True)
+
+
+def _is_stale(path: Path, process: int) -> bool:
+    """Whether a temporary file has outlived its process; a new one may be another machine's."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return path.exists() and time.time() - path.stat().st_mtime > _STALE_S
+    except (OSError, OverflowError):
+        return False
+    return False

@@ -1,0 +1,61 @@
+"""Limits of what is read: regular files, names that are text, memory."""
+
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.files.atomic import PathLike
+
+_GIGABYTE = 1 << 30
+
+_memory: ContextVar[int] = ContextVar("recon_memory", default=4 * _GIGABYTE)
+
+
+def check_regular(path: PathLike) -> None:
+    """Raise unless `path` is a regular file whose name can be written as text.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where nothing is there.
+    InputError
+        For a folder, pipe or device, which could be endless, and for a name that is not UTF-8,
+        which compiled libraries crash on.
+    """
+    check_name(path)
+    mode = Path(path).stat().st_mode
+    if not stat.S_ISREG(mode):
+        kind = "folder" if stat.S_ISDIR(mode) else "pipe or device"
+        raise InputError(f"{path} is a {kind}, but a file is needed")
+
+
+def check_name(path: PathLike) -> None:
+    """Raise `InputError` unless the name is UTF-8."""
+    try:
+        os.fspath(path).encode()
+    except UnicodeEncodeError as error:
+        shown = os.fsencode(path).decode("utf-8", "backslashreplace")
+        raise InputError(f"{shown}: its name is not UTF-8; rename it") from error
+
+
+@contextmanager
+def memory_limit(num_bytes: int) -> Iterator[None]:
+    """Let files of this context unpack to `num_bytes` at most."""
+    token = _memory.set(num_bytes)
+    try:
+        yield
+    finally:
+        _memory.reset(token)
+
+
+def check_memory(path: PathLike, num_bytes: float) -> None:
+    """Raise `InputError` where what `path` claims to hold is over the limit of the memory."""
+    if num_bytes > _memory.get():
+        raise InputError(
+            f"{path}: needs {num_bytes / _GIGABYTE:.3g} GB of memory, but "
+            f"{_memory.get() / _GIGABYTE:.3g} GB are allowed; give --max-memory"
+        )
