@@ -21,7 +21,11 @@ def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
     """Arrays of rows as single columns."""
     points = _points(arrays)
     named = {points: XYZ} if points else {}
-    num = len(arrays[points]) if points else max(map(np.size, arrays.values()), default=0)
+    num = (
+        len(np.atleast_1d(arrays[points]))
+        if points
+        else max(map(np.size, arrays.values()), default=0)
+    )
     columns: Columns = {}
     dropped = []
     for name, values in arrays.items():

@@ -107,7 +107,9 @@ def _is_exact(values: NDArray[Any], kind: np.dtype[Any]) -> bool:
     if values.dtype.kind == "f" and kind.kind != "f":
         return False
     with np.errstate(over="ignore", invalid="ignore"):
-        return bool(np.array_equal(values.astype(kind), values, equal_nan=True))
+        # There and back: compared with each other, whole numbers would become floats first.
+        back = values.astype(kind).astype(values.dtype)
+    return bool(np.array_equal(back, values, equal_nan=values.dtype.kind == "f"))
 
 
 def held_columns(

@@ -1,0 +1,105 @@
+"""Tables of text, with a header, with names that are given, or with neither."""
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.exports import read, write
+from tests.exports.maps import a_cloud, same
+
+
+def text(tmp_path, content, name="cloud.txt"):
+    (tmp_path / name).write_bytes(content.encode())
+    return tmp_path / name
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.xyz", "1 2 3\n4 5 6\n"),
+        ("a.txt", "# made by hand\n1\t2\t3\r\n\r\n4\t5\t6"),
+        ("a.csv", "x,y,z\n1,2,3\n4,5,6\n"),
+        ("a.csv", '"X","Y","Z"\n1.0, 2.0, 3.0\n4,5,6\n'),
+        ("a.csv", "x;y;z\n1,0;2,0;3,0\n4;5;6\n"),
+        ("a.csv", "\ufeffx,y,z\n1,2,3\n4,5,6\n"),
+        ("a.asc", "//X Y Z\n1 2 3\n4 5 6\n"),
+        ("a.pts", "2\n1 2 3\n4 5 6\n"),
+        ("a.csv", "z,name,x,y\n3,a,1,2\n6,b,4,5\n"),
+    ],
+)
+def test_places_in_any_spelling(tmp_path, name, content):
+    cloud = read(text(tmp_path, content, name))
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.colours is None
+    assert cloud.attributes == {}
+
+
+@pytest.mark.parametrize(
+    ("content", "colours", "attributes"),
+    [
+        ("1 2 3 255 128 0\n4 5 6 0 0 1\n", [[255, 128, 0], [0, 0, 1]], {}),
+        ("1 2 3 1.0 0.5 0.0\n4 5 6 0 0 1\n", [[255, 128, 0], [0, 0, 255]], {}),
+        ("1 2 3 0 0 1\n4 5 6 0 1 0\n", [[0, 0, 1], [0, 1, 0]], {}),
+        ("1 2 3 0.0 0.6 0.8\n4 5 6 0.0 0.0 -1.0\n", None, {"nx", "ny", "nz"}),
+        ("1 2 3 40\n4 5 6 50\n", None, {"intensity"}),
+        ("1 2 3 -9 255 0 0\n4 5 6 7 0 1 2\n", [[255, 0, 0], [0, 1, 2]], {"intensity"}),
+        (
+            "1 2 3 9 8 7 0.0 0.6 0.8\n4 5 6 6 5 4 0.6 0.8 0.0\n",
+            [[9, 8, 7], [6, 5, 4]],
+            {"nx", "ny", "nz"},
+        ),
+        ("1 2 3 -5 6\n4 5 6 7 8\n", None, {"column_3", "column_4"}),
+    ],
+)
+def test_columns_without_names_are_told_by_their_range(tmp_path, content, colours, attributes):
+    cloud = read(text(tmp_path, content))
+    assert (None if cloud.colours is None else cloud.colours.tolist()) == colours
+    assert set(cloud.attributes) == set(attributes)
+
+
+def test_names_that_are_given_win(tmp_path):
+    path = text(tmp_path, "7 1 2 3 255 0 9\n7 4 5 6 0 1 9\n")
+    cloud = read(path, columns=["_", "x", "z", "y", "label", "time", "_"])
+    assert cloud.points.tolist() == [[1, 3, 2], [4, 6, 5]]
+    assert cloud.attributes["label"].tolist() == [255, 0]
+    assert set(cloud.attributes) == {"label", "time"}
+
+
+@pytest.mark.parametrize("ending", [".csv", ".xyz", ".txt", ".asc"])
+def test_what_is_written_comes_back(tmp_path, ending):
+    write(a_cloud(), tmp_path / f"cloud{ending}")
+    same(read(tmp_path / f"cloud{ending}"), a_cloud())
+
+
+def test_pts_keeps_intensity_and_colours(tmp_path):
+    write(a_cloud(with_sigma=False), tmp_path / "cloud.pts")
+    again = read(tmp_path / "cloud.pts")
+    assert np.array_equal(again.points, a_cloud().points)
+    assert np.array_equal(again.colours, a_cloud().colours)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.txt", "", "it holds no points"),
+        ("a.txt", "1 2 3\n4 5\n", "has 2 values, but the first row has 3"),
+        ("a.txt", "1 2 3\n4 5 x\n", "'x' is not a number"),
+        ("a.txt", "1 2 3\n4 5 1_0\n", "is not a number"),
+        ("a.txt", "1 2\n4 5\n", "a row has 2 values, but x, y and z are needed"),
+        ("a.pts", "3\n1 2 3\n4 5 6\n", "3 points are claimed, but 2 follow"),
+        ("a.csv", "x,y\n1,2\n", "'x' is not a number"),
+        ("a.csv", "x,y,z\n1,2,3\n4,5,6,7\n", "has 4 values"),
+        ("a.csv", "x,y,z,red,green,blue\n1,2,3,-1,2,70000\n", "colours go from -1 to 70000"),
+    ],
+)
+def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
+    path = text(tmp_path, content, name)
+    with pytest.raises(InputError, match=message) as error:
+        read(path)
+    assert str(error.value).startswith(str(path))
+    assert "\n" not in str(error.value)
+
+
+def test_names_for_another_number_of_columns_are_refused(tmp_path):
+    with pytest.raises(InputError, match="a row has 3 values, but 2 are"):
+        read(text(tmp_path, "1 2 3\n"), columns=["x", "y"])
