@@ -1,0 +1,53 @@
+"""The site: Sphinx with the PyData theme, Markdown by MyST, examples by sphinx-gallery.
+
+Chosen before MkDocs Material: docstrings are numpydoc, which Sphinx reads as the rest of the
+scientific Python world writes it; commands come from click by sphinx-click, and examples run when
+the site is made. Nothing is fetched when it is built or looked at.
+"""
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
+
+project = "recon"
+author = copyright = "The recon developers"  # noqa: A001
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "numpydoc",
+    "sphinx_click",
+    "sphinx_gallery.gen_gallery",
+    "settings_table",
+]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+exclude_patterns = ["plugin/README.md", "plugin/src", "**.egg-info"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+nitpicky = False
+autosummary_generate = True
+numpydoc_show_class_members = False
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+sphinx_gallery_conf = {
+    "examples_dirs": str(ROOT / "examples"),
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "download_all_examples": False,
+    "show_memory": False,
+    "remove_config_comments": True,
+}
+html_theme = "pydata_sphinx_theme"
+html_title = "recon"
+html_theme_options = {
+    "navigation_with_keys": False,
+    "show_prev_next": False,
+    "secondary_sidebar_items": ["page-toc"],
+    "footer_start": ["copyright"],
+    "footer_end": [],
+}
+html_static_path: list[str] = []
+html_show_sourcelink = False

@@ -1,0 +1,103 @@
+"""The batch: jobs handed to a scheduler, a run folder for each, a summary of all."""
+
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from recon.batch.jobfile import NamedJob
+from recon.batch.schedulers import Scheduler, bound
+from recon.batch.worker import Outcome, do
+from recon.errors import InputError
+from recon.runfolder import read_manifest
+
+SUMMARY = "summary.json"
+"""The file that every batch leaves first and last, so that its folder is told by it."""
+Heard = Callable[[Outcome, int, int], None]
+"""Called with every outcome, the number of jobs that ended, and of all."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchReport:
+    """What came of a batch."""
+
+    folder: Path
+    jobs: tuple[NamedJob, ...]
+    outcomes: tuple[Outcome, ...]
+    """In the order of the jobs."""
+
+    @property
+    def num_failed(self) -> int:
+        """Jobs that failed."""
+        return sum(outcome.state == "failed" for outcome in self.outcomes)
+
+    def as_json(self) -> dict[str, Any]:
+        """The document of `recon batch --json` and of `summary.json`."""
+        return {"jobs": [outcome.as_json() for outcome in self.outcomes]}
+
+
+def run_batch(
+    jobs: Sequence[NamedJob],
+    folder: Path,
+    scheduler: Scheduler,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+    heard: Heard = lambda outcome, done, total: None,
+) -> BatchReport:
+    """Do every job, whatever becomes of the others.
+
+    Parameters
+    ----------
+    jobs : sequence of NamedJob
+    folder : Path
+        Gets one run folder per job.
+    scheduler : Scheduler
+    overwrite, resume : bool
+        As of a run; resumed, a job that is done is skipped, and a failed one tried again.
+    heard : callable
+        Told of every job as it ends.
+
+    Returns
+    -------
+    BatchReport
+
+    Raises
+    ------
+    InputError
+        Where the folder holds anything but a batch, or a batch and neither flag is given.
+    """
+    _prepare(folder, overwrite=overwrite, resume=resume)
+    calls = [
+        (job.name, bound(do, job, folder / job.name, resume and is_begun(folder / job.name)))
+        for job in jobs
+    ]
+    ended: dict[str, Outcome] = {}
+    for outcome in scheduler.outcomes(calls):
+        ended[outcome.name] = outcome
+        heard(outcome, len(ended), len(jobs))
+    return BatchReport(
+        folder=folder, jobs=tuple(jobs), outcomes=tuple(ended[job.name] for job in jobs)
+    )
+
+
+def is_begun(run: Path) -> bool:
+    """Whether a run folder is there to go on with."""
+    try:
+        read_manifest(run)
+    except InputError:
+        return False
+    return True
+
+
+def _prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    if folder.exists() and not (folder.is_dir() and (overwrite or resume)):
+        raise InputError(f"{folder} exists; give --overwrite, --resume, or another -o")
+    is_filled = folder.exists() and any(folder.iterdir())
+    if is_filled and not (folder / SUMMARY).exists():
+        raise InputError(f"{folder} is not the folder of a batch; give another -o")
+    if is_filled and not resume:
+        shutil.rmtree(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / SUMMARY).touch()

@@ -1,0 +1,200 @@
+"""Job files: tables of jobs, globs and sweeps, read into named jobs."""
+
+import itertools
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+from recon.runs.job import KINDS, Job
+from recon.settings import PRESETS, QUALITIES, Settings, merged, read_toml, updated
+
+JOB_KEYS = ("name", "command", "input", "settings", "seed", "preset", "quality", "arguments")
+FILE_KEYS = ("job", "sweep")
+NAME = re.compile(r"[^\W.][\w.=+-]*")
+"""What may be the name of a job: it becomes the name of a folder."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedJob:
+    """One job of a batch."""
+
+    name: str
+    """Name of its run folder."""
+    job: Job
+    swept: tuple[tuple[str, Any], ...] = ()
+    """The settings that a sweep gave it, by "stage.name"."""
+
+
+def read_jobs(path: Path) -> list[NamedJob]:
+    """Every job of a job file, in order, globs and sweeps spread out.
+
+    Raises
+    ------
+    InputError
+        For an unknown key or command, a value of the wrong type, and two jobs of one name.
+    """
+    document = read_toml(path)
+    _check_keys(document, FILE_KEYS, str(path))
+    tables = document.get("job", [])
+    if not isinstance(tables, list) or not tables:
+        raise InputError(f"{path} holds no [[job]] table, but one per job is needed")
+    sweep = _sweep(document.get("sweep", {}), path)
+    jobs = [
+        job
+        for number, table in enumerate(tables, 1)
+        for job in _jobs_of(table, path.parent, sweep, f"{path}, job {number}")
+    ]
+    return _checked(jobs, str(path))
+
+
+def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
+    """One job for each file or folder that a pattern names."""
+    table = {"command": command, "input": pattern}
+    return _checked(list(_jobs_of(table, Path(), (), pattern)), pattern)
+
+
+def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
+    names = [job.name for job in jobs]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"{source}: {names.count(name)} jobs are called {name!r}; give each its own name"
+            )
+    return jobs
+
+
+def _check_keys(table: Mapping[str, Any], known: Sequence[str], source: str) -> None:
+    for key in table:
+        if key not in known:
+            raise InputError(f"{source}: {key!r} is unknown, but one of {', '.join(known)} is needed")
+
+
+def _jobs_of(
+    table: Any, folder: Path, sweep: tuple[dict[str, Any], ...], source: str
+) -> Iterator[NamedJob]:
+    """The jobs of one table: one for each match of a glob and each point of a sweep."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"{source} is {table!r}, but a table is needed")
+    _check_keys(table, JOB_KEYS, source)
+    command = _text(table, "command", source)
+    KINDS.check(command)
+    found = [_matches(word, folder) for word in _words(table, source)]
+    if len(found) == 1:
+        groups: list[tuple[Path, ...]] = [(path,) for path in found[0]]
+    else:
+        groups = [tuple(path for paths in found for path in paths)]
+    for group in groups:
+        name = _name(table, group, len(groups) > 1)
+        for point in sweep or ({},):
+            yield NamedJob(
+                name="-".join([name, *(f"{key}={value}" for key, value in point.items())]),
+                job=_job(table, command, group, point, source),
+                swept=tuple(point.items()),
+            )
+
+
+def _job(
+    table: Mapping[str, Any],
+    command: str,
+    inputs: tuple[Path, ...],
+    point: Mapping[str, Any],
+    source: str,
+) -> Job:
+    return Job(
+        kind=command,
+        inputs=inputs,
+        arguments=dict(table.get("arguments", {})),
+        settings=_settings(table, point, source),
+        seed=_seed(table, source),
+    )
+
+
+def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -> Settings:
+    """Preset, quality, the table's own settings and the sweep's, the later the stronger."""
+    tree: Mapping[str, Any] = {}
+    for key, values in (("preset", PRESETS), ("quality", QUALITIES)):
+        if key in table:
+            word = _text(table, key, source)
+            if word not in values:
+                known = ", ".join(values)
+                raise InputError(f"{source}: {key} is {word!r}, but one of {known} is needed")
+            tree = merged(tree, dict(values)[word])  # type: ignore[call-overload]
+    given = table.get("settings", {})
+    if not isinstance(given, Mapping):
+        raise InputError(f"{source}: settings is {given!r}, but a table is needed")
+    for values in (given, point):
+        tree = merged(tree, _tree(values))
+    return updated(Settings(), tree, source)
+
+
+def _tree(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Settings by stage, of keys "stage.name" or tables of stages."""
+    tree: Mapping[str, Any] = {}
+    for key, value in values.items():
+        stage, dot, name = key.partition(".")
+        tree = merged(tree, {stage: {name: value}} if dot else {stage: value})
+    return tree
+
+
+def _sweep(table: Any, path: Path) -> tuple[dict[str, Any], ...]:
+    """Every combination of the values of a sweep."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"{path}: sweep is {table!r}, but a table is needed")
+    flat = {
+        f"{stage}.{name}": value
+        for stage, values in _tree(table).items()
+        for name, value in values.items()
+    }
+    for key, values in flat.items():
+        if not isinstance(values, list) or not values:
+            raise InputError(f"{path}: sweep of {key} is {values!r}, but a list is needed")
+    return tuple(
+        dict(zip(flat, point, strict=True)) for point in itertools.product(*flat.values()) if flat
+    )
+
+
+def _words(table: Mapping[str, Any], source: str) -> list[str]:
+    words = table.get("input")
+    words = [words] if isinstance(words, str) else words
+    if not isinstance(words, list) or not words or not all(isinstance(w, str) for w in words):
+        raise InputError(f"{source}: input is {table.get('input')!r}, but a path or a list is needed")
+    return words
+
+
+def _matches(word: str, folder: Path) -> list[Path]:
+    """What a path or a glob names, relative to a folder; a path that is not there stays one."""
+    path = folder / word
+    if not any(mark in word for mark in "*?["):
+        return [path]
+    root = Path(path.anchor or ".")
+    pattern = str(path.relative_to(root)) if path.anchor else str(path)
+    found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
+    if not found:
+        raise InputError(f"{word} names no file or folder in {folder.resolve()}")
+    return found
+
+
+def _name(table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bool) -> str:
+    own = table.get("name")
+    stem = inputs[0].stem if inputs[0].suffix else inputs[0].name
+    name = stem if own is None else f"{own}-{stem}" if is_one_of_many else own
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise InputError(f"name is {name!r}, but letters, digits and one of . _ - + = are needed")
+    return name
+
+
+def _text(table: Mapping[str, Any], key: str, source: str) -> str:
+    value = table.get(key)
+    if not isinstance(value, str):
+        raise InputError(f"{source}: {key} is {value!r}, but a word is needed")
+    return value
+
+
+def _seed(table: Mapping[str, Any], source: str) -> int:
+    seed = table.get("seed", 0)
+    if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
+        raise InputError(f"{source}: seed is {seed!r}, but a whole number from 0 on is needed")
+    return seed

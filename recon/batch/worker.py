@@ -1,0 +1,93 @@
+"""One job done by a worker: what came of it, whatever happened."""
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from recon.batch.jobfile import NamedJob
+from recon.errors import ReconError
+from recon.runfolder import read_manifest
+
+THREAD_VARIABLES = (
+    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+)  # fmt: skip
+State = Literal["done", "failed", "skipped"]
+Progress = Callable[[str, int, int], None]
+"""Called with the name of a job, what is done, and the most there can be."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What came of one job."""
+
+    name: str
+    state: State
+    error: str | None = None
+    """In one line, where it failed."""
+    seconds: float = 0.0
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    """Its `metrics.json`."""
+
+    def as_json(self) -> dict[str, Any]:
+        """The outcome as an entry of `summary.json`."""
+        own = {"name": self.name, "state": self.state, "error": self.error}
+        numbers = {name: value for name, value in self.numbers.items() if name != "seconds"}
+        return own | {"seconds": round(self.seconds, 3)} | numbers
+
+
+def unheard(name: str, done: int, total: int) -> None:
+    """Nobody listens."""
+
+
+def limit_threads(number: int) -> None:
+    """Let every library of this process use at most so many threads; before they are imported."""
+    for name in THREAD_VARIABLES:
+        os.environ[name] = str(number)
+
+
+def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unheard) -> Outcome:
+    """Do one job in a run folder of its own.
+
+    Nothing it raises gets out but a keyboard interrupt: a failed job never stops the others.
+    """
+    began = time.perf_counter()
+    was_done = is_resumed and is_finished(folder)
+    try:
+        numbers = _execute(named, folder, is_resumed, progress)
+    except (ReconError, OSError) as error:
+        fault = " ".join(str(error).split())
+    # A plug-in, or what nobody foresaw: the batch goes on.
+    except Exception as error:  # noqa: BLE001
+        fault = f"{type(error).__name__}: {' '.join(str(error).split())}"
+    else:
+        seconds = time.perf_counter() - began
+        state: State = "skipped" if was_done else "done"
+        return Outcome(name=named.name, state=state, seconds=seconds, numbers=numbers)
+    seconds = time.perf_counter() - began
+    return Outcome(name=named.name, state="failed", error=fault, seconds=seconds)
+
+
+def is_finished(run: Path) -> bool:
+    """Whether a run folder holds a run that ended well."""
+    try:
+        return bool(read_manifest(run)["state"] == "finished")
+    except ReconError:
+        return False
+
+
+def _execute(
+    named: NamedJob, folder: Path, is_resumed: bool, progress: Progress
+) -> Mapping[str, Any]:
+    """Late imports: the thread limits have to come first."""
+    import cv2
+
+    from recon.runs.events import Events
+    from recon.runs.execute import execute
+
+    cv2.setNumThreads(int(os.environ.get("OMP_NUM_THREADS", "1")))
+    events = Events(on_progress=lambda done, total: progress(named.name, done, total))
+    return execute(named.job, folder, events, resume=is_resumed).as_json()

@@ -1,0 +1,87 @@
+"""`recon batch`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.progress import progress_bar
+
+SOME_FAILED = 5
+
+
+@click.command(epilog="Example: recon batch jobs.toml -j 4 -o runs/all --resume")
+@click.argument("jobs", metavar="JOBS.toml|GLOB")
+@click.option("--command", help="What to do with each match of a glob: reconstruct, explore, ...")
+@click.option("-j", "num_workers", type=click.IntRange(min=1), help="Workers; one per processor.")
+@click.option("--scheduler", metavar="local|tcp://HOST:PORT", help="Do the jobs on a Dask cluster.")
+@click.option("-o", "--output", type=PATH, help="The batch's folder; runs/NAME where not given.")
+@click.option("--overwrite", is_flag=True, help="Replace an existing batch.")
+@click.option("--resume", is_flag=True, help="Skip what is done, try again what failed.")
+@click.option("--dry-run", is_flag=True, help="List the jobs and do none.")
+@with_options(OUTPUT)
+def batch(jobs: str, **given: Any) -> int:
+    """Do many jobs, each into a run folder of its own; a failed one never stops the others.
+
+    JOBS.toml holds a [[job]] table per job: name, command, input (a path, a glob or a list),
+    settings, seed; a [sweep] table gives settings a list of values each.
+    """
+    start_logging(given)
+    from recon.batch.batch import run_batch
+    from recon.batch.schedulers import make_scheduler
+    from recon.batch.summary import write_summary
+    from recon.batch.threads import num_processors
+
+    named = _named_jobs(jobs, given["command"])
+    if given["dry_run"]:
+        _list(named, given)
+        return 0
+    scheduler = make_scheduler(given["scheduler"], given["num_workers"] or num_processors())
+    folder = given["output"] or Path("runs") / Path(jobs.rstrip("/*")).stem
+    with progress_bar("jobs", given["quiet"]) as progress:
+
+        def heard(outcome: Any, done: int, total: int) -> None:
+            progress(done, total)
+            if outcome.state == "failed":
+                click.echo(f"recon: {outcome.name}: {outcome.error}", err=True)
+
+        report = run_batch(
+            named, folder, scheduler,
+            overwrite=given["overwrite"], resume=given["resume"], heard=heard,
+        )  # fmt: skip
+    document = write_summary(report)
+    if given["as_json"]:
+        print_json(document)
+    elif not given["quiet"]:
+        _say(document, folder)
+    return SOME_FAILED if report.num_failed else 0
+
+
+def _named_jobs(jobs: str, command: str | None) -> Any:
+    from recon.batch.jobfile import jobs_of_glob, read_jobs
+
+    if command is not None:
+        return jobs_of_glob(jobs, command)
+    if not jobs.endswith(".toml"):
+        raise click.UsageError(f"{jobs} is not a JOBS.toml; give --command with a glob")
+    return read_jobs(Path(jobs))
+
+
+def _list(named: Any, given: dict[str, Any]) -> None:
+    rows = [
+        {"name": one.name, "command": one.job.kind, "input": [str(p) for p in one.job.inputs]}
+        for one in named
+    ]
+    if given["as_json"]:
+        print_json({"jobs": rows})
+    elif not given["quiet"]:
+        for row in rows:
+            click.echo(f"{row['name']:24} {row['command']:12} {' '.join(row['input'])}")
+
+
+def _say(document: dict[str, Any], folder: Path) -> None:
+    for row in document["jobs"]:
+        click.echo(f"{row['name']:24} {row['state']:8} {row['seconds']:8.1f} s")
+    click.echo(f"{len(document['jobs']) - document['num_failed']} of {len(document['jobs'])} done")
+    click.echo(folder)
