@@ -1,0 +1,1 @@
+"""The thesis beside recon: one entry per figure and table of its own work."""

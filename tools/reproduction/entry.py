@@ -1,0 +1,60 @@
+"""Entries of the page: what the thesis shows, what recon gives, and why they differ."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+Row = tuple[str, ...]
+
+
+class Absent(Exception):
+    """What an entry needs is not there; the page says so."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """A small table."""
+
+    head: Row
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What recon gives for an entry."""
+
+    figures: tuple[Figure, ...] = ()
+    images: tuple[Path, ...] = ()
+    """Images that lie in files already."""
+    tables: tuple[Table, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One figure or table of the thesis."""
+
+    name: str
+    """"figure 12", "table 3"."""
+    title: str
+    thesis: str
+    """What the thesis says of it, in a sentence, with its numbers."""
+    difference: str
+    """Why recon's differs, in a sentence."""
+    make: Callable[[], Result] = field(repr=False)
+
+    @property
+    def slug(self) -> str:
+        """The name as files have it."""
+        return self.name.replace(" ", "_").replace(",", "")
+
+
+def number(value: float | None, digits: int = 1) -> str:
+    """A number of a table; a dash where there is none."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
+    """A table of anything that can be written."""
+    return Table(head=tuple(head), rows=tuple(tuple(str(c) for c in row) for row in rows))

@@ -1,0 +1,77 @@
+"""The pairs of the thesis: from the recorded data beside the project, or a rendered stand-in."""
+
+import os
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.records import View
+from recon.sequences.images import read_image
+from recon.sequences.truth import read_truth
+from recon.settings import Settings, updated
+from recon.world.world import World
+from reproduction.blocks import blocks_scene
+from reproduction.entry import Absent
+
+DATA = Path(os.environ.get("RECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
+MARGIN_PX = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TruePair:
+    """Two rectified images with the true disparity of the left one."""
+
+    name: str
+    left: NDArray[np.uint8]
+    right: NDArray[np.uint8]
+    truth_px: NDArray[np.float64]
+    """(H, W), NaN = unknown."""
+    quantisation_px: float
+    """Step of the truth."""
+
+    @property
+    def search(self) -> dict[str, int]:
+        """A search range a little wider than what its truth holds."""
+        low = min(0, int(np.floor(np.nanmin(self.truth_px))) - MARGIN_PX)
+        return {
+            "min_disparity": low,
+            "max_disparity": int(np.ceil(np.nanmax(self.truth_px))) + MARGIN_PX,
+        }
+
+
+@cache
+def recorded(name: str) -> TruePair:
+    """A Middlebury pair of 2001."""
+    folder = DATA / "middlebury2001" / name.lower()
+    if not folder.is_dir():
+        raise Absent(f"the pair {name} is not there: set RECON_DATA to the recorded data")
+    left, right = (next(folder.glob(f"{side}.*")) for side in ("left", "right"))
+    truth = read_truth(folder)
+    return TruePair(
+        name=name,
+        left=read_image(left),
+        right=read_image(right),
+        truth_px=truth.disparity_px,
+        quantisation_px=truth.quantisation_px,
+    )
+
+
+@cache
+def blocks() -> TruePair:
+    """The stand-in for the blocks pairs of CMU, rendered with its truth."""
+    eyes = {"width": 384, "height": 288, "baseline": 1.0, "fov_deg": 45.0}
+    settings = updated(Settings(), {"eyes": eyes, "render": {"noise": 1.0}})
+    world = World(blocks_scene(), eyes=settings.eyes, render=settings.render, world=settings.world)
+    view = View(position=np.array([0.0, 11.0, 14.0]), target=np.array([0.0, 0.5, -2.5]))
+    pair = world.take(view)
+    depth = world.truth(view).depth
+    return TruePair(
+        name="Blocks (stand-in)",
+        left=pair.left,
+        right=pair.right,
+        truth_px=np.where(np.isfinite(depth), pair.rig.disparity(depth), np.nan),
+        quantisation_px=0.0,
+    )
