@@ -10,7 +10,7 @@ setup: $(VENV)/ready
 $(VENV)/ready: pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[all,test]"
-	$(BIN)/python tools/fetch_motorcycle.py
+	$(BIN)/recon fetch motorcycle -o data/motorcycle --quiet
 	touch $@
 
 # numba's cache knows the file of a kernel, not those of the kernels it calls.

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 
 project = "recon"
-author = copyright = "The recon developers"  # noqa: A001
+author = copyright = "The recon developers"
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",

@@ -25,7 +25,7 @@ FLOORS = {
 HOMES = {
     "open3d": {"world", "voxelmap", "recognition", "surface", "localisation", "exports"},
     "cv2": {"stereo", "sequences", "localisation", "world", "exports"},
-    "skimage": {"stereo", "recognition", "exploration"},
+    "skimage": {"stereo", "recognition", "exploration", "sequences"},
     "PIL": {"world", "sequences"},
     "pyvista": {"figures", "app", "exports"},
     "matplotlib": {"figures"},

@@ -2,9 +2,10 @@
 
 from docutils import nodes
 from docutils.statemachine import StringList
-from recon.settings.reference import reference
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+
+from recon.settings.reference import reference
 
 
 class SettingsTable(SphinxDirective):

@@ -13,6 +13,8 @@ from recon.settings import PRESETS, QUALITIES, Settings, merged, read_toml, upda
 
 JOB_KEYS = ("name", "command", "input", "settings", "seed", "preset", "quality", "arguments")
 FILE_KEYS = ("job", "sweep")
+CHOICES: dict[str, dict[str, Any]] = {"preset": dict(PRESETS), "quality": dict(QUALITIES.items())}
+"""Named sets of settings, the later the stronger."""
 NAME = re.compile(r"[^\W.][\w.=+-]*")
 """What may be the name of a job: it becomes the name of a folder."""
 
@@ -36,7 +38,7 @@ def read_jobs(path: Path) -> list[NamedJob]:
     InputError
         For an unknown key or command, a value of the wrong type, and two jobs of one name.
     """
-    document = read_toml(path)
+    document: Mapping[str, Any] = read_toml(path)
     _check_keys(document, FILE_KEYS, str(path))
     tables = document.get("job", [])
     if not isinstance(tables, list) or not tables:
@@ -69,7 +71,9 @@ def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
 def _check_keys(table: Mapping[str, Any], known: Sequence[str], source: str) -> None:
     for key in table:
         if key not in known:
-            raise InputError(f"{source}: {key!r} is unknown, but one of {', '.join(known)} is needed")
+            raise InputError(
+                f"{source}: {key!r} is unknown, but one of {', '.join(known)} is needed"
+            )
 
 
 def _jobs_of(
@@ -81,7 +85,7 @@ def _jobs_of(
     _check_keys(table, JOB_KEYS, source)
     command = _text(table, "command", source)
     KINDS.check(command)
-    found = [_matches(word, folder) for word in _words(table, source)]
+    found = [_matches(word, folder, command) for word in _words(table, source)]
     if len(found) == 1:
         groups: list[tuple[Path, ...]] = [(path,) for path in found[0]]
     else:
@@ -115,19 +119,24 @@ def _job(
 def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -> Settings:
     """Preset, quality, the table's own settings and the sweep's, the later the stronger."""
     tree: Mapping[str, Any] = {}
-    for key, values in (("preset", PRESETS), ("quality", QUALITIES)):
+    for key in CHOICES:
         if key in table:
-            word = _text(table, key, source)
-            if word not in values:
-                known = ", ".join(values)
-                raise InputError(f"{source}: {key} is {word!r}, but one of {known} is needed")
-            tree = merged(tree, dict(values)[word])  # type: ignore[call-overload]
+            tree = merged(tree, _choice(_text(table, key, source), key, source))
     given = table.get("settings", {})
     if not isinstance(given, Mapping):
         raise InputError(f"{source}: settings is {given!r}, but a table is needed")
-    for values in (given, point):
-        tree = merged(tree, _tree(values))
+    for changes in (given, point):
+        tree = merged(tree, _tree(changes))
     return updated(Settings(), tree, source)
+
+
+def _choice(word: str, key: str, source: str) -> Mapping[str, Any]:
+    """The settings of a preset or of a quality."""
+    known = CHOICES[key]
+    if word not in known:
+        raise InputError(f"{source}: {key} is {word!r}, but one of {', '.join(known)} is needed")
+    tree: Mapping[str, Any] = known[word]
+    return tree
 
 
 def _tree(values: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -160,21 +169,36 @@ def _words(table: Mapping[str, Any], source: str) -> list[str]:
     words = table.get("input")
     words = [words] if isinstance(words, str) else words
     if not isinstance(words, list) or not words or not all(isinstance(w, str) for w in words):
-        raise InputError(f"{source}: input is {table.get('input')!r}, but a path or a list is needed")
+        raise InputError(
+            f"{source}: input is {table.get('input')!r}, but a path or a list is needed"
+        )
     return words
 
 
-def _matches(word: str, folder: Path) -> list[Path]:
-    """What a path or a glob names, relative to a folder; a path that is not there stays one."""
+def _matches(word: str, folder: Path, command: str) -> list[Path]:
+    """What a path, a glob or a shipped name stands for, relative to a folder.
+
+    A path that is not there stays one: its job fails, and no other.
+    """
     path = folder / word
     if not any(mark in word for mark in "*?["):
-        return [path]
+        is_name = not path.exists() and Path(word).name == word
+        return [_shipped(Path(word), command) or path] if is_name else [path]
     root = Path(path.anchor or ".")
     pattern = str(path.relative_to(root)) if path.anchor else str(path)
     found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
     if not found:
         raise InputError(f"{word} names no file or folder in {folder.resolve()}")
     return found
+
+
+def _shipped(name: Path, command: str) -> Path | None:
+    """What ships with recon by a name; None where nothing does."""
+    try:
+        found = KINDS.load(command).find(name)
+    except InputError:
+        return None
+    return None if found == name else found
 
 
 def _name(table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bool) -> str:

@@ -61,7 +61,7 @@ def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unh
     except (ReconError, OSError) as error:
         fault = " ".join(str(error).split())
     # A plug-in, or what nobody foresaw: the batch goes on.
-    except Exception as error:  # noqa: BLE001
+    except Exception as error:
         fault = f"{type(error).__name__}: {' '.join(str(error).split())}"
     else:
         seconds = time.perf_counter() - began

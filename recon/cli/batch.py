@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
-from recon.cli.progress import progress_bar
+from recon.cli.progress import shown_progress
 
 SOME_FAILED = 5
 
@@ -38,11 +38,11 @@ def batch(jobs: str, **given: Any) -> int:
         _list(named, given)
         return 0
     scheduler = make_scheduler(given["scheduler"], given["num_workers"] or num_processors())
-    folder = given["output"] or Path("runs") / Path(jobs.rstrip("/*")).stem
-    with progress_bar("jobs", given["quiet"]) as progress:
+    folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
+    with shown_progress("jobs", given["quiet"]) as events:
 
         def heard(outcome: Any, done: int, total: int) -> None:
-            progress(done, total)
+            events.on_progress(done, total)
             if outcome.state == "failed":
                 click.echo(f"recon: {outcome.name}: {outcome.error}", err=True)
 

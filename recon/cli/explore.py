@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from recon.runs.report import Report
 
 
-@click.command(epilog="Example: recon explore scenes/village.scene -o runs/village")
+@click.command(epilog="Example: recon explore village -o runs/village")
 @click.argument("scene", type=PATH)
 @click.option(
     "--controller", "exploration__controller", help="frontier, thesis, or a plug-in's name."
@@ -22,11 +22,15 @@ if TYPE_CHECKING:
 @click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
-    """Explore a simulated world: map it, name its objects."""
-    do_job("explore", (scene,), given, say=_say)
+    """Explore a simulated world: map it, name its objects.
+
+    SCENE is a geometry file, or the name of a scene that ships.
+    """
+    do_job("explore", (scene,), given, say=say_exploration)
 
 
-def _say(report: "Report") -> None:
+def say_exploration(report: "Report") -> None:
+    """Print what was found, and how the walk ended."""
     for found in report["objects"]:
         x, _, z = found["centre"]
         click.echo(f"{found['label']:12} at x {x:7.2f}, z {z:7.2f}   {found['probability']:.0%}")

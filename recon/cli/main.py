@@ -6,18 +6,22 @@ from collections.abc import Sequence
 import click
 
 import recon
+from recon.cli.batch import batch
 from recon.cli.calibrate import calibrate
+from recon.cli.demo import demo
 from recon.cli.disparity import disparity
 from recon.cli.doctor import doctor
 from recon.cli.evaluate import evaluate
 from recon.cli.explore import explore
 from recon.cli.export import export
+from recon.cli.fetch import fetch
 from recon.cli.figure import figure
 from recon.cli.fit import fit
 from recon.cli.info import info
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
+from recon.cli.settings import settings
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
 
@@ -26,7 +30,7 @@ DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 @click.group(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Example: recon explore scenes/village.scene",
+    epilog="Example: recon explore village",
 )
 @click.version_option(recon.__version__, prog_name="recon")
 def program() -> None:
@@ -35,7 +39,7 @@ def program() -> None:
 
 for command in (
     explore, reconstruct, disparity, evaluate, train, calibrate, recognise, fit, figure, export,
-    info, doctor,
+    info, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

@@ -13,6 +13,7 @@ from recon.runs.outputs import cells_hit, write_outputs
 from recon.runs.replay import SavedPairs
 from recon.runs.work import Work
 from recon.settings import EXPLORER_BASE, merged
+from recon.world.library import find_scene
 from recon.world.scene import read_scene
 from recon.world.textures import scene_files
 from recon.world.world import World
@@ -84,6 +85,7 @@ def _write(done: Exploration, work: Work) -> None:
 EXPLORE = Kind(
     run=_explore,
     base=_base,
+    find=find_scene,
     reads=_files,
     folder=lambda job: Path("runs") / job.inputs[0].stem,
     stages=("render", "stereo", "map", "plan", "recognise", "figures", "write"),

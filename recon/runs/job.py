@@ -48,7 +48,9 @@ class Job:
 
     def resolved(self) -> Self:
         """The same job with every default filled in, so that its settings say all."""
-        return replace(self, settings=resolve(self))
+        find = KINDS.load(self.kind).find
+        found = replace(self, inputs=tuple(find(path) for path in self.inputs))
+        return replace(found, settings=resolve(found))
 
     def files(self) -> tuple[Path, ...]:
         """Everything that is read: inputs, paths among the arguments, models and catalogues."""
@@ -83,6 +85,8 @@ class Kind:
     """Does the work, and gives what `metrics.json` and `--json` hold."""
     base: Callable[[Job], Tree] = lambda job: {}
     """The settings that the kind and its inputs suggest, by stage and name."""
+    find: Callable[[Path], Path] = lambda path: path
+    """The file that an input names; it may be something that ships with recon."""
     reads: Callable[[Job], tuple[Path, ...]] = lambda job: ()
     """Files that are read besides the inputs."""
     folder: Callable[[Job], Path | None] = lambda job: None

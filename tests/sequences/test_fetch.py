@@ -1,31 +1,35 @@
 """The golden pair that make setup puts beside its committed calibration."""
 
-import importlib.util
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from recon.errors import InputError
 from recon.sequences import open_sequence, read_truth
+from recon.sequences.samples import fetch
 from recon.settings import SequenceSettings
 
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def motorcycle(tmp_path, monkeypatch):
-    spec = importlib.util.spec_from_file_location("fetch", ROOT / "tools" / "fetch_motorcycle.py")
-    fetch = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(fetch)
-    for name in ("calib.txt", "meta.json"):
-        shutil.copy(ROOT / "data" / "motorcycle" / name, tmp_path)
-    monkeypatch.setattr(fetch, "FOLDER", tmp_path)
-    fetch.main()
+def motorcycle(tmp_path):
+    fetch("motorcycle", tmp_path)
     before = (tmp_path / "left.png").stat().st_mtime_ns
-    fetch.main()  # quick, and touches nothing, where all is there
+    fetch("motorcycle", tmp_path)  # quick, and touches nothing, where all is there
     assert (tmp_path / "left.png").stat().st_mtime_ns == before
     return tmp_path
+
+
+def test_its_calibration_is_the_committed_one(motorcycle):
+    committed = ROOT / "data" / "motorcycle" / "calib.txt"
+    assert (motorcycle / "calib.txt").read_text() == committed.read_text()
+
+
+def test_an_unknown_sample_is_refused_with_the_nearest(tmp_path):
+    with pytest.raises(InputError, match=r"sample is 'motorbike', .*\(motorcycle\?\)"):
+        fetch("motorbike", tmp_path)
 
 
 def test_its_truth_is_that_of_the_left_image_in_metres(motorcycle):

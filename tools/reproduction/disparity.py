@@ -33,8 +33,8 @@ TABLE_3 = {"Blocks 2": (3847, 1505, 206, 86), "Venus": (1884, 1310, 85, 94),
 RATIO = 0.8
 """Lowe's test: the best match of a descriptor must be so much nearer than the second."""
 BETTER = (
-    "More features are kept and ranked by confidence, neighbours support each other, and a whole row "
-    "is cross checked: more pairs, nearly all of them right."
+    "More features are kept and ranked by confidence, neighbours support each other, and a "
+    "whole row is cross checked: more pairs, nearly all of them right."
 )
 
 
@@ -77,7 +77,7 @@ def entries() -> Iterator[Entry]:
             name=f"figure {figure}", title=f"Phase and the probabilistic model on {name}",
             make=partial(_by_model, name),
             thesis=f"{TABLE_3[name][1]} pairs by the model, {TABLE_1[name][1]} by phase.",
-            difference=f"{STAND_IN if figure == 19 else BETTER} The model learned on Venus serves all.",
+            difference=f"{STAND_IN if figure == 19 else BETTER} Learned on Venus, it serves all.",
         )  # fmt: skip
     yield Entry(
         name="table 3", title="Success of the probabilistic model", difference=BETTER,

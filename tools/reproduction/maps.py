@@ -141,9 +141,10 @@ def _graph(counts: dict[tuple[str, str], int]) -> Figure:
                 arrowprops={"arrowstyle": "-|>", "lw": 1 + np.log1p(count), "shrinkA": 34,
                             "shrinkB": 34, "connectionstyle": "arc3,rad=0.15"},
             )  # fmt: skip
+    style = {"ha": "center", "va": "center", "fontsize": 9}
     for name, (x, y) in place.items():
-        axes[0].text(x, y, f"{name}\n({counts.get((name, name), 0)} repeats)", ha="center",
-                     va="center", fontsize=9, bbox={"boxstyle": "round", "fc": "#eef4fa"})  # fmt: skip
+        text = f"{name}\n({counts.get((name, name), 0)} repeats)"
+        axes[0].text(x, y, text, bbox={"boxstyle": "round", "fc": "#eef4fa"}, **style)
     axes[0].set(xlim=(-1.6, 1.6), ylim=(-1.4, 1.4))
     axes[0].set_axis_off()
     return figure

@@ -23,14 +23,14 @@ def entries() -> Iterator[Entry]:
     yield Entry(
         name="table 2", title="Parameters of the complexity, and Eq 22 by measurement",
         thesis="Filtering dominates: O(N^2 R S n^2); 2 s for features, 63 ms for matching.",
-        difference="Separable filters in angular harmonics make the time per pixel a constant of the "
-        "image's size, and of the filter's width nearly so.",
+        difference="Separable filters in angular harmonics: the time per pixel depends neither on "
+        "the size of the image nor, by much, on the width of the filter.",
         make=_complexity,
     )  # fmt: skip
     yield Entry(
         name="figure 17", title="Mixtures of von Mises densities, learned on Venus", make=_mixture,
         thesis="Five components a scale over the histogram of phase differences of right pairs.",
-        difference="A uniform component takes what wrong pairs leave, and the angle is not doubled.",
+        difference="A uniform component takes up wrong pairs, and the angle is not doubled.",
     )  # fmt: skip
 
 

@@ -1,0 +1,21 @@
+"""`recon demo`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.explore import say_exploration
+from recon.cli.jobs import do_job
+from recon.cli.options import FOLDER, OUTPUT, SETTINGS, with_options
+
+SCENE = Path("village")
+
+
+@click.command(epilog="Example: recon demo")
+@with_options(SETTINGS, FOLDER, OUTPUT)
+def demo(**given: Any) -> None:
+    """Explore the village that ships with recon, and leave its run in runs/village."""
+    do_job("explore", (SCENE,), given, say=say_exploration)
+    if not (given["as_json"] or given["quiet"]):
+        click.echo("Look at figures/overview.png in it first.")

@@ -1,0 +1,36 @@
+"""`recon settings`."""
+
+import click
+
+from recon.cli.options import OUTPUT, print_json, start_logging, with_options
+from recon.errors import InputError
+
+
+@click.command(epilog="Example: recon settings map.cell_size")
+@click.argument("name", required=False)
+@with_options(OUTPUT)
+def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> None:
+    """List all settings, or say what one is; NAME is a setting or a stage."""
+    start_logging({"quiet": quiet, "verbose": verbose})
+    from recon.settings.reference import Setting, reference
+
+    def is_meant(one: Setting) -> bool:
+        return name is None or one.name == name or one.name.startswith(f"{name}.")
+
+    chosen = [one for one in reference() if is_meant(one)]
+    if not chosen:
+        raise InputError(_unknown(str(name), [one.name for one in reference()]))
+    if as_json:
+        print_json({"settings": [one.as_json() for one in chosen]})
+    elif not quiet:
+        for one in chosen:
+            differs = "" if one.thesis == one.default else f"   thesis: {one.thesis}"
+            click.echo(f"{one.name} = {one.default}   ({one.type}){differs}")
+            click.echo(f"    {one.meaning}")
+
+
+def _unknown(name: str, known: list[str]) -> str:
+    import difflib
+
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
+    return f"setting {name!r} is unknown; the nearest known name is {near[0]}"

@@ -1,0 +1,156 @@
+"""Batches end whatever becomes of a job, resume, and leave what single runs leave."""
+
+import csv
+import json
+import os
+import signal
+
+import pytest
+
+from recon.batch.batch import run_batch
+from recon.batch.jobfile import read_jobs
+from recon.batch.schedulers import MAX_TRIES, Processes, lost
+from recon.batch.summary import as_csv
+from recon.batch.worker import Outcome, do
+from recon.cli import main
+from recon.errors import InputError
+
+JOBS = """
+[[job]]
+name = "walk"
+command = "explore"
+input = "three_kinds"
+settings = { "exploration.max_pairs" = 2, "eyes.width" = 96, "eyes.height" = 96 }
+
+[[job]]
+name = "nowhere"
+command = "reconstruct"
+input = "nowhere"
+"""
+
+
+class Here:
+    """A scheduler that does every call at once, in this process."""
+
+    def outcomes(self, calls):
+        for _, call in calls:
+            yield call()
+
+
+@pytest.fixture(scope="module")
+def batch(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("batch")
+    (folder / "jobs.toml").write_text(JOBS)
+    code = main(["batch", str(folder / "jobs.toml"), "-o", str(folder / "out"), "-j", "2", "-q"])
+    return folder, code
+
+
+def test_a_failed_job_stops_no_other_and_is_said(batch):
+    folder, code = batch
+    assert code == 5
+    jobs = json.loads((folder / "out" / "summary.json").read_text())["jobs"]
+    assert [(one["name"], one["state"]) for one in jobs] == [
+        ("walk", "done"),
+        ("nowhere", "failed"),
+    ]
+    assert jobs[0]["num_pairs"] == 2
+    assert "nowhere" in jobs[1]["error"]
+    with (folder / "out" / "summary.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["state"] for row in rows] == ["done", "failed"]
+    assert rows[0]["num_pairs"] == "2"
+
+
+def test_a_job_leaves_the_bytes_of_a_run_alone(batch, tmp_path):
+    folder, _ = batch
+    alone = tmp_path / "alone"
+    given = [
+        "--set",
+        "exploration.max_pairs=2",
+        "--set",
+        "eyes.width=96",
+        "--set",
+        "eyes.height=96",
+    ]
+    assert main(["explore", "three_kinds", "-o", str(alone), "-q", *given]) == 0
+    for name in ("map.npz", "cloud.ply", "objects.json", "trajectory.txt", "settings.toml"):
+        assert (folder / "out" / "walk" / name).read_bytes() == (alone / name).read_bytes(), name
+
+
+def test_resumed_what_is_done_is_skipped_and_what_failed_is_tried_again(batch, capsys):
+    folder, _ = batch
+    before = (folder / "out" / "walk" / "map.npz").stat().st_mtime_ns
+    given = ["batch", str(folder / "jobs.toml"), "-o", str(folder / "out"), "-j", "1", "--json"]
+    assert main([*given, "--resume"]) == 5
+    jobs = json.loads(capsys.readouterr().out)["jobs"]
+    assert [one["state"] for one in jobs] == ["skipped", "failed"]
+    assert (folder / "out" / "walk" / "map.npz").stat().st_mtime_ns == before
+    assert main(given) == 2  # neither --resume nor --overwrite
+
+
+def test_a_dry_run_lists_the_jobs_and_does_none(batch, tmp_path, capsys):
+    folder, _ = batch
+    given = ["batch", str(folder / "jobs.toml"), "-o", str(tmp_path / "out"), "--dry-run", "--json"]
+    assert main(given) == 0
+    assert [one["name"] for one in json.loads(capsys.readouterr().out)["jobs"]] == [
+        "walk",
+        "nowhere",
+    ]
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_not_a_batch_is_not_replaced(tmp_path):
+    (tmp_path / "thesis.txt").write_text("years of work")
+    with pytest.raises(InputError, match="is not the folder of a batch"):
+        run_batch([], tmp_path, Here(), overwrite=True)
+    assert (tmp_path / "thesis.txt").exists()
+
+
+def test_what_nobody_foresaw_is_an_outcome_too(tmp_path, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError("division\nby zero")
+
+    monkeypatch.setattr("recon.batch.worker._execute", broken)
+    (tmp_path / "jobs.toml").write_text(JOBS)
+    outcome = do(read_jobs(tmp_path / "jobs.toml")[0], tmp_path / "run", False)
+    assert (outcome.state, outcome.error) == ("failed", "ZeroDivisionError: division by zero")
+
+
+def die_once(mark):
+    """Kill the worker the first time."""
+    if not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return Outcome(name="a", state="done")
+
+
+def die():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
+    from functools import partial
+
+    calls = [("a", partial(die_once, tmp_path / "mark"))]
+    assert [one.state for one in Processes(1).outcomes(calls)] == ["done"]
+
+
+def test_a_job_that_kills_every_worker_fails_in_a_line():
+    outcome = lost("a")
+    assert outcome.state == "failed"
+    assert f"died {MAX_TRIES} times" in outcome.error
+    assert "\n" not in outcome.error
+
+
+def test_a_swept_setting_is_a_column(tmp_path):
+    text = JOBS.split('[[job]]\nname = "nowhere"')[0] + "[sweep]\nmap.min_count = [1, 2]\n"
+    (tmp_path / "jobs.toml").write_text(text)
+    jobs = read_jobs(tmp_path / "jobs.toml")
+
+    class Skipped:
+        def outcomes(self, calls):
+            yield from (Outcome(name=name, state="skipped") for name, _ in reversed(calls))
+
+    report = run_batch(jobs, tmp_path / "out", Skipped())
+    rows = list(csv.DictReader(as_csv(report).splitlines()))
+    assert [row["map.min_count"] for row in rows] == ["1", "2"]

@@ -1,0 +1,95 @@
+"""Job files, globs and sweeps become named jobs, or are refused in a line."""
+
+import pickle
+
+import pytest
+
+from recon.batch.jobfile import jobs_of_glob, read_jobs
+from recon.errors import InputError
+
+JOB = '[[job]]\nname = "a"\ncommand = "explore"\ninput = "village"\n'
+
+
+def written(folder, text):
+    path = folder / "jobs.toml"
+    path.write_text(text)
+    return path
+
+
+def test_a_job_has_its_command_input_settings_and_seed(tmp_path):
+    text = JOB + 'seed = 3\nsettings = { "map.cell_size" = 0.5, exploration = { max_pairs = 2 } }\n'
+    (one,) = read_jobs(written(tmp_path, text))
+    assert (one.name, one.job.kind, one.job.seed) == ("a", "explore", 3)
+    assert one.job.settings.map.cell_size == 0.5
+    assert one.job.settings.exploration.max_pairs == 2
+
+
+def test_inputs_are_looked_up_from_the_folder_of_the_file(tmp_path):
+    (tmp_path / "pair").mkdir()
+    text = '[[job]]\ncommand = "reconstruct"\ninput = "pair"\n'
+    (one,) = read_jobs(written(tmp_path, text))
+    assert one.job.inputs == (tmp_path / "pair",)
+    assert one.name == "pair"
+
+
+def test_a_scene_that_ships_is_no_file_of_the_folder(tmp_path):
+    (one,) = read_jobs(written(tmp_path, JOB))
+    assert one.job.resolved().inputs[0].name == "village.scene"
+
+
+def test_a_missing_input_is_a_job_and_no_refusal(tmp_path):
+    text = '[[job]]\ncommand = "reconstruct"\ninput = "nowhere"\n'
+    assert len(read_jobs(written(tmp_path, text))) == 1
+
+
+def test_a_glob_is_one_job_per_match(tmp_path):
+    for name in ("b", "a", ".hidden"):
+        (tmp_path / "runs" / name).mkdir(parents=True)
+    text = '[[job]]\nname = "all"\ncommand = "reconstruct"\ninput = "runs/*"\n'
+    assert [one.name for one in read_jobs(written(tmp_path, text))] == ["all-a", "all-b"]
+    found = jobs_of_glob(str(tmp_path / "runs" / "*"), "reconstruct")
+    assert [one.name for one in found] == ["a", "b"]
+
+
+def test_a_sweep_is_every_combination(tmp_path):
+    text = JOB + '[sweep]\n"map.cell_size" = [1.0, 2.0]\nexploration.max_pairs = [1, 2, 3]\n'
+    jobs = read_jobs(written(tmp_path, text))
+    assert len({one.name for one in jobs}) == len(jobs) == 6
+    assert jobs[1].name == "a-map.cell_size=1.0-exploration.max_pairs=2"
+    assert dict(jobs[5].swept) == {"map.cell_size": 2.0, "exploration.max_pairs": 3}
+    assert jobs[5].job.settings.map.cell_size == 2.0
+
+
+def test_jobs_travel_to_other_processes(tmp_path):
+    (one,) = read_jobs(written(tmp_path, JOB + 'settings = { "map.cell_size" = 0.5 }\n'))
+    again = pickle.loads(pickle.dumps(one))
+    assert again.job.resolved().settings == one.job.resolved().settings
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("", r"holds no \[\[job\]\] table"),
+        ("[[job]]\n", r"job 1: command is None, but a word"),
+        ('[[job]]\ncommand = "fly"\ninput = "a"\n', "kind of job is 'fly'"),
+        ('[[job]]\ncommand = "explore"\n', "input is None, but a path or a list"),
+        ('[[job]]\ncommand = "explore"\ninput = 3\n', "input is 3"),
+        (JOB + "colour = 1\n", "'colour' is unknown, but one of name"),
+        (JOB + "seed = -1\n", "seed is -1"),
+        (JOB + "seed = true\n", "seed is True"),
+        (JOB + 'quality = "swift"\n', "quality is 'swift', but one of best, fast"),
+        (JOB + 'settings = { "map.cellsize" = 1 }\n', "nearest known name is map.cell_size"),
+        (JOB + 'settings = { "map.cell_size" = -1 }\n', "map.cell_size is -1"),
+        (JOB + "settings = 3\n", "settings is 3, but a table"),
+        (JOB + JOB, "2 jobs are called 'a'"),
+        (JOB.replace('"a"', '"../a"'), r"name is '../a'"),
+        (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),
+        (JOB.replace("village", "no/*.scene"), "names no file or folder"),
+        ("jobs = 1\n", "'jobs' is unknown"),
+        ("[[job]", "a TOML file is needed"),
+    ],
+)
+def test_what_cannot_be_a_job_is_refused_in_a_line(tmp_path, text, fault):
+    with pytest.raises(InputError, match=fault) as error:
+        read_jobs(written(tmp_path, text))
+    assert "\n" not in str(error.value)
