@@ -58,7 +58,7 @@ def load_extra(module: str, extra: str) -> ModuleType:
         return importlib.import_module(module)
     except ImportError as error:
         raise MissingLibraryError(
-            f"{module.partition('.')[0]} is not installed; run: pip install 'recon[{extra}]'"
+            f"{module.partition('.')[0]} is not installed; run: pip install 'recon-stereo[{extra}]'"
         ) from error
 
 
@@ -96,3 +96,24 @@ def listening_to_compiler(begin: Callable[[], None], end: Callable[[], None]) ->
 
     with event.install_listener("numba:compile", Ear()):
         yield
+
+
+THREAD_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+)
+
+
+def limit_threads(number: int) -> None:
+    """Let every library of this process use at most so many threads.
+
+    Most libraries read their limit when they are imported, so this has to come first.
+    """
+    for name in THREAD_VARIABLES:
+        os.environ[name] = str(number)
+    import cv2
+
+    cv2.setNumThreads(number)

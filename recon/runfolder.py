@@ -19,7 +19,7 @@ MANIFEST = "manifest.json"
 PARTIAL = "partial"
 KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
 """What every manifest of recon has."""
-LIBRARIES = ("recon", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
+LIBRARIES = ("recon-stereo", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

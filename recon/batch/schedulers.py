@@ -9,7 +9,8 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, Protocol
 
-from recon.batch.worker import Outcome, limit_threads
+from recon.batch.worker import Outcome
+from recon.libraries import limit_threads, load_extra
 
 Call = Callable[..., Outcome]
 """Does one job; takes the function that hears of its progress."""
@@ -94,8 +95,6 @@ class Dask:
     """
 
     def __init__(self, address: str, num_workers: int) -> None:
-        from recon.libraries import load_extra
-
         self._distributed: Any = load_extra("distributed", "cluster")
         self._address = address
         self._num_workers = num_workers

@@ -1,6 +1,5 @@
 """One job done by a worker: what came of it, whatever happened."""
 
-import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -11,10 +10,6 @@ from recon.batch.jobfile import NamedJob
 from recon.errors import ReconError
 from recon.runfolder import read_manifest
 
-THREAD_VARIABLES = (
-    "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)  # fmt: skip
 State = Literal["done", "failed", "skipped"]
 Progress = Callable[[str, int, int], None]
 """Called with the name of a job, what is done, and the most there can be."""
@@ -41,12 +36,6 @@ class Outcome:
 
 def unheard(name: str, done: int, total: int) -> None:
     """Nobody listens."""
-
-
-def limit_threads(number: int) -> None:
-    """Let every library of this process use at most so many threads; before they are imported."""
-    for name in THREAD_VARIABLES:
-        os.environ[name] = str(number)
 
 
 def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unheard) -> Outcome:
@@ -82,12 +71,9 @@ def is_finished(run: Path) -> bool:
 def _execute(
     named: NamedJob, folder: Path, is_resumed: bool, progress: Progress
 ) -> Mapping[str, Any]:
-    """Late imports: the thread limits have to come first."""
-    import cv2
-
+    # Late: the limits of threads have to come before the libraries that read them.
     from recon.runs.events import Events
     from recon.runs.execute import execute
 
-    cv2.setNumThreads(int(os.environ.get("OMP_NUM_THREADS", "1")))
     events = Events(on_progress=lambda done, total: progress(named.name, done, total))
     return execute(named.job, folder, events, resume=is_resumed).as_json()

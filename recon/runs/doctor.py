@@ -59,7 +59,7 @@ def _optional(name: str, fault: str | None, word: str) -> Finding:
 
 def _extra(module: str, extra: str) -> Finding:
     if importlib.util.find_spec(module) is None:
-        word = f"pip install 'recon[{extra}]'"
+        word = f"pip install 'recon-stereo[{extra}]'"
         return Finding(name=module, is_well=False, is_needed=False, word=word)
     word = importlib.metadata.version(module)
     return Finding(name=module, is_well=True, is_needed=False, word=word)
