@@ -1,32 +1,100 @@
 """recon reconstructs objects from stereo sequences.
 
-The few names most people want are here, and are loaded when they are first used:
-`match_pair` and `process_pair` (two images -> matches, a pair -> the map), `open_sequence` and
-`World` (where pairs come from), `VoxelMap`, `recognise`, `Settings`.
+Everything that is meant to be called from Python is a name here, loaded when it is first used.
+
+match_pair, process_pair     two images -> matches; a pair -> the map
+open_sequence, World         where pairs come from: a recording, a simulated world
+Mapper                       the loop from pairs to a map, one pair at a time
+reconstruct, explore         a whole recording; a whole world
+VoxelMap, recognise, fit     cells that count points; named objects; one solid of one cloud
+read, write                  clouds and maps in files of many formats
+Job, execute, Events         what the command line calls
 """
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
-_HOMES = {
-    "Settings": "recon.settings",
-    "VoxelMap": "recon.voxelmap",
-    "World": "recon.world.world",
-    "match_pair": "recon.mapping.pair",
-    "open_sequence": "recon.sequences",
-    "process_pair": "recon.mapping.pair",
-    "recognise": "recon.recognition",
-}
+if TYPE_CHECKING:
+    from recon.camera import StereoRig as StereoRig
+    from recon.errors import InputError as InputError
+    from recon.errors import MissingLibraryError as MissingLibraryError
+    from recon.errors import ReconError as ReconError
+    from recon.exploration.agent import Exploration as Exploration
+    from recon.exports.formats import read as read
+    from recon.exports.formats import write as write
+    from recon.mapping.mapper import Mapper as Mapper
+    from recon.mapping.mapper import Step as Step
+    from recon.mapping.pair import PairResult as PairResult
+    from recon.mapping.pair import match_pair as match_pair
+    from recon.mapping.pair import process_pair as process_pair
+    from recon.recognition.fitting.shapes import fit as fit
+    from recon.records import Box as Box
+    from recon.records import Cone as Cone
+    from recon.records import Cylinder as Cylinder
+    from recon.records import DisparityMap as DisparityMap
+    from recon.records import Ellipsoid as Ellipsoid
+    from recon.records import Features as Features
+    from recon.records import FitFailure as FitFailure
+    from recon.records import FoundObject as FoundObject
+    from recon.records import Matches as Matches
+    from recon.records import Mesh as Mesh
+    from recon.records import Part as Part
+    from recon.records import Plane as Plane
+    from recon.records import PointCloud as PointCloud
+    from recon.records import Recognition as Recognition
+    from recon.records import Reconstruction as Reconstruction
+    from recon.records import Sphere as Sphere
+    from recon.records import StereoPair as StereoPair
+    from recon.records import Trajectory as Trajectory
+    from recon.records import TruncatedCone as TruncatedCone
+    from recon.records import View as View
+    from recon.records import Voxels as Voxels
+    from recon.runs.door import explore as explore
+    from recon.runs.door import open_sequence as open_sequence
+    from recon.runs.door import recognise as recognise
+    from recon.runs.door import reconstruct as reconstruct
+    from recon.runs.events import Cancelled as Cancelled
+    from recon.runs.events import Events as Events
+    from recon.runs.execute import execute as execute
+    from recon.runs.job import Job as Job
+    from recon.runs.report import Report as Report
+    from recon.settings import Settings as Settings
+    from recon.voxelmap import VoxelMap as VoxelMap
+    from recon.world.world import World as World
 
-__all__ = ["__version__", *_HOMES]
+_HOMES = {
+    "camera": "StereoRig",
+    "errors": "InputError MissingLibraryError ReconError",
+    "exploration.agent": "Exploration",
+    "exports.formats": "read write",
+    "mapping.mapper": "Mapper Step",
+    "mapping.pair": "PairResult match_pair process_pair",
+    "recognition.fitting.shapes": "fit",
+    "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Matches "
+    "Mesh Part Plane PointCloud Recognition Reconstruction Sphere StereoPair Trajectory "
+    "TruncatedCone View Voxels",
+    "runs.door": "explore open_sequence recognise reconstruct",
+    "runs.events": "Cancelled Events",
+    "runs.execute": "execute",
+    "runs.job": "Job",
+    "runs.report": "Report",
+    "settings": "Settings",
+    "voxelmap": "VoxelMap",
+    "world.world": "World",
+}
+_HOME_OF = {name: f"recon.{home}" for home, names in _HOMES.items() for name in names.split()}
+
+__all__ = ["__version__", *sorted(_HOME_OF)]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"recon has no {name}, but {', '.join(_HOMES)}")
-    return getattr(importlib.import_module(_HOMES[name]), name)
+    if name not in _HOME_OF:
+        raise AttributeError(f"recon has no {name}, but {', '.join(_HOME_OF)}")
+    value = getattr(importlib.import_module(_HOME_OF[name]), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

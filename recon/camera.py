@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_shape
+from recon.errors import check_number, check_shape
 
 Array = NDArray[np.float64]
 
@@ -30,12 +30,9 @@ class StereoRig:
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "focal_px", "baseline"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"rig {name} is {value}, but a positive number is needed")
+            check_number(f"rig {name}", getattr(self, name), above=0)
         for name in ("cx_left_px", "cx_right_px", "cy_px"):
-            if not np.isfinite(getattr(self, name)):
-                raise InputError(f"rig {name} is {getattr(self, name)}, but finite is needed")
+            check_number(f"rig {name}", getattr(self, name))
 
     @property
     def disparity_offset_px(self) -> float:

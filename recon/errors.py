@@ -37,6 +37,48 @@ def check_shape(name: str, array: NDArray[np.generic], shape: Sequence[int | Non
         raise InputError(f"{name} has shape {array.shape}, but ({wanted}) is needed")
 
 
+def as_numbers(name: str, value: object) -> NDArray[np.float64]:
+    """`value` as an array of float64.
+
+    Raises
+    ------
+    InputError
+        Where it is not made of numbers.
+    """
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is {value!r}, but numbers are needed") from error
+
+
+def check_number(name: str, value: object, *, low: float = -np.inf, above: float = -np.inf) -> None:
+    """Raise unless `value` is a finite number, at least `low` and more than `above`.
+
+    Raises
+    ------
+    InputError
+        "cell_size is 'x', but a number over 0 is needed".
+    """
+    is_number = isinstance(value, int | float | np.integer | np.floating)
+    if is_number and not isinstance(value, bool):
+        number = float(value)  # type: ignore[arg-type]
+        if np.isfinite(number) and number >= low and number > above:
+            return
+    need = "a finite number"
+    if low > -np.inf:
+        need = f"a number of {low:g} or more"
+    if above > -np.inf:
+        need = f"a number over {above:g}"
+    raise InputError(f"{name} is {value!r}, but {need} is needed")
+
+
+def check_type(name: str, value: object, wanted: type, *others: type) -> None:
+    """Raise `InputError` unless `value` is of one of the types."""
+    if not isinstance(value, (wanted, *others)):
+        words = " or ".join(one.__name__ for one in (wanted, *others))
+        raise InputError(f"{name} is of type {type(value).__name__}, but {words} is needed")
+
+
 def check_finite(name: str, array: NDArray[np.floating]) -> None:
     """Raise `InputError` where a number of `array` is NaN or infinite."""
     bad = np.flatnonzero(~np.isfinite(array))

@@ -7,7 +7,7 @@ product. The world is right-handed with y up; a camera looks along its z, x righ
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_finite, check_shape
+from recon.errors import InputError, as_numbers, check_finite, check_shape
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ def pose(rotation: ArrayLike, translation: ArrayLike) -> Array:
 
 def check_rigid(name: str, T: ArrayLike) -> None:
     """Raise `InputError` unless `T` is a (4, 4) rotation and translation, to 1e-6."""
-    matrix = np.asarray(T, dtype=np.float64)
+    matrix = as_numbers(name, T)
     check_shape(name, matrix, (4, 4))
     check_finite(name, matrix)
     rotation = matrix[:3, :3]

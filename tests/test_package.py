@@ -1,11 +1,16 @@
 """The package as it is imported: late, whole, and the same version everywhere."""
 
+import ast
+import importlib
+import importlib.metadata
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 import recon
 
@@ -18,6 +23,72 @@ def test_public_names_come_late_and_all_of_them_come():
     assert out.stdout.split() == ["False", str(len(recon.__all__))]
     for name in recon.__all__:
         assert getattr(recon, name) is not None
+
+
+def names_for_type_checkers():
+    """Name and home of everything that `import recon` shows to editors."""
+    tree = ast.parse((ROOT / "recon" / "__init__.py").read_text())
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    return {
+        alias.asname: node.module
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+        if alias.asname == alias.name
+    }
+
+
+def test_editors_see_the_names_that_come():
+    seen = names_for_type_checkers()
+    assert sorted(seen) == sorted(set(recon.__all__) - {"__version__"})
+    for name, home in seen.items():
+        assert getattr(importlib.import_module(home), name) is getattr(recon, name)
+
+
+def test_the_package_says_that_it_is_typed():
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    assert "py.typed" in data["package-data"]["recon"]
+    assert (ROOT / "recon" / "py.typed").exists()
+
+
+GPL = re.compile(r"\bA?GPL|GNU (Affero )?General Public", re.IGNORECASE)
+
+
+def license_of(name):
+    found = importlib.metadata.metadata(name)
+    classifiers = [c for c in found.get_all("Classifier") or [] if c.startswith("License")]
+    # Some write the whole text of all licences into this field; a name is short.
+    words = [found.get("License-Expression") or "", found.get("License") or ""]
+    return "; ".join([*(word for word in words if len(word) < 100), *classifiers])
+
+
+def required(name, seen):
+    """The libraries that `name` asks for, and what they ask for, without extras."""
+    for line in importlib.metadata.requires(name) or []:
+        wanted = Requirement(line)
+        if wanted.marker and not wanted.marker.evaluate({"extra": ""}):
+            continue
+        if wanted.name not in seen:
+            seen.add(wanted.name)
+            required(wanted.name, seen)
+    return seen
+
+
+def test_nothing_that_is_required_is_under_the_gpl():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    seen = set()
+    for line in project["dependencies"]:
+        name = Requirement(line).name
+        required(name, seen)
+        seen.add(name)
+    assert len(seen) > 15
+    assert {name: word for name in seen if GPL.search(word := license_of(name))} == {}
+
+
+@pytest.mark.parametrize("word", ["GPL-3.0-only", "License :: OSI Approved :: GNU General Public"])
+def test_the_gpl_is_known_when_it_is_seen(word):
+    assert GPL.search(word)
+    assert not GPL.search("LGPL-2.1; MIT; License :: OSI Approved :: GNU Lesser General Public")
 
 
 def test_an_unknown_name_says_what_there_is():

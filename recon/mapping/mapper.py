@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import check_type
 from recon.mapping.consistency import Consistency, Witness
 from recon.mapping.pair import insert, match_points
 from recon.mapping.views import CellCounts, count_cells, with_views
@@ -69,7 +69,8 @@ class Mapper:
         compares: bool = True,
         counts_views: bool = True,
     ) -> None:
-        self.settings = settings or Settings()
+        self.settings = Settings() if settings is None else settings
+        check_type("settings", self.settings, Settings)
         self.voxel_map = new_map(self.settings.map)
         self.consistency = Consistency(max_depth=self.settings.sequence.max_confirmed_depth)
         self.clearest: Step | None = None
@@ -112,8 +113,7 @@ class Mapper:
 
     def process(self, pair: StereoPair) -> list[Step]:
         """Take the next pair; the steps whose points are now in the map."""
-        if not isinstance(pair, StereoPair):
-            raise InputError(f"pair is a {type(pair).__name__}, but a StereoPair is needed")
+        check_type("pair", pair, StereoPair)
         with self._stopwatch.stage("stereo"):
             result = match_points(pair, self.settings)
         step = Step(number=self.num_pairs, pair=pair, matches=result.matches, cloud=result.cloud)

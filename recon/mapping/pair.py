@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_type
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.features import detect
@@ -53,6 +53,8 @@ def match_pair(
     if quality not in QUALITIES:
         raise InputError(f"quality is {quality!r}, but one of {', '.join(QUALITIES)} is needed")
     check_images(left, right)
+    for name, value in (("min_disparity", min_disparity), ("max_disparity", max_disparity)):
+        check_type(name, value, int, np.integer)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
     return match_images(
         left, right, updated(with_quality(Settings(), quality), {"matching": search})
@@ -105,6 +107,9 @@ def process_pair(
     view : int, optional
         Number of the pair; needed by a map that keeps views.
     """
+    check_type("pair", pair, StereoPair)
+    check_type("settings", settings, Settings)
+    check_type("voxel_map", voxel_map, VoxelMap)
     result = match_points(pair, settings)
     insert(result.cloud, pair, settings, voxel_map, view)
     return result

@@ -70,6 +70,9 @@ class PointCloud:
             return self.colours
         return np.full((len(self.points), 3), GREY, np.uint8)
 
+    def __repr__(self) -> str:
+        return f"PointCloud({len(self)} points{'' if self.sigma is None else ' with sigma'})"
+
     def transformed(self, T_target_source: ArrayLike) -> "PointCloud":
         """The same points and normals in the target frame; distances and sigmas stay."""
         attributes = dict(self.attributes)
@@ -138,6 +141,9 @@ class Voxels:
 
     def __len__(self) -> int:
         return len(self.index)
+
+    def __repr__(self) -> str:
+        return f"Voxels({len(self)} cells of {self.cell_size:g}, {self.counts.sum()} points)"
 
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_] | slice) -> "Voxels":
         """The cells of `rows`, in that order."""

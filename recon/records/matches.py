@@ -31,6 +31,10 @@ class Features:
     def __len__(self) -> int:
         return len(self.points_px)
 
+    def __repr__(self) -> str:
+        height, width = self.grey.shape
+        return f"Features({len(self)} points of an image of {width} x {height} pixels)"
+
 
 def check_alike(left: Features, right: Features) -> None:
     """Raise `InputError` where features are of images of two sizes, or of unlike filters."""
@@ -64,6 +68,10 @@ class Matches:
 
     def __len__(self) -> int:
         return len(self.points_px)
+
+    def __repr__(self) -> str:
+        low, high = (f"{f(self.disparity_px):.1f}" for f in (np.min, np.max)) if len(self) else "--"
+        return f"Matches({len(self)} pairs, disparities {low} to {high} px)"
 
     @classmethod
     def none(cls) -> "Matches":

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.camera import StereoRig
-from recon.errors import InputError, check_shape
+from recon.errors import InputError, as_numbers, check_number, check_shape, check_type
 from recon.geometry import check_rigid
 
 
@@ -34,9 +34,12 @@ class View:
 
     def __post_init__(self) -> None:
         for name in ("position", "target"):
-            point = np.asarray(getattr(self, name), dtype=np.float64)
+            point = as_numbers(name, getattr(self, name))
             check_shape(name, point, (3,))
             object.__setattr__(self, name, point)
+        for name in ("focal_length", "fov_deg", "baseline", "near", "far"):
+            if getattr(self, name) is not None:
+                check_number(name, getattr(self, name))
         if self.focal_length is not None and self.fov_deg is not None:
             raise InputError(
                 f"focal_length is {self.focal_length} and fov_deg is {self.fov_deg}, "
@@ -63,6 +66,8 @@ class StereoPair:
 
     def __post_init__(self) -> None:
         check_images(self.left, self.right, self.name)
+        check_type("rig", self.rig, StereoRig)
+        check_number("stamp_s", self.stamp_s)
         if self.left.shape[:2] != (self.rig.height, self.rig.width):
             raise InputError(
                 f"{self.name} is {self.left.shape[1]} x {self.left.shape[0]} pixels, but its "
@@ -71,12 +76,20 @@ class StereoPair:
         if self.T_world_left is not None:
             check_rigid("T_world_left", self.T_world_left)
 
+    def __repr__(self) -> str:
+        height, width = self.left.shape[:2]
+        kind = "grey" if self.left.ndim == 2 else "RGB"
+        posed = "posed" if self.T_world_left is not None else "without a pose"
+        return f"StereoPair({self.name}: {width} x {height} {kind}, {posed}, {self.stamp_s:g} s)"
+
 
 def check_images(left: NDArray[np.uint8], right: NDArray[np.uint8], name: str = "pair") -> None:
     """Raise `InputError` unless both are uint8 images, grey or RGB, of one size."""
     for side, image in (("left", left), ("right", right)):
         if not isinstance(image, np.ndarray):
-            raise InputError(f"{name}: {side} image is a {type(image).__name__}, no array")
+            raise InputError(
+                f"{name}: {side} image is of type {type(image).__name__}, but an array is needed"
+            )
         if image.dtype != np.uint8:
             raise InputError(f"{name}: {side} image is {image.dtype}, but uint8 is needed")
         if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] != 3) or not image.size:

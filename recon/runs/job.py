@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from recon.errors import check_number, check_type
 from recon.plugins import Registry
 from recon.runfolder import RunPlan
 from recon.settings import Settings, given_tree, merged, to_toml, updated
@@ -44,6 +45,8 @@ class Job:
 
     def __post_init__(self) -> None:
         KINDS.check(self.kind)
+        check_type("settings", self.settings, Settings)
+        check_number("seed", self.seed, low=0)
         object.__setattr__(self, "inputs", tuple(Path(path) for path in self.inputs))
 
     def resolved(self) -> Self:

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_finite, check_shape
+from recon.errors import InputError, as_numbers, check_finite, check_number, check_shape, check_type
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits
 from recon.voxelmap.channels import Channel, Scan
@@ -44,14 +44,16 @@ class VoxelMap:
     def __init__(
         self, cell_size: float = 1.0, *, channels: Iterable[str] = (), ray_margin: float = 0.0
     ) -> None:
-        if not (np.isfinite(cell_size) and cell_size > 0):
-            raise InputError(f"cell_size is {cell_size}, but a positive number is needed")
-        if not (np.isfinite(ray_margin) and ray_margin >= 0):
-            raise InputError(f"ray_margin is {ray_margin}, but zero or more cells are needed")
+        check_number("cell_size", cell_size, above=0)
+        check_number("ray_margin", ray_margin, low=0)
         self.cell_size = float(cell_size)
         self.ray_margin = float(ray_margin)
         self._hits = CellTable(hits.NARROW)
         self._channels = {name: self._channel(name) for name in sorted(set(channels))}
+
+    def __repr__(self) -> str:
+        kept = f", keeps {', '.join(self.channels)}" if self.channels else ""
+        return f"VoxelMap({self.num_cells} cells of {self.cell_size:g}{kept})"
 
     def _channel(self, name: str) -> Channel:
         match name:
@@ -99,6 +101,7 @@ class VoxelMap:
             For points that are not finite or out of reach, and where a channel lacks what it
             needs; the map is then as before.
         """
+        check_type("cloud", cloud, PointCloud)
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
         self._check_reach(points)
         scan = Scan(cloud=replace(cloud, points=points), origin=_eye(origin), view=view)
@@ -111,6 +114,7 @@ class VoxelMap:
 
     def merge(self, other: "VoxelMap") -> None:
         """Add all that another map of the same cells and channels holds; it stays as it is."""
+        check_type("other", other, VoxelMap)
         for name in ("cell_size", "channels"):
             theirs, ours = getattr(other, name), getattr(self, name)
             if theirs != ours:
@@ -122,6 +126,7 @@ class VoxelMap:
 
     def occupied(self, min_count: int = 5) -> Voxels:
         """The cells with at least `min_count` points, ordered by x, then y, then z."""
+        check_number("min_count", min_count)
         chosen = np.flatnonzero(self._hits.used["count"] >= min_count)
         return self._voxels(chosen[order_of(self._hits.rows["index"][chosen])])
 
@@ -263,7 +268,7 @@ class VoxelMap:
 def _eye(origin: ArrayLike | None) -> NDArray[np.float64] | None:
     if origin is None:
         return None
-    eye = np.asarray(origin, dtype=np.float64)
+    eye = as_numbers("origin", origin)
     check_shape("origin", eye, (3,))
     check_finite("origin", eye)
     return eye

@@ -15,6 +15,7 @@ from recon.settings.settings import Settings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 from recon.world.eyes import Eye, eye_of, eyes_of, left_pose, rectified, rig_of
 from recon.world.frames import export_frame
+from recon.world.library import find_scene
 from recon.world.objects import TrueObject, is_ground, true_objects
 from recon.world.panes import front_camera, top_camera
 from recon.world.rays import RayScene
@@ -80,9 +81,10 @@ class World:
             self._object_of[list(found.visuals)] = found.id
 
     @classmethod
-    def from_file(cls, path: str | Path, settings: Settings) -> "World":
-        """The world of a geometry file."""
-        return cls(read_scene(path), settings.eyes, settings.render, settings.world)
+    def from_file(cls, path: str | Path, settings: Settings | None = None) -> "World":
+        """The world of a geometry file, or of a scene that ships, by its name."""
+        chosen = settings or Settings()
+        return cls(read_scene(find_scene(path)), chosen.eyes, chosen.render, chosen.world)
 
     def start(self) -> View:
         """Where the agent begins: the middle of the floor, looking along -z."""

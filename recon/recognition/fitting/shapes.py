@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_shape
+from recon.errors import InputError, as_numbers, check_shape
 from recon.recognition.fitting.axial_shapes import AxialModel
 from recon.recognition.fitting.flat_shapes import BoxModel, PlaneModel
 from recon.recognition.fitting.least_squares import minimise
@@ -108,7 +108,7 @@ class _Sample:
 
 
 def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample | FitFailure:
-    cloud = np.asarray(points, dtype=np.float64)
+    cloud = as_numbers("points", points)
     check_shape("points", cloud, (None, 3))
     share = np.ones(len(cloud)) if weights is None else np.asarray(weights, dtype=np.float64)
     check_shape("weights", share, (len(cloud),))

@@ -1,0 +1,147 @@
+"""The functions of `import recon` that join several rooms."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+from recon.exploration.agent import Exploration, Step
+from recon.exploration.agent import explore as lead
+from recon.mapping.mapper import Mapper
+from recon.recognition import recognise as name_objects
+from recon.recognition import recognise_cloud
+from recon.recognition.clouds import Up
+from recon.records import PointCloud, Recognition, Reconstruction, Voxels
+from recon.runs.job import Job
+from recon.sequences import open_sequence as open_pairs
+from recon.sequences.frames import DerivedSource
+from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
+from recon.settings.keywords import by_keyword
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
+from recon.world.world import World
+
+
+def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
+    """The pairs of a recording, read one at a time as they are asked for.
+
+    Parameters
+    ----------
+    path : path
+        A folder, video, bag or pair of images in any form that `recon reconstruct` reads.
+    settings
+        As the options of the command line: ``poses="estimated"``, ``every=2``, ``format="kitti"``.
+
+    Returns
+    -------
+    iterable of StereoPair
+        Rectified, with poses where they are known, and the search range where it is stated.
+    """
+    return open_pairs(checked_path(path), by_keyword(**settings).sequence)
+
+
+def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
+    """Reconstruct what a recording saw.
+
+    Parameters
+    ----------
+    path : path
+        As for `open_sequence`.
+    settings
+        Values by name: ``max_disparity=60``, ``map={"cell_size": 0.1}``, ``quality="fast"``,
+        ``settings=Settings(...)``. What is not given follows from the recording.
+
+    Returns
+    -------
+    Reconstruction
+        `map`, its occupied `voxels`, `objects`, `trajectory`.
+    """
+    given = by_keyword(**settings)
+    job = Job(kind="reconstruct", inputs=(checked_path(path),), settings=given).resolved()
+    mapper = Mapper(job.settings)
+    for pair in open_pairs(job.inputs[0], job.settings.sequence):
+        mapper.process(pair)
+    mapper.finish()
+    return mapper.reconstruction()
+
+
+def explore(
+    source: World,
+    settings: Settings | None = None,
+    controller: str | None = None,
+    *,
+    observe: Callable[[Step], None] | None = None,
+) -> Exploration:
+    """Let a controller explore a world by itself.
+
+    Parameters
+    ----------
+    source : World
+        What is explored.
+    settings : Settings, optional
+        What is not given is the explorer's own: fast matching of disparities round zero.
+    controller : str, optional
+        "frontier", "thesis" or the name of a plug-in; that of the settings where not given.
+    observe : callable, optional
+        Called with every `Step`.
+
+    Returns
+    -------
+    Exploration
+        Its `reconstruction` holds map, objects and trajectory; whole, whatever ended it.
+    """
+    chosen = by_keyword(settings)
+    if controller is not None:
+        chosen = updated(chosen, {"exploration": {"controller": controller}})
+    return lead(source, explorers(chosen), observe)
+
+
+def explorers(settings: Settings) -> Settings:
+    """The settings with the explorer's own values where none was given."""
+    return updated(Settings(), merged(EXPLORER_BASE, given_tree(settings)))
+
+
+def recognise(
+    data: VoxelMap | Voxels | PointCloud,
+    catalogue: str | Path | None = None,
+    up: Up = "y",
+    **settings: Any,
+) -> Recognition:
+    """Find and name the objects of a map or a cloud.
+
+    Parameters
+    ----------
+    data : VoxelMap, Voxels or PointCloud
+    catalogue : str or path, optional
+        A TOML file of names and their rules, or the name of one that ships.
+    up : {"y", "-y", "z", "-z"}
+        The direction that is up in `data`.
+    settings
+        Values by name, as for `reconstruct`.
+
+    Returns
+    -------
+    Recognition
+        `objects`, and a `label` for each cell or point.
+    """
+    if catalogue is not None:
+        settings["recognition.catalogue"] = str(catalogue)
+    chosen = by_keyword(**settings)
+    if isinstance(data, VoxelMap):
+        data = occupied(data, chosen.map)
+    if isinstance(data, Voxels):
+        if up == "y":
+            return name_objects(data, chosen.recognition)
+        data = PointCloud(points=data.means, colours=data.colours)
+    if not isinstance(data, PointCloud):
+        raise InputError(
+            f"data is a {type(data).__name__}, but a VoxelMap, Voxels or a PointCloud is needed"
+        )
+    return recognise_cloud(data, chosen.recognition, up)
+
+
+def checked_path(path: str | Path) -> Path:
+    """The path, or `InputError` for what is not one."""
+    if not isinstance(path, str | Path):
+        raise InputError(f"path is {path!r}, but a path is needed")
+    return Path(path)

@@ -1,0 +1,125 @@
+"""`import recon`: what Python callers are given, what it says of itself, and what it refuses."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import recon
+from recon.settings import MatchingSettings
+from recon.settings.keywords import by_keyword
+
+PAIR = Path(__file__).parents[1] / "data" / "motorcycle"
+RIG = recon.StereoRig(
+    width=8, height=6, focal_px=10.0, cx_left_px=3.5, cx_right_px=3.5, cy_px=2.5, baseline=0.1
+)
+IMAGE = np.zeros((6, 8), np.uint8)
+CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.uint8))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: recon.VoxelMap("x"), "cell_size is 'x', but a number over 0 is needed"),
+        (lambda: recon.VoxelMap(None), "cell_size is None"),
+        (lambda: recon.VoxelMap(float("nan")), "cell_size is nan"),
+        (lambda: recon.VoxelMap(0), "cell_size is 0"),
+        (lambda: recon.VoxelMap(True), "cell_size is True"),
+        (lambda: recon.VoxelMap().insert(None), "cloud is of type NoneType"),
+        (lambda: recon.VoxelMap().insert(np.zeros((3, 3))), "PointCloud is needed"),
+        (lambda: recon.VoxelMap().insert(CLOUD, origin="here"), "origin is 'here'"),
+        (lambda: recon.VoxelMap().merge("map"), "other is of type str"),
+        (lambda: recon.VoxelMap().occupied("many"), "min_count is 'many'"),
+        (lambda: recon.PointCloud(points=[[0, 0, 0]], colours=None), "points is a list"),
+        (lambda: recon.PointCloud(points=CLOUD.points, colours="red"), "colours is a str"),
+        (lambda: recon.View(position="here", target=(0, 0, 0)), "position is 'here'"),
+        (lambda: recon.View(position=(0, 0), target=(0, 0, 0)), "position has shape"),
+        (lambda: recon.View(position=(0, 0, 0), target=None), "target"),
+        (lambda: recon.View(position=(0, 0, 0), target=(0, 0, 1), near="x"), "near is 'x'"),
+        (lambda: recon.StereoPair(left="a.png", right="b.png", rig=RIG), "left image is of type"),
+        (lambda: recon.StereoPair(left=IMAGE, right=IMAGE, rig=None), "rig is of type NoneType"),
+        (
+            lambda: recon.StereoPair(left=IMAGE, right=IMAGE, rig=RIG, stamp_s=float("nan")),
+            "stamp_s is nan",
+        ),
+        (
+            lambda: recon.StereoPair(left=IMAGE, right=IMAGE, rig=RIG, T_world_left="here"),
+            "T_world_left",
+        ),
+        (lambda: recon.match_pair(IMAGE, None), "right image is of type NoneType"),
+        (lambda: recon.match_pair(IMAGE, IMAGE, max_disparity="64"), "max_disparity is of type"),
+        (lambda: recon.match_pair(IMAGE, IMAGE, max_disparity=-1), "below min_disparity"),
+        (lambda: recon.match_pair(IMAGE, IMAGE, quality="good"), "quality is 'good'"),
+        (lambda: recon.process_pair("pair", recon.Settings(), recon.VoxelMap()), "pair is of"),
+        (lambda: recon.Mapper("fast"), "settings is of type str"),
+        (lambda: recon.Mapper().process(None), "pair is of type NoneType"),
+        (lambda: recon.Settings(stereo={}), "stereo"),
+        (lambda: MatchingSettings(max_disparity="far"), "max_disparity is 'far'"),
+        (lambda: recon.Job(kind="dance"), "kind of job is 'dance'.*nearest"),
+        (lambda: recon.Job(kind="explore", settings="fast"), "settings is of type str"),
+        (lambda: recon.Job(kind="explore", seed=-1), "seed is -1"),
+        (lambda: recon.reconstruct(None), "path is None"),
+        (lambda: recon.reconstruct("nowhere"), "nowhere does not exist"),
+        (lambda: recon.open_sequence(PAIR, evry=2), "evry is unknown; .*every"),
+        (lambda: recon.recognise("map.npz"), "data is a str"),
+        (lambda: recon.recognise(CLOUD, up="x"), "up is 'x'"),
+        (lambda: recon.fit("points"), "points"),
+    ],
+)
+def test_what_cannot_be_used_is_named(call, message):
+    with pytest.raises(recon.InputError, match=message):
+        call()
+
+
+def test_what_there_is_says_what_it_is():
+    voxel_map = recon.VoxelMap(0.5, channels=["views"])
+    assert repr(voxel_map) == "VoxelMap(0 cells of 0.5, keeps views)"
+    assert repr(CLOUD) == "PointCloud(3 points)"
+    assert repr(recon.Matches.none()) == "Matches(0 pairs, disparities - to - px)"
+    pair = recon.StereoPair(left=IMAGE, right=IMAGE, rig=RIG)
+    assert repr(pair) == "StereoPair(pair: 8 x 6 grey, without a pose, 0 s)"
+    assert "0 pairs" in repr(recon.Mapper())
+
+
+def test_keywords_are_settings_by_stage_or_by_their_own_name():
+    assert by_keyword(max_disparity=60).matching.max_disparity == 60
+    assert by_keyword(matching={"max_disparity": 60}).matching.max_disparity == 60
+    assert by_keyword(**{"matching.max_disparity": 60}).matching.max_disparity == 60
+    assert by_keyword(matching=MatchingSettings(keep=5)).matching.keep == 5
+    mixed = by_keyword(recon.Settings(), quality="fast", every=3)
+    assert (mixed.features.share, mixed.sequence.every) == (0.05, 3)
+    with pytest.raises(recon.InputError, match="several stages"):
+        by_keyword(max_sigma=1.0)
+
+
+def test_what_is_not_given_follows_from_the_kind_and_what_is_stays():
+    job = recon.Job(kind="worlds", arguments={"worlds": 1})
+    resolved = job.resolved().settings
+    assert (resolved.matching.min_disparity, resolved.matching.max_disparity) == (-10, 20)
+    assert (resolved.features.share, resolved.matching.cross_check) == (0.05, "exact")
+    own = recon.Job(kind="worlds", settings=by_keyword(share=0.1, min_disparity=0))
+    resolved = own.resolved().settings
+    assert (resolved.features.share, resolved.matching.min_disparity) == (0.1, 0)
+    assert resolved.matching.max_disparity == 20
+
+
+def num_points(settings):
+    voxel_map = recon.VoxelMap(0.1)
+    for pair in recon.open_sequence(PAIR):
+        result = recon.process_pair(pair, settings, voxel_map)
+    return len(result.cloud)
+
+
+def test_the_search_range_that_a_recording_states_is_searched():
+    stated = num_points(by_keyword(quality="fast"))
+    assert stated == num_points(by_keyword(quality="fast", max_disparity=70, min_disparity=0))
+    assert num_points(by_keyword(quality="fast", max_disparity=20)) < 0.6 * stated
+
+
+def test_a_folder_becomes_a_map():
+    done = recon.reconstruct(PAIR, quality="fast")
+    assert done.map.num_cells > 1000
+    assert len(done.voxels) > 500
+    assert len(done.trajectory) == 1
+    assert "occupied cells" in repr(done)
+    assert all(found.views == 1 for found in done.objects)
