@@ -11,15 +11,37 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @click.command(epilog="Example: recon export runs/village/map.npz village.glb")
 @click.argument("source", metavar="IN", type=PATH)
 @click.argument("target", metavar="OUT", type=PATH)
-@click.option("--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Only what lies inside; world units.")
+@click.option("--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Only what lies inside; axes of IN.")
+@click.option("--up", type=click.Choice(["y", "z"]), help="The axis that is up in OUT.")
+@click.option(
+    "--sample",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="N points of a cloud, or evenly over the triangles of a mesh.",
+)
+@click.option(
+    "--columns",
+    metavar="NAME,...",
+    help="Columns of a table of text, as x,y,z,intensity; _ is passed over.",
+)
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)
-def export(source: Path, target: Path, **given: Any) -> None:
-    """Write a map or a cloud in another format, by the ending of OUT."""
+def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
+    """Write a map, a cloud or a mesh in another format, by the ending of OUT."""
     start_logging(given)
-    from recon.runs.clouds import export_run
+    from recon.runs.export import Selection, export_run
 
-    report = export_run(source, target, box=parse_box(given["box"]), overwrite=given["overwrite"])
+    report = export_run(
+        source,
+        target,
+        selection=Selection(
+            box=parse_box(given["box"]),
+            columns=given["columns"] and given["columns"].split(","),
+            sample=given["sample"],
+        ),
+        up=given["up"],
+        overwrite=given["overwrite"],
+    )
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:

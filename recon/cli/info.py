@@ -1,23 +1,64 @@
 """`recon info`."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+
+_INDENT = "  "
 
 
 @click.command(epilog="Example: recon info runs/village")
 @click.argument("file", type=PATH)
 @with_options(OUTPUT)
 def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
-    """Say what a run folder, map, cloud, scene, sequence or image is."""
+    """Say what anything is that recon reads or writes: a run, recording, cloud, map, mesh, ..."""
     start_logging({"quiet": quiet, "verbose": verbose})
-    from recon.runs.info import describe
+    from recon.runs.description import describe
+    from recon.runs.outputs import as_document
 
-    facts = describe(file)
+    facts = as_document(describe(file))
     if as_json:
         print_json(facts)
     elif not quiet:
-        for name, value in facts.items():
-            click.echo(f"{name:16} {value}")
+        facts.pop("warnings")
+        click.echo("\n".join(lines(facts)))
+
+
+def lines(facts: Mapping[str, Any], indent: str = "") -> Iterator[str]:
+    """Facts as lines: a word or number beside its name, tables and mappings below theirs."""
+    for name, value in facts.items():
+        if isinstance(value, dict) and value:
+            yield f"{indent}{name}"
+            yield from lines(value, indent + _INDENT)
+        elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
+            yield f"{indent}{name}"
+            yield from (indent + _INDENT + line for line in table(value))
+        else:
+            yield f"{indent}{name:20} {shown(value)}"
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Rows under the names of their columns, each as wide as its widest value."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    cells = [names, *([shown(row.get(name)) for name in names] for row in rows)]
+    widths = [max(len(line[n]) for line in cells) for n in range(len(names))]
+    for line in cells:
+        padded = (f"{cell:{width}}" for cell, width in zip(line, widths, strict=True))
+        yield "  ".join(padded).rstrip()
+
+
+def shown(value: Any) -> str:
+    """One value as people read it."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(shown, value)) or "none"
+    return str(value) if value != {} else "none"

@@ -3,13 +3,15 @@
 import json
 import logging
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import click
 
 import recon
+from recon.files import memory_limit
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
@@ -31,7 +33,35 @@ class PositiveNumber(click.FloatRange):
         return number
 
 
+class MemorySize(click.ParamType[Any]):
+    """Bytes, as "4GB", "500 MB" or a plain number of bytes."""
+
+    name = "SIZE"
+    _units: ClassVar[dict[str, int]] = {"": 1, "kb": 1 << 10, "mb": 1 << 20, "gb": 1 << 30}
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The bytes that `value` says."""
+        match = re.fullmatch(r"([0-9.]+) *([kmg]?b?)", str(value).strip().lower())
+        unit = match[2].rstrip("b") + "b" if match and match[2] else ""
+        try:
+            return int(float(match[1] if match else "") * self._units.get(unit, 1))
+        except (ValueError, OverflowError):
+            self.fail(f"{value!r}, but a size as 4GB is needed.", param, ctx)
+
+
+def _allow_memory(ctx: click.Context, _: click.Parameter, num_bytes: int | None) -> None:
+    if num_bytes is not None:
+        ctx.with_resource(memory_limit(num_bytes))
+
+
 OUTPUT = [
+    click.option(
+        "--max-memory",
+        type=MemorySize(),
+        callback=_allow_memory,
+        expose_value=False,
+        help="What a file may unpack to; 4GB where not given.",
+    ),
     click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
     click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
     click.option("-v", "--verbose", is_flag=True, help="Say what is being done."),

@@ -1,5 +1,6 @@
 """Arrays by name, (N,) or (N, K), as single columns: clouds in files of numpy and Zarr."""
 
+import logging
 from collections.abc import Mapping
 from typing import Any
 
@@ -8,8 +9,9 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.exports.columns import RGB, XYZ, Columns
-from recon.exports.numbers import drop_columns
 from recon.exports.text import names_by_kind
+
+log = logging.getLogger(__name__)
 
 # What the arrays of points are called, by us and by others.
 _POINTS = ("points", "xyz", "pos", "positions", "vertices", "pc", "point_cloud", "pointcloud")
@@ -41,7 +43,8 @@ def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
             columns |= _split(name, values, names)
         else:
             columns |= {f"{name}_{n}": column for n, column in enumerate(values.T)}
-    drop_columns(dropped, "recon")
+    if dropped:
+        log.info("arrays that are not a value for every point are left out: %s", dropped)
     return columns
 
 

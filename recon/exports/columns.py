@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.exports.colours import colour_names, colours_of
-from recon.notices import notify
+from recon.exports.numbers import leave_out
 from recon.records import Crs, PointCloud, Voxels
 
 Columns = dict[str, NDArray[Any]]
@@ -67,8 +67,7 @@ def from_columns(
         Where x, y or z is missing, or a value cannot be what its name says.
     """
     texts = [name for name, values in columns.items() if values.dtype.kind not in "biuf"]
-    if texts:
-        notify("columns-dropped", f"columns that are not numbers are left out: {', '.join(texts)}")
+    leave_out(texts, "the table")
     numbers = {name: values for name, values in columns.items() if name not in texts}
     if {*INDEX, *XYZ, "count", "cell_size"} <= numbers.keys() and len(numbers["x"]):
         return _as_voxels(numbers)

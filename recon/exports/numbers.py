@@ -122,6 +122,12 @@ def held_columns(
 
 
 def drop_columns(names: Sequence[str], place: object) -> None:
-    """Say which columns are left out."""
+    """Say which columns a format does not get."""
     if names:
         notify("columns-dropped", f"{place}: cannot hold {', '.join(names)}; left out")
+
+
+def leave_out(names: Sequence[str], place: object) -> None:
+    """Say which columns of a file are not read."""
+    if names:
+        notify("columns-dropped", f"{place}: {', '.join(names)} are not numbers; left out")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
-from recon.exports.numbers import drop_columns
+from recon.exports.numbers import leave_out
 from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra
 
@@ -39,7 +39,7 @@ def read(path: Path) -> Columns:
     except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(f"not a whole Parquet file ({_one_line(error)})") from error
     kept = [name for name in found.column_names if _is_number(arrow, found.schema.field(name))]
-    drop_columns([name for name in found.column_names if name not in kept], path)
+    leave_out([name for name in found.column_names if name not in kept], path)
     return {name: _values(arrow, found.column(name)) for name in kept}
 
 

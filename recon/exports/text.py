@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import XYZ, Columns
 from recon.exports.format import Format, table
-from recon.exports.numbers import drop_columns, held_columns, parsed
+from recon.exports.numbers import drop_columns, held_columns, leave_out, parsed
 from recon.files import atomic_path, check_memory
 
 _COMMENTS = (b"#", b"//", b"%", b"!")
@@ -23,6 +23,10 @@ _WORD = re.compile(r"[^\s,;]+")
 _RGB = ("red", "green", "blue")
 _NORMAL = ("nx", "ny", "nz")
 _CHUNK_ROWS = 1 << 16
+
+_HEADER_LINES, _MAX_LINE_BYTES = 20, 10_000
+_TURNS = {"qw", "q_w", "qx", "q_x"}
+"""Columns of a trajectory."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +67,7 @@ def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
     names = names or names_by_kind(values)
     if len(names) != values.shape[1] + len(texts):
         raise InputError(f"a row has {values.shape[1]} values, but {len(names)} are named")
-    drop_columns([names[n] for n in texts if names[n] != _SKIPPED], "recon")
+    leave_out([names[n] for n in texts if names[n] != _SKIPPED], path)
     numbers = [name for n, name in enumerate(names) if n not in texts]
     return {
         name: _typed(values[:, n], name, found.rows)
@@ -87,6 +91,14 @@ def _split(content: bytes) -> _Table:
     if separator in (";", "\t") and rows and b"," in rows[0] and b"." not in rows[0]:
         rows = [row.replace(b",", b".") for row in rows]
     return _Table(names=names, rows=rows, separator=separator, claimed=claimed)
+
+
+def names_points(path: Path) -> bool:
+    """Whether the first lines of a table name x, y and z, and nothing that turns."""
+    with path.open("rb") as file:
+        lines = [file.readline(_MAX_LINE_BYTES) for _ in range(_HEADER_LINES)]
+    names = next((n for line in lines if (n := _header_names(line))), ())
+    return bool(names) and not _TURNS & {name.lower() for name in names}
 
 
 def _header_names(line: bytes) -> tuple[str, ...] | None:

@@ -264,6 +264,12 @@ def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
         return sorted({c.topic for c in reader.connections if c.msgtype in types})
 
 
+def connections(path: Path) -> list[tuple[str, str, int]]:
+    """Every topic of a bag, sorted, with the type and the number of its messages."""
+    with _opened(path) as reader:
+        return sorted((c.topic, c.msgtype, int(c.msgcount)) for c in reader.connections)
+
+
 def _messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
     """(topic, time of the bag in ns, message) in the order of the bag."""
     with _opened(path) as reader:

@@ -1,0 +1,107 @@
+"""Maps, clouds and meshes from files, written in other formats."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.exports.format import Data, Up
+from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
+from recon.exports.turning import R_YUP_ZUP, turned_points
+from recon.notices import collected_notices, notify
+from recon.records import Mesh, PointCloud
+from recon.runfolder import MANIFEST
+
+Box = tuple[tuple[float, ...], tuple[float, ...]]
+_NAV2 = (".pgm", ".yaml", ".yml")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Selection:
+    """What of a file is exported, and how it is read."""
+
+    box: Box | None = None
+    """Low and high corner, in the axes of the source."""
+    columns: Sequence[str] | None = None
+    """Names of the columns of a table of text."""
+    sample: int | None = None
+    """Points drawn from a cloud or from the triangles of a mesh."""
+
+
+def export_run(
+    source: Path,
+    target: Path,
+    *,
+    selection: Selection | None = None,
+    up: Up | None = None,
+    overwrite: bool = False,
+) -> dict[str, Any]:
+    """Write what `source` holds in the format that the ending of `target` names.
+
+    Parameters
+    ----------
+    source : Path
+        A file, or a run folder, of which the map is taken.
+    up : "y" or "z", optional
+        The axis that is up in `target`; the format's own where not given.
+
+    Returns
+    -------
+    dict
+        The document of `recon export --json`.
+    """
+    source = source / "map.npz" if (source / MANIFEST).is_file() else source
+    form = format_of(target)
+    files = _files(target)
+    for path in files:
+        if path.exists() and not overwrite:
+            raise InputError(f"{path} exists; give --overwrite or another name")
+    with collected_notices() as notices:
+        selection = selection or Selection()
+        data = _read(source, target, selection)
+        up_in, up_out = format_of(source).up, up or form.up
+        if (up_in, up_out) == ("z", "y"):
+            notify("turned-to-y-up", f"{target}: (x, y, z) of {source} is written as (x, z, -y)")
+        box = selection.box and _in_world(selection.box, up_in)
+        write(data, target, box=box, up=up)
+    parts = [path for path in target.rglob("*") if path.is_file()] or files
+    return {
+        "output": str(target),
+        "up": up_out,
+        "bytes": sum(path.stat().st_size for path in parts),
+        _counted(data): len_of(data),
+        "warnings": [notice.as_json() for notice in notices],
+    }
+
+
+def _read(source: Path, target: Path, selection: Selection) -> Data:
+    """Triangles where both sides know them and no sample is asked for; else points or cells."""
+    if selection.sample is None and format_of(target).write_mesh and holds_mesh(source):
+        return read_mesh(source)
+    return read_silently(source, columns=selection.columns, sample=selection.sample)
+
+
+def _in_world(box: Box, up: Up) -> Box:
+    """A box of a file in the world, which has y up."""
+    if up == "y":
+        return box
+    corners = turned_points(np.array(box, np.float64), R_YUP_ZUP)
+    return tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
+
+
+def _files(target: Path) -> list[Path]:
+    """What is written: an image and its description together, otherwise one file."""
+    if target.suffix.lower() not in _NAV2:
+        return [target]
+    is_image = target.suffix.lower() == ".pgm"
+    description = target.with_suffix(".yaml") if is_image else target
+    return [target.with_suffix(".pgm"), description]
+
+
+def _counted(data: Data) -> str:
+    if isinstance(data, Mesh):
+        return "num_triangles"
+    return "num_points" if isinstance(data, PointCloud) else "num_cells"
