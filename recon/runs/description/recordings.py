@@ -9,7 +9,8 @@ from recon.runs.description.facts import Facts, spread
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_pixels
 from recon.sequences.open import open_sequence
-from recon.sequences.readers.bag import connections, is_bag
+from recon.sequences.readers.bag import is_bag
+from recon.sequences.readers.bag_file import connections
 from recon.sequences.truth import read_truth_file
 from recon.settings import SequenceSettings
 from recon.world.scene import read_scene

@@ -1,10 +1,7 @@
 """ROS 1 and ROS 2 bags (with the extra `ros`): two image topics, paired by their time stamps."""
 
 import re
-import sqlite3
-import struct
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -12,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
-from recon.libraries import load_extra
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration
 from recon.sequences.calibration.files import read_calibration
@@ -20,6 +16,7 @@ from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.depth import Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.poses import GivenPoses
+from recon.sequences.readers.bag_file import opened, read_messages, topics_of
 from recon.sequences.readers.bag_messages import (
     CAMERA_TYPE,
     IMAGE_TYPES,
@@ -47,9 +44,6 @@ MAX_WAITING = 64
 
 NUM_FIRST = 8
 """Messages of whose images the first of each side tells size and levels."""
-_DAMAGE = (ValueError, KeyError, IndexError, TypeError, AssertionError, EOFError, struct.error)
-"""What a reader of damaged bags raises."""
-
 Messages = dict[str, Any]
 """The messages of one moment, by their side."""
 
@@ -64,11 +58,11 @@ def is_bag(path: Path) -> bool:
 def open_bag(path: Path, settings: SequenceSettings) -> Recording:
     """The recording in a bag; calib.* and poses.txt beside it come before what it holds."""
     images = image_topics(path, settings)
-    stream = _messages(path, [*images.values()])
+    stream = read_messages(path, [*images.values()])
     first = {topic: message for topic, _, message in islice(stream, NUM_FIRST)}
     for topic in images.values():
         if topic not in first:
-            first[topic] = next((m for _, _, m in _messages(path, [topic])), None)
+            first[topic] = next((m for _, _, m in read_messages(path, [topic])), None)
         if first[topic] is None:
             raise InputError(f"{path} holds no images of the topic {topic}")
     samples = {topic: image(message) for topic, message in first.items()}
@@ -121,12 +115,12 @@ class _BagFrames:
     wanted: slice
 
     def __len__(self) -> int:
-        with _opened(self.path) as reader:
+        with opened(self.path) as reader:
             lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
         return len(range(int(sum(lefts)))[self.wanted])
 
     def __getitem__(self, part: slice) -> "_BagFrames":
-        with _opened(self.path) as reader:
+        with opened(self.path) as reader:
             lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
         rows = range(int(sum(lefts)))[self.wanted][part]
         return replace(self, wanted=slice(rows.start, rows.stop, rows.step))
@@ -135,7 +129,7 @@ class _BagFrames:
         sides = {topic: side for side, topic in self.topics.items()}
         stream = (
             (sides[topic], stamp_ns(message) or received, message)
-            for topic, received, message in _messages(self.path, [*sides])
+            for topic, received, message in read_messages(self.path, [*sides])
         )
         rows = self.wanted
         for stamp, messages in islice(paired(stream), rows.start, rows.stop, rows.step):
@@ -182,7 +176,9 @@ def _calibration(path: Path, images: dict[str, str]) -> Calibration:
             raise InputError(
                 f"{path} holds no camera info, and no calib.* lies beside it"
             ) from error
-    left, right = (next((m for _, _, m in _messages(path, [str(infos[s])])), None) for s in SIDES)
+    left, right = (
+        next((m for _, _, m in read_messages(path, [str(infos[s])])), None) for s in SIDES
+    )
     if left is None or right is None:
         raise InputError(f"{path} holds no camera info, and no calib.* lies beside it")
     return calibration_of(left, right, is_rectified="rect" in images["left"])
@@ -256,47 +252,6 @@ def _likelihood(topic: str) -> tuple[bool, bool, str]:
     """A sorting key: rectified images before raw ones, depth and masks last."""
     name = topic.lower()
     return any(word in name for word in ("depth", "mask", "disparity")), "rect" not in name, topic
-
-
-def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
-    """Names of the topics of a bag that carry some types, sorted."""
-    with _opened(path) as reader:
-        return sorted({c.topic for c in reader.connections if c.msgtype in types})
-
-
-def connections(path: Path) -> list[tuple[str, str, int]]:
-    """Every topic of a bag, sorted, with the type and the number of its messages."""
-    with _opened(path) as reader:
-        return sorted((c.topic, c.msgtype, int(c.msgcount)) for c in reader.connections)
-
-
-def _messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
-    """(topic, time of the bag in ns, message) in the order of the bag."""
-    with _opened(path) as reader:
-        wanted = [c for c in reader.connections if c.topic in topics]
-        for connection, received, data in reader.messages(connections=wanted) if wanted else ():
-            yield connection.topic, received, reader.deserialize(data, connection.msgtype)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """An open reader; what it cannot read is an `InputError`."""
-    highlevel = load_extra("rosbags.highlevel", "ros")
-    faults = (highlevel.AnyReaderError, sqlite3.Error, OSError, *_DAMAGE)
-    try:
-        with highlevel.AnyReader([path], default_typestore=_usual_types()) as reader:
-            yield reader
-    except InputError:
-        raise
-    except faults as error:
-        reason = str(error).partition("\n")[0]
-        raise InputError(f"{path} cannot be read as a bag ({reason})") from error
-
-
-def _usual_types() -> Any:
-    """Definitions of messages for bags of ROS 2 that bring none."""
-    typesys = load_extra("rosbags.typesys", "ros")
-    return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
 
 
 READER = Reader(fits=is_bag, open=open_bag)

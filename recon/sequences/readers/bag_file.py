@@ -1,0 +1,55 @@
+"""The topics and messages of a bag, of ROS 1 or 2, opened by rosbags."""
+
+import sqlite3
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+from recon.libraries import load_extra
+
+_DAMAGE = (ValueError, KeyError, IndexError, TypeError, AssertionError, EOFError, struct.error)
+"""What a reader of damaged bags raises."""
+
+
+def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
+    """Names of the topics of a bag that carry some types, sorted."""
+    with opened(path) as reader:
+        return sorted({c.topic for c in reader.connections if c.msgtype in types})
+
+
+def connections(path: Path) -> list[tuple[str, str, int]]:
+    """Every topic of a bag, sorted, with the type and the number of its messages."""
+    with opened(path) as reader:
+        return sorted((c.topic, c.msgtype, int(c.msgcount)) for c in reader.connections)
+
+
+def read_messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
+    """(topic, time of the bag in ns, message) in the order of the bag."""
+    with opened(path) as reader:
+        wanted = [c for c in reader.connections if c.topic in topics]
+        for connection, received, data in reader.messages(connections=wanted) if wanted else ():
+            yield connection.topic, received, reader.deserialize(data, connection.msgtype)
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """An open reader; what it cannot read is an `InputError`."""
+    highlevel = load_extra("rosbags.highlevel", "ros")
+    faults = (highlevel.AnyReaderError, sqlite3.Error, OSError, *_DAMAGE)
+    try:
+        with highlevel.AnyReader([path], default_typestore=_usual_types()) as reader:
+            yield reader
+    except InputError:
+        raise
+    except faults as error:
+        reason = str(error).partition("\n")[0]
+        raise InputError(f"{path} cannot be read as a bag ({reason})") from error
+
+
+def _usual_types() -> Any:
+    """Definitions of messages for bags of ROS 2 that bring none."""
+    typesys = load_extra("rosbags.typesys", "ros")
+    return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
