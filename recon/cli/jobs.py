@@ -50,6 +50,7 @@ def do_job(
         report = execute(
             job, given.get("output"), events,
             overwrite=given.get("overwrite", False), resume=given.get("resume", False),
+            num_workers=given.get("num_workers") or 1,
         )  # fmt: skip
     if given["as_json"]:
         print_json(report.as_json())

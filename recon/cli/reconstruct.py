@@ -30,6 +30,7 @@ def parse_roi(
 @click.option("--poses", "sequence__poses", type=click.Choice(["given", "estimated", "none"]))
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
+@click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from recon.errors import check_type
 from recon.mapping.consistency import Consistency, Witness
-from recon.mapping.pair import insert, match_points
+from recon.mapping.pair import PairResult, insert, match_points
 from recon.mapping.views import CellCounts, count_cells, with_views
 from recon.recognition import recognise
 from recon.records import (
@@ -111,11 +111,18 @@ class Mapper:
             "confirmed_distance_median": self.consistency.median_distance,
         }
 
-    def process(self, pair: StereoPair) -> list[Step]:
-        """Take the next pair; the steps whose points are now in the map."""
+    def process(self, pair: StereoPair, result: PairResult | None = None) -> list[Step]:
+        """Take the next pair; the steps whose points are now in the map.
+
+        Parameters
+        ----------
+        result : PairResult, optional
+            Its matches and points, where they were worked out already.
+        """
         check_type("pair", pair, StereoPair)
-        with self._stopwatch.stage("stereo"):
-            result = match_points(pair, self.settings)
+        if result is None:
+            with self._stopwatch.stage("stereo"):
+                result = match_points(pair, self.settings)
         step = Step(number=self.num_pairs, pair=pair, matches=result.matches, cloud=result.cloud)
         self._stamps_s.append(pair.stamp_s)
         self._poses.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)

@@ -19,6 +19,7 @@ def execute(
     *,
     overwrite: bool = False,
     resume: bool = False,
+    num_workers: int = 1,
 ) -> Report:
     """Do a job.
 
@@ -34,6 +35,8 @@ def execute(
         Replace an existing run.
     resume : bool
         Go on with a run that was cut; a finished one is left untouched, and its report read.
+    num_workers : int
+        Processes that may work at once, where the kind of job can use them.
 
     Returns
     -------
@@ -51,12 +54,12 @@ def execute(
         kind = KINDS.load(job.kind)
         path = folder or kind.folder(job)
         if path is None:
-            work = Work(events=events, stopwatch=stopwatch, folder=None)
+            work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
             return _reported(job, kind.run(job, work), notices)
         run = RunFolder.prepare(Path(path), job.plan(), overwrite=overwrite, resume=resume)
         if not run.is_finished:
             with run.opened():
-                work = Work(events=events, stopwatch=stopwatch, folder=run)
+                work = Work(events=events, stopwatch=stopwatch, folder=run, num_workers=num_workers)
                 numbers = kind.run(job, work)
                 run.seconds = dict.fromkeys(kind.stages, 0.0) | stopwatch.seconds
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)

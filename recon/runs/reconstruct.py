@@ -10,6 +10,7 @@ from recon.geometry import transform
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import Reconstruction, StereoPair
+from recon.runs.ahead import match_ahead
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs
@@ -71,8 +72,8 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = open_sequence(path, job.settings.sequence)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
-        for pair in source:
-            _note(mapper.process(pair), cloud, work)
+        for pair, result in match_ahead(source, job.settings, work):
+            _note(mapper.process(pair, result), cloud, work)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
     num_voxels = _write(mapper, work)

@@ -1,13 +1,15 @@
-"""Pairs that a run has taken, kept until it is finished, so that a cut run can go on."""
+"""Pairs and results of a run, kept until it is finished, so that a cut run can go on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from recon.camera import StereoRig
 from recon.files import atomic_path
-from recon.records import StereoPair
+from recon.mapping.pair import PairResult
+from recon.records import Matches, PointCloud, StereoPair
 
 RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
 
@@ -44,3 +46,38 @@ class SavedPairs:
                 rig=StereoRig(**whole, **values),
                 stamp_s=float(saved["stamp_s"]), name=str(saved["name"]),
             )  # fmt: skip
+
+
+@dataclass(slots=True, kw_only=True)
+class SavedResults:
+    """A folder of numbered results of pairs, which are not worked out again."""
+
+    folder: Path
+
+    def path(self, number: int) -> Path:
+        """Where the result of pair `number` is kept."""
+        return self.folder / f"{number:06d}.npz"
+
+    def __contains__(self, number: int) -> bool:
+        return self.path(number).exists()
+
+    def keep(self, number: int, result: PairResult) -> PairResult:
+        """Keep one result, whole; the same."""
+        arrays = {
+            f"{part}.{field.name}": array
+            for part in ("matches", "cloud")
+            for field in fields(getattr(result, part))
+            if isinstance(array := getattr(getattr(result, part), field.name), np.ndarray)
+        }
+        with atomic_path(self.path(number)) as path, path.open("wb") as stream:
+            np.savez(stream, allow_pickle=False, **arrays)
+        return result
+
+    def load(self, number: int) -> PairResult:
+        """The result of pair `number`."""
+        parts: dict[str, dict[str, Any]] = {"matches": {}, "cloud": {}}
+        with np.load(self.path(number), allow_pickle=False) as saved:
+            for name in saved.files:
+                part, _, field = name.partition(".")
+                parts[part][field] = saved[name]
+        return PairResult(matches=Matches(**parts["matches"]), cloud=PointCloud(**parts["cloud"]))

@@ -17,6 +17,8 @@ class Work:
     stopwatch: Stopwatch
     folder: RunFolder | None
     """The run folder, open; None where none is wanted."""
+    num_workers: int = 1
+    """Processes that may work at once; what comes of it does not depend on them."""
 
     def stage(self, name: str) -> AbstractContextManager[None]:
         """Count what happens inside for a stage."""

@@ -1,0 +1,86 @@
+"""Pairs matched ahead of the loop: read in a thread, matched by workers, given in their order."""
+
+import contextvars
+import itertools
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+from typing import TypeVar
+
+from recon.libraries import limit_threads
+from recon.mapping.pair import PairResult, match_points
+from recon.records import StereoPair
+from recon.runs.replay import SavedResults
+from recon.runs.work import Work
+from recon.settings import Settings
+
+Item = TypeVar("Item")
+Matched = tuple[StereoPair, PairResult]
+DEPTH = 2
+"""Pairs that are read ahead, and pairs in work for each worker."""
+
+
+def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
+    """The items of a source, in order, read in a thread while earlier ones are worked on."""
+    items, context = iter(source), contextvars.copy_context()
+
+    def read() -> list[Item]:
+        """The next item, in a list that is empty at the end."""
+        return context.run(lambda: list(itertools.islice(items, 1)))
+
+    with ThreadPoolExecutor(1) as reader:
+        waiting = deque(reader.submit(read) for _ in range(depth))
+        while item := waiting.popleft().result():
+            waiting.append(reader.submit(read))
+            yield item[0]
+
+
+def match_ahead(source: Iterable[StereoPair], settings: Settings, work: Work) -> Iterator[Matched]:
+    """Every pair with its matches and points, in order.
+
+    Results are kept until the run is finished, and those of a cut run taken from there. Whatever
+    the number of workers, they are the same, byte for byte.
+    """
+    saved, pairs = SavedResults(folder=work.run.partial), read_ahead(source)
+    if work.num_workers > 1:
+        yield from _in_processes(pairs, settings, saved, work)
+        return
+    for number, pair in enumerate(pairs):
+        if number in saved:
+            yield pair, saved.load(number)
+            continue
+        with work.stage("stereo"):
+            result = match_points(pair, settings)
+        yield pair, saved.keep(number, result)
+
+
+def _in_processes(
+    pairs: Iterator[StereoPair], settings: Settings, saved: SavedResults, work: Work
+) -> Iterator[Matched]:
+    working: deque[tuple[int, StereoPair, Future[PairResult] | None]] = deque()
+    with ProcessPoolExecutor(
+        work.num_workers, mp_context=get_context("spawn"), initializer=limit_threads, initargs=(1,)
+    ) as pool:
+        for number, pair in enumerate(pairs):
+            future = None if number in saved else pool.submit(match_points, pair, settings)
+            working.append((number, pair, future))
+            if len(working) == DEPTH * work.num_workers:
+                yield _settled(*working.popleft(), saved, work)
+        while working:
+            yield _settled(*working.popleft(), saved, work)
+
+
+def _settled(
+    number: int,
+    pair: StereoPair,
+    future: Future[PairResult] | None,
+    saved: SavedResults,
+    work: Work,
+) -> Matched:
+    """A pair with its result, once that is there."""
+    if future is None:
+        return pair, saved.load(number)
+    with work.stage("stereo"):
+        result = future.result()
+    return pair, saved.keep(number, result)

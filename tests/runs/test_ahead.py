@@ -1,0 +1,72 @@
+"""Pairs are matched ahead: in order, by any number of workers, and not twice."""
+
+import pytest
+
+from recon.cli import main
+from recon.runs import ahead
+from recon.runs.ahead import read_ahead
+
+FILES = ("map.npz", "cloud.ply", "objects.json", "trajectory.txt")
+
+
+def test_items_are_read_ahead_in_order_and_their_faults_come_out():
+    def source():
+        yield from range(5)
+        raise OSError("the disk went away")
+
+    got = []
+    with pytest.raises(OSError, match="the disk went away"):
+        got.extend(read_ahead(source()))
+    assert got in ([], list(range(5)))
+    assert list(read_ahead(range(5))) == list(range(5))
+    assert list(read_ahead([])) == []
+
+
+def test_no_more_is_read_than_asked_for():
+    read = []
+    pairs = read_ahead(read.append(i) or i for i in range(100))
+    assert [next(pairs), next(pairs)] == [0, 1]
+    pairs.close()
+    assert len(read) <= 2 + ahead.DEPTH + 1
+
+
+@pytest.fixture(scope="module")
+def drive(data_dir, tmp_path_factory):
+    run = tmp_path_factory.mktemp("ahead") / "whole"
+    argv = ["reconstruct", str(data_dir / "kitti_odometry" / "sequence_1"), "--every", "10",
+            "--quality", "fast", "-q"]  # fmt: skip
+    assert main([*argv, "-o", str(run)]) == 0
+    return argv, run
+
+
+def same(one, other):
+    return all((one / name).read_bytes() == (other / name).read_bytes() for name in FILES)
+
+
+@pytest.mark.data
+def test_two_workers_leave_the_bytes_of_one(drive, tmp_path):
+    argv, run = drive
+    assert main([*argv, "-j", "2", "-o", str(tmp_path / "two")]) == 0
+    assert same(run, tmp_path / "two")
+
+
+@pytest.mark.data
+def test_a_cut_run_goes_on_with_the_pair_it_was_cut_at(drive, tmp_path, monkeypatch):
+    argv, run = drive
+    matched = []
+
+    def cut(pair, settings):
+        if len(matched) == 3:
+            raise KeyboardInterrupt
+        matched.append(pair.name)
+        return whole(pair, settings)
+
+    whole = ahead.match_points
+    monkeypatch.setattr(ahead, "match_points", cut)
+    argv = [*argv, "-o", str(tmp_path / "cut")]
+    assert main(argv) == 130
+    monkeypatch.setattr(ahead, "match_points", lambda *a: matched.append("") or whole(*a))
+    assert main([*argv, "--resume"]) == 0
+    assert len(matched) == 6  # none twice
+    assert same(run, tmp_path / "cut")
+    assert not (tmp_path / "cut" / "partial").exists()
