@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     "--controller", "exploration__controller", help="frontier, thesis, or a plug-in's name."
 )
 @click.option("--recogniser", "recognition__recogniser", type=click.Choice(["robust", "thesis"]))
-@click.option("--renderer", "render__renderer", type=click.Choice(["raycast", "filament"]))
+@click.option("--renderer", "render__renderer", help="raycast, filament, or a plug-in's name.")
 @click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:

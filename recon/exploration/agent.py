@@ -1,79 +1,55 @@
 """The agent: view -> pair -> map -> state -> next view, until a controller or a limit ends it."""
 
 import logging
+import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from recon.errors import InputError, check_finite
 from recon.exploration.controllers import Controller, make_controller
-from recon.exploration.floor import Array
-from recon.exploration.memory import Memory
-from recon.exploration.metrics import Record, pairs_until_objects, path_bound
+from recon.exploration.explorable import Explorable
+from recon.exploration.floor import check_floor
+from recon.exploration.metrics import length_of, pairs_until_objects, path_between
+from recon.exploration.outcome import STOP_REASONS, Exploration, Step
+from recon.exploration.referee import referee_of
 from recon.exploration.state import State, Walk
-from recon.mapping import mapper
+from recon.exploration.world_model import WorldModel
 from recon.mapping.mapper import Mapper
 from recon.records import Recognition, Reconstruction, StereoPair, View
 from recon.settings import Settings
 from recon.stopwatch import Stopwatch
-from recon.voxelmap import VoxelMap
-from recon.world.world import World
 
 log = logging.getLogger(__name__)
-
-STOP_REASONS = ("all known", "nothing reachable", "limit", "controller failed", "interrupted")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step(mapper.Step):
-    """One pair of an exploration."""
-
-    view: View
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Exploration:
-    """What an exploration left."""
-
-    reconstruction: Reconstruction[VoxelMap]
-    recognition: Recognition
-    """Of the reconstruction's voxels."""
-    clearest: mapper.Step | None
-    """The step with most matches."""
-    views: tuple[View, ...]
-    known_free: Array
-    """(K, 2) x, z of the middles of the floor cells known to be free."""
-    stop_reason: str
-    """One of STOP_REASONS."""
-    message: str
-    """What the controller said at the end, or why it failed."""
-    metrics: dict[str, Any]
-    """The numbers of metrics.json, but for `seconds`."""
-
 
 Take = Callable[[View], StereoPair]
 Observe = Callable[[Step], None]
 
 
 def explore(
-    world: World,
+    source: Explorable,
     settings: Settings,
     observe: Observe | None = None,
     take: Take | None = None,
     stopwatch: Stopwatch | None = None,
+    controller: Controller | None = None,
 ) -> Exploration:
     """Let a controller lead the agent through a world until it ends.
 
     Parameters
     ----------
+    source : Explorable
+        What is explored: a simulated world, or anything with `start()` and `take(view)`.
     observe : callable, optional
         Called with every `Step`.
     take : callable, optional
-        Gives the pair of a view; `world.take` where not given.
+        Gives the pair of a view; `source.take` where not given.
     stopwatch : Stopwatch, optional
         Counts the time of the stages `render`, `stereo`, `map`, `plan` and `recognise`.
+    controller : Controller, optional
+        The one that leads; that of `exploration.controller` where not given.
 
     Returns
     -------
@@ -83,10 +59,11 @@ def explore(
     Raises
     ------
     InputError
-        For an unknown controller.
+        For an unknown controller, a floor of too many cells, and a start where nobody can stand.
     """
-    controller = make_controller(settings.exploration.controller)
-    agent = Agent(world, settings, take or world.take, stopwatch or Stopwatch())
+    check_floor(settings)
+    controller = controller or make_controller(settings.exploration.controller)
+    agent = Agent(source, settings, take or source.take, stopwatch or Stopwatch())
     try:
         for step in agent.steps(controller):
             if observe is not None:
@@ -97,25 +74,28 @@ def explore(
 
 
 class Agent:
-    """Two eyes that walk; the state of one exploration."""
+    """Two cameras that walk; the state of one exploration."""
 
-    def __init__(self, world: World, settings: Settings, take: Take, stopwatch: Stopwatch) -> None:
-        self.world = world
+    def __init__(
+        self, source: Explorable, settings: Settings, take: Take, stopwatch: Stopwatch
+    ) -> None:
         self.settings = settings
         self.take = take
-        self.record = Record(world=world, baseline=settings.eyes.baseline)
+        self.referee = referee_of(source, settings)
         self.stopwatch = stopwatch
         self.mapper = Mapper(settings, stopwatch=stopwatch, compares=False)
-        self.memory = Memory(settings=settings, voxel_map=self.mapper.voxel_map)
+        self.model = WorldModel(settings=settings, voxel_map=self.mapper.voxel_map)
+        self.start = start_of(source, settings)
+        self._check_start()
         self.views: list[View] = []
+        self.path_length = 0.0
+        self.curve: list[tuple[int, float, float | None]] = []
         self.stop_reason = ""
         self.message = ""
 
     def steps(self, controller: Controller) -> Iterator[Step]:
         """Go from view to view until there is a reason to stop."""
-        start = self.world.start()
-        self.record.walk(start, start)
-        view: View | None = start
+        view: View | None = self.start
         while view is not None:
             try:
                 with self.stopwatch.stage("render"):
@@ -135,15 +115,26 @@ class Agent:
         level = logging.WARNING if reason == "controller failed" else logging.INFO
         log.log(level, "%s: %s", reason, message)
 
+    def _check_start(self) -> None:
+        """Raise `InputError` where the agent cannot begin."""
+        x, _, z = self.start.position
+        if not self.model.floor.holds(self.model.floor.cells([x, z])):
+            raise InputError(
+                f"exploration.start_position: x {x:g}, z {z:g} is off the floor of "
+                f"{self.settings.world.size_x:g} x {self.settings.world.size_z:g} units"
+            )
+        if self.referee is not None:
+            self.referee.check_start(self.start)
+
     def _look(self, view: View, pair: StereoPair) -> Step:
-        """Put a pair into the map and the memory."""
+        """Put a pair into the map and the model of the world."""
         (mapped,) = self.mapper.process(self._stamped(pair))
         with self.stopwatch.stage("map"):
-            self.memory.remember(view, mapped.pair, mapped.cloud)
+            self.model.update(view, mapped.pair, mapped.cloud)
         with self.stopwatch.stage("recognise"):
-            self.memory.name_things()
+            self.model.name_obstacles()
         self.views.append(view)
-        self.record.note(len(self.views), self.memory.floor)
+        self.curve.append((len(self.views), self.path_length, self._coverage()))
         parts = {part.name: getattr(mapped, part.name) for part in fields(mapped)}
         return Step(**parts, view=view)
 
@@ -154,6 +145,9 @@ class Agent:
             return pair
         return replace(pair, stamp_s=float(len(stamps_s)))
 
+    def _coverage(self) -> float | None:
+        return None if self.referee is None else self.referee.coverage(self.model.floor)
+
     def _ask(self, controller: Controller, step: Step) -> View | None:
         """The controller's next view, walked to; None where there is a reason to stop."""
         state = self._state(step)
@@ -163,7 +157,7 @@ class Agent:
             if view is None:
                 said = controller.result()
                 reason = said.partition(";")[0]
-                self.stop(reason if reason in STOP_REASONS else "all known", said)
+                self.stop(reason if reason in STOP_REASONS else "controller ended", said)
                 return None
             check_view(view)
         # A plug-in may raise anything; what was explored till then is kept.
@@ -174,27 +168,26 @@ class Agent:
         return view if self._walk(step.view, view) else None
 
     def _walk(self, start: View, end: View) -> bool:
-        """Go to a view; whether nothing stood in the way."""
-        if self.record.walk(start, end):
-            return True
-        if self.world.is_inside(start.position[None])[0]:
-            self.stop("nothing reachable", "the agent stands inside an object")
-        else:
+        """Go to a view; False where an object stands in the way."""
+        path = path_between(start, end)
+        if self.referee is not None and not self.referee.walk(path):
             x, _, z = end.position
-            self.stop("controller failed", f"the way to x {x:.2f}, z {z:.2f} runs into an object")
-        return False
+            self.stop("controller failed", f"the path to x {x:.2f}, z {z:.2f} runs into an object")
+            return False
+        self.path_length += length_of(path)
+        return True
 
     def _state(self, step: Step) -> State:
         return State(
             num_pairs=len(self.views),
             view=step.view,
             pair=step.pair,
-            voxel_map=self.memory.voxel_map,
-            floor=self.memory.floor,
-            things=self.memory.things,
-            sightings=self.memory.sightings,
-            objects=self.memory.objects,
-            simulator=self.world,
+            voxel_map=self.model.voxel_map,
+            floor=self.model.floor,
+            obstacles=self.model.obstacles,
+            detections=self.model.detections,
+            objects=self.model.objects,
+            simulator=None if self.referee is None else self.referee.world,
             settings=self.settings,
         )
 
@@ -202,7 +195,7 @@ class Agent:
         """All that there is, whatever ended it."""
         voxels = self.mapper.voxels()
         recognition = self.mapper.recognise(voxels)
-        floor = self.memory.floor
+        floor = self.model.floor
         return Exploration(
             reconstruction=Reconstruction(
                 map=self.mapper.voxel_map,
@@ -220,20 +213,31 @@ class Agent:
         )
 
     def _metrics(self, recognition: Recognition) -> dict[str, Any]:
-        timeline = [*self.memory.timeline, (len(self.views), recognition.objects)]
-        reach = self.settings.exploration.viewing_distance
+        timeline = [*self.model.timeline, (len(self.views), recognition.objects)]
+        true = dict.fromkeys(("path_bound", "min_clearance"))
         return {
             "num_pairs": len(self.views),
             "num_points": self.mapper.num_points,
             "num_objects": len(recognition.objects),
-            "path_length": self.record.path_length,
-            "path_bound": path_bound(self.world.start(), self.world.objects, reach),
-            "coverage": self.record.coverage(self.memory.floor),
+            "path_length": self.path_length,
+            "coverage": self._coverage(),
             "pairs_until_objects": pairs_until_objects(timeline, recognition.objects),
-            "min_clearance": self.record.min_clearance,
             "stop_reason": self.stop_reason,
-            "curve": [list(point) for point in self.record.curve],
-        }
+            "curve": [list(point) for point in self.curve],
+        } | (self.referee.metrics(self.start) if self.referee else true)
+
+
+def start_of(source: Explorable, settings: Settings) -> View:
+    """The first view: that of the source, but for what the settings say of it."""
+    start, wanted = source.start(), settings.exploration
+    position, gaze = start.position, start.target - start.position
+    if wanted.start_position is not None:
+        x, *y, z = wanted.start_position
+        position = np.array([x, *(y or position[1:2]), z])
+    if wanted.start_heading_deg is not None:
+        heading = math.radians(wanted.start_heading_deg)
+        gaze = math.hypot(*gaze) * np.array([math.sin(heading), 0.0, -math.cos(heading)])
+    return replace(start, position=position, target=position + gaze)
 
 
 def check_view(view: View) -> None:

@@ -1,4 +1,4 @@
-"""What the agent knows of the floor, cell by cell: free, occupied, or unknown."""
+"""The ground grid: what the agent knows of the floor, cell by cell: free, occupied, or unknown."""
 
 import math
 from dataclasses import dataclass, field
@@ -7,17 +7,36 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError
+from recon.settings import Settings
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RAY_SPACING = 0.5
-"""World units between two rays at their far ends, and between two samples along one: half a cell,
-so that no cell slips through."""
+"""Cells between two rays at their far ends, and between two samples along one, so that no cell
+slips through."""
 NEIGHBOURS: Mask = np.ones((3, 3), dtype=bool)
 """A cell and the eight around it."""
 MAX_CELLS = 16_000_000
 """Of the floor: what is planned with takes some hundred bytes for each."""
+ROUNDING = 1e-9
+"""Numbers that differ by so little are equal, so that all units of length decide alike."""
+
+
+def check_floor(settings: Settings) -> None:
+    """Raise `InputError` where the floor of the settings has too many cells to be explored."""
+    _shape(settings.world.size_x, settings.world.size_z, settings.map.cell_size)
+
+
+def _shape(size_x: float, size_z: float, cell_size: float) -> tuple[int, int]:
+    """Number of cells along x and z."""
+    shape = [math.ceil(size / cell_size - ROUNDING) for size in (size_x, size_z)]
+    if math.prod(shape) > MAX_CELLS:
+        raise InputError(
+            f"the floor (world.size_x, world.size_z) is {shape[0]:.6g} x {shape[1]:.6g} cells of "
+            f"map.cell_size, but at most {MAX_CELLS} cells can be explored"
+        )
+    return max(1, shape[0]), max(1, shape[1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,22 +51,19 @@ class Lines:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Floor:
-    """Cells of one world unit round the origin; the agent's flat memory."""
+    """Square cells round the origin; the agent's flat map."""
 
     size_x: float
     size_z: float
+    cell_size: float = 1.0
+    """World units, as the sizes."""
     seen_from: Array = field(init=False)
     """(X, Z) smallest distance from which a view saw the cell free; infinite = never."""
     occupied: Mask = field(init=False)
-    """(X, Z) a mapped thing stands on it or hangs over it."""
+    """(X, Z) a mapped obstacle stands on it or hangs over it."""
 
     def __post_init__(self) -> None:
-        shape = (math.ceil(self.size_x), math.ceil(self.size_z))
-        if math.prod(shape) > MAX_CELLS:
-            raise InputError(
-                f"the floor (world.size_x, world.size_z) is {shape[0]} x {shape[1]} units, but "
-                f"at most {MAX_CELLS} square units can be explored"
-            )
+        shape = _shape(self.size_x, self.size_z, self.cell_size)
         self.seen_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
 
@@ -58,7 +74,7 @@ class Floor:
 
     @property
     def known_free(self) -> Mask:
-        """(X, Z) inside some view's field and range with no thing before it."""
+        """(X, Z) inside some view's field and range with no obstacle before it."""
         return np.isfinite(self.seen_from)
 
     @property
@@ -68,11 +84,11 @@ class Floor:
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
         """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
-        return np.floor(np.asarray(points_xz) - self.corner).astype(np.intp)
+        return np.floor((np.asarray(points_xz) - self.corner) / self.cell_size).astype(np.intp)
 
     def centres(self, cells: ArrayLike) -> Array:
         """Middle x, z (..., 2) of cells (..., 2)."""
-        centres: Array = np.asarray(cells) + 0.5 + self.corner
+        centres: Array = (np.asarray(cells) + 0.5) * self.cell_size + self.corner
         return centres
 
     def holds(self, cells: NDArray[np.intp]) -> Mask:
@@ -95,7 +111,10 @@ class Floor:
 
     def disc(self, centre_xz: Array, radius: float) -> Mask:
         """(X, Z) the cells whose middle lies in a disc."""
-        x, z = (np.arange(n) + 0.5 + low for n, low in zip(self.shape, self.corner, strict=True))
+        x, z = (
+            (np.arange(n) + 0.5) * self.cell_size + low
+            for n, low in zip(self.shape, self.corner, strict=True)
+        )
         near: Mask = np.hypot(x[:, None] - centre_xz[0], z - centre_xz[1]) <= radius
         return near
 
@@ -107,7 +126,7 @@ class Floor:
         return Lines(cell=self.flat(self.cells(samples)), radii=radii)
 
     def open_samples(self, lines: Lines) -> Mask:
-        """(C, A, R) which samples lie on the floor with no mapped thing before them.
+        """(C, A, R) which samples lie on the floor with no mapped obstacle before them.
 
         What hangs over the place itself does not hide the floor around it.
         """
@@ -117,11 +136,12 @@ class Floor:
         return clear
 
     def visible(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> Array:
-        """(X, Z) distance of the cells before the mapped things and nearer than `limits` (A,).
+        """(X, Z) distance of the cells before the mapped obstacles and nearer than `limits` (A,).
 
         Infinite where a cell is not seen.
         """
-        radii = np.arange(0.0, limits.max(initial=0.0), RAY_SPACING)
+        step = RAY_SPACING * self.cell_size
+        radii = step * np.arange(math.ceil(limits.max(initial=0.0) / step - ROUNDING))
         lines = self.lines(place_xz[None], azimuths_rad, radii)
         seen = self.open_samples(lines)[0] & (radii < limits[:, None])
         distance = np.full(self.occupied.size, np.inf)
@@ -133,11 +153,17 @@ class Floor:
         seen_from = self.visible(place_xz, azimuths_rad, limits)
         self.seen_from = np.minimum(self.seen_from, seen_from)
 
+    def azimuths(self, heading_rad: float, field_rad: float, reach: float) -> Array:
+        """Azimuths of rays over a field of view that meet every cell within `reach`.
 
-def azimuths(heading_rad: float, field_rad: float, reach: float) -> Array:
-    """Azimuths of rays over a field of view, close enough to meet every cell within `reach`.
+        The azimuth of a direction (x, z) is atan2(z, x): it grows clockwise seen from above.
+        """
+        number = 2 + math.ceil(field_rad * reach / (RAY_SPACING * self.cell_size))
+        return heading_rad + np.linspace(-field_rad / 2.0, field_rad / 2.0, number)
 
-    The azimuth of a direction (x, z) is atan2(z, x): it grows clockwise seen from above.
-    """
-    number = 2 + math.ceil(field_rad * reach / RAY_SPACING)
-    return heading_rad + np.linspace(-field_rad / 2.0, field_rad / 2.0, number)
+
+def first_best(values: Array, axis: int = -1) -> NDArray[np.intp]:
+    """Number of the first of the greatest values along an axis; rounding decides nothing."""
+    slack = ROUNDING * np.abs(values).max(initial=0.0)
+    best: NDArray[np.intp] = (values >= values.max(axis=axis, keepdims=True) - slack).argmax(axis)
+    return best

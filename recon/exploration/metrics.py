@@ -1,79 +1,26 @@
-"""The numbers of an exploration, measured against what is true in the world."""
+"""Numbers of an exploration that need no truth but the objects themselves."""
 
-import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial.distance import cdist
 
-from recon.exploration.floor import Array, Floor, Mask
+from recon.exploration.floor import Array
 from recon.exploration.state import Walk
-from recon.geometry import WORLD_UP
 from recon.records import FoundObject, View
 from recon.world.objects import TrueObject
-from recon.world.world import World
-
-SAMPLE = 0.1
-"""World units between two samples of the way."""
-CONTACT = SAMPLE / 2.0
-"""An eye that comes as near as this to a surface has walked into it."""
 
 
-@dataclass(slots=True, kw_only=True, eq=False)
-class Record:
-    """What is measured while the agent walks; the agent itself never looks into it."""
-
-    world: World
-    baseline: float
-    free: Mask = field(init=False)
-    """(X, Z) floor cells outside the true footprints."""
-    path_length: float = 0.0
-    min_clearance: float = np.inf
-    curve: list[tuple[int, float, float]] = field(default_factory=list)
-    """Pairs taken, path walked and floor known by then."""
-
-    def __post_init__(self) -> None:
-        self.free = self.world.free_ground()
-
-    def walk(self, start: View, end: View) -> bool:
-        """Measure the way between two views; False, and nothing noted, where a thing bars it."""
-        way = way_between(start, end)
-        clearance = float(self.world.clearance(eyes_along(way, end, self.baseline)).min())
-        if clearance < CONTACT or self.world.is_inside(end.position[None])[0]:
-            return False
-        self.path_length += float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-        self.min_clearance = min(self.min_clearance, clearance)
-        return True
-
-    def note(self, num_pairs: int, floor: Floor) -> None:
-        """Put a point on the curve."""
-        self.curve.append((num_pairs, self.path_length, self.coverage(floor)))
-
-    def coverage(self, floor: Floor) -> float:
-        """Known free cells, as a share of all that are free; 1 where none is."""
-        known = float((floor.known_free & self.free).sum())
-        return known / self.free.sum() if self.free.any() else 1.0
-
-
-def way_between(start: View, end: View) -> Array:
-    """Corners (N, 3) of the way from one view to the next, both ends included."""
+def path_between(start: View, end: View) -> Array:
+    """Corners (N, 3) of the path from one view to the next, both ends included."""
     via = end.via if isinstance(end, Walk) else np.empty((0, 3))
     return np.vstack([start.position, via, end.position])
 
 
-def eyes_along(way: Array, view: View, baseline: float) -> Array:
-    """(N, 3) places of both eyes, from sample to sample of a way and at the view that ends it."""
-    ends, directions = [view.position], [view.target - view.position]
-    for a, b in itertools.pairwise(way):
-        number = 1 + int(np.ceil(np.linalg.norm(b - a) / SAMPLE))
-        ends.extend(np.linspace(a, b, number))
-        directions.extend([b - a] * number)
-    side = np.cross(directions, WORLD_UP)
-    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
-    middle = np.array(ends)
-    return np.vstack([middle - baseline / 2.0 * side, middle + baseline / 2.0 * side])
+def length_of(path: Array) -> float:
+    """Length of a path (N, 3), world units."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
 def path_bound(start: View, objects: Sequence[TrueObject], viewing_distance: float) -> float:
@@ -106,6 +53,6 @@ def _settled(timeline: Sequence[tuple[int, Sequence[FoundObject]]], final: Found
 
 
 def _is_same(found: FoundObject, final: FoundObject) -> bool:
-    """Whether both have one label, and the one's axis goes through the other."""
+    """Tell whether both have one label, and the one's axis goes through the other."""
     apart = np.abs(found.centre - final.centre)[[0, 2]]
     return found.label == final.label and bool((apart <= final.size[[0, 2]] / 2).all())

@@ -1,16 +1,17 @@
-"""What a controller is told, and the way it may answer."""
+"""What a controller is told, and the answer that it may give."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from recon.exploration.explorable import KnownWorld
 from recon.exploration.floor import Array, Floor
-from recon.exploration.sight import Sighting
-from recon.exploration.things import Thing
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection
 from recon.records import FoundObject, StereoPair, View
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap
-from recon.world.world import World
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -19,20 +20,21 @@ class State:
 
     num_pairs: int
     view: View
-    """Where the agent stands, and what it looks at."""
+    """The place of the agent, and what it looks at."""
     pair: StereoPair
     """The last pair taken."""
     voxel_map: VoxelMap
     floor: Floor
     """Known, occupied and unknown ground."""
-    things: tuple[Thing, ...]
-    """Things in the map."""
-    sightings: tuple[Sighting, ...]
-    """Things seen, but too far off to be in the map."""
+    obstacles: tuple[Obstacle, ...]
+    """Obstacles of the map."""
+    detections: tuple[Detection, ...]
+    """Obstacles seen, but too far off to be in the map."""
     objects: tuple[FoundObject, ...]
     """What has been recognised so far."""
-    simulator: World
-    """The world itself, for whatever a plug-in wants of it; what comes with recon only looks."""
+    simulator: KnownWorld | None
+    """The world itself where it is a simulated one, else None; recon's own controllers do not
+    look at it."""
     settings: Settings
 
     @property
@@ -41,10 +43,15 @@ class State:
         place: Array = self.view.position[[0, 2]]
         return place
 
+    @property
+    def scales(self) -> Scales:
+        """Lengths to decide by."""
+        return Scales.of(self.settings)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Walk(View):
-    """A view, and the way to it."""
+    """A view, and the path to it."""
 
     via: Array = field(default_factory=lambda: np.empty((0, 3)))
-    """(N, 3) corners of the way between here and the view, world."""
+    """(N, 3) corners of the path between here and the view, world."""

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from recon.exploration.agent import Exploration, Step, explore
+from recon.exploration.agent import explore
+from recon.exploration.outcome import Exploration, Step
 from recon.exports.ply import CloudWriter
 from recon.mapping.views import with_views
 from recon.records import StereoPair, View

@@ -7,7 +7,7 @@ from recon.settings.stage import Count, Positive, table
 
 @table
 class ExplorationSettings:
-    """How the agent walks (thesis 4.4)."""
+    """The walk of the agent (thesis 4.4)."""
 
     controller: str = "frontier"
     """A name of the table of controllers, or of a plug-in."""
@@ -21,6 +21,11 @@ class ExplorationSettings:
     walk_clearance: Positive = 3.0
     """Distance kept from everything while walking, world units."""
     sight_range: Positive = 90.0
-    """How far off a thing is surely noticed: ground with nothing on it is known free up to here."""
+    """Distance up to which an obstacle is surely noticed, and ground without one known free."""
     viewing_distance: Positive = 20.0
-    """How far off a thing is seen well enough for the map, world units."""
+    """Distance up to which an obstacle is seen well enough for the map, world units."""
+    start_position: tuple[float, float] | tuple[float, float, float] | None = None
+    """x, z of the start, or x, y, z with the height of the eyes, world units; None = where the
+    world begins, which is the middle of a simulated one's floor."""
+    start_heading_deg: float | None = None
+    """Direction of the first view: 0 along -z, 90 along +x; None = as the world begins."""

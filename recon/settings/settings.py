@@ -4,6 +4,7 @@ from dataclasses import field
 
 from recon.settings.exploration import ExplorationSettings
 from recon.settings.mapping import MapSettings
+from recon.settings.motion import MotionSettings
 from recon.settings.recognition import RecognitionSettings
 from recon.settings.sequences import SequenceSettings
 from recon.settings.stage import table
@@ -30,4 +31,5 @@ class Settings:
     triangulation: TriangulationSettings = field(default_factory=TriangulationSettings)
     map: MapSettings = field(default_factory=MapSettings)
     exploration: ExplorationSettings = field(default_factory=ExplorationSettings)
+    motion: MotionSettings = field(default_factory=MotionSettings)
     recognition: RecognitionSettings = field(default_factory=RecognitionSettings)

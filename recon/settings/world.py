@@ -1,4 +1,4 @@
-"""Settings of the simulated world: its eyes and its renderer."""
+"""Settings of the simulated world: its cameras and its renderer."""
 
 import math
 from typing import Annotated, Any, Literal, Self
@@ -40,7 +40,7 @@ class EyesSettings:
     eye_height: Positive = 5.0
     """Height above the ground; a roof seen from below 5 gives next to no points."""
     gaze: Literal["shift", "toe-in"] = "shift"
-    """How both eyes look at the target: by shifted principal points, or by turning inwards."""
+    """Both cameras look at the target by shifted principal points, or by turning inwards."""
 
     @model_validator(mode="before")
     @classmethod
@@ -72,23 +72,32 @@ class EyesSettings:
 
 @table
 class RenderSettings:
-    """How images of the world are made."""
+    """The renderer of images of the world, and the faults of its cameras."""
 
-    renderer: Literal["raycast", "filament"] = "raycast"
+    renderer: str = "raycast"
+    """raycast, filament, or the name of a plug-in."""
+    texture_tile: Positive = 16.0
+    """World units that a texture covers before it repeats."""
     supersampling: int = Field(default=2, ge=1, le=8)
     """Samples along each side of a pixel that shows an edge."""
     mipmaps: bool = True
     shading: bool = False
-    """Whether the sun shines; else surfaces have their own colour, as features like it."""
+    """The sun shines; else surfaces have their own colour, as features like it."""
     sky: bool = False
-    """Whether the sky deepens from the horizon up; else it has one colour."""
+    """The sky deepens from the horizon up; else it has one colour."""
     fog: float = Field(default=0.0, ge=0, lt=1)
     """Share of the light that is lost in each world unit."""
     blur_px: NonNegative = 0.0
     """Standard deviation of the lens blur."""
     noise: NonNegative = 0.0
     """Standard deviation of the image noise, grey levels of 255."""
+    noise_grain_px: NonNegative = 0.0
+    """Standard deviation of the blur of the noise, which stays as strong in each pixel."""
     noise_seed: int = Field(default=0, ge=0)
+    gain_right: Positive = 1.0
+    """Factor of the right image's grey levels."""
+    offset_right: float = Field(default=0.0, ge=-255, le=255)
+    """Grey levels added to the right image."""
 
 
 @table

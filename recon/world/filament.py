@@ -107,11 +107,11 @@ class Filament:
         Filament counts pixels from the corner, not the centre, and has no far plane.
         """
         self._enter()
-        T_world_eye, K = _pose_and_intrinsics(camera.frame)
+        T_world_camera, K = _pose_and_intrinsics(camera.frame)
         K[:2, 2] += 0.5 - offset_px
         size = (camera.width, camera.height)
         with _quiet_stdout():
-            self._stage.setup_camera(K, np.linalg.inv(T_world_eye), *size)
+            self._stage.setup_camera(K, np.linalg.inv(T_world_camera), *size)
             self._stage.scene.camera.set_projection(K, camera.near, camera.far, *size)
             rgb = np.asarray(self._stage.render_to_image(), dtype=np.float64)
             z = np.asarray(self._stage.render_to_depth_image(True), dtype=np.float64)
@@ -138,7 +138,7 @@ def _stage(width: int, height: int) -> Any:
         raise MissingLibraryError(fault)
     if _stage.cache_info().currsize:
         raise InputError(
-            f"eyes of {width} x {height} pixels: the filament renderer draws one size in a "
+            f"cameras of {width} x {height} pixels: the filament renderer draws one size in a "
             "process, and has drawn another; start anew or use the renderer raycast"
         )
     with _quiet_stdout():
@@ -155,7 +155,7 @@ def _stage(width: int, height: int) -> Any:
 
 
 def _pose_and_intrinsics(frame: Array) -> tuple[Array, Array]:
-    """`T_world_eye` (4, 4) and the camera matrix (3, 3) of a perspective camera's frame."""
+    """`T_world_camera` (4, 4) and the camera matrix (3, 3) of a perspective camera's frame."""
     focal_px = 1.0 / np.linalg.norm(frame[3])
     right, down = frame[3] * focal_px, frame[5] * focal_px
     cx_px, cy_px = -focal_px * (right @ frame[1]), -focal_px * (down @ frame[1])

@@ -33,7 +33,7 @@ def lit(part: Triangles, shader: Shader | None) -> Triangles:
     """The part with its corners' colours under the sun.
 
     A shader takes the place of the part's own colours. Highlights are left out: they move with
-    the eye, and two eyes would see them at a depth where nothing is.
+    the camera, and two cameras would see them at a depth where nothing is.
     """
     material = shader or PLAIN
     facing = np.maximum(0.0, part.normals @ SUN)[..., None]

@@ -1,5 +1,6 @@
 """The true objects of a scene: solids that stand on each other on one upright axis."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +16,8 @@ from recon.world.visuals import (
     Visual,
 )
 
-TOUCH = 0.5
-"""World units that the axes or the ends of two parts of one object may be apart."""
+TOUCH = 0.1
+"""Eye heights that the axes or the ends of two parts of one object may be apart."""
 
 COTTAGE_SHARE = 0.6
 """A body at least this share as wide as the cone on it makes a cottage, a thinner one a pine."""
@@ -25,7 +26,7 @@ MAX_LEAN = 0.1
 """Sine of the angle that an upright part may lean."""
 
 GROUND_SLOPE = 0.1
-"""A polygon at the height 0 that rises less than this share of its extent is ground."""
+"""Radians that ground leans at most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,23 +55,25 @@ class _Part:
         return 0.5 * (self.low + self.high)
 
 
-def is_ground(visual: Visual, triangles: Triangles) -> bool:
-    """Whether a visual is a polygon that lies flat."""
+def is_ground(visual: Visual, triangles: Triangles, eye_height: float) -> bool:
+    """Tell whether a visual is a polygon that lies flat at the height 0."""
     if not isinstance(visual, PolygonVisual) or not len(triangles.corners):
         return False
-    points = triangles.corners.reshape(-1, 3)
-    extent = np.ptp(points, axis=0)
-    return bool(points[:, 1].min() <= TOUCH and extent[1] <= GROUND_SLOPE * extent.max())
+    is_level = np.abs(triangles.normals[..., 1]).min() >= math.cos(GROUND_SLOPE)
+    return bool(is_level and triangles.corners[..., 1].min() <= TOUCH * eye_height)
 
 
-def true_objects(visuals: tuple[Visual, ...], triangles: list[Triangles]) -> tuple[TrueObject, ...]:
-    """Objects in the order of their first visual; ground is none."""
+def true_objects(
+    visuals: tuple[Visual, ...], triangles: list[Triangles], eye_height: float
+) -> tuple[TrueObject, ...]:
+    """Objects in the order of their first visual, without the ground."""
     parts = [
         _part(number, part)
         for number, (visual, part) in enumerate(zip(visuals, triangles, strict=True))
-        if len(part.corners) and not is_ground(visual, part)
+        if len(part.corners) and not is_ground(visual, part, eye_height)
     ]
-    return tuple(_object(number, group, visuals) for number, group in enumerate(_groups(parts)))
+    groups = _groups(parts, TOUCH * eye_height)
+    return tuple(_object(number, group, visuals) for number, group in enumerate(groups))
 
 
 def _part(number: int, part: Triangles) -> _Part:
@@ -78,11 +81,11 @@ def _part(number: int, part: Triangles) -> _Part:
     return _Part(number=number, low=points.min(axis=0), high=points.max(axis=0))
 
 
-def _groups(parts: list[_Part]) -> list[list[_Part]]:
-    """Parts put together as long as one touches a group on its axis."""
+def _groups(parts: list[_Part], touch: float) -> list[list[_Part]]:
+    """Parts put together as long as one comes within `touch` of a group on its axis."""
     groups: list[list[_Part]] = []
     for part in parts:
-        touching = [g for g in groups if any(_belong(part, other) for other in g)]
+        touching = [g for g in groups if any(_belong(part, other, touch) for other in g)]
         merged = [part, *(other for group in touching for other in group)]
         groups = [g for g in groups if g not in touching]
         groups.append(merged)
@@ -90,10 +93,10 @@ def _groups(parts: list[_Part]) -> list[list[_Part]]:
     return [sorted(group, key=lambda part: part.middle[1]) for group in groups]
 
 
-def _belong(a: _Part, b: _Part) -> bool:
+def _belong(a: _Part, b: _Part, touch: float) -> bool:
     apart = np.hypot(*(a.middle - b.middle)[[0, 2]])
     gap = max(a.low[1], b.low[1]) - min(a.high[1], b.high[1])
-    return bool(apart <= TOUCH and gap <= TOUCH)
+    return bool(apart <= touch and gap <= touch)
 
 
 def _object(number: int, group: list[_Part], visuals: tuple[Visual, ...]) -> TrueObject:

@@ -18,6 +18,13 @@ class RayScene:
         self._corners = np.concatenate([np.empty((0, 3, 3)), *(part.corners for part in parts)])
         self._scene = _build(self._corners)
 
+    @classmethod
+    def of_corners(cls, corners: Array) -> "RayScene":
+        """The scene of triangles (T, 3, 3) without looks."""
+        scene = cls(())
+        scene._corners, scene._scene = corners, _build(corners)
+        return scene
+
     def first_hit(self, rays: NDArray[np.float32], reach: float) -> NDArray[np.int32]:
         """Number (N,) of the first triangle each ray (N, 6) meets within `reach`, -1 = none.
 
@@ -39,6 +46,14 @@ class RayScene:
         query = load_open3d().core.Tensor.from_numpy(points.astype(np.float32))
         distance: Array = self._scene.compute_distance(query).numpy().astype(np.float64)
         return distance
+
+    def encloses(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (N, 3) lie inside: their rays leave through an odd number of triangles."""
+        if self._scene is None:
+            return np.zeros(len(points), bool)
+        query = load_open3d().core.Tensor.from_numpy(points.astype(np.float32))
+        inside: NDArray[np.bool_] = self._scene.compute_occupancy(query, nsamples=3).numpy() > 0.5
+        return inside
 
     def covers(self, points_xz: Array) -> NDArray[np.bool_]:
         """Which upright lines through x, z (N, 2) meet a triangle."""

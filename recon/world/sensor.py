@@ -1,4 +1,4 @@
-"""What a real camera does to an image: lens blur and noise."""
+"""The faults of a real camera: lens blur, gain, offset and noise."""
 
 import zlib
 
@@ -9,19 +9,41 @@ from numpy.typing import NDArray
 from recon.geometry import Array
 from recon.settings.world import RenderSettings
 
+GRAIN_REACH = 4.0
+"""Standard deviations of the grain that its blur reaches."""
+
 
 def exposed(
-    image: NDArray[np.uint8], T_world_eye: Array, settings: RenderSettings
+    image: NDArray[np.uint8],
+    frame: Array,
+    settings: RenderSettings,
+    *,
+    gain: float = 1.0,
+    offset: float = 0.0,
 ) -> NDArray[np.uint8]:
-    """The image (H, W, 3) of an eye, blurred and noisy as the settings say.
+    """The image (H, W, 3) of a camera: blurred, amplified and noisy as the settings say.
 
-    The noise comes from the seed and the pose, so that a view looks the same whenever it is taken.
+    The noise comes from the seed and the camera's frame, so that a view looks the same whenever it
+    is taken.
     """
-    if settings.blur_px == 0 and settings.noise == 0:
+    if settings.blur_px == 0 and settings.noise == 0 and (gain, offset) == (1.0, 0.0):
         return image
     light = image.astype(np.float32)
     if settings.blur_px > 0:
         light = cv2.GaussianBlur(light, (0, 0), settings.blur_px, borderType=cv2.BORDER_REPLICATE)
-    rng = np.random.default_rng([settings.noise_seed, zlib.crc32(T_world_eye.tobytes())])
-    noisy = light + settings.noise * rng.standard_normal(light.shape)
+    rng = np.random.default_rng([settings.noise_seed, zlib.crc32(frame.tobytes())])
+    noisy = gain * light + offset + settings.noise * _grain(rng, light, settings.noise_grain_px)
     return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+
+
+def _grain(rng: np.random.Generator, like: NDArray[np.float32], grain_px: float) -> Array:
+    """Noise of standard deviation 1 in every pixel, blurred by `grain_px`."""
+    if grain_px == 0:
+        return rng.standard_normal(like.shape)
+    height, width, num_channels = like.shape
+    edge = int(np.ceil(GRAIN_REACH * grain_px))
+    white = rng.standard_normal((height + 2 * edge, width + 2 * edge, num_channels))
+    kernel = cv2.getGaussianKernel(2 * edge + 1, grain_px)
+    blurred = cv2.sepFilter2D(white, cv2.CV_64F, kernel, kernel)
+    grain: Array = blurred[edge : edge + height, edge : edge + width] / (kernel**2).sum()
+    return grain

@@ -22,9 +22,6 @@ SLICES = 96
 SPHERE_STACKS = 48
 CONE_STACKS = 16
 
-TILE = 16.0
-"""World units that a texture covers before it repeats, so that it looks alike on any size."""
-
 SLIVER = 1e-9
 """Share of its edges' squares that a triangle's area must have."""
 
@@ -57,8 +54,11 @@ class Triangles:
         )
 
 
-def sphere_triangles(visual: SphereVisual | EllipsoidVisual) -> Triangles:
-    """Triangles of a sphere or ellipsoid, its poles above and below."""
+def sphere_triangles(visual: SphereVisual | EllipsoidVisual, tile: float) -> Triangles:
+    """Triangles of a sphere or ellipsoid, its poles above and below.
+
+    A texture covers `tile` world units before it repeats, so that it looks alike on any size.
+    """
     radii = np.zeros(3) + (visual.radius if isinstance(visual, SphereVisual) else visual.radii)
     polar = np.linspace(0.0, np.pi, SPHERE_STACKS + 1)
     azimuth = np.linspace(0.0, 2.0 * np.pi, SLICES + 1)
@@ -76,12 +76,12 @@ def sphere_triangles(visual: SphereVisual | EllipsoidVisual) -> Triangles:
     return _grid_triangles(
         unit * radii + np.array(visual.centre),
         normals / np.linalg.norm(normals, axis=-1, keepdims=True),
-        _grid_uv(unit.shape[:2], around, along),
+        _grid_uv(unit.shape[:2], around, along, tile),
     )
 
 
-def cylinder_triangles(visual: CylinderVisual) -> Triangles:
-    """Triangles of an open cylinder or truncated cone."""
+def cylinder_triangles(visual: CylinderVisual, tile: float) -> Triangles:
+    """Triangles of an open cylinder or truncated cone; a texture covers `tile` world units."""
     base, top, height = visual.radius_base, visual.radius_top, visual.height
     stacks = 1 if base == top else CONE_STACKS
     share = np.linspace(0.0, 1.0, stacks + 1)[:, None]
@@ -105,15 +105,16 @@ def cylinder_triangles(visual: CylinderVisual) -> Triangles:
     return _grid_triangles(
         points @ R.T + np.array(visual.translation),
         normals @ R.T,
-        _grid_uv(points.shape[:2], 2.0 * np.pi * max(base, top), slant),
+        _grid_uv(points.shape[:2], 2.0 * np.pi * max(base, top), slant, tile),
     )
 
 
 def lid_triangles(visual: CylinderVisual) -> tuple[Triangles, Triangles]:
     """Cones inside an open cylinder that close its ends, for those who look along its axis."""
+    bare = visual.height
     return (
-        cylinder_triangles(dataclasses.replace(visual, radius_base=0.0)),
-        cylinder_triangles(dataclasses.replace(visual, radius_top=0.0)),
+        cylinder_triangles(dataclasses.replace(visual, radius_base=0.0), bare),
+        cylinder_triangles(dataclasses.replace(visual, radius_top=0.0), bare),
     )
 
 
@@ -163,11 +164,11 @@ def quarter_turns(rotation: Vector) -> Array:
     return R
 
 
-def _grid_uv(shape: tuple[int, int], around: float, along: float) -> Array:
+def _grid_uv(shape: tuple[int, int], around: float, along: float, tile: float) -> Array:
     """Coordinates of a grid that is `around` wide and `along` high, in whole repeats around."""
-    repeats = max(1.0, np.round(around / TILE))
+    repeats = max(1.0, np.round(around / tile))
     v, u = np.meshgrid(
-        np.linspace(0.0, along / TILE, shape[0]), np.linspace(0.0, repeats, shape[1]), indexing="ij"
+        np.linspace(0.0, along / tile, shape[0]), np.linspace(0.0, repeats, shape[1]), indexing="ij"
     )
     return np.stack([u, v], axis=-1)
 

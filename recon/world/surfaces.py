@@ -29,16 +29,16 @@ from recon.world.visuals import (
 )
 
 
-def visual_triangles(visual: Visual, folder: Path | None) -> Triangles:
-    """The triangles of any visual of a scene in `folder`."""
+def visual_triangles(visual: Visual, folder: Path | None, tile: float) -> Triangles:
+    """The triangles of any visual of a scene in `folder`; a texture covers `tile` world units."""
     if isinstance(visual, CylinderVisual):
-        triangles = cylinder_triangles(visual)
+        triangles = cylinder_triangles(visual, tile)
     elif isinstance(visual, PolygonVisual):
         triangles = polygon_triangles(visual)
     elif isinstance(visual, MeshVisual):
         triangles = read_mesh((folder or Path()) / visual.file)
     else:
-        triangles = sphere_triangles(visual)
+        triangles = sphere_triangles(visual, tile)
     return triangles.without_slivers()
 
 
@@ -48,8 +48,10 @@ def lids(scene: Scene) -> list[Triangles]:
     return [lid.without_slivers() for visual in cylinders for lid in lid_triangles(visual)]
 
 
-def build_raycaster(scene: Scene, parts: list[Triangles], settings: RenderSettings) -> Raycaster:
-    """The renderer of a scene."""
+def build_raycaster(
+    scene: Scene, parts: list[Triangles], size: tuple[int, int], settings: RenderSettings
+) -> Raycaster:
+    """The renderer of a scene, for images of any size."""
     if settings.shading:
         parts = [lit(part, shader) for part, shader in zip(parts, _shaders(scene), strict=True)]
     return Raycaster(parts, *_looks(scene), settings)

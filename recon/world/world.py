@@ -1,4 +1,4 @@
-"""The simulator: a scene, two eyes, and everything that is true in it."""
+"""The simulator: a scene, two cameras, and everything that is true in it."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -13,20 +13,29 @@ from recon.geometry import Array
 from recon.records import StereoPair, View
 from recon.settings.settings import Settings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
-from recon.world.eyes import Eye, eye_of, eyes_of, left_pose, rectified, rig_of
+from recon.world.body import BodyRoom
+from recon.world.cameras import (
+    RectifiedCamera,
+    camera_of,
+    camera_settings,
+    left_pose,
+    rectified,
+    rig_of,
+)
 from recon.world.frames import export_frame
 from recon.world.library import find_scene
 from recon.world.objects import TrueObject, is_ground, true_objects
 from recon.world.panes import front_camera, top_camera
 from recon.world.rays import RayScene
+from recon.world.renderers import RENDERERS, Renderer
 from recon.world.scene import read_scene
 from recon.world.sensor import exposed
 from recon.world.solids import contains
-from recon.world.surfaces import build_filament, build_raycaster, lids, visual_triangles
-from recon.world.visuals import Scene
+from recon.world.surfaces import build_raycaster, lids, visual_triangles
+from recon.world.visuals import MeshVisual, PolygonVisual, Scene
 
-START_DISTANCE = 10.0
-"""How far ahead the agent looks at first, world units."""
+START_DISTANCE = 2.0
+"""Distance of the first target, in eye heights."""
 
 MAX_GROUND_CELLS = 100_000_000
 
@@ -49,7 +58,7 @@ class World:
     Parameters
     ----------
     scene : what stands in it
-    eyes, render, world : settings of the eyes, the renderer and the floor
+    eyes, render, world : settings of the cameras, the renderer and the floor
 
     Raises
     ------
@@ -64,17 +73,23 @@ class World:
         self.eyes = eyes
         self.render = render
         self.floor = world
-        parts = [visual_triangles(visual, scene.folder) for visual in scene.visuals]
-        solid = [p for v, p in zip(scene.visuals, parts, strict=True) if not is_ground(v, p)]
-        self._caster = build_raycaster(scene, parts, render)
-        self._renderer = (
-            build_filament(scene, parts, (eyes.width, eyes.height), render)
-            if render.renderer == "filament"
-            else self._caster
+        tile, size = render.texture_tile, (eyes.width, eyes.height)
+        parts = [visual_triangles(visual, scene.folder, tile) for visual in scene.visuals]
+        self._caster = build_raycaster(scene, parts, size, render)
+        is_own = render.renderer == "raycast"
+        self._renderer: Renderer = (
+            self._caster if is_own else RENDERERS.load(render.renderer)(scene, parts, size, render)
         )
+        self._parts = {
+            visual: part
+            for visual, part in zip(scene.visuals, parts, strict=True)
+            if not is_ground(visual, part, eyes.eye_height)
+        }
+        solid = list(self._parts.values())
         self._solids, self._surfaces = RayScene(solid), RayScene(parts)
         self._closed = RayScene([*solid, *lids(scene)])
-        self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts)
+        self._rooms: dict[float, BodyRoom] = {}
+        self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts, eyes.eye_height)
         # One longer than the visuals, so that number -1, the sky, reads -1 too.
         self._object_of = np.full(len(parts) + 1, -1, np.int32)
         for found in self.objects:
@@ -91,11 +106,11 @@ class World:
         height = self.eyes.eye_height
         return View(
             position=np.array([0.0, height, 0.0]),
-            target=np.array([0.0, height, -START_DISTANCE]),
+            target=np.array([0.0, height, -START_DISTANCE * height]),
         )
 
     def take(self, view: View) -> StereoPair:
-        """What both eyes see, rectified; the same view gives the same bytes.
+        """The images of both cameras, rectified; the same view gives the same bytes.
 
         Raises
         ------
@@ -103,17 +118,21 @@ class World:
             Where the view is not finite, looks straight up or down, or has unusable parameters.
         """
         rig, T_world_left, eyes = self._stand(view)
-        left = self._see(eye_of(T_world_left, rig, rig.cx_left_px, eyes))
+        left = self._see(camera_of(T_world_left, rig, rig.cx_left_px, eyes))
         T_world_right = T_world_left @ rig.T_left_right
-        right = self._see(eye_of(T_world_right, rig, rig.cx_right_px, eyes))
+        right = self._see(
+            camera_of(T_world_right, rig, rig.cx_right_px, eyes),
+            gain=self.render.gain_right,
+            offset=self.render.offset_right,
+        )
         return StereoPair(left=left, right=right, rig=rig, T_world_left=T_world_left)
 
     def truth(self, view: View) -> Truth:
-        """What is really there in the left image of `take(view)`."""
+        """The truth of the left image of `take(view)`."""
         rig, T_world_left, eyes = self._stand(view)
         straight = dataclasses.replace(eyes, gaze="shift")
-        eye = eye_of(T_world_left, rig, rig.cx_left_px, straight)
-        depth, visual = self._caster.measure(eye.camera)
+        at = camera_of(T_world_left, rig, rig.cx_left_px, straight)
+        depth, visual = self._caster.measure(at.camera)
         object_id = self._object_of[visual]
         return Truth(
             depth=depth,
@@ -122,13 +141,16 @@ class World:
         )
 
     def _stand(self, view: View) -> tuple[StereoRig, Array, EyesSettings]:
-        eyes = eyes_of(view, self.eyes)
+        eyes = camera_settings(view, self.eyes)
         T_world_left = left_pose(view, eyes.baseline)
         return rig_of(view, eyes), T_world_left, eyes
 
-    def _see(self, eye: Eye) -> NDArray[np.uint8]:
-        image = self._renderer.look(eye.camera)
-        return rectified(exposed(image, eye.camera.frame, self.render), eye.H_rectified_eye)
+    def _see(
+        self, at: RectifiedCamera, *, gain: float = 1.0, offset: float = 0.0
+    ) -> NDArray[np.uint8]:
+        image = self._renderer.look(at.camera)
+        taken = exposed(image, at.camera.frame, self.render, gain=gain, offset=offset)
+        return rectified(taken, at.H_rectified_camera)
 
     def top_view(self, size: int = 512) -> NDArray[np.uint8]:
         """The floor from above (H, W, 3): x to the right, z down, the longer side `size` pixels."""
@@ -149,22 +171,35 @@ class World:
         """
         return self._solids.distance(_points("positions", positions))
 
+    def body_clearance(self, places_xz: ArrayLike, height: float) -> Array:
+        """(N,) distance of upright axes at x, z (N, 2) to the nearest surface, ground excluded.
+
+        The axes reach from the ground up to `height`, as that of a body does.
+        """
+        places = np.asarray(places_xz, dtype=np.float64)
+        check_shape("places_xz", places, (None, 2))
+        check_finite("places_xz", places)
+        if height not in self._rooms:
+            self._rooms[height] = BodyRoom(list(self._parts.values()), height)
+        return self._rooms[height].clearance(places)
+
     def surface_distance(self, points_world: ArrayLike) -> Array:
         """(N,) distance of points (N, 3) to the nearest surface, ground included."""
         return self._surfaces.distance(_points("points_world", points_world))
 
     def is_inside(self, positions: ArrayLike) -> NDArray[np.bool_]:
-        """(N,) whether points (N, 3) lie inside one of the thesis's solids."""
+        """(N,) whether points (N, 3) lie inside a solid, a mesh, or walls of polygons."""
         points = _points("positions", positions)
-        inside = np.zeros(len(points), bool)
-        for visual in self.scene.visuals:
+        walls = [p for v, p in self._parts.items() if isinstance(v, PolygonVisual | MeshVisual)]
+        inside = RayScene(walls).encloses(points)
+        for visual in self._parts:
             inside |= contains(visual, points)
         return inside
 
-    def free_ground(self) -> NDArray[np.bool_]:
-        """(X, Z) cells of one unit of the floor whose middle no object stands on or hangs over.
+    def free_ground(self, cell_size: float = 1.0) -> NDArray[np.bool_]:
+        """(X, Z) cells of the floor whose middle no object stands on or hangs over.
 
-        Cell (i, j) begins at x = i - size_x / 2, z = j - size_z / 2.
+        Cell (i, j) begins at x = i cell_size - size_x / 2, z = j cell_size - size_z / 2.
 
         Raises
         ------
@@ -172,14 +207,14 @@ class World:
             Where the floor has more cells than fit into memory.
         """
         size = np.array([self.floor.size_x, self.floor.size_z])
-        num_x, num_z = np.ceil(size).astype(np.int64).tolist()
+        num_x, num_z = np.ceil(size / cell_size - 1e-9).astype(np.int64).tolist()
         if num_x * num_z > MAX_GROUND_CELLS:
             raise InputError(
-                f"the floor is {num_x} x {num_z} units, but at most {MAX_GROUND_CELLS} square "
-                "units can be mapped: make world.size_x and world.size_z smaller"
+                f"the floor is {num_x} x {num_z} cells, but at most {MAX_GROUND_CELLS} can be "
+                "mapped: make world.size_x and world.size_z smaller"
             )
         index = np.stack(np.meshgrid(np.arange(num_x), np.arange(num_z), indexing="ij"), axis=-1)
-        covered = self._closed.covers(index.reshape(-1, 2) + 0.5 - size / 2)
+        covered = self._closed.covers((index.reshape(-1, 2) + 0.5) * cell_size - size / 2)
         return ~covered.reshape(num_x, num_z)
 
 

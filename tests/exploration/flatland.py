@@ -9,12 +9,32 @@ from recon.camera import StereoRig
 from recon.geometry import look_at
 from recon.mapping.pair import PairResult
 from recon.records import Matches, PointCloud, StereoPair, View
-from recon.settings import Settings
+from recon.settings import Settings, updated
 from recon.world.objects import TrueObject
 
 HEIGHT = 5.0
 FOCAL_PX = 152.55
-BASELINE = 0.3
+LENGTHS = {
+    "map": ("cell_size",),
+    "eyes": ("baseline", "near", "far", "eye_height"),
+    "exploration": ("clearance", "walk_clearance", "sight_range", "viewing_distance"),
+    "world": ("size_x", "size_z", "height"),
+    "recognition": ("ground_clearance",),
+    "motion": ("body_radius", "body_height"),
+    "render": ("texture_tile",),
+}
+"""Every setting that is a length, by stage."""
+
+
+def in_units(settings, scale):
+    """The settings with every length scaled."""
+    return updated(
+        settings,
+        {
+            stage: {name: scale * getattr(getattr(settings, stage), name) for name in names}
+            for stage, names in LENGTHS.items()
+        },
+    )
 
 
 @dataclass
@@ -39,30 +59,31 @@ class Flatland:
         )
 
     def start(self):
-        return View(position=np.array([0, HEIGHT, 0.0]), target=np.array([0, HEIGHT, -10.0]))
+        height = self.settings.eyes.eye_height
+        return View(
+            position=np.array([0, height, 0.0]), target=np.array([0, height, -2.0 * height])
+        )
 
     def take(self, view):
+        baseline = self.settings.eyes.baseline
         D = np.linalg.norm(view.target - view.position)
-        shift = FOCAL_PX * BASELINE / D / 2
+        shift = FOCAL_PX * baseline / D / 2
         rig = StereoRig(
             width=256, height=256, focal_px=FOCAL_PX, cx_left_px=127.5 - shift,
-            cx_right_px=127.5 + shift, cy_px=127.5, baseline=BASELINE,
+            cx_right_px=127.5 + shift, cy_px=127.5, baseline=baseline,
         )  # fmt: skip
         T = look_at(view.position, view.target)
-        T[:3, 3] -= BASELINE / 2 * T[:3, 0]
+        T[:3, 3] -= baseline / 2 * T[:3, 0]
         blank = np.zeros((256, 256), dtype=np.uint8)
         return StereoPair(left=blank, right=blank, rig=rig, T_world_left=T)
 
-    def clearance(self, positions):
-        positions = np.asarray(positions)
-        nearest = np.full(len(positions), np.inf)
-        for x, z, radius, height in self.discs:
-            side = np.hypot(positions[:, 0] - x, positions[:, 2] - z) - radius
-            over = np.maximum(positions[:, 1] - height, 0.0)
-            nearest = np.minimum(
-                nearest, np.hypot(np.where(over > 0, np.maximum(side, 0), side), over)
-            )
-        return np.abs(nearest)
+    def body_clearance(self, places_xz, height):
+        places = np.asarray(places_xz)
+        nearest = np.full(len(places), np.inf)
+        for x, z, radius, top in self.discs:
+            assert top >= height, "lower than the body, which this world does not measure"
+            nearest = np.minimum(nearest, np.abs(np.hypot(*(places - (x, z)).T) - radius))
+        return nearest
 
     def is_inside(self, positions):
         positions = np.asarray(positions)
@@ -72,9 +93,13 @@ class Flatland:
             inside |= (side < radius) & (positions[:, 1] < height)
         return inside
 
-    def free_ground(self):
-        shape = [int(np.ceil(n)) for n in (self.settings.world.size_x, self.settings.world.size_z)]
-        x, z = (np.arange(n) + 0.5 - n / 2 for n in shape)
+    def free_ground(self, cell_size):
+        sizes = [self.settings.world.size_x, self.settings.world.size_z]
+        shape = [int(np.ceil(n / cell_size - 1e-9)) for n in sizes]
+        x, z = (
+            (np.arange(n) + 0.5) * cell_size - size / 2
+            for n, size in zip(shape, sizes, strict=True)
+        )
         free = np.ones(shape, dtype=bool)
         for cx, cz, radius, _ in self.discs:
             free &= np.hypot(x[:, None] - cx, z - cz) > radius
@@ -100,7 +125,8 @@ class Flatland:
         depth = np.full(len(rays), np.inf)
         for disc in self.discs:
             depth = np.minimum(depth, _hit(eye, rays, disc))
-        seen = (depth > 2.2) & (depth < 100)
+        eyes = self.settings.eyes
+        seen = (depth > 22.0 * eyes.near) & (depth < eyes.far)
         return eye + depth[seen, None] * rays[seen], depth[seen]
 
 

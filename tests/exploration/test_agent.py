@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from recon.exploration import controllers
+from recon.errors import InputError
 from recon.records import View
 
 TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0), (5.0, -30.0, 3.0, 10.0)]
@@ -103,10 +103,9 @@ def test_a_world_with_nothing_in_it_is_known_soon(explore_discs, controller):
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
-def test_an_object_on_the_start_leaves_nothing_to_reach(explore_discs, controller):
-    done = explore_discs([(0.0, 0.0, 4.0, 12.0)], controller=controller)
-    assert done.stop_reason == "nothing reachable"
-    assert "inside an object" in done.message
+def test_a_start_inside_an_object_is_refused(explore_discs, controller):
+    with pytest.raises(InputError, match=r"exploration\.start_position: x 0, z 0 .*inside"):
+        explore_discs([(0.0, 0.0, 4.0, 12.0)], controller=controller)
 
 
 def test_a_start_that_is_walled_in_leaves_nothing_to_reach(explore_discs):
@@ -125,7 +124,7 @@ def test_objects_that_touch_are_walked_round_together(explore_discs):
     assert done.metrics["coverage"] > 0.97
 
 
-def test_a_thing_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
+def test_a_obstacle_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
     done = explore_discs([(53.0, 0.0, 6.0, 12.0)])
     assert done.stop_reason == "all known"
     assert "cannot be reached" in done.message
@@ -135,7 +134,8 @@ def test_a_thing_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
 class Wrong:
     """A controller that takes one good view, then does something wrong."""
 
-    answer = None
+    def __init__(self, answer):
+        self.answer = answer
 
     def next_view(self, state):
         if state.num_pairs == 1:
@@ -166,27 +166,21 @@ WRONG = {
 
 
 @pytest.mark.parametrize("message", WRONG)
-def test_a_controller_that_fails_leaves_a_whole_exploration(explore_discs, monkeypatch, message):
-    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
-    monkeypatch.setattr(Wrong, "answer", staticmethod(WRONG[message]))
-    done = explore_discs(TREES, controller="wrong")
+def test_a_controller_that_fails_leaves_a_whole_exploration(explore_discs, message):
+    done = explore_discs(TREES, led_by=Wrong(WRONG[message]))
     assert done.stop_reason == "controller failed"
     assert message in done.message
     assert len(done.views) == 2
     assert np.isfinite(done.metrics["min_clearance"])
 
 
-def test_a_controller_that_never_ends_is_stopped(explore_discs, monkeypatch):
-    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
-    turn = lambda: View(position=[0, 5, 0], target=[0, 5, 1])  # noqa: E731
-    monkeypatch.setattr(Wrong, "answer", staticmethod(turn))
-    done = explore_discs(TREES, controller="wrong", max_pairs=7)
+def test_a_controller_that_never_ends_is_stopped(explore_discs):
+    turning = Wrong(lambda: View(position=[0, 5, 0], target=[0, 5, 1]))
+    done = explore_discs(TREES, led_by=turning, max_pairs=7)
     assert done.stop_reason == "limit"
     assert len(done.views) == 7
 
 
-def test_a_controller_that_ends_with_words_of_its_own_knows_all(explore_discs, monkeypatch):
-    monkeypatch.setitem(controllers.CONTROLLERS, "wrong", Wrong)
-    monkeypatch.setattr(Wrong, "answer", staticmethod(lambda: None))
-    done = explore_discs(TREES, controller="wrong")
-    assert (done.stop_reason, done.message) == ("all known", "seen enough")
+def test_a_controller_that_ends_with_words_of_its_own_is_said_to_have_ended(explore_discs):
+    done = explore_discs(TREES, led_by=Wrong(lambda: None))
+    assert (done.stop_reason, done.message) == ("controller ended", "seen enough")

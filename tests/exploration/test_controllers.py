@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.exploration import frontier, gains, planning, thesis, tour
+from recon.exploration import frontier, gains, paths, thesis, tour, viewpoints
 from recon.exploration.controllers import CONTROLLERS, make_controller
 
 PLUGIN = Path(__file__).parents[2] / "docs" / "plugin"
@@ -30,7 +30,7 @@ def plugged_in(tmp_path, monkeypatch):
     sys.modules.pop("recon_carousel", None)
 
 
-@pytest.mark.parametrize("name", sorted(CONTROLLERS))
+@pytest.mark.parametrize("name", CONTROLLERS.names())
 def test_every_controller_of_the_table_says_who_it_is(name):
     controller = make_controller(name)
     assert controller.info()
@@ -44,7 +44,7 @@ def test_an_unknown_controller_is_refused_with_the_known_ones():
 
 def test_the_example_package_leads_the_agent(plugged_in, explore_discs):
     done = explore_discs([(20.0, 0.0, 4.0, 12.0)], controller="carousel")
-    assert (done.stop_reason, done.message) == ("all known", "12 views on a circle")
+    assert (done.stop_reason, done.message) == ("controller ended", "12 views on a circle")
     places = np.array([view.position for view in done.views])[1:]
     assert len(places) == 12
     assert np.allclose(np.hypot(places[:, 0], places[:, 2]), 8.0)
@@ -60,6 +60,6 @@ def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
         make_controller("broken")
 
 
-@pytest.mark.parametrize("module", [frontier, thesis, planning, gains, tour])
+@pytest.mark.parametrize("module", [frontier, thesis, paths, viewpoints, gains, tour])
 def test_controllers_that_come_with_recon_do_not_ask_the_simulator(module):
     assert "simulator" not in Path(module.__file__).read_text()

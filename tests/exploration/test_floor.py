@@ -6,11 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.errors import InputError
-from recon.exploration.floor import Floor, azimuths
+from recon.exploration.floor import Floor, check_floor
+from recon.settings import Settings, updated
 
 
 def seen(floor, place, heading_deg, reach=30.0):
-    rays = azimuths(np.radians(heading_deg), np.radians(80.0), reach)
+    rays = floor.azimuths(np.radians(heading_deg), np.radians(80.0), reach)
     floor.see(np.array(place), rays, np.full(len(rays), reach))
     return floor.known_free
 
@@ -62,7 +63,7 @@ def test_a_thing_hides_what_is_behind_it(stands):
 
 def test_limits_end_the_rays():
     floor = Floor(size_x=100, size_z=100)
-    rays = azimuths(0.0, np.radians(80.0), 30.0)
+    rays = floor.azimuths(0.0, np.radians(80.0), 30.0)
     floor.see(np.zeros(2), rays, np.where(rays > 0, 5.0, 30.0))
     assert is_known(floor, 20, -5)
     assert not is_known(floor, 20, 5)
@@ -83,6 +84,8 @@ def test_the_nearest_look_is_kept():
     assert 9.0 <= floor.seen_from[tuple(floor.cells([20.0, 0.0]))] <= 10.5
 
 
-def test_a_floor_of_too_many_cells_is_refused():
-    with pytest.raises(InputError, match=r"world\.size_x.* is 100000 x 100000"):
-        Floor(size_x=1e5, size_z=1e5)
+@pytest.mark.parametrize(("size", "cell_size"), [(1e5, 1.0), (5000.0, 0.05), (1e300, 1.0)])
+def test_a_floor_of_too_many_cells_is_refused_before_it_is_built(size, cell_size):
+    changes = {"world": {"size_x": size, "size_z": size}, "map": {"cell_size": cell_size}}
+    with pytest.raises(InputError, match=r"world\.size_x.*at most 16000000 cells"):
+        check_floor(updated(Settings(), changes))

@@ -7,11 +7,14 @@ from hypothesis import strategies as st
 
 from recon.exploration.floor import Floor
 from recon.exploration.frontier import widest_gap
-from recon.exploration.gains import NUM_RAYS, Candidates, Outlook, new_sides, ray_of
-from recon.exploration.sight import Sighting
+from recon.exploration.gains import NUM_RAYS, Candidates, Visibility, new_sides, ray_of
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection
 from recon.exploration.tour import first_stop, insertion
+from recon.settings import Settings
 
 FIELD = np.radians(80.0)
+SCALES = Scales.of(Settings())
 
 
 @pytest.fixture
@@ -19,31 +22,30 @@ def floor():
     return Floor(size_x=120, size_z=120)
 
 
-def outlook_from(floor, *places, reach=40.0):
-    return Outlook.over(floor, np.array(places, dtype=np.float64), FIELD, reach)
+def visibility_from(floor, *places, reach=40.0):
+    return Visibility.over(floor, np.array(places, dtype=np.float64), FIELD, reach)
 
 
 def test_a_view_of_unknown_ground_shows_its_field(floor):
-    cells = outlook_from(floor, (0.0, 0.0)).cells(~floor.occupied)
-    area = 0.5 * FIELD * 40.0**2
-    assert cells.shape == (1, NUM_RAYS)
-    assert cells == pytest.approx(area, rel=0.06)
+    area = visibility_from(floor, (0.0, 0.0)).area(~floor.occupied)
+    assert area.shape == (1, NUM_RAYS)
+    assert area == pytest.approx(0.5 * FIELD * 40.0**2, rel=0.06)
 
 
 def test_a_thing_and_the_border_hide_ground(floor):
     floor.occupied |= floor.disc(np.array([15.0, 0.0]), 4.0)
-    cells = outlook_from(floor, (0.0, 0.0), (55.0, 0.0)).cells(~floor.occupied)
+    area = visibility_from(floor, (0.0, 0.0), (55.0, 0.0)).area(~floor.occupied)
     east, west = ray_of(np.array([0.0, np.pi]))
-    assert 0.4 * cells[0, west] < cells[0, east] < 0.8 * cells[0, west]
-    assert cells[1, east] < 0.2 * cells[1, west]
+    assert 0.4 * area[0, west] < area[0, east] < 0.8 * area[0, west]
+    assert area[1, east] < 0.2 * area[1, west]
 
 
 def test_a_view_that_was_taken_shows_nothing_more(floor):
-    outlook = outlook_from(floor, (0.0, 0.0), (20.0, 0.0)).without([(np.zeros(2), 0.0)])
-    cells = outlook.cells(~floor.occupied)
-    assert cells[0, ray_of(np.array([0.2]))[0]] == 0.0
-    assert cells[0, ray_of(np.array([0.5]))[0]] > 0.0
-    assert cells[1, 0] > 0.0
+    visibility = visibility_from(floor, (0.0, 0.0), (20.0, 0.0)).without([(np.zeros(2), 0.0)], 3.0)
+    area = visibility.area(~floor.occupied)
+    assert area[0, ray_of(np.array([0.2]))[0]] == 0.0
+    assert area[0, ray_of(np.array([0.5]))[0]] > 0.0
+    assert area[1, 0] > 0.0
 
 
 def views_of_the_middle(*places):
@@ -51,15 +53,15 @@ def views_of_the_middle(*places):
     return Candidates(places=places, targets=np.tile([0.0, 5.0, 0.0], (len(places), 1)))
 
 
-THING = Sighting(centre=np.zeros(2), radius=3.0, distance=20.0, sigma=1.0)
+OBSTACLE = Detection(centre=np.zeros(2), radius=3.0, distance=20.0, sigma=1.0)
 
 
 def test_a_thing_shows_a_new_side_to_who_is_near_looks_and_sees_it(floor):
     floor.occupied |= floor.disc(np.array([0.0, 8.0]), 2.0)
     views = views_of_the_middle((13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0))
     away = Candidates(places=views.places, targets=views.targets + np.array([400.0, 0, 0]))
-    assert new_sides(views, [THING], floor, FIELD, 20.0).tolist() == [1.0, 0.0, 0.0, 1.0]
-    assert new_sides(away, [THING], floor, FIELD, 20.0).tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert new_sides(views, [OBSTACLE], floor, FIELD, 20.0).tolist() == [1.0, 0.0, 0.0, 1.0]
+    assert new_sides(away, [OBSTACLE], floor, FIELD, 20.0).tolist() == [0.0, 0.0, 0.0, 1.0]
 
 
 @settings(deadline=None, max_examples=40)
@@ -87,12 +89,14 @@ def test_a_place_is_put_into_a_way_where_it_is_cheapest():
 def test_a_round_begins_with_what_is_near(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
     unknown[:20, 50:70] = unknown[100:, 50:70] = True
-    outlook = outlook_from(floor, (-20.0, 0.0), (0.0, 0.0), (20.0, 0.0), reach=45.0)
-    place, azimuth = first_stop(floor, unknown, outlook, np.array([15.0, 0.0]))
+    visibility = visibility_from(floor, (-20.0, 0.0), (0.0, 0.0), (20.0, 0.0), reach=45.0)
+    place, azimuth = first_stop(floor, unknown, visibility, np.array([15.0, 0.0]), SCALES)
     assert place.tolist() == [20.0, 0.0]
     assert np.cos(azimuth) > np.cos(FIELD / 2)
 
 
 def test_a_round_over_known_ground_has_no_stop(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
-    assert first_stop(floor, unknown, outlook_from(floor, (0.0, 0.0)), np.zeros(2)) is None
+    assert (
+        first_stop(floor, unknown, visibility_from(floor, (0.0, 0.0)), np.zeros(2), SCALES) is None
+    )

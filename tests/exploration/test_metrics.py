@@ -5,8 +5,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from recon.errors import InputError
 from recon.exploration.floor import Floor
-from recon.exploration.metrics import Record, pairs_until_objects, path_bound
+from recon.exploration.metrics import (
+    length_of,
+    pairs_until_objects,
+    path_between,
+    path_bound,
+)
+from recon.exploration.referee import Referee
 from recon.exploration.state import Walk
 from recon.records import FoundObject, View
 from recon.settings import Settings, updated
@@ -28,45 +35,54 @@ def found(label, x=0.0, z=0.0):
 
 
 @pytest.fixture
-def record():
-    return Record(world=Flatland(discs=[(10.0, 0.0, 3.0, 9.0)], settings=SMALL), baseline=0.3)
+def referee():
+    return Referee(world=Flatland(discs=[(10.0, 0.0, 3.0, 9.0)], settings=SMALL), settings=SMALL)
 
 
-def test_a_way_is_measured_along_its_corners(record):
-    assert record.walk(view(0, 0), view(4, 0, via=np.array([[0.0, 5.0, 3.0]])))
-    assert record.path_length == pytest.approx(3.0 + 5.0)
+def test_a_path_is_measured_along_its_corners():
+    path = path_between(view(0, 0), view(4, 0, via=np.array([[0.0, 5.0, 3.0]])))
+    assert length_of(path) == pytest.approx(3.0 + 5.0)
 
 
-def test_clearance_is_that_of_the_nearer_eye_along_the_whole_way(record):
-    assert record.walk(view(5, -15), view(5, 15))
-    assert record.min_clearance == pytest.approx(2.0 - 0.15, abs=1e-3)
+def test_clearance_is_that_of_the_axis_along_the_whole_path(referee):
+    assert referee.walk(path_between(view(5, -15), view(5, 15)))
+    assert referee.min_clearance == pytest.approx(2.0, abs=1e-3)
 
 
-def test_who_stands_still_has_a_clearance_too(record):
-    assert record.walk(view(0, 0), view(0, 0))
-    assert record.path_length == 0.0
-    assert record.min_clearance == pytest.approx(7.0 - 0.15, abs=1e-6)
+def test_the_start_has_a_clearance_too(referee):
+    referee.check_start(view(0, 0))
+    assert referee.min_clearance == pytest.approx(7.0)
 
 
-@pytest.mark.parametrize("end", [view(20, 0), view(10, 0)])
-def test_a_way_into_a_thing_is_barred_and_not_counted(record, end):
-    assert not record.walk(view(0, 0), end)
-    assert record.path_length == 0.0
-    assert record.min_clearance == np.inf
+@pytest.mark.parametrize("x", [10.0, 7.4, 12.0])
+def test_a_start_in_or_against_an_object_is_refused(referee, x):
+    with pytest.raises(InputError, match=rf"start_position: x {x:g}, z 0 stands inside or"):
+        referee.check_start(view(x, 0))
 
 
-def test_coverage_counts_free_cells_only(record):
+@pytest.mark.parametrize("end", [view(20, 0), view(10, 0), view(6.6, 0)])
+def test_a_path_into_an_obstacle_is_barred_and_not_counted(referee, end):
+    assert not referee.walk(path_between(view(0, 0), end))
+    assert referee.min_clearance == np.inf
+
+
+def test_a_path_that_grazes_an_obstacle_with_the_body_only_is_barred(referee):
+    assert referee.walk(path_between(view(6.4, -15), view(6.4, 15)))
+    assert not referee.walk(path_between(view(6.6, -15), view(6.6, 15)))
+
+
+def test_coverage_counts_free_cells_only(referee):
     floor = Floor(size_x=40, size_z=40)
-    assert record.coverage(floor) == 0.0
+    assert referee.coverage(floor) == 0.0
     floor.seen_from[:20] = 1.0
     free = 1600 - np.pi * 9
-    assert record.coverage(floor) == pytest.approx(800 / free, rel=0.01)
+    assert referee.coverage(floor) == pytest.approx(800 / free, rel=0.01)
     floor.seen_from[:] = 1.0
-    assert record.coverage(floor) == 1.0
+    assert referee.coverage(floor) == 1.0
 
 
 @dataclass
-class Thing:
+class Obstacle:
     centre: np.ndarray
     size: np.ndarray = field(default_factory=lambda: np.array([4.0, 8.0, 4.0]))
 
@@ -74,8 +90,10 @@ class Thing:
 def test_the_bound_is_the_gap_between_what_can_be_seen_from_one_place():
     start = view(0, 0)
     assert path_bound(start, [], 10.0) == 0.0
-    assert path_bound(start, [Thing(np.array([9.0, 4, 0]))], 10.0) == pytest.approx(0.0, abs=1e-6)
-    far = [Thing(np.array([50.0, 4, 0])), Thing(np.array([0.0, 4, 100.0]))]
+    assert path_bound(start, [Obstacle(np.array([9.0, 4, 0]))], 10.0) == pytest.approx(
+        0.0, abs=1e-6
+    )
+    far = [Obstacle(np.array([50.0, 4, 0])), Obstacle(np.array([0.0, 4, 100.0]))]
     assert path_bound(start, far[:1], 10.0) == pytest.approx(38.0, abs=1e-6)
     assert path_bound(start, far, 10.0) == pytest.approx(38.0 + 87.8034, abs=1e-3)
 

@@ -10,7 +10,7 @@ from recon.errors import MissingLibraryError
 from recon.records import View
 from recon.settings.settings import Settings
 from recon.world import filament
-from recon.world.eyes import eye_of
+from recon.world.cameras import camera_of
 from recon.world.world import World
 
 from .conftest import SCENES
@@ -30,7 +30,7 @@ def drawn():
 
 def test_both_renderers_see_the_same_depth(drawn, village):
     rig, T_world_left, eyes = village._stand(VIEW)
-    camera = eye_of(T_world_left, rig, rig.cx_left_px, eyes).camera
+    camera = camera_of(T_world_left, rig, rig.cx_left_px, eyes).camera
     wanted = village.truth(VIEW).depth
     depth = drawn._renderer.depth(camera)
     both = np.isfinite(depth) & np.isfinite(wanted)

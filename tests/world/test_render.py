@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from recon.errors import InputError
 from recon.geometry import invert, transform
 from recon.records import View
 from recon.settings.settings import Settings
 from recon.world.render import SKY_RGB
+from recon.world.renderers import RENDERERS
 from recon.world.visuals import (
     CylinderVisual,
     MeshVisual,
@@ -214,3 +216,54 @@ def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
     image = world.take(AHEAD).left
     quarters = [image[v, u].tolist() for v in (110, 145) for u in (110, 145)]
     assert quarters == [[255, 0, 0], [0, 255, 0], [0, 0, 255], [0, 0, 0]]
+
+
+def test_gain_and_offset_are_the_right_camera_s_own(world_of):
+    grey = wall(-10.0, size=30.0, colour=(0.4, 0.4, 0.4, 1.0))
+    plain, pair = (
+        world_of(grey, render=render).take(AHEAD)
+        for render in ({}, {"gain_right": 1.2, "offset_right": -10.0})
+    )
+    np.testing.assert_array_equal(pair.left, plain.left)
+    wanted = np.rint(1.2 * plain.right[128, 128].astype(float) - 10.0)
+    np.testing.assert_array_equal(pair.right[128, 128], wanted)
+
+
+def test_grain_is_as_strong_as_white_noise_and_hangs_together(world_of):
+    grey = wall(-10.0, size=30.0, colour=(0.5, 0.5, 0.5, 1.0))
+    images = [
+        world_of(grey, render={"noise": 6.0, "noise_grain_px": grain})
+        .take(AHEAD)
+        .left.astype(float)
+        for grain in (0.0, 0.8)
+    ]
+    white, grain = (image - image.mean() for image in images)
+    assert 5.8 < grain.std() < 6.2
+    beside = [np.mean(n[:, 1:] * n[:, :-1]) / np.var(n) for n in (white, grain)]
+    assert abs(beside[0]) < 0.02
+    assert 0.6 < beside[1] < 0.75
+    edge = grain[:2].std(), grain[:, -2:].std()
+    assert edge == pytest.approx((6.0, 6.0), abs=0.4)
+
+
+def test_a_texture_tile_scales_with_the_world(world_of):
+    """A world ten times as small, its tile with it, looks the same."""
+    small = SphereVisual(centre=(0, 0.5, -1.2), radius=0.3, texture=0)
+    large = SphereVisual(centre=(0, 5.0, -12.0), radius=3.0, texture=0)
+    near = View(position=AHEAD.position / 10.0, target=AHEAD.target / 10.0)
+    eyes = {"baseline": 0.03, "near": 0.01, "far": 10.0}
+    a = world_of(large, textures=("leaves",)).take(AHEAD).left.astype(float)
+    b, c = (
+        world_of(small, textures=("leaves",), eyes=eyes, render=render)
+        .take(near)
+        .left.astype(float)
+        for render in ({"texture_tile": 1.6}, {})
+    )
+    assert np.abs(a - b).mean() < 0.5
+    assert np.abs(a - c).mean() > 2.0
+
+
+def test_a_renderer_is_found_by_name(world_of):
+    assert RENDERERS.names()[:2] == ["raycast", "filament"]
+    with pytest.raises(InputError, match=r"renderer is 'raycaster', .*nearest: raycast"):
+        world_of(BALL, textures=("leaves",), render={"renderer": "raycaster"})

@@ -11,19 +11,20 @@ from recon.world.solids import (
 )
 from recon.world.visuals import CylinderVisual, EllipsoidVisual, MeshVisual, SphereVisual
 
+TILE = 16.0
 CONE = CylinderVisual(radius_base=1, radius_top=7, height=4, translation=(20, 11, -5))
 ALL = [
-    sphere_triangles(SphereVisual(centre=(1, 2, 3), radius=4)),
-    sphere_triangles(EllipsoidVisual(centre=(1, 2, 3), radii=(4, 2, 3))),
-    cylinder_triangles(CONE),
+    sphere_triangles(SphereVisual(centre=(1, 2, 3), radius=4), TILE),
+    sphere_triangles(EllipsoidVisual(centre=(1, 2, 3), radii=(4, 2, 3)), TILE),
+    cylinder_triangles(CONE, TILE),
     cylinder_triangles(
-        CylinderVisual(radius_base=2, radius_top=2, height=8, translation=(1, 8, 3))
+        CylinderVisual(radius_base=2, radius_top=2, height=8, translation=(1, 8, 3)), TILE
     ),
 ]
 
 
 def test_a_rotation_of_1_0_0_puts_the_translation_on_top():
-    points = cylinder_triangles(CONE).corners.reshape(-1, 3)
+    points = cylinder_triangles(CONE, TILE).corners.reshape(-1, 3)
     radius = np.hypot(points[:, 0] - 20, points[:, 2] + 5)
     assert np.ptp(points[:, 1]) == pytest.approx(4, abs=1e-12)
     np.testing.assert_allclose(radius[points[:, 1] > 11 - 1e-9], 1, atol=1e-12)
@@ -78,7 +79,7 @@ def test_textures_cover_whole_repeats_round_every_solid():
 
 def test_slivers_are_left_out():
     pointed = CylinderVisual(radius_base=0, radius_top=3, height=4, translation=(0, 4, 0))
-    part = cylinder_triangles(pointed)
+    part = cylinder_triangles(pointed, TILE)
     kept = part.without_slivers()
     assert len(part.corners) - len(kept.corners) == 96
 

@@ -213,7 +213,7 @@ def test_an_object_on_the_start_is_known_of(world_of):
 
 def test_a_floor_larger_than_memory_is_one_line(world_of):
     world = world_of(plain_ground(), floor={"size_x": 1e6, "size_z": 1e6})
-    with pytest.raises(InputError, match="the floor is 1000000 x 1000000 units, but at most"):
+    with pytest.raises(InputError, match="the floor is 1000000 x 1000000 cells, but at most"):
         world.free_ground()
 
 

@@ -1,4 +1,4 @@
-"""The two simulated cameras: where they stand, how they look, and what they are."""
+"""The two simulated cameras: their poses, their gaze, and the rig they make."""
 
 from dataclasses import asdict, dataclass
 
@@ -16,8 +16,8 @@ from recon.world.render import Camera
 _PARAMETERS = ("focal_length", "fov_deg", "baseline", "near", "far")
 
 
-def eyes_of(view: View, eyes: EyesSettings) -> EyesSettings:
-    """The eyes with what the view changes of them.
+def camera_settings(view: View, eyes: EyesSettings) -> EyesSettings:
+    """The settings of the cameras with what the view changes of them.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def rig_of(view: View, eyes: EyesSettings) -> StereoRig:
 
 
 def left_pose(view: View, baseline: float) -> Array:
-    """`T_world_left` (4, 4): the left eye, half the baseline beside the view's position."""
+    """`T_world_left` (4, 4): the left camera, half the baseline beside the view's position."""
     check_finite("view position", view.position)
     check_finite("view target", view.target)
     T_world_left = look_at(view.position, view.target)
@@ -64,39 +64,41 @@ def left_pose(view: View, baseline: float) -> Array:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Eye:
-    """One eye's rays, and how its image is brought into the rectified rig."""
+class RectifiedCamera:
+    """The rays of one camera, and the homography of its image into the rectified rig."""
 
     camera: Camera
-    H_rectified_eye: Array | None
+    H_rectified_camera: Array | None
     """(3, 3) motion of image points; None where the image is rectified as it is."""
 
 
-def eye_of(T_world_eye: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings) -> Eye:
-    """The eye that stands at a pose of the rig, whose principal point there is `cx_px`.
+def camera_of(
+    T_world_camera: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings
+) -> RectifiedCamera:
+    """The camera that stands at a pose of the rig, whose principal point there is `cx_px`.
 
-    With gaze "shift" the sensor is shifted; with "toe-in" the eye turns until the target is in
+    With gaze "shift" the sensor is shifted; with "toe-in" the camera turns until the target is in
     the middle, which is where the shifted sensor has it too.
     """
     middle_px = (eyes.width - 1) / 2.0
     K_rig = _intrinsics(rig.focal_px, cx_px, rig.cy_px)
     if eyes.gaze == "shift":
-        return Eye(camera=_camera(T_world_eye, K_rig, eyes), H_rectified_eye=None)
+        return RectifiedCamera(camera=_camera(T_world_camera, K_rig, eyes), H_rectified_camera=None)
     turn = pose(rotation_about_y(np.arctan((middle_px - cx_px) / rig.focal_px)), np.zeros(3))
-    K_eye = _intrinsics(rig.focal_px, middle_px, rig.cy_px)
-    return Eye(
-        camera=_camera(T_world_eye @ turn, K_eye, eyes),
-        H_rectified_eye=K_rig @ turn[:3, :3] @ np.linalg.inv(K_eye),
+    K_camera = _intrinsics(rig.focal_px, middle_px, rig.cy_px)
+    return RectifiedCamera(
+        camera=_camera(T_world_camera @ turn, K_camera, eyes),
+        H_rectified_camera=K_rig @ turn[:3, :3] @ np.linalg.inv(K_camera),
     )
 
 
-def rectified(image: NDArray[np.uint8], H_rectified_eye: Array | None) -> NDArray[np.uint8]:
+def rectified(image: NDArray[np.uint8], H_rectified_camera: Array | None) -> NDArray[np.uint8]:
     """The image (H, W, 3) as the rectified rig has it; its border is stretched."""
-    if H_rectified_eye is None:
+    if H_rectified_camera is None:
         return image
     moved: NDArray[np.uint8] = cv2.warpPerspective(
         image,
-        H_rectified_eye,
+        H_rectified_camera,
         image.shape[1::-1],
         flags=cv2.INTER_CUBIC,
         borderMode=cv2.BORDER_REPLICATE,
@@ -108,9 +110,9 @@ def _intrinsics(focal_px: float, cx_px: float, cy_px: float) -> Array:
     return np.array([[focal_px, 0.0, cx_px], [0.0, focal_px, cy_px], [0.0, 0.0, 1.0]])
 
 
-def _camera(T_world_eye: Array, K: Array, eyes: EyesSettings) -> Camera:
-    """Rays of an eye: through (u, v) goes ``R K^-1 (u, v, 1)``, so that depth counts along z."""
-    directions = T_world_eye[:3, :3] @ np.linalg.inv(K)
+def _camera(T_world_camera: Array, K: Array, eyes: EyesSettings) -> Camera:
+    """Rays of a camera: through (u, v) goes ``R K^-1 (u, v, 1)``, so that depth counts along z."""
+    directions = T_world_camera[:3, :3] @ np.linalg.inv(K)
     still = np.zeros(3)
     return Camera(
         width=eyes.width,
@@ -118,6 +120,13 @@ def _camera(T_world_eye: Array, K: Array, eyes: EyesSettings) -> Camera:
         near=eyes.near,
         far=eyes.far,
         frame=np.array(
-            [T_world_eye[:3, 3], directions[:, 2], still, directions[:, 0], still, directions[:, 1]]
+            [
+                T_world_camera[:3, 3],
+                directions[:, 2],
+                still,
+                directions[:, 0],
+                still,
+                directions[:, 1],
+            ]
         ),
     )

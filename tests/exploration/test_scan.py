@@ -1,14 +1,18 @@
-"""Things in the field of view, out of clouds."""
+"""Obstacles in the field of view, out of clouds."""
 
 import numpy as np
 import pytest
 
-from recon.exploration.sight import look, sightings, without_noise
+from recon.exploration.floor import Floor
+from recon.exploration.scales import Scales
+from recon.exploration.scan import detections, scan, without_noise
 from recon.records import PointCloud, View
 from recon.settings import Settings
 from tests.exploration.flatland import HEIGHT, Flatland
 
 PLACE = np.zeros(2)
+FLOOR = Floor(size_x=200, size_z=200)
+SCALES = Scales.of(Settings())
 
 
 def cloud(points, sigma=0.1):
@@ -29,9 +33,9 @@ def view_towards(x, z):
     return View(position=np.array([0.0, HEIGHT, 0.0]), target=np.array([x, HEIGHT, z]))
 
 
-def limit_towards(sight, x, z):
-    turned = np.angle(np.exp(1j * (sight.azimuths_rad - np.arctan2(z, x))))
-    return sight.limits[np.abs(turned).argmin()]
+def limit_towards(seen, x, z):
+    turned = np.angle(np.exp(1j * (seen.azimuths_rad - np.arctan2(z, x))))
+    return seen.limits[np.abs(turned).argmin()]
 
 
 @pytest.fixture
@@ -40,7 +44,7 @@ def pair():
 
 
 def test_one_thing_is_seen_where_it_is():
-    (found,) = sightings(cloud(blob(30.0, 10.0)), PLACE)
+    (found,) = detections(cloud(blob(30.0, 10.0)), PLACE, SCALES)
     assert np.hypot(*(found.centre - [30.0, 10.0])) < 1.0
     assert 1.5 < found.radius < 3.5
     assert abs(found.distance - np.hypot(30, 10)) < 1.0
@@ -53,36 +57,38 @@ def test_two_things_are_two_whatever_the_heading(heading):
     near = 20.0 * np.array([np.cos(angle + left), np.sin(angle + left)])
     far, behind = 30.0 * ahead, 70.0 * ahead
     points = np.vstack([blob(*near, seed=1), blob(*far, seed=2), blob(*behind, seed=3)])
-    found = sorted(sightings(cloud(points), PLACE), key=lambda sighting: sighting.distance)
+    found = sorted(
+        detections(cloud(points), PLACE, SCALES), key=lambda detection: detection.distance
+    )
     assert len(found) == 3
-    for sighting, place in zip(found, (near, far, behind), strict=True):
-        assert np.hypot(*(sighting.centre - place)) < 1.5
+    for detection, place in zip(found, (near, far, behind), strict=True):
+        assert np.hypot(*(detection.centre - place)) < 1.5
 
 
 def test_few_points_are_no_thing():
-    assert sightings(cloud(blob(30.0, 0.0, number=5)), PLACE) == []
-    assert sightings(cloud([]), PLACE) == []
+    assert detections(cloud(blob(30.0, 0.0, number=5)), PLACE, SCALES) == []
+    assert detections(cloud([]), PLACE, SCALES) == []
 
 
 def test_a_lone_point_is_noise_and_company_is_not():
-    kept = without_noise(cloud(np.vstack([blob(30.0, 0.0), [[3.0, HEIGHT, -1.0]]])), PLACE)
+    kept = without_noise(cloud(np.vstack([blob(30.0, 0.0), [[3.0, HEIGHT, -1.0]]])), PLACE, SCALES)
     assert len(kept) == 60
-    assert len(without_noise(cloud([]), PLACE)) == 0
+    assert len(without_noise(cloud([]), PLACE, SCALES)) == 0
 
 
 def test_rays_end_before_a_thing_and_go_on_beside_it(pair):
-    sight = look(view_towards(20, 0), pair, cloud(blob(30.0, 0.0)), 60.0)
-    assert 24.0 < limit_towards(sight, 30.0, 0.0) < 30.0
-    assert limit_towards(sight, 30.0, 10.0) == limit_towards(sight, 30.0, -10.0) == 60.0
+    seen = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0)), 60.0, FLOOR)
+    assert 24.0 < limit_towards(seen, 30.0, 0.0) < 30.0
+    assert limit_towards(seen, 30.0, 10.0) == limit_towards(seen, 30.0, -10.0) == 60.0
 
 
 def test_an_unsure_thing_ends_rays_earlier(pair):
-    sure = look(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=0.1), 60.0)
-    unsure = look(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=6.0), 60.0)
+    sure = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=0.1), 60.0, FLOOR)
+    unsure = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=6.0), 60.0, FLOOR)
     difference = limit_towards(sure, 30.0, 0.0) - limit_towards(unsure, 30.0, 0.0)
     assert 5.0 < difference < 7.0
 
 
 def test_things_outside_the_field_end_no_ray(pair):
-    sight = look(view_towards(20, 0), pair, cloud(blob(-30.0, 0.0)), 60.0)
-    assert (sight.limits == 60.0).all()
+    seen = scan(view_towards(20, 0), pair, cloud(blob(-30.0, 0.0)), 60.0, FLOOR)
+    assert (seen.limits == 60.0).all()

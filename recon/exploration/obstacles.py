@@ -1,4 +1,4 @@
-"""Things in the map as the agent sees them: patches of occupied floor, and what they are called."""
+"""Obstacles of the map: patches of occupied floor, the views that saw them, and their names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,12 +11,12 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.records import FoundObject, PointCloud, Voxels
 
 MIN_POINTS_OF_VIEW = 30
-"""A view has seen a thing well when it put this many sure points on it."""
+"""A view has seen an obstacle well when it put this many sure points on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Thing:
-    """One thing of the map."""
+class Obstacle:
+    """One obstacle of the map."""
 
     cells: NDArray[np.intp]
     """(N, 2) floor cells under it."""
@@ -29,11 +29,11 @@ class Thing:
     voxels: Voxels
     """Its occupied cells above the ground."""
     bearings_rad: Array
-    """(V,) azimuth, from the thing, of every place that saw it well."""
+    """(V,) azimuth, from the obstacle, of every place that saw it well."""
     found: FoundObject | None = None
-    """What it was recognised as, when last asked."""
+    """Its name and shape, as last recognised."""
     num_named: int = 0
-    """How many occupied cells it had then."""
+    """Number of its occupied cells then."""
 
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
         """(N,) which points (N, 2) lie within its disc, widened by a margin."""
@@ -42,37 +42,37 @@ class Thing:
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
-class Visits:
-    """Which floor cells every pair put sure points on."""
+class Observations:
+    """The floor cells that every pair put sure points on."""
 
     places: list[Array] = field(default_factory=list)
-    """(2,) x, z of the eyes, one a pair."""
+    """(2,) x, z of the cameras, one per pair."""
     cell: list[NDArray[np.intp]] = field(default_factory=list)
-    """Flat numbers of cells, one array a pair, one entry a point."""
+    """Flat numbers of cells, one array per pair, one entry per point."""
 
     def add(self, place: Array, sure: PointCloud, floor: Floor) -> None:
         """Note where the points of one more pair lie."""
         self.places.append(place)
         self.cell.append(floor.flat(floor.cells(sure.points[:, [0, 2]])))
 
-    def seen(self, thing_of_cell: NDArray[np.intp], num_things: int) -> NDArray[np.intp]:
-        """(P, T) how many sure points each pair put on each thing.
+    def seen(self, obstacle_of_cell: NDArray[np.intp], num_obstacles: int) -> NDArray[np.intp]:
+        """(P, T) number of sure points that each pair put on each obstacle.
 
         Parameters
         ----------
-        thing_of_cell : (X, Z) int
-            Number of the thing on each cell; -1 = none.
+        obstacle_of_cell : (X, Z) int
+            Number of the obstacle on each cell; -1 = none.
         """
-        lookup = np.append(thing_of_cell.ravel(), -1)
+        lookup = np.append(obstacle_of_cell.ravel(), -1)
         points = [lookup[cell] for cell in self.cell]
         return np.array(
-            [np.bincount(p[p >= 0], minlength=num_things) for p in points], dtype=np.intp
-        ).reshape(len(points), num_things)
+            [np.bincount(p[p >= 0], minlength=num_obstacles) for p in points], dtype=np.intp
+        ).reshape(len(points), num_obstacles)
 
 
-def columns(voxels: Voxels) -> Array:
-    """Points (N, 2) x, z, at most one unit apart, that cover the cells seen from above."""
-    number = max(1, int(np.ceil(voxels.cell_size)))
+def columns(voxels: Voxels, spacing: float) -> Array:
+    """Points (N, 2) x, z, at most `spacing` apart, that cover the cells seen from above."""
+    number = max(1, int(np.ceil(voxels.cell_size / spacing)))
     steps = ((np.arange(number) + 0.5) / number - 0.5) * voxels.cell_size
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     points: Array = (voxels.centres[:, None, [0, 2]] + offsets).reshape(-1, 2)
@@ -85,37 +85,41 @@ def patches(occupied: Mask) -> NDArray[np.intp]:
     return np.where(occupied, number.astype(np.intp) - 1, -1)
 
 
-def find_things(voxels: Voxels, floor: Floor, visits: Visits, min_voxels: int) -> tuple[Thing, ...]:
-    """Cut the occupied cells above the ground into things, in the order of their floor cells.
+def find_obstacles(
+    voxels: Voxels, floor: Floor, observations: Observations, min_voxels: int
+) -> tuple[Obstacle, ...]:
+    """Cut the occupied cells above the ground into obstacles, in the order of their floor cells.
 
-    Cells of which fewer than `min_voxels` hang together are no thing.
+    Fewer than `min_voxels` cells that hang together are not an obstacle.
     """
-    patch = patches(floor.mask(columns(voxels)))
+    patch = patches(floor.mask(columns(voxels, floor.cell_size)))
     of_voxel = np.append(patch.ravel(), -1)[floor.flat(floor.cells(voxels.centres[:, [0, 2]]))]
     size = np.bincount(of_voxel[of_voxel >= 0], minlength=patch.max(initial=-1) + 1)
     number = np.append(np.where(size >= min_voxels, np.cumsum(size >= min_voxels) - 1, -1), -1)
-    thing_of_cell, thing_of_voxel = number[patch], number[of_voxel]
-    num_things = int(number.max(initial=-1)) + 1
-    seen = visits.seen(thing_of_cell, num_things) >= MIN_POINTS_OF_VIEW
+    obstacle_of_cell, obstacle_of_voxel = number[patch], number[of_voxel]
+    num_obstacles = int(number.max(initial=-1)) + 1
+    seen = observations.seen(obstacle_of_cell, num_obstacles) >= MIN_POINTS_OF_VIEW
     return tuple(
-        _thing(
+        _obstacle(
             floor,
-            np.argwhere(thing_of_cell == i),
-            voxels.select(thing_of_voxel == i),
-            [visits.places[pair] for pair in np.flatnonzero(seen[:, i])],
+            np.argwhere(obstacle_of_cell == i),
+            voxels.select(obstacle_of_voxel == i),
+            [observations.places[pair] for pair in np.flatnonzero(seen[:, i])],
         )
-        for i in range(num_things)
+        for i in range(num_obstacles)
     )
 
 
-def _thing(floor: Floor, cells: NDArray[np.intp], voxels: Voxels, places: Sequence[Array]) -> Thing:
+def _obstacle(
+    floor: Floor, cells: NDArray[np.intp], voxels: Voxels, places: Sequence[Array]
+) -> Obstacle:
     points_xz = floor.centres(cells)
     centre = (points_xz.min(axis=0) + points_xz.max(axis=0)) / 2.0
     offsets = np.array(places).reshape(-1, 2) - centre
-    return Thing(
+    return Obstacle(
         cells=cells,
         centre=centre,
-        radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5,
+        radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size,
         top=float(voxels.means[:, 1].max()),
         voxels=voxels,
         bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),

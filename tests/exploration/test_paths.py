@@ -1,4 +1,4 @@
-"""Ways round things, places to look from, and what is unexplored."""
+"""ShortestPaths round obstacles, places to look from, and what is unexplored."""
 
 import itertools
 
@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 
 from recon.exploration.floor import Floor
-from recon.exploration.planning import Ways, lookouts, plan, stand, unexplored
-from recon.exploration.sight import Sighting
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.paths import ShortestPaths, plan, unexplored
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection
 from recon.exploration.state import State
-from recon.exploration.things import Thing
+from recon.exploration.viewpoints import vantage_points, viewpoint
 from recon.records import View, Voxels
 from recon.settings import Settings
 
 CLEARANCE = Settings().exploration.walk_clearance
 
 
-def state_on(floor, place=(0.0, 0.0), sightings=()):
+def state_on(floor, place=(0.0, 0.0), detections=()):
     x, z = place
     return State(
         num_pairs=1,
@@ -24,8 +26,8 @@ def state_on(floor, place=(0.0, 0.0), sightings=()):
         pair=None,
         voxel_map=None,
         floor=floor,
-        things=(),
-        sightings=tuple(sightings),
+        obstacles=(),
+        detections=tuple(detections),
         objects=(),
         simulator=None,
         settings=Settings(),
@@ -41,15 +43,15 @@ def floor():
     return floor
 
 
-def length_of(ways: Ways, end):
-    corners = np.vstack([ways.place, ways.corners(end), end])
+def length_of(paths: ShortestPaths, end):
+    corners = np.vstack([paths.place, paths.corners(end), end])
     return np.linalg.norm(np.diff(corners, axis=0), axis=1).sum(), corners
 
 
-def thing_at(x, z, radius, floor):
+def obstacle_at(x, z, radius, floor):
     cells = np.argwhere(floor.disc(np.array([x, z]), radius))
     none = np.empty((0, 3))
-    return Thing(
+    return Obstacle(
         cells=cells,
         centre=np.array([x, z]),
         radius=radius,
@@ -75,20 +77,20 @@ def test_a_way_goes_round_a_wall_at_a_distance(floor):
 
 
 def test_a_way_over_open_ground_is_straight(floor):
-    ways = plan(state_on(floor))
+    paths = plan(state_on(floor))
     end = np.array([-31.3, 17.2])
-    length, corners = length_of(ways, end)
+    length, corners = length_of(paths, end)
     assert len(corners) == 2
     assert length == pytest.approx(np.hypot(*end))
-    assert ways.length(end[None])[0] == pytest.approx(length, rel=0.1)
+    assert paths.length(end[None])[0] == pytest.approx(length, rel=0.1)
 
 
 def test_what_is_walled_in_is_not_reached(floor):
     floor.occupied |= floor.disc(np.array([-20.0, 0.0]), 12.0)
     floor.occupied &= ~floor.disc(np.array([-20.0, 0.0]), 10.0)
-    ways = plan(state_on(floor))
-    assert not ways.reaches(np.array([[-20.0, 0.0], [90.0, 0.0]])).any()
-    assert ways.reaches(np.array([[-20.0, 30.0]])).all()
+    paths = plan(state_on(floor))
+    assert not paths.reaches(np.array([[-20.0, 0.0], [90.0, 0.0]])).any()
+    assert paths.reaches(np.array([[-20.0, 30.0]])).all()
 
 
 def test_unknown_ground_is_walked_on_only_when_asked(floor):
@@ -99,22 +101,22 @@ def test_unknown_ground_is_walked_on_only_when_asked(floor):
 
 
 def test_sightings_bar_the_way(floor):
-    ghost = Sighting(centre=np.array([-20.0, 0.0]), radius=4.0, distance=20.0, sigma=1.0)
+    ghost = Detection(centre=np.array([-20.0, 0.0]), radius=4.0, distance=20.0, sigma=1.0)
     assert plan(state_on(floor)).is_clear(np.zeros(2), np.array([-30.0, 0.0]))
-    ways = plan(state_on(floor, sightings=[ghost]))
-    assert not ways.is_clear(np.zeros(2), np.array([-30.0, 0.0]))
-    assert ways.reaches(np.array([[-30.0, 0.0]]))[0]
+    paths = plan(state_on(floor, detections=[ghost]))
+    assert not paths.is_clear(np.zeros(2), np.array([-30.0, 0.0]))
+    assert paths.reaches(np.array([[-30.0, 0.0]]))[0]
 
 
 def test_who_stands_too_near_can_get_away(floor):
-    ways = plan(state_on(floor, place=(9.0, 0.0)))
-    assert ways.reaches(np.array([[-20.0, 0.0]]))[0]
+    paths = plan(state_on(floor, place=(9.0, 0.0)))
+    assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
 
 
 def test_the_inside_of_a_thing_and_chinks_are_not_unexplored():
     floor = Floor(size_x=80, size_z=80)
     floor.seen_from[:] = 1.0
-    tree = thing_at(10.0, 0.0, 8.0, floor)
+    tree = obstacle_at(10.0, 0.0, 8.0, floor)
     floor.seen_from[floor.disc(np.array([10.0, 0.0]), 6.0)] = np.inf
     floor.seen_from[5, 5:8] = np.inf
     floor.seen_from[:6, 60:] = np.inf
@@ -129,19 +131,19 @@ def lower_right(floor):
 
 
 def test_a_blocked_place_round_a_thing_is_moved_not_dropped(floor):
-    tree = thing_at(-5.0, 0.0, 3.0, floor)
-    free = stand(plan(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
+    tree = obstacle_at(-5.0, 0.0, 3.0, floor)
+    free = viewpoint(plan(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
     assert np.allclose(free, [-18.0, 0.0])
-    blocked = stand(plan(state_on(floor, (-5.0, 25.0))), tree, 0.0, 10.0)
+    blocked = viewpoint(plan(state_on(floor, (-5.0, 25.0))), tree, 0.0, 10.0)
     assert blocked is not None
     assert 0.0 < blocked[0] < 10.5 - CLEARANCE + 1.0
-    assert stand(plan(state_on(floor)), thing_at(36.0, 0.0, 3.9, floor), 0.0, 10.0) is None
+    assert viewpoint(plan(state_on(floor)), obstacle_at(36.0, 0.0, 3.9, floor), 0.0, 10.0) is None
 
 
 def test_lookouts_can_be_reached_and_reach_the_frontier(floor):
     floor.seen_from[60:] = np.inf
-    ways, unknown = plan(state_on(floor)), unexplored(floor, [])
-    places = lookouts(ways, unknown)
-    assert ways.reaches(places).all()
+    paths, unknown = plan(state_on(floor)), unexplored(floor, [])
+    places = vantage_points(paths, unknown, Scales.of(Settings()))
+    assert paths.reaches(places).all()
     assert places[:, 0].max() > 15.0
     assert 10 < len(places) < 200

@@ -1,41 +1,42 @@
-"""What one pair shows over the floor: the open field before the eyes, and things in it."""
+"""A scan: what one pair tells of the floor, as rays that end at obstacles, and what it detects."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label, minimum_filter1d
 
-from recon.exploration.floor import NEIGHBOURS, Array, azimuths
+from recon.exploration.floor import NEIGHBOURS, Array, Floor
+from recon.exploration.scales import Scales
 from recon.records import PointCloud, StereoPair, View
 
 BLUR_RAD = math.radians(1.5)
-"""A thing's points are this far apart at most: gaps between them hide what is behind, too."""
+"""Points of one obstacle are this far apart at most: gaps between them hide what is behind."""
 MARGIN = 1.0
-"""World units before a thing that are left unknown: half a cell and the thickness of an edge."""
+"""Cells before an obstacle that stay unknown: half a cell and the thickness of an edge."""
 MIN_POINTS = 8
-"""Fewer points than this are noise, not a thing ..."""
-MIN_POINTS_DISTANCE = 120.0
-"""... nor are fewer than the square of this over the distance: a tree of two units' radius and
-eight units' height, of which a quarter of the usual features are found."""
-COMPANY_DISTANCE, COMPANY = 40.0, (4.0, 40.0)
-"""A point is noise where fewer than the square of this over the distance hang together with it,
-within these bounds."""
+"""Fewer points than this are noise ..."""
+MIN_POINTS_DISTANCE = 6.0
+"""... and so are fewer than the square of this over the distance in viewing distances: a quarter
+of the usual features of a tree a tenth of that distance in radius and four tenths in height."""
+COMPANY_DISTANCE, COMPANY = 2.0, (4.0, 40.0)
+"""A point is noise where fewer than the square of this over the distance in viewing distances hang
+together with it, within these bounds."""
 RANGE_RATIO = 1.15
-"""Points of one direction whose distances differ by more than this factor are of two things."""
+"""Points of one direction whose distances differ by more than this factor are of two obstacles."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sight:
+class Scan:
     """One look over the floor."""
 
     place: Array
-    """(2,) x, z of the point midway between the eyes."""
+    """(2,) x, z of the point midway between the cameras."""
     azimuths_rad: Array
     """(A,) of the rays over the field of view, evenly spaced."""
     limits: Array
-    """(A,) how far each ray goes before it meets a thing or ends."""
+    """(A,) length of each ray, to an obstacle or to its end."""
 
     def _inside(self, ray: NDArray[np.intp]) -> NDArray[np.bool_]:
         return (ray >= 0) & (ray < len(self.limits))
@@ -49,15 +50,15 @@ class Sight:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sighting:
-    """Something seen too far off, or too poorly, to be in the map."""
+class Detection:
+    """An obstacle seen too far off, or too poorly, to be in the map."""
 
     centre: Array
     """(2,) x, z of the middle of its visible points."""
     radius: float
     """Half its width, world units."""
     distance: float
-    """How far off it was seen, world units."""
+    """Distance that it was seen from, world units."""
     sigma: float
     """Standard deviation of that distance."""
 
@@ -73,29 +74,31 @@ def field_of_view(pair: StereoPair) -> float:
     return 2.0 * math.atan(pair.rig.width / 2.0 / pair.rig.focal_px)
 
 
-def look(view: View, pair: StereoPair, things: PointCloud, reach: float) -> Sight:
-    """How far the field of a view is open.
+def scan(view: View, pair: StereoPair, standing: PointCloud, reach: float, floor: Floor) -> Scan:
+    """Measure how far the field of a view is open.
 
     Parameters
     ----------
-    things : PointCloud
+    standing : PointCloud
         Points of the pair above the ground, world.
     reach : float
-        How far off a thing is surely seen, world units.
+        Distance up to which an obstacle is surely seen, world units.
+    floor : Floor
+        The ground grid that the rays are for.
     """
     place = view.position[[0, 2]]
     heading = math.atan2(*(view.target[[2, 0]] - view.position[[2, 0]]))
-    rays = azimuths(heading, field_of_view(pair), reach)
-    sight = Sight(place=place, azimuths_rad=rays, limits=np.full(len(rays), reach))
-    azimuth, distance = polar(things.points[:, [0, 2]], place)
-    nearest = sight.limits.copy()
-    ray = sight._ray(azimuth)
-    inside = sight._inside(ray)
-    ends = np.maximum(distance - MARGIN - sigma_of(things), 0.0)
+    rays = floor.azimuths(heading, field_of_view(pair), reach)
+    open_field = Scan(place=place, azimuths_rad=rays, limits=np.full(len(rays), reach))
+    azimuth, distance = polar(standing.points[:, [0, 2]], place)
+    nearest = open_field.limits.copy()
+    ray = open_field._ray(azimuth)
+    inside = open_field._inside(ray)
+    ends = np.maximum(distance - MARGIN * floor.cell_size - sigma_of(standing), 0.0)
     np.minimum.at(nearest, ray[inside], ends[inside])
     blur = 1 + 2 * round(BLUR_RAD / 2.0 / (rays[1] - rays[0]))
     limits = minimum_filter1d(nearest, blur, mode="nearest")
-    return Sight(place=place, azimuths_rad=rays, limits=limits)
+    return Scan(place=place, azimuths_rad=rays, limits=limits)
 
 
 def sigma_of(cloud: PointCloud) -> Array:
@@ -103,25 +106,29 @@ def sigma_of(cloud: PointCloud) -> Array:
     return np.zeros(len(cloud)) if cloud.sigma is None else cloud.sigma
 
 
-def sightings(cloud: PointCloud, place: Array) -> list[Sighting]:
-    """Things in a cloud: groups of points that are large enough."""
+def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detection]:
+    """Obstacles in a cloud: groups of points that are large enough."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
     side, ahead = _sideways(azimuth)
-    sigma, group = sigma_of(cloud), _groups(side, distance)
+    sigma, group = sigma_of(cloud), _groups(side, distance / scales.cell)
+    reach = MIN_POINTS_DISTANCE * scales.viewing_distance
     found = []
     for number in range(group.max(initial=-1) + 1):
         rows = group == number
-        if rows.sum() >= max(MIN_POINTS, (MIN_POINTS_DISTANCE / np.median(distance[rows])) ** 2):
-            found.append(_sighting(distance[rows], side[rows], sigma[rows], place, ahead))
+        if rows.sum() >= max(MIN_POINTS, (reach / np.median(distance[rows])) ** 2):
+            one = _detection(distance[rows], side[rows], sigma[rows], place, ahead)
+            one = replace(one, radius=max(scales.cell, one.radius))
+            found.append(one)
     return found
 
 
-def without_noise(cloud: PointCloud, place: Array) -> PointCloud:
-    """The points that are not alone: a thing shows many, the more the nearer it is."""
+def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud:
+    """The points that are not alone: an obstacle shows many, the more the nearer it is."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
-    group = _groups(_sideways(azimuth)[0], distance)
+    group = _groups(_sideways(azimuth)[0], distance / scales.cell)
     size = np.bincount(group)[group]
-    return cloud.select(size >= np.clip((COMPANY_DISTANCE / distance) ** 2, *COMPANY))
+    reach = COMPANY_DISTANCE * scales.viewing_distance
+    return cloud.select(size >= np.clip((reach / distance) ** 2, *COMPANY))
 
 
 def _sideways(azimuth: Array) -> tuple[Array, float]:
@@ -130,7 +137,7 @@ def _sideways(azimuth: Array) -> tuple[Array, float]:
     return np.angle(np.exp(1j * (azimuth - ahead))), ahead
 
 
-def _groups(side: Array, distance: Array) -> NDArray[np.intp]:
+def _groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:
     """Number of the group of each point: those that touch in direction and distance.
 
     Distance is taken by its logarithm, in which the error of stereo grows slowest.
@@ -138,7 +145,7 @@ def _groups(side: Array, distance: Array) -> NDArray[np.intp]:
     if not len(side):
         return np.empty(0, dtype=np.intp)
     column = np.floor(side / BLUR_RAD).astype(np.intp)
-    row = np.floor(np.log(np.maximum(distance, MARGIN)) / math.log(RANGE_RATIO)).astype(np.intp)
+    row = np.floor(np.log(np.maximum(distance_cells, 1.0)) / math.log(RANGE_RATIO)).astype(np.intp)
     column -= column.min()
     row -= row.min()
     grid = np.zeros((column.max() + 1, row.max() + 1), dtype=bool)
@@ -148,13 +155,13 @@ def _groups(side: Array, distance: Array) -> NDArray[np.intp]:
     return group
 
 
-def _sighting(distance: Array, side: Array, sigma: Array, place: Array, ahead: float) -> Sighting:
+def _detection(distance: Array, side: Array, sigma: Array, place: Array, ahead: float) -> Detection:
     middle = ahead + float(np.median(side))
     away = float(np.median(distance))
-    return Sighting(
+    return Detection(
         centre=place + away * np.array([math.cos(middle), math.sin(middle)]),
         distance=away,
-        radius=max(1.0, away * math.tan(float(np.ptp(side)) / 2.0)),
-        # Errors of one thing's points are not independent: their mean gains less than sqrt(N).
+        radius=away * math.tan(float(np.ptp(side)) / 2.0),
+        # Errors of one obstacle's points are not independent: their mean gains less than sqrt(N).
         sigma=float(np.median(sigma)) / 2.0,
     )

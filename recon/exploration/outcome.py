@@ -1,0 +1,45 @@
+"""The records of an exploration: its steps, and what it left."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from recon.exploration.floor import Array
+from recon.mapping import mapper
+from recon.records import Recognition, Reconstruction, View
+from recon.voxelmap import VoxelMap
+
+STOP_REASONS = (
+    "all known",
+    "nothing reachable",
+    "limit",
+    "controller ended",
+    "controller failed",
+    "interrupted",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step(mapper.Step):
+    """One pair of an exploration."""
+
+    view: View
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Exploration:
+    """What an exploration left."""
+
+    reconstruction: Reconstruction[VoxelMap]
+    recognition: Recognition
+    """Of the reconstruction's voxels."""
+    clearest: mapper.Step | None
+    """The step with most matches."""
+    views: tuple[View, ...]
+    known_free: Array
+    """(K, 2) x, z of the middles of the floor cells known to be free."""
+    stop_reason: str
+    """One of STOP_REASONS."""
+    message: str
+    """The controller's last words, or the reason of its failure."""
+    metrics: dict[str, Any]
+    """The numbers of metrics.json, but for `seconds`; what needs truth is None without it."""

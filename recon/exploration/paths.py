@@ -1,0 +1,168 @@
+"""Shortest paths over the floor, at a distance from obstacles and from the unknown."""
+
+import itertools
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, label
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import ConvexHull
+
+from recon.exploration.floor import NEIGHBOURS, RAY_SPACING, Array, Floor, Mask
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.state import State
+
+STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))
+"""To four of a cell's eight neighbours; the others are the same edges from the other end."""
+MIN_POCKET = 10
+"""Unknown patches of fewer cells are chinks between rays, not places to go and see."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ShortestPaths:
+    """Shortest paths over the floor from one place to all others."""
+
+    floor: Floor
+    walkable: Mask
+    """(X, Z) known free and far enough from everything."""
+    place: Array
+    """(2,) x, z where the paths begin."""
+    distance: Array
+    """(X, Z) length of the path, world units; infinite where there is none."""
+    _before: NDArray[np.int32]
+    """(X * Z,) the cell before each cell on its path."""
+
+    def reaches(self, points_xz: Array) -> Mask:
+        """(N,) which points (N, 2) can be walked to."""
+        return np.isfinite(self.length(points_xz))
+
+    def length(self, points_xz: Array) -> Array:
+        """(N,) length of the path to each point; infinite where there is none."""
+        lengths = np.append(self.distance.ravel(), np.inf)
+        return lengths[self.floor.flat(self.floor.cells(points_xz))]
+
+    def nearest(self, point_xz: Array) -> Array:
+        """The reachable place (2,) nearest to a point."""
+        places = self.floor.centres(np.argwhere(np.isfinite(self.distance)))
+        nearest: Array = places[np.hypot(*(places - point_xz).T).argmin()]
+        return nearest
+
+    def is_clear(self, start_xz: Array, end_xz: Array) -> bool:
+        """Whether the straight line between two points can be walked."""
+        spacing = RAY_SPACING * self.floor.cell_size
+        number = 2 + int(np.hypot(*(end_xz - start_xz)) / spacing)
+        share = np.linspace(0.0, 1.0, number)[:, None]
+        cells = self.floor.cells(start_xz + share * (end_xz - start_xz))
+        return bool(np.append(self.walkable.ravel(), False)[self.floor.flat(cells)].all())
+
+    def corners(self, end_xz: Array) -> Array:
+        """Corners (N, 2) of the path to a point that can be reached, its ends left out.
+
+        The path over the cells is pulled straight wherever the straight line can be walked.
+        """
+        steps = [*self._cells_to(end_xz), end_xz]
+        corners: list[Array] = []
+        anchor = self.place
+        for here, ahead in itertools.pairwise(steps):
+            if not self.is_clear(anchor, ahead):
+                corners.append(here)
+                anchor = here
+        return np.array(corners).reshape(-1, 2)
+
+    def _cells_to(self, end_xz: Array) -> list[Array]:
+        """Middles of the cells on the path, in order, without the first and the last."""
+        cell = int(self.floor.flat(self.floor.cells(end_xz)))
+        cells = []
+        while (cell := int(self._before[cell])) >= 0:
+            cells.append(self.floor.centres(np.array(np.unravel_index(cell, self.walkable.shape))))
+        return cells[-2::-1]
+
+
+def plan(state: State, *, through_unknown: bool = False) -> ShortestPaths:
+    """Find the paths from where the agent stands to all cells at once.
+
+    With `through_unknown`, ground that nobody has seen yet is taken for free.
+    """
+    floor = state.floor
+    walkable = _walkable(state, through_unknown)
+    start = int(floor.flat(floor.cells(state.place)))
+    distance, before = dijkstra(
+        _graph(walkable), directed=False, indices=[start], return_predecessors=True
+    )
+    return ShortestPaths(
+        floor=floor,
+        walkable=walkable,
+        place=state.place,
+        distance=distance[0].reshape(floor.shape) * floor.cell_size,
+        _before=before[0],
+    )
+
+
+def _walkable(state: State, through_unknown: bool) -> Mask:
+    """Free cells that keep the clearance.
+
+    Where the agent itself stands too near to something, it may stay as near while it gets away.
+    """
+    floor, scales = state.floor, state.scales
+    here = tuple(floor.cells(state.place))
+    obstacles = floor.occupied.copy()
+    for detection in state.detections:
+        obstacles |= floor.disc(detection.centre, detection.radius)
+    walkable = ~obstacles & _away_from(obstacles, scales.cells(scales.walk_clearance), here)
+    if not through_unknown:
+        unknown = unexplored(floor, state.obstacles)
+        clearance = scales.cells(scales.unknown_clearance)
+        walkable &= floor.known_free & _away_from(unknown, clearance, here)
+    walkable[here] = True
+    return walkable
+
+
+def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
+    """(X, Z) cells that keep a clearance (in cells), but near `here` no more than is kept there."""
+    if not cells.any():
+        return np.ones_like(cells)
+    room = distance_transform_edt(~cells)
+    offset = np.indices(cells.shape) - np.reshape(here, (2, 1, 1))
+    close = np.hypot(*offset) <= 2.0 * clearance
+    away: Mask = room >= np.where(close, min(clearance, float(room[here])), clearance)
+    return away
+
+
+def _graph(walkable: Mask) -> "csr_array[np.float64, tuple[int, int]]":
+    """Lengths in cells between neighbouring walkable cells."""
+    number = np.arange(walkable.size).reshape(walkable.shape)
+    ends, lengths = [], []
+    for dx, dz in STEPS:
+        one = (slice(0, walkable.shape[0] - dx), slice(max(0, -dz), walkable.shape[1] - max(0, dz)))
+        other = (slice(dx, None), slice(max(0, dz), walkable.shape[1] - max(0, -dz)))
+        both = walkable[one] & walkable[other]
+        ends.append(np.stack([number[one][both], number[other][both]]))
+        lengths.append(np.full(both.sum(), np.hypot(dx, dz)))
+    a, b = np.concatenate(ends, axis=1)
+    return csr_array((np.concatenate(lengths), (a, b)), shape=(walkable.size, walkable.size))
+
+
+def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
+    """(X, Z) unknown cells worth a look: not the insides of obstacles, no chinks."""
+    unknown = ~floor.known_free & ~floor.occupied
+    for obstacle in obstacles:
+        unknown &= ~_inside(floor, obstacle.cells)
+    number, _ = label(unknown, NEIGHBOURS)
+    large = np.bincount(number.ravel()) >= MIN_POCKET
+    large[0] = False
+    return large[number]
+
+
+def _inside(floor: Floor, cells: NDArray[np.intp]) -> Mask:
+    """(X, Z) cells whose middle lies in the convex hull of some cells."""
+    square = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+    hull = ConvexHull((cells[:, None] + square).reshape(-1, 2))
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
+    box = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1)
+    inside = np.zeros(floor.shape, dtype=bool)
+    signed = (box + 0.5) @ hull.equations[:, :2].T + hull.equations[:, 2]
+    inside[low[0] : high[0], low[1] : high[1]] = (signed <= 1e-9).all(axis=-1)
+    return inside

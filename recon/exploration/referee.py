@@ -1,0 +1,86 @@
+"""The referee: measures an exploration against what is true in a world, beside the agent."""
+
+import itertools
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.exploration.explorable import Explorable, KnownWorld
+from recon.exploration.floor import Array, Floor, Mask
+from recon.exploration.metrics import path_bound
+from recon.records import View
+from recon.settings import Settings
+
+SAMPLE = 0.2
+"""Body radii between two samples of a path."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Referee:
+    """What is measured while the agent walks; the agent itself never looks into it."""
+
+    world: KnownWorld
+    settings: Settings
+    free: Mask = field(init=False)
+    """(X, Z) floor cells outside the true footprints."""
+    min_clearance: float = np.inf
+    """Smallest distance so far of the body's axis from a surface, world units."""
+
+    def __post_init__(self) -> None:
+        self.free = self.world.free_ground(self.settings.map.cell_size)
+
+    def check_start(self, start: View) -> None:
+        """Raise `InputError` where the body cannot stand at the start."""
+        x, y, z = start.position
+        clearance = float(self._clearance(start.position[None])[0])
+        upright = np.array([[x, share * y, z] for share in (0.1, 0.5, 1.0)])
+        if self.world.is_inside(upright).any() or clearance < self.settings.motion.body_radius:
+            raise InputError(
+                f"exploration.start_position: x {x:g}, z {z:g} stands inside or against an "
+                "object, but free ground is needed; choose another start"
+            )
+        self.min_clearance = clearance
+
+    def walk(self, path: Array) -> bool:
+        """Measure a path (N, 3); False, and nothing noted, where the body would collide."""
+        clearance = float(self._clearance(samples(path, self._step)).min())
+        if clearance < self.settings.motion.body_radius:
+            return False
+        self.min_clearance = min(self.min_clearance, clearance)
+        return True
+
+    def coverage(self, floor: Floor) -> float:
+        """Known free cells, as a share of all that are free; 1 where none is."""
+        known = float((floor.known_free & self.free).sum())
+        return known / self.free.sum() if self.free.any() else 1.0
+
+    def metrics(self, start: View) -> dict[str, Any]:
+        """The numbers of metrics.json that only truth can give."""
+        reach = self.settings.exploration.viewing_distance
+        return {
+            "path_bound": path_bound(start, self.world.objects, reach),
+            "min_clearance": self.min_clearance,
+        }
+
+    @property
+    def _step(self) -> float:
+        return SAMPLE * self.settings.motion.body_radius
+
+    def _clearance(self, positions: Array) -> Array:
+        return self.world.body_clearance(positions[:, [0, 2]], self.settings.motion.body_height)
+
+
+def referee_of(source: Explorable, settings: Settings) -> Referee | None:
+    """The referee of what is explored; None where the truth is not known."""
+    return Referee(world=source, settings=settings) if isinstance(source, KnownWorld) else None
+
+
+def samples(path: Array, step: float) -> Array:
+    """(M, 3) points of a path (N, 3), its corners included, at most `step` apart."""
+    points = [path[:1]]
+    for a, b in itertools.pairwise(path):
+        number = 1 + int(np.ceil(np.linalg.norm(b - a) / step))
+        points.append(np.linspace(a, b, number))
+    return np.vstack(points)

@@ -1,0 +1,92 @@
+"""Lengths that the explorer decides by, all of them shares of lengths of the settings."""
+
+from dataclasses import dataclass
+
+from recon.settings import Settings
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scales:
+    """Lengths and areas in world units; a world measured in another unit gives the same walk."""
+
+    cell: float
+    """Side of a map cell, which is that of a cell of the floor."""
+    clearance: float
+    """Distance at which objects are looked at."""
+    walk_clearance: float
+    """Distance kept from obstacles while walking."""
+    viewing_distance: float
+    """Distance up to which a view is good enough for the map."""
+    eye_height: float
+
+    @classmethod
+    def of(cls, settings: Settings) -> "Scales":
+        """The scales of some settings."""
+        exploration = settings.exploration
+        return cls(
+            cell=settings.map.cell_size,
+            clearance=exploration.clearance,
+            walk_clearance=exploration.walk_clearance,
+            viewing_distance=exploration.viewing_distance,
+            eye_height=settings.eyes.eye_height,
+        )
+
+    def cells(self, length: float) -> float:
+        """A length in cells, without the rounding that depends on the unit."""
+        return round(length / self.cell, 9)
+
+    @property
+    def gaze(self) -> float:
+        """Distance at which the cameras converge when they look at nothing."""
+        return self.viewing_distance
+
+    @property
+    def same_place(self) -> float:
+        """Distance within which two views in one direction show the same."""
+        return 0.15 * self.viewing_distance
+
+    @property
+    def pair_cost(self) -> float:
+        """Taking a pair costs as much as walking this far."""
+        return 0.5 * self.viewing_distance
+
+    @property
+    def stop_cost(self) -> float:
+        """A stop on a round of the ground costs as much as walking this far."""
+        return 1.5 * self.viewing_distance
+
+    @property
+    def side_area(self) -> float:
+        """Area of unknown ground that is worth as much as a new side of an object."""
+        return 5.0 * self.viewing_distance**2
+
+    @property
+    def much_area(self) -> float:
+        """Area beyond which ground hardly counts while there are objects to look at."""
+        return 0.75 * self.viewing_distance**2
+
+    @property
+    def min_area(self) -> float:
+        """A view that shows less unknown ground than this is not worth a stop."""
+        return 0.1 * self.viewing_distance**2
+
+    @property
+    def same_obstacle(self) -> float:
+        """Distance from a mapped obstacle within which a new point is one more of its own."""
+        return 3.0 * self.cell
+
+    @property
+    def unknown_clearance(self) -> float:
+        """Distance kept from unknown ground: the unseen side of an obstacle may begin there."""
+        return 2.0 / 3.0 * self.walk_clearance
+
+    @property
+    def border(self) -> int:
+        """Cells between unknown ground and a place to look at it from."""
+        return max(1, round(4.0 / 3.0 * self.walk_clearance / self.cell))
+
+    @property
+    def blocks(self) -> tuple[int, int]:
+        """Sides in cells of the squares that give one viewpoint: on the frontier, elsewhere."""
+        side = self.viewing_distance / self.cell
+        return max(1, round(0.4 * side)), max(1, round(0.8 * side))

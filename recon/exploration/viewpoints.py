@@ -1,0 +1,96 @@
+"""Places to look from, and the views from there."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+
+from recon.exploration.floor import NEIGHBOURS, Array, Mask
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.paths import ShortestPaths
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection
+from recon.exploration.state import State, Walk
+
+CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
+"""Factors of the distance that is tried round an obstacle."""
+
+
+def azimuth_of(direction_xz: Array) -> float:
+    """Azimuth of a direction (2,) x, z."""
+    return math.atan2(direction_xz[1], direction_xz[0])
+
+
+def lifted(points_xz: Array, height: float) -> Array:
+    """Points (..., 3) over the floor points (..., 2)."""
+    x, z = np.moveaxis(points_xz, -1, 0)
+    return np.stack([x, np.full_like(x, height), z], axis=-1)
+
+
+def look_along(paths: ShortestPaths, place: Array, azimuth_rad: float, state: State) -> Walk:
+    """The view from a place (2,) that can be reached, level into a direction."""
+    direction = np.array([math.cos(azimuth_rad), math.sin(azimuth_rad)])
+    ahead = place + state.scales.gaze * direction
+    return look_to(paths, place, lifted(ahead, state.scales.eye_height), state)
+
+
+def look_at(
+    paths: ShortestPaths, place: Array, obstacle: Obstacle | Detection, state: State
+) -> Walk:
+    """The view from a place (2,) that can be reached on the middle of an obstacle."""
+    return look_to(paths, place, middle_of(obstacle, state), state)
+
+
+def look_to(paths: ShortestPaths, place: Array, target: Array, state: State) -> Walk:
+    """The view from a place (2,) that can be reached on a target (3,)."""
+    height = state.scales.eye_height
+    return Walk(
+        position=lifted(place, height),
+        target=target,
+        via=lifted(paths.corners(place), height),
+    )
+
+
+def middle_of(obstacle: Obstacle | Detection, state: State) -> Array:
+    """The point (3,) to look at of an obstacle; not below the eyes, so that the gaze is level."""
+    height = state.scales.eye_height
+    middle = max(height, obstacle.top / 2.0) if isinstance(obstacle, Obstacle) else height
+    return lifted(obstacle.centre, middle)
+
+
+def vantage_points(paths: ShortestPaths, unknown: Mask, scales: Scales) -> Array:
+    """Places (N, 2) that can be reached and are worth looking round from.
+
+    The frontier, which is the cells that border on unknown ones but for the ground along obstacles,
+    on which the agent does not walk; and places all over the known ground, as much of the unknown
+    is seen from afar.
+    """
+    reached = np.isfinite(paths.distance)
+    border = binary_dilation(unknown, NEIGHBOURS, iterations=scales.border)
+    near, anywhere = scales.blocks
+    frontier = _one_per_block(np.argwhere(reached & border), paths.distance, near)
+    open_ground = _one_per_block(np.argwhere(reached), paths.distance, anywhere)
+    return paths.floor.centres(np.vstack([frontier, open_ground]))
+
+
+def _one_per_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDArray[np.intp]:
+    """The nearest of the cells (N, 2) in each square of block x block cells."""
+    number = cells // block @ np.array([1 + distance.shape[1] // block, 1])
+    nearest_first = np.lexsort((distance[tuple(cells.T)], number))
+    _, first = np.unique(number[nearest_first], return_index=True)
+    return cells[nearest_first[first]]
+
+
+def viewpoint(
+    paths: ShortestPaths, obstacle: Obstacle | Detection, bearing_rad: float, clearance: float
+) -> Array | None:
+    """The place (2,) to look at an obstacle from on one bearing; None where none can be reached.
+
+    Where something stands in the way, the distance is shortened, then lengthened.
+    """
+    direction = np.array([math.cos(bearing_rad), math.sin(bearing_rad)])
+    places = obstacle.centre + np.outer(obstacle.radius + clearance * np.array(CLOSER), direction)
+    reached = np.flatnonzero(paths.reaches(places))
+    place: Array | None = places[reached[0]] if len(reached) else None
+    return place

@@ -1,0 +1,141 @@
+"""The agent's model of the world: its map, the floor, the obstacles, and what was detected."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.ndimage import binary_closing
+
+from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
+from recon.exploration.obstacles import Observations, Obstacle, columns, find_obstacles
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection, Scan, detections, scan, sigma_of, without_noise
+from recon.recognition import recognise
+from recon.records import FoundObject, PointCloud, StereoPair, View
+from recon.settings import Settings
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
+
+SURE_SIGMA = 1.0
+"""A point has seen its obstacle well when its depth is known to one cell."""
+NUM_VIEWS = 3
+"""An obstacle is named first when so many views have seen it well ..."""
+GROWTH = 1.25
+"""... and again when it has grown by this factor since."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class WorldModel:
+    """The agent's state; `update` is all that changes it."""
+
+    settings: Settings
+    voxel_map: VoxelMap
+    floor: Floor = field(init=False)
+    scales: Scales = field(init=False)
+    observations: Observations = field(default_factory=Observations)
+    obstacles: tuple[Obstacle, ...] = ()
+    detections: tuple[Detection, ...] = ()
+    """Obstacles seen that are not in the map."""
+    timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
+    """Number of pairs taken, and the objects named by then, whenever these changed."""
+
+    def __post_init__(self) -> None:
+        world, cell_size = self.settings.world, self.settings.map.cell_size
+        self.floor = Floor(size_x=world.size_x, size_z=world.size_z, cell_size=cell_size)
+        self.scales = Scales.of(self.settings)
+
+    @property
+    def objects(self) -> tuple[FoundObject, ...]:
+        """Obstacles named so far."""
+        return tuple(one.found for one in self.obstacles if one.found is not None)
+
+    @property
+    def ground(self) -> float:
+        """Height above which something stands on the floor."""
+        recognition = self.settings.recognition
+        return (recognition.ground or 0.0) + recognition.ground_clearance
+
+    def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
+        """Take in one more pair, whose sure points are in the map already."""
+        height = cloud.points[:, 1]
+        standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
+        place = view.position[[0, 2]]
+        standing = without_noise(standing, place, self.scales)
+        sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
+        self.observations.add(place, sure, self.floor)
+        self._find_obstacles()
+        seen = scan(view, pair, standing, self.settings.exploration.sight_range, self.floor)
+        self.floor.see(place, seen.azimuths_rad, seen.limits)
+        self._detect(seen, standing)
+
+    def name_obstacles(self) -> None:
+        """Recognise the obstacles that were seen often enough, and have changed since last time."""
+        self.obstacles = tuple(self._named(one) if _is_due(one) else one for one in self.obstacles)
+        if not self.timeline or self.objects != self.timeline[-1][1]:
+            self.timeline.append((len(self.observations.places), self.objects))
+
+    def _find_obstacles(self) -> None:
+        """Bring the occupied cells of the floor and the obstacles up to the map."""
+        voxels = occupied(self.voxel_map, self.settings.map)
+        voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
+        under = self.floor.mask(columns(voxels, self.floor.cell_size))
+        self.floor.occupied = binary_closing(under, NEIGHBOURS)
+        min_voxels = self.settings.recognition.min_voxels
+        before = [one for one in self.obstacles if one.found is not None]
+        found = find_obstacles(voxels, self.floor, self.observations, min_voxels)
+        self.obstacles = tuple(_with_name(one, before) for one in found)
+
+    def _named(self, obstacle: Obstacle) -> Obstacle:
+        objects = recognise(obstacle.voxels, self.settings.recognition).objects
+        largest = max(objects, key=lambda found: found.num_voxels, default=None)
+        return replace(obstacle, found=largest, num_named=len(obstacle.voxels))
+
+    def _detect(self, seen: Scan, standing: PointCloud) -> None:
+        """Bring the obstacles that are not in the map up to date."""
+        points_xz = standing.points[:, [0, 2]]
+        new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
+        for detection in detections(new, seen.place, self.scales):
+            self._note(detection)
+        self.detections = tuple(one for one in self.detections if not self._is_settled(one))
+
+    def _is_settled(self, detection: Detection) -> bool:
+        """Whether a detection is in the map by now, or was noise.
+
+        It was noise if a view from nearer saw the ground there free.
+        """
+        seen_from = self.floor.seen_from[self.floor.disc(detection.centre, detection.radius)]
+        if not len(seen_from) or np.median(seen_from) < detection.distance - detection.radius:
+            return True
+        return bool(self._is_mapped(detection.centre[None], detection.sigma)[0])
+
+    def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
+        """(N,) which points belong, within their errors, to an obstacle of the map."""
+        mapped = np.zeros(len(points_xz), dtype=bool)
+        for one in self.obstacles:
+            reach = one.radius + self.scales.same_obstacle + sigma
+            mapped |= np.hypot(*(points_xz - one.centre).T) <= reach
+        return mapped
+
+    def _note(self, new: Detection) -> None:
+        """Keep a detection; of two that may be of one obstacle, the surer one."""
+        same = [old for old in self.detections if self._may_be_one(old, new)]
+        others = tuple(old for old in self.detections if not self._may_be_one(old, new))
+        self.detections = (*others, min([*same, new], key=lambda detection: detection.sigma))
+
+    def _may_be_one(self, a: Detection, b: Detection) -> bool:
+        apart = float(np.hypot(*(a.centre - b.centre)))
+        margin = self.scales.same_obstacle
+        return apart <= max(margin, a.radius, b.radius, 2.0 * (a.sigma + b.sigma))
+
+
+def _is_due(obstacle: Obstacle) -> bool:
+    has_grown = len(obstacle.voxels) > GROWTH * obstacle.num_named
+    return has_grown and len(obstacle.bearings_rad) >= NUM_VIEWS
+
+
+def _with_name(obstacle: Obstacle, named: list[Obstacle]) -> Obstacle:
+    """An obstacle with the name that it had before, if it had one."""
+    inside = [other for other in named if obstacle.holds(other.centre[None])[0]]
+    if not inside:
+        return obstacle
+    same = min(inside, key=lambda other: float(np.hypot(*(other.centre - obstacle.centre))))
+    return replace(obstacle, found=same.found, num_named=same.num_named)

@@ -1,0 +1,34 @@
+"""Renderers by name: what turns the triangles of a world into images."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.plugins import Registry
+from recon.settings.world import RenderSettings
+from recon.world.render import Camera
+from recon.world.solids import Triangles
+from recon.world.visuals import Scene
+
+
+class Renderer(Protocol):
+    """A world that can be looked at."""
+
+    def look(self, camera: Camera) -> NDArray[np.uint8]:
+        """The image (H, W, 3) RGB of a camera."""
+        ...
+
+
+BuildRenderer = Callable[[Scene, list[Triangles], tuple[int, int], RenderSettings], Renderer]
+"""Of a scene, the triangles of each visual, width and height of the images, and the settings."""
+
+RENDERERS: Registry[BuildRenderer] = Registry(
+    "recon.renderers",
+    "renderer",
+    {
+        "raycast": "recon.world.surfaces:build_raycaster",
+        "filament": "recon.world.surfaces:build_filament",
+    },
+)
