@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from recon.errors import InputError as InputError
     from recon.errors import MissingLibraryError as MissingLibraryError
     from recon.errors import ReconError as ReconError
-    from recon.exploration.agent import Exploration as Exploration
+    from recon.exploration.outcome import Exploration as Exploration
     from recon.exports.formats import read as read
     from recon.exports.formats import write as write
     from recon.mapping.mapper import Mapper as Mapper
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "camera": "StereoRig",
     "errors": "InputError MissingLibraryError ReconError",
-    "exploration.agent": "Exploration",
+    "exploration.outcome": "Exploration",
     "exports.formats": "read write",
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",

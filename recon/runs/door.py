@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
-from recon.exploration.agent import Exploration, Step
 from recon.exploration.agent import explore as lead
+from recon.exploration.outcome import Exploration, Step
 from recon.mapping.mapper import Mapper
 from recon.recognition import recognise as name_objects
 from recon.recognition import recognise_cloud
