@@ -74,19 +74,13 @@ class TriangulationSettings:
 
 @table
 class DenseSettings:
-    """How matches are spread over the image (the thesis's future work)."""
+    """A disparity for every pixel (the thesis's future work)."""
 
     enabled: bool = False
-    """Whether `recon disparity` spreads them."""
-    segment_px: Positive = 9.0
-    """Side of a segment, in pixels."""
-    min_matches: Count = 3
-    """Fewest matches on a segment's plane; below, it has none of its own."""
-    min_similarity: Share = 0.4
-    """Similarity of both images' phases, at a segment's plane, from which on it is believed."""
-    num_neighbours: Count = 8
-    """Matches that are asked whether another is a spike."""
-    spike_px: Positive = 1.0
-    """Difference of disparity that contradicts."""
-    spike_share: Share = 0.25
-    """A match is a spike if a smaller share of its neighbours agrees."""
+    """Whether commands that match also leave what every pixel shows."""
+    method: Literal["semi-global", "opencv"] = "semi-global"
+    """recon's own costs along eight directions, or OpenCV's StereoSGBM along three."""
+    speck_px: int = Field(default=100, ge=0)
+    """Patches of fewer pixels that stand apart are taken out."""
+    fill_px: int = Field(default=8, ge=0)
+    """How far holes are filled along the row with what lies behind; 0 = not at all."""

@@ -1,138 +1,162 @@
-"""A disparity for every pixel that both images support: slanted planes over superpixels.
+"""A disparity and its uncertainty for every pixel of a pair (the thesis's future work, chapter 5).
 
-The thesis leaves this for the future (its chapter 5).
+All pixels are matched by one semi-global cost, the right image confirms, planes through like
+neighbours smooth what belongs to one surface, and narrow holes are filled with what lies behind.
 """
 
+from collections.abc import Callable
+
+import cv2
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from recon.errors import InputError
-from recon.records import Features, Matches, check_alike
+from recon.records import DisparityMap, check_images
+from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.settings.stereo import DenseSettings
-from recon.stereo.dense.planes import disparity_of, fit_planes
-from recon.stereo.dense.superpixels import Superpixels, cut
-from recon.stereo.evaluation import seen_by_both
-from recon.stereo.kernels.simd import Floats, Integers
+from recon.stereo.dense import uncertainty
+from recon.stereo.dense.choice import Choice, choose
+from recon.stereo.dense.cost import UNIT, Search, cost_volume
+from recon.stereo.dense.holes import filled_behind, without_specks
+from recon.stereo.dense.paths import Penalties, aggregate
+from recon.stereo.dense.peers import three_ways
+from recon.stereo.dense.surfaces import median, smooth
+from recon.stereo.kernels.simd import Floats
 
-Array = NDArray[np.float64]
+Grey = NDArray[np.uint8]
 
-_NUM_ROUNDS = 3
-"""How often planes are passed on: so many patches away one is heard of."""
-_NUM_SCALES = 2
-"""The finest scales tell whether images agree; coarser ones look across edges."""
+_EDGE_LEVELS = 12.0
+"""Difference of grey levels by which a jump of disparity has become much cheaper."""
+_SMALL_STEP, _LARGEST_STEP = 35.0, 100.0
+"""Grey levels that a step of a pixel costs, and a jump where nothing is seen of it."""
+_LARGE_STEP = _SMALL_STEP + (_LARGEST_STEP - _SMALL_STEP) * np.exp(-np.arange(256) / _EDGE_LEVELS)
+PENALTIES = Penalties(
+    small_step=round(UNIT * _SMALL_STEP), large_step=np.rint(UNIT * _LARGE_STEP).astype(np.int16)
+)
+
+_STRIP_BYTES = 700 << 20
+"""Of the costs of a strip, and of their sums."""
+_STRIP_MARGIN = 32
+"""Rows above and below a strip from which paths come into it."""
 
 
-def densify(
-    matches: Matches,
-    left: Features,
-    right: Features,
-    image: NDArray[np.uint8],
-    settings: DenseSettings,
-) -> Array:
-    """Spread matches over the superpixels of the left image.
-
-    Planes are fitted to the matches of each patch, then offered to its neighbours: a patch takes
-    the plane by which the phases of both images agree the most.
+def match_dense(
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    *,
+    min_disparity: int = 0,
+    max_disparity: int = 20,
+    quality: Quality = "best",
+) -> DisparityMap:
+    """Disparity of every pixel of two rectified images.
 
     Parameters
     ----------
-    matches : Matches
-        Fine tuned.
-    left, right : Features
-        Of the two images.
-    image : (H, W) or (H, W, 3) uint8
-        The left image.
-    settings : DenseSettings
+    left, right : (H, W) or (H, W, 3) uint8
+        Grey or RGB, of one size.
+    min_disparity, max_disparity : int
+        Both ends of the search, included.
+    quality : {"best", "fast"}
+        `fast` takes OpenCV's StereoSGBM (MODE_SGBM_3WAY) for the matching itself; smoothing,
+        filling and sigma are recon's.
 
     Returns
     -------
-    disparity_px : (H, W) float64
-        NaN where the images support no plane, and where the right eye sees something nearer.
+    DisparityMap
     """
-    height, width = image.shape[:2]
-    check_alike(left, right)
-    if left.grey.shape != (height, width):
+    if quality not in QUALITIES:
+        raise InputError(f"quality is {quality!r}, but one of {', '.join(QUALITIES)} is needed")
+    search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
+    settings = updated(with_quality(Settings(), quality), {"matching": search})
+    return match_every_pixel(left, right, settings)
+
+
+def match_every_pixel(
+    left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings
+) -> DisparityMap:
+    """Disparity of every pixel of two rectified images, as the settings say.
+
+    Raises
+    ------
+    InputError
+        For unlike images, or a search that lies outside of them.
+    """
+    check_images(left, right)
+    greys = _grey(left), _grey(right)
+    search = _search(settings, left.shape[1])
+    found = _METHODS[settings.dense.method](*greys, search, settings.dense)
+    disparity = filled_behind(found.disparity_px, settings.dense.fill_px)
+    is_filled = np.isnan(found.disparity_px) & np.isfinite(disparity)
+    sigma = np.where(is_filled, uncertainty.FILLED_PX, found.sigma_px)
+    return DisparityMap(disparity_px=disparity, sigma_px=sigma)
+
+
+def _grey(image: NDArray[np.uint8]) -> Grey:
+    if image.ndim == 2:
+        return np.ascontiguousarray(image)
+    grey: Grey = cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_RGB2GRAY)
+    return grey
+
+
+def _search(settings: Settings, width: int) -> Search:
+    """What of the search lies inside images of a width."""
+    asked = settings.matching
+    first, last = max(asked.min_disparity, 1 - width), min(asked.max_disparity, width - 1)
+    if last < first:
         raise InputError(
-            f"features are of an image {left.grey.shape}, but the image has shape {(height, width)}"
+            f"disparities {asked.min_disparity}..{asked.max_disparity} all lie outside "
+            f"the image, whose width is {width}"
         )
-    if len(matches) and not (matches.points_px < (width, height)).all():
-        raise InputError(f"matches lie outside the image of {width} x {height} pixels")
-    patches = cut(image, settings.segment_px)
-    planes = fit_planes(matches.select(~is_spike(matches, settings)), patches, settings)
-    planes, similarity = _passed_on(planes, patches, left, right)
-    planes[similarity < settings.min_similarity] = np.nan
-    disparity = disparity_of(planes, patches.label)
-    disparity[~seen_by_both(disparity)] = np.nan
-    return disparity
+    return Search(first, last - first + 1)
 
 
-def is_spike(matches: Matches, settings: DenseSettings) -> NDArray[np.bool_]:
-    """(M,) matches that most of their neighbours contradict."""
-    count = min(settings.num_neighbours + 1, len(matches))
-    if count < 3:
-        return np.zeros(len(matches), dtype=bool)
-    neighbours = np.asarray(cKDTree(matches.points_px).query(matches.points_px, k=count)[1])
-    difference = np.abs(matches.disparity_px[neighbours[:, 1:]] - matches.disparity_px[:, None])
-    lonely = (difference <= settings.spike_px).mean(axis=1) < settings.spike_share
-    return np.asarray(lonely)
+def _semi_global(
+    left: Grey, right: Grey, search: Search, settings: DenseSettings
+) -> DisparityMap:
+    choice = _by_strips(left, right, search)
+    patches = without_specks(median(choice.disparity_px), settings.speck_px)
+    smoothed = smooth(patches, left)
+    return _with_sigma(smoothed.disparity_px, uncertainty.of_choice(choice, smoothed.spread_px))
 
 
-def _passed_on(
-    planes: Array, patches: Superpixels, left: Features, right: Features
-) -> tuple[Array, Array]:
-    """The plane of each patch, its own or a neighbour's, that the images support the most.
-
-    With its similarity, the mean similarity of the phases over the patch; -inf without a plane.
-    """
-    planes, similarity = planes.copy(), _patch_similarity(planes, patches, left, right)
-    for neighbour in np.tile(patches.neighbours.T, (_NUM_ROUNDS, 1)):
-        offered = planes[neighbour]
-        offered[(neighbour < 0) | (offered == planes).all(axis=1)] = np.nan
-        found = _patch_similarity(offered, patches, left, right)
-        better = found > similarity
-        planes[better], similarity[better] = offered[better], found[better]
-    return planes, similarity
+def _opencv(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
+    patches = without_specks(three_ways(left, right, search), settings.speck_px)
+    smoothed = smooth(patches, left)
+    return _with_sigma(smoothed.disparity_px, uncertainty.of_spread(smoothed.spread_px))
 
 
-def _patch_similarity(
-    planes: Array, patches: Superpixels, left: Features, right: Features
-) -> Array:
-    """(S,) mean of ``c cos(phase difference)`` over the pixels of each patch (Eqs 16 to 18)."""
-    sums = np.zeros(len(patches.sizes))
-    _add_similarity(left.planes, right.planes, patches.label, planes, sums)
-    return np.where(np.isfinite(planes[:, 0]), sums / np.maximum(patches.sizes, 1), -np.inf)
+def _with_sigma(disparity: Floats, sigma: Floats) -> DisparityMap:
+    known = np.isfinite(disparity) & np.isfinite(sigma)
+    nothing = np.float32(np.nan)
+    return DisparityMap(
+        disparity_px=np.where(known, disparity, nothing), sigma_px=np.where(known, sigma, nothing)
+    )
 
 
-@njit(cache=True, error_model="numpy")
-def _add_similarity(
-    left: Floats, right: Floats, label: Integers, planes: Array, sums: Array
-) -> None:
-    """Add up the similarity of the pixels of each patch that has a plane."""
-    height, width = label.shape
-    for v in range(height):
-        for u in range(width):
-            patch = label[v, u]
-            a, b, c = planes[patch]
-            u_right = u - (a * u + b * v + c)
-            if 0 <= u_right < width - 1:  # false where there is no plane
-                sums[patch] += _similarity(left[v], u, right[v], u_right)
+_METHODS: dict[str, Callable[[Grey, Grey, Search, DenseSettings], DisparityMap]] = {
+    "semi-global": _semi_global,
+    "opencv": _opencv,
+}
 
 
-@njit(cache=True, error_model="numpy")
-def _similarity(left: Floats, u: int, right: Floats, u_right: float) -> float:
-    """Mean similarity of a pixel's channels and those between two right pixels."""
-    first = int(u_right)
-    part = np.float32(u_right - first)
-    num_scales = min(left.shape[0], _NUM_SCALES)
-    total = np.float32(0.0)
-    for s in range(num_scales):
-        for o in range(left.shape[1]):
-            re, im = left[s, o, 0, u], left[s, o, 1, u]
-            reals, imags = right[s, o, 0], right[s, o, 1]
-            real = reals[first] + part * (reals[first + 1] - reals[first])
-            imag = imags[first] + part * (imags[first + 1] - imags[first])
-            energy = max(re * re + im * im, real * real + imag * imag)
-            total += (re * real + im * imag) / max(energy, np.float32(1e-3))
-    return float(total / np.float32(num_scales * left.shape[1]))
+def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
+    """The choice at every pixel; so many rows at once as memory is meant for."""
+    height, width = left.shape
+    bytes_per_row = 2 * np.int16().nbytes * width * search.depth
+    rows = max(_STRIP_BYTES // bytes_per_row, 3 * _STRIP_MARGIN)
+    if rows >= height:
+        return _strip(left, right, search)
+    whole = Choice(*(np.empty(left.shape, np.float32) for _ in Choice._fields))
+    step = rows - 2 * _STRIP_MARGIN
+    for first in range(0, height, step):
+        top, end = max(0, first - _STRIP_MARGIN), min(height, first + step + _STRIP_MARGIN)
+        part = _strip(left[top:end], right[top:end], search)
+        for all_rows, some in zip(whole, part, strict=True):
+            all_rows[first : first + step] = some[first - top : first - top + step]
+    return whole
+
+
+def _strip(left: Grey, right: Grey, search: Search) -> Choice:
+    cost = cost_volume(left, right, search)
+    total = aggregate(cost, left, PENALTIES)
+    return choose(cost, total, search.first, search.count)

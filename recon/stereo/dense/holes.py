@@ -1,0 +1,98 @@
+"""Holes behind what is near, filled with the surface behind it, and specks taken out."""
+
+import cv2
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import Floats
+
+_FIXED_POINT = 8
+"""Steps of a pixel while specks are sought."""
+_SPECK_STEP_PX = 2
+"""Neighbours that differ by more belong to two patches."""
+_AGREEMENT_PX = np.float32(1.5)
+_NUM_AGREEING = 3
+"""Of the nearest known pixels in eight directions so many have to agree with what is filled in."""
+
+
+def without_specks(disparity_px: Floats, smallest: int) -> Floats:
+    """The disparities (H, W) without patches of fewer than `smallest` pixels."""
+    known = np.isfinite(disparity_px)
+    if not known.any():
+        return disparity_px
+    base = np.floor(disparity_px[known].min()) - 1
+    steps = np.where(known, (disparity_px - base) * _FIXED_POINT, 0)
+    patches = steps.astype(np.int16)
+    cv2.filterSpeckles(patches, 0, smallest, _SPECK_STEP_PX * _FIXED_POINT)
+    return np.where(patches > 0, disparity_px, np.float32(np.nan))
+
+
+def filled_behind(disparity_px: Floats, widest_px: int) -> Floats:
+    """The disparities (H, W) with what lies near a known pixel of its row filled in.
+
+    Of both sides the farther one goes on: what one camera alone sees lies behind. It is believed
+    where enough of the surroundings agree.
+    """
+    found = disparity_px.copy()
+    if widest_px:
+        _fill_rows(disparity_px, _nearest(disparity_px), widest_px, found)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _nearest(disparity: Floats) -> Floats:
+    """(H, W, 6) the nearest known values in the rows above and below: before, at and after."""
+    height, width = disparity.shape
+    near = np.full((height, width, 6), np.nan, np.float32)
+    for back in range(2):
+        for row in range(1, height):
+            v = height - 1 - row if back else row
+            other = v + 1 if back else v - 1
+            for u in range(width):
+                for side in range(3):
+                    column = u + side - 1
+                    if 0 <= column < width:
+                        known = np.isfinite(disparity[other, column])
+                        near[v, u, 3 * back + side] = (
+                            disparity[other, column] if known else near[other, column, 3 * back + side]
+                        )
+    return near
+
+
+@njit(cache=True, nogil=True)
+def _fill_rows(disparity: Floats, near: Floats, widest: int, found: Floats) -> None:
+    height, width = disparity.shape
+    for v in range(height):
+        last = -1
+        for u in range(width + 1):
+            if u < width and not np.isfinite(disparity[v, u]):
+                continue
+            if u - last > 1:
+                _fill_gap(disparity[v], near[v], (last + 1, u), widest, found[v])
+            last = u
+
+
+@njit(cache=True, nogil=True)
+def _fill_gap(
+    row: Floats, near: Floats, gap: tuple[int, int], widest: int, found: Floats
+) -> None:
+    """Fill the pixels of a gap that are near its farther end."""
+    first, end = gap
+    before = row[first - 1] if first > 0 else np.float32(np.nan)
+    after = row[end] if end < row.size else np.float32(np.nan)
+    from_left = not (after <= before)
+    value = before if from_left and first > 0 else after
+    for u in range(first, end):
+        distance = u - first + 1 if value == before else end - u
+        if distance <= widest and _support(before, after, near[u], value) >= _NUM_AGREEING:
+            found[u] = value
+
+
+@njit(cache=True, nogil=True)
+def _support(before: float, after: float, near: Floats, value: float) -> int:
+    """How many of the known pixels round a hole agree with a value."""
+    count = int(abs(before - value) <= _AGREEMENT_PX) + int(abs(after - value) <= _AGREEMENT_PX)
+    for k in range(near.size):
+        count += int(abs(near[k] - value) <= _AGREEMENT_PX)
+    return count

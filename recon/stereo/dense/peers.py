@@ -1,0 +1,67 @@
+"""OpenCV's matchers of every pixel: the peers of the dense stage, and its fast way."""
+
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.stereo.dense.cost import Search
+from recon.stereo.kernels.simd import Floats
+
+Grey = NDArray[np.uint8]
+
+_BLOCK_PX = 3
+_BM_BLOCK_PX = 15
+_FIXED_POINT = 16.0
+
+
+def three_ways(left: Grey, right: Grey, search: Search) -> Floats:
+    """StereoSGBM along three directions, whose volume stays small."""
+    return _sgbm(cv2.StereoSGBM_MODE_SGBM_3WAY)(left, right, search)
+
+
+def _sgbm(mode: int) -> Callable[[Grey, Grey, Search], Floats]:
+    def match(left: Grey, right: Grey, search: Search) -> Floats:
+        matcher = cv2.StereoSGBM.create(
+            minDisparity=search.first,
+            numDisparities=search.depth,
+            blockSize=_BLOCK_PX,
+            P1=8 * _BLOCK_PX**2,
+            P2=32 * _BLOCK_PX**2,
+            disp12MaxDiff=1,
+            uniquenessRatio=10,
+            speckleWindowSize=100,
+            speckleRange=2,
+            mode=mode,
+        )
+        return _matched(matcher, left, right, search)
+
+    return match
+
+
+def _bm(left: Grey, right: Grey, search: Search) -> Floats:
+    matcher = cv2.StereoBM.create(numDisparities=search.depth, blockSize=_BM_BLOCK_PX)
+    matcher.setMinDisparity(search.first)
+    return _matched(matcher, left, right, search)
+
+
+def _matched(matcher: Any, left: Grey, right: Grey, search: Search) -> Floats:
+    """(H, W) disparity, NaN = unknown; margins let the matcher look at all columns and rows."""
+    last = search.first + search.depth
+    side = max(last, 0) + max(-search.first, 0) + _BM_BLOCK_PX
+    pad = ((_BM_BLOCK_PX, _BM_BLOCK_PX), (side, side))
+    fixed = matcher.compute(*(np.pad(image, pad, mode="edge") for image in (left, right)))
+    fixed = fixed[_BM_BLOCK_PX:-_BM_BLOCK_PX, side:-side]
+    disparity = fixed.astype(np.float32) / np.float32(_FIXED_POINT)
+    outside = (disparity < search.first) | (disparity > search.first + search.count - 1)
+    return np.where(outside, np.float32(np.nan), disparity)
+
+
+PEERS: dict[str, Callable[[Grey, Grey, Search], Floats]] = {
+    "hh": _sgbm(cv2.StereoSGBM_MODE_HH),
+    "sgbm": _sgbm(cv2.StereoSGBM_MODE_SGBM),
+    "bm": _bm,
+}
+"""What the dense stage is held against, by name."""

@@ -1,0 +1,135 @@
+"""Disparities made smooth along surfaces, and not across their edges."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import Floats
+
+Grey = NDArray[np.uint8]
+
+_inner = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+"""As `kernel`, but for numbers that may be NaN."""
+
+_RADIUS_PX = 3
+_STEP_PX = 1.0
+"""Pixels that differ by more lie on another surface."""
+_EDGE_LEVELS = np.float32(6.0)
+"""Difference of grey levels at which a neighbour has half of its say."""
+_FLATNESS = np.float32(0.5)
+"""Square pixels added to the window's moments: planes through few pixels are level."""
+_NUM_MOMENTS = 10
+"""The weighted sums of 1, y, x, yy, yx, xx, e, ye, xe, ee."""
+
+
+class Smoothed(NamedTuple):
+    """Planes through the pixels of a small window that lie on one surface; NaN = unknown."""
+
+    disparity_px: Floats
+    """(H, W) of the plane at the pixel."""
+    spread_px: Floats
+    """(H, W) root mean square distance of the window's pixels from the plane."""
+
+
+def smooth(disparity_px: Floats, grey: Grey) -> Smoothed:
+    """Replace every disparity by that of the plane through the like pixels round it.
+
+    Parameters
+    ----------
+    disparity_px : (H, W) float32
+        NaN = unknown.
+    grey : (H, W) uint8
+    """
+    found = Smoothed(*(np.full_like(disparity_px, np.nan) for _ in Smoothed._fields))
+    beside = ((0, 0), (_RADIUS_PX, _RADIUS_PX))
+    disparity = np.pad(disparity_px, beside, constant_values=np.nan)
+    _fit_planes(disparity, np.pad(grey.astype(np.float32), beside), found)
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fit_planes(disparity: Floats, grey: Floats, found: Smoothed) -> None:
+    height, width = found.disparity_px.shape
+    sums = np.empty((_NUM_MOMENTS, width), np.float32)
+    for v in range(height):
+        sums[:] = 0
+        middle = slice(_RADIUS_PX, _RADIUS_PX + width)
+        for row in range(max(0, v - _RADIUS_PX), min(height, v + _RADIUS_PX + 1)):
+            for x in range(-_RADIUS_PX, _RADIUS_PX + 1):
+                there = slice(_RADIUS_PX + x, _RADIUS_PX + x + width)
+                _add_moments(
+                    disparity[v, middle], grey[v, middle],
+                    disparity[row, there], grey[row, there],
+                    np.float32(row - v), np.float32(x), sums,
+                )  # fmt: skip
+        _solve(disparity[v, middle], sums, found.disparity_px[v], found.spread_px[v])
+
+
+@_inner
+def _add_moments(
+    here: Floats, level: Floats, there: Floats, other: Floats, y: float, x: float, sums: Floats
+) -> None:
+    """Add what the pixels y rows and x columns off have to say."""
+    for u in range(here.size):
+        e, unlike = there[u] - here[u], (other[u] - level[u]) / _EDGE_LEVELS
+        near = abs(e) <= _STEP_PX  # not where it is unknown
+        e = e if near else np.float32(0)
+        w = (1 - e * e) / (1 + unlike * unlike) if near else np.float32(0)
+        sums[0, u] += w
+        sums[1, u] += w * y
+        sums[2, u] += w * x
+        sums[3, u] += w * y * y
+        sums[4, u] += w * y * x
+        sums[5, u] += w * x * x
+        sums[6, u] += w * e
+        sums[7, u] += w * y * e
+        sums[8, u] += w * x * e
+        sums[9, u] += w * e * e
+
+
+@_inner
+def _solve(here: Floats, sums: Floats, disparity: Floats, spread: Floats) -> None:
+    """Write the planes at the middle of their windows; NaN stays where nothing was known."""
+    for u in range(here.size):
+        one = 1 / sums[0, u]
+        y, x, e = sums[1, u] * one, sums[2, u] * one, sums[6, u] * one
+        yy, xx = sums[3, u] * one - y * y + _FLATNESS, sums[5, u] * one - x * x + _FLATNESS
+        yx, ye = sums[4, u] * one - y * x, sums[7, u] * one - y * e
+        xe, ee = sums[8, u] * one - x * e, sums[9, u] * one - e * e
+        determinant = yy * xx - yx * yx
+        down, across = (ye * xx - xe * yx) / determinant, (xe * yy - ye * yx) / determinant
+        disparity[u] = here[u] + e - down * y - across * x
+        rest = ee - down * ye - across * xe
+        spread[u] = np.sqrt(rest if rest > 0 else np.float32(0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def median(disparity: Floats) -> Floats:
+    """The median of the known pixels among the nine round each known one (H, W)."""
+    height, width = disparity.shape
+    found = np.full_like(disparity, np.nan)
+    window = np.empty(9, np.float32)
+    for v in range(height):
+        for u in range(width):
+            if np.isfinite(disparity[v, u]):
+                found[v, u] = _middle(disparity, v, u, window)
+    return found
+
+
+@_inner
+def _middle(disparity: Floats, v: int, u: int, window: Floats) -> float:
+    """Sort a window by insertion as it is read, and take its middle."""
+    height, width = disparity.shape
+    count = 0
+    for place in range(9):
+        row, column = v + place // 3 - 1, u + place % 3 - 1
+        if 0 <= row < height and 0 <= column < width and np.isfinite(disparity[row, column]):
+            value, at = disparity[row, column], count
+            while at > 0 and window[at - 1] > value:
+                window[at] = window[at - 1]
+                at -= 1
+            window[at] = value
+            count += 1
+    return (window[(count - 1) // 2] + window[count // 2]) / 2
