@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from recon.runs.job import Job as Job
     from recon.runs.report import Report as Report
     from recon.settings import Settings as Settings
+    from recon.stereo.dense.dense import match_dense as match_dense
     from recon.voxelmap import VoxelMap as VoxelMap
     from recon.world.world import World as World
 
@@ -81,6 +82,7 @@ _HOMES = {
     "runs.job": "Job",
     "runs.report": "Report",
     "settings": "Settings",
+    "stereo.dense.dense": "match_dense",
     "voxelmap": "VoxelMap",
     "world.world": "World",
 }

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     "dense__enabled",
     is_flag=True,
     default=None,
-    help="A disparity for every pixel that the images support, too: dense.pfm.",
+    help="The disparity of every pixel and its sigma, too: dense.pfm, dense_sigma.pfm.",
 )
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:

@@ -22,7 +22,7 @@ def disparity(left: NDArray[np.uint8], matches: Matches, size: Size = SIZE) -> I
     return to_image(figure)
 
 
-def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.float64], size: Size = SIZE) -> Image:
+def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.floating], size: Size = SIZE) -> Image:
     """Every pixel in the colour of its disparity; the pale left image where it is unknown."""
     figure = new_figure(size)
     known = np.isfinite(disparity_px)

@@ -12,16 +12,17 @@ from recon.figures.disparity import dense as draw_dense
 from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
 from recon.mapping.pair import match_features
-from recon.records import Matches, check_images
+from recon.records import DisparityMap, Matches, check_images
 from recon.runfolder import RunFolder
 from recon.runs.figures import write_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_image
-from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
+from recon.sequences.pfm import write_pfm
+from recon.sequences.truth import DisparityTruth, read_truth_file
 from recon.settings import Settings
-from recon.stereo.dense.dense import densify
+from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
@@ -34,8 +35,8 @@ class MatchedPair:
     matches: Matches
     num_features: int
     seconds: float
-    dense_px: NDArray[np.float64] | None
-    """(H, W) disparity of every pixel, NaN = unknown, where the settings want it."""
+    dense: DisparityMap | None
+    """What every pixel shows, where the settings want it."""
 
 
 def match_files(
@@ -51,9 +52,10 @@ def match_files(
     features = detect(left, settings.features), detect(right, settings.features)
     matches = match_features(*features, settings, stated_range)
     seconds = time.perf_counter() - began
-    dense = densify(matches, *features, left, settings.dense) if settings.dense.enabled else None
+    is_dense = settings.dense.enabled
+    dense = match_every_pixel(left, right, settings, stated_range) if is_dense else None
     return MatchedPair(
-        left=left, matches=matches, num_features=len(features[0]), seconds=seconds, dense_px=dense
+        left=left, matches=matches, num_features=len(features[0]), seconds=seconds, dense=dense
     )
 
 
@@ -81,12 +83,13 @@ def _match(job: Job, work: Work) -> Numbers:
 def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
     with work.stage("write"):
         write_matches(run.path / "matches.npz", pair.matches)
-        if pair.dense_px is not None:
-            write_disparity(run.path / "dense.pfm", pair.dense_px)
+        if pair.dense is not None:
+            write_pfm(run.path / "dense.pfm", pair.dense.disparity_px)
+            write_pfm(run.path / "dense_sigma.pfm", pair.dense.sigma_px)
     with work.stage("figures"):
         figures = {"disparity": draw_disparity(pair.left, pair.matches)}
-        if pair.dense_px is not None:
-            figures["dense"] = draw_dense(pair.left, pair.dense_px)
+        if pair.dense is not None:
+            figures["dense"] = draw_dense(pair.left, pair.dense.disparity_px)
         write_figures(run.path, figures)
 
 
@@ -97,13 +100,13 @@ def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
         "num_matches": len(pair.matches),
         "seconds": pair.seconds,
     }
-    if pair.dense_px is not None:
-        metrics["dense_coverage"] = float(np.isfinite(pair.dense_px).mean())
+    if pair.dense is not None:
+        metrics["dense_coverage"] = pair.dense.coverage
     if truth is None:
         return metrics
     metrics |= evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
-    if pair.dense_px is not None:
-        judged = evaluate_map(pair.dense_px, truth.disparity_px, truth.quantisation_px)
+    if pair.dense is not None:
+        judged = evaluate_map(pair.dense.disparity_px, truth.disparity_px, truth.quantisation_px)
         metrics |= {f"dense_{name}": value for name, value in judged.as_metrics().items()}
     return metrics
 

@@ -12,7 +12,7 @@ from recon.records import Matches
 MISMATCH_PX = 1.0
 """An error larger than this is a mismatch."""
 
-Disparity = NDArray[np.float64]
+Disparity = NDArray[np.floating]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ import pytest
 
 from recon.cli import main
 from recon.exports.ply import read_cloud_chunks
-from recon.sequences.truth import read_truth_file
+from recon.sequences.pfm import decode_pfm
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 
@@ -41,10 +41,14 @@ def test_a_dense_disparity_is_left_where_it_is_wanted(tmp_path, capsys):
     argv += ["--max-disparity", "70", "--truth", str(PAIR / "disp_left.pfm"), "--json"]
     assert main([*argv, "-o", str(tmp_path / "out"), "--dense"]) == 0
     report = json.loads(capsys.readouterr().out)
-    assert 0.6 < report["dense_coverage"] < 0.9
-    assert 92 < report["dense_success_nonocc"] <= 100
-    found = read_truth_file(tmp_path / "out" / "dense.pfm").disparity_px
+    assert 0.88 < report["dense_coverage"] < 0.99
+    assert 91 < report["dense_success_nonocc"] <= 100
+    found, sigma = (
+        decode_pfm((tmp_path / "out" / name).read_bytes(), name)
+        for name in ("dense.pfm", "dense_sigma.pfm")
+    )
     assert np.isfinite(found).mean() == pytest.approx(report["dense_coverage"])
+    np.testing.assert_array_equal(np.isfinite(sigma), np.isfinite(found))
     assert (tmp_path / "out" / "figures" / "dense.png").stat().st_size > 10_000
     assert main([*argv, "-o", str(tmp_path / "sparse")]) == 0
     assert not {name for name in json.loads(capsys.readouterr().out) if name.startswith("dense")}

@@ -1,37 +1,31 @@
-"""Planes over superpixels: exact on a plane, cut at edges, nothing where nothing supports it."""
+"""Every pixel: exact on planes, cut at edges, unsure where it should be, bounded in memory."""
 
 import numpy as np
 import pytest
-from test_triangulation import matches_of
 
+import recon
 from recon.errors import InputError
-from recon.records import Matches
-from recon.settings import DenseSettings, FeatureSettings, MatchingSettings
-from recon.stereo.dense.dense import densify, is_spike
-from recon.stereo.dense.planes import disparity_of, fit_planes
-from recon.stereo.dense.superpixels import cut
+from recon.records import DisparityMap
+from recon.settings import DenseSettings, MatchingSettings, Settings
+from recon.stereo.dense import dense as dense_stage
+from recon.stereo.dense import uncertainty
+from recon.stereo.dense.cost import Search, cost_volume
+from recon.stereo.dense.dense import match_every_pixel
+from recon.stereo.dense.peers import PEERS
 from recon.stereo.evaluation import seen_by_both
-from recon.stereo.features import detect
-from recon.stereo.matching import matching
-from recon.stereo.subpixel import refine
 from scenes import step_pair, textured_pair
 
-SHAPE = (60, 80)
+QUALITIES = ["best", "fast"]
 
 
-def matched(left, right):
-    """Tuned matches, and the features of both images."""
-    features = detect(left, FeatureSettings()), detect(right, FeatureSettings())
-    found = matching.match(*features, MatchingSettings(max_disparity=20))
-    return refine(found, *features), *features
+def error_of(found, truth):
+    return np.abs(found.disparity_px - truth)
 
 
-def spread(left, right, is_kept=None, **settings):
-    """Dense disparity, from all matches or some."""
-    matches, *features = matched(left, right)
-    if is_kept is not None:
-        matches = matches.select(is_kept(*matches.points_px.T))
-    return densify(matches, *features, left, DenseSettings(**settings))
+def matched(left, right, max_disparity=20, min_disparity=0, **dense):
+    search = MatchingSettings(min_disparity=min_disparity, max_disparity=max_disparity)
+    settings = Settings(matching=search, dense=DenseSettings(**dense))
+    return match_every_pixel(left, right, settings)
 
 
 @pytest.fixture(scope="module")
@@ -39,130 +33,162 @@ def step():
     return step_pair()
 
 
-def grid_matches(disparity, spacing=3, noise=0.0, seed=0):
-    v, u = np.mgrid[1 : SHAPE[0] : spacing, 1 : SHAPE[1] : spacing]
-    points = np.column_stack([u.ravel(), v.ravel()])
-    values = disparity[points[:, 1], points[:, 0]]
-    return matches_of(points, values + np.random.default_rng(seed).normal(0, noise, len(points)))
-
-
-def slanted():
-    v, u = np.indices(SHAPE)
-    return 5 + 0.05 * u + 0.02 * v
-
-
-@pytest.mark.parametrize("channels", [1, 3])
-def test_planes_are_those_of_the_matches(channels):
-    image = np.full((*SHAPE, channels), 100, np.uint8).squeeze()
-    patches = cut(image, 9.0)
-    planes = fit_planes(grid_matches(slanted(), noise=0.05), patches, DenseSettings())
-    found = disparity_of(planes, patches.label)
-    assert np.isfinite(found).mean() > 0.95
-    assert np.nanmedian(np.abs(found - slanted())) < 0.04
-    assert np.nanmedian(np.abs(found - slanted() - 0.2)) > 0.1
-
-
-def test_a_patch_with_too_few_matches_has_no_plane():
-    patches = cut(np.full(SHAPE, 100, np.uint8), 9.0)
-    everywhere = grid_matches(slanted())
-    left_half = everywhere.select(everywhere.points_px[:, 0] < 30)
-    found = disparity_of(fit_planes(left_half, patches, DenseSettings()), patches.label)
-    assert np.isfinite(found[:, :20]).mean() > 0.9
-    assert np.isnan(found[:, 50:]).all()
-
-
-def test_patches_follow_edges_and_know_their_neighbours():
-    image = np.full((40, 60), 40, np.uint8)
-    image[:, 30:] = 200
-    patches = cut(image, 10.0)
-    assert set(patches.label[:, 29]).isdisjoint(patches.label[:, 30])
-    assert patches.sizes.sum() == image.size
-    touching = {(a, b) for a, row in enumerate(patches.neighbours) for b in row[row >= 0]}
-    beside = set(zip(patches.label[:, 29].tolist(), patches.label[:, 30].tolist(), strict=True))
-    assert beside <= touching
-    assert {(b, a) for a, b in touching} == touching
-    assert all(a != b for a, b in touching)
-
-
-def test_a_slanted_plane_is_filled(plane):
+@pytest.mark.parametrize(("quality", "median_px"), [("best", 0.06), ("fast", 0.15)])
+def test_a_slanted_plane_is_matched_everywhere(plane, quality, median_px):
     left, right, truth = plane
-    found = spread(left, right)
-    assert np.isfinite(found[:, 12:]).mean() > 0.9
-    assert np.nanmedian(np.abs(found - truth)) < 0.06
-    assert np.nanmedian(np.abs(found + truth)) > 1
+    found = recon.match_dense(left, right, quality=quality)
+    assert isinstance(found, DisparityMap)
+    assert found.disparity_px.dtype == found.sigma_px.dtype == np.float32
+    inside = found.disparity_px[:, 14:]
+    assert np.isfinite(inside).mean() > 0.97
+    error = error_of(found, truth)
+    assert np.nanmedian(error) < median_px
+    assert np.nanquantile(error, 0.95) < 4 * median_px
+    # A negative control: a pixel off is not within the bounds.
+    assert np.nanmedian(np.abs(found.disparity_px + 1 - truth)) > 0.9
 
 
-def test_planes_reach_where_no_match_is_but_the_images_agree(plane):
+def test_negative_disparities_are_searched(plane):
     left, right, truth = plane
-    found = spread(left, right, lambda u, v: (u < 70) | (u > 95) | (v < 50) | (v > 75))
-    hole = (slice(53, 73), slice(73, 93))
-    assert np.isfinite(found[hole]).mean() > 0.9
-    assert np.nanmax(np.abs(found[hole] - truth[hole])) < 0.5
+    found = matched(right, left, min_disparity=-20, max_disparity=0)
+    # The right image's pixels lie on the other side.
+    assert np.nanmedian(found.disparity_px) == pytest.approx(-np.median(truth), abs=0.3)
+    outside = matched(right, left, min_disparity=0, max_disparity=20)
+    assert outside.coverage < found.coverage / 2
 
 
-def test_disparity_jumps_where_the_image_does(step):
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_disparity_jumps_where_the_image_does(step, quality):
     left, right, truth = step
-    found = spread(left, right)
-    both = seen_by_both(truth) & np.isfinite(found)
-    assert both.mean() > 0.8
-    wrong = np.abs(found - truth)[both] > 1
-    assert wrong.mean() < 0.04
-    inside = found[40:80, 90:130]
-    assert np.nanmedian(inside) == pytest.approx(12, abs=0.1)
+    found = recon.match_dense(left, right, quality=quality)
+    both = seen_by_both(truth)
+    assert (error_of(found, truth)[both] <= 1).mean() > 0.95
+    assert np.nanmedian(found.disparity_px[40:80, 90:130]) == pytest.approx(12, abs=0.1)
 
 
-def test_what_the_right_eye_cannot_see_is_unknown(step):
+def test_what_one_camera_sees_alone_lies_behind_and_is_unsure(step):
     left, right, truth = step
-    hidden = np.isfinite(truth) & ~seen_by_both(truth)
+    hidden = ~seen_by_both(truth)
     hidden[:, :16] = False  # beyond the border, not behind something
-    found = spread(left, right)
-    assert hidden.sum() > 300
-    assert np.isnan(found[hidden]).mean() > 0.7
+    found = matched(left, right)
+    known = hidden & found.valid_mask
+    assert known.sum() > 100
+    assert (error_of(found, truth)[known] <= 1).mean() > 0.7
+    visible = seen_by_both(truth) & found.valid_mask
+    assert np.median(found.sigma_px[known]) > 3 * np.median(found.sigma_px[visible])
+    unfilled = matched(left, right, fill_px=0)
+    assert np.isnan(unfilled.disparity_px[hidden]).mean() > 0.6
 
 
-def test_where_the_images_disagree_nothing_is_known(plane):
+def test_sigma_is_as_large_as_the_error():
+    within_one, within_two = [], []
+    for seed, noise in ((1, 1.0), (2, 3.0), (3, 6.0)):
+        left, right, truth = textured_pair(noise=noise, seed=seed)
+        found = matched(left, right)
+        error = error_of(found, truth)[:, 14:]
+        within_one.append(np.nanmean(error <= found.sigma_px[:, 14:]))
+        within_two.append(np.nanmean(error <= 2 * found.sigma_px[:, 14:]))
+    assert min(within_one) > 0.5
+    assert min(within_two) > 0.85
+
+
+def test_sigma_grows_with_the_noise():
+    medians = []
+    for noise in (0.5, 8.0):
+        left, right, _ = textured_pair(noise=noise, seed=4)
+        medians.append(np.nanmedian(matched(left, right).sigma_px))
+    assert medians[1] > 1.3 * medians[0]
+
+
+def test_where_the_images_disagree_little_is_known(plane):
     left, right, _ = plane
     strange = right.copy()
     noise = np.random.default_rng(2).integers(0, 256, right.shape)
     strange[:, 75:] = noise[:, 75:]
-    found = spread(left, strange)
-    assert np.isfinite(found[:, 20:70]).mean() > 0.8
-    assert np.isfinite(found[:, 95:]).mean() < 0.1
+    found = matched(left, strange)
+    assert np.isfinite(found.disparity_px[:, 20:70]).mean() > 0.9
+    assert np.isfinite(found.disparity_px[:, 100:]).mean() < 0.4
 
 
-def test_full_similarity_is_more_than_noisy_images_have(plane):
-    assert np.isnan(spread(*plane[:2], min_similarity=1.0)).all()
+def test_strips_give_what_the_whole_image_gives(plane, monkeypatch):
+    left, right, truth = plane
+    whole = matched(left, right)
+    bytes_per_row = 4 * left.shape[1] * Search(0, 21).depth
+    monkeypatch.setattr(dense_stage, "_STRIP_BYTES", 96 * bytes_per_row)
+    strips = matched(left, right)
+    assert strips.coverage == pytest.approx(whole.coverage, abs=0.01)
+    differs = np.abs(strips.disparity_px - whole.disparity_px) > 0.25
+    assert differs.mean() < 0.01
+    assert np.nanmedian(error_of(strips, truth)) < 0.06
 
 
-def test_spikes_are_found_and_left_out():
-    truth = slanted()
-    truth[31, 31] += 20
-    matches = grid_matches(truth)
-    spikes = matches.points_px[is_spike(matches, DenseSettings())]
-    assert spikes.tolist() == [[31, 31]]
+def test_grey_and_coloured_images_agree(plane):
+    left, right, _ = plane
+    grey = matched(left, right)
+    coloured = matched(*(np.repeat(x[..., None], 3, axis=2) for x in (left, right)))
+    np.testing.assert_allclose(grey.disparity_px, coloured.disparity_px, atol=0.05)
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6)])
-def test_tiny_images_and_no_matches_give_nothing(shape):
-    image = np.zeros(shape, np.uint8)
-    features = detect(image, FeatureSettings())
-    found = densify(Matches.none(), features, features, image, DenseSettings())
-    assert found.shape == shape
-    assert np.isnan(found).all()
+@pytest.mark.parametrize("quality", QUALITIES)
+@pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6), (3, 17)])
+def test_small_images_give_an_answer(shape, quality):
+    image = np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8)
+    found = recon.match_dense(image, image, max_disparity=5, quality=quality)
+    assert found.disparity_px.shape == shape
+    assert np.isfinite(found.sigma_px[found.valid_mask]).all()
 
 
-def test_matches_outside_the_image_are_refused():
-    image = np.zeros((10, 10), np.uint8)
-    features = detect(image, FeatureSettings())
-    with pytest.raises(InputError, match="outside the image of 10 x 10 pixels"):
-        densify(grid_matches(slanted()), features, features, image, DenseSettings())
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_flat_images_are_not_sure(quality):
+    flat = np.full((40, 60), 90, np.uint8)
+    found = recon.match_dense(flat, flat, quality=quality)
+    sure = found.valid_mask & (found.sigma_px < 0.3)
+    assert sure.mean() < 0.05
 
 
-def test_features_of_another_image_are_refused(plane_features):
-    with pytest.raises(InputError, match=r"image has shape \(20, 20\)"):
-        densify(Matches.none(), *plane_features, np.zeros((20, 20), np.uint8), DenseSettings())
+def test_unlike_images_and_empty_searches_are_refused():
+    image = np.zeros((10, 12), np.uint8)
+    with pytest.raises(InputError, match="left image has shape"):
+        recon.match_dense(image, image[:, :10])
+    with pytest.raises(InputError, match="all lie outside the image, whose width is 12"):
+        recon.match_dense(image, image, min_disparity=12, max_disparity=20)
+    with pytest.raises(InputError, match="quality is 'better'"):
+        recon.match_dense(image, image, quality="better")
 
 
-def test_the_same_images_give_the_same_bytes():
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_the_same_images_give_the_same_bytes(quality):
     left, right, _ = textured_pair(shape=(50, 70))
-    assert spread(left, right).tobytes() == spread(left, right).tobytes()
+    first, second = (recon.match_dense(left, right, quality=quality) for _ in range(2))
+    assert first.disparity_px.tobytes() == second.disparity_px.tobytes()
+    assert first.sigma_px.tobytes() == second.sigma_px.tobytes()
+
+
+def test_the_right_disparity_costs_least():
+    left, right, _ = textured_pair(slope=(0.0, 0.0), middle=7.0, noise=0.5)
+    cost = cost_volume(left, right, Search(2, 10))
+    assert cost.shape == (*left.shape, 16)
+    cheapest = cost[10:-10, 20:-10].argmin(axis=2) + 2
+    assert (cheapest == 7).mean() > 0.9
+    assert (cost[..., 10:] > cost[..., :10].max()).all()
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_peers_find_a_plane_too(plane, name):
+    left, right, truth = plane
+    found = PEERS[name](left, right, Search(0, 21))
+    assert np.isfinite(found[:, 20:]).mean() > 0.7
+    assert np.nanmedian(np.abs(found - truth)) < 0.2
+
+
+def test_sigma_falls_with_a_clear_choice_and_grows_with_the_spread():
+    shape = (1, 1)
+
+    def sigma(steepness, lead, spread):
+        parts = (np.zeros(shape), np.full(shape, steepness), np.full(shape, lead), np.zeros(shape))
+        choice = dense_stage.Choice(*(part.astype(np.float32) for part in parts))
+        return uncertainty.of_choice(choice, np.full(shape, spread, np.float32)).item()
+
+    assert sigma(5, 5, 0.1) < sigma(0.5, 5, 0.1)
+    assert sigma(5, 5, 0.1) < sigma(5, 0.5, 0.1)
+    assert sigma(5, 5, 0.1) < sigma(5, 5, 0.5)

@@ -35,8 +35,6 @@ Bits = NDArray[np.uint64]
 
 UNIT = 8
 """Costs are counted in eighths of a grey level."""
-REACH_PX = 8
-"""Rows and columns around a pixel that its cost depends on, at most."""
 
 _WIDTHS_PX = (1.5,)
 _PHASE = np.float32(20.0)
@@ -57,15 +55,15 @@ _BOX = np.float32(1 / 9)
 
 
 class Search(NamedTuple):
-    """The disparities first, first + 1, ..., count of them."""
+    """The disparities first, first + 1, ..., `size` of them."""
 
     first: int
-    count: int
+    size: int
 
     @property
     def depth(self) -> int:
-        """The count, filled up to whole vectors."""
-        return filled(self.count, NUM_SHORTS)
+        """The size, filled up to whole vectors."""
+        return filled(self.size, NUM_SHORTS)
 
 
 class _Side(NamedTuple):
@@ -98,7 +96,7 @@ def cost_volume(left: Grey, right: Grey, search: Search) -> ShortArray:
     margin = filled(max(abs(search.first), abs(search.first + depth))) + NUM_LANES
     sides = _side(left), _backwards(_side(right), margin)
     cost = np.empty((*left.shape, depth), np.int16)
-    _fill(*sides, search.first, search.count, cost)
+    _fill(*sides, search.first, search.size, cost)
     return cost
 
 
@@ -119,11 +117,12 @@ def _side(grey: Grey) -> _Side:
 
 def _backwards(side: _Side, margin: int) -> _Side:
     """The rows from right to left: what a growing disparity meets lies ahead."""
-    turned = (
-        np.pad(x[..., ::-1], [(0, 0)] * (x.ndim - 1) + [(margin, margin)], mode="edge")
-        for x in side
-    )
-    return _Side(*turned)
+
+    def turned(rows: NDArray[Any]) -> NDArray[Any]:
+        beside = [(0, 0)] * (rows.ndim - 1) + [(margin, margin)]
+        return np.pad(rows[..., ::-1], beside, mode="edge")
+
+    return _Side(turned(side.planes), turned(side.census), turned(side.levels), turned(side.slopes))
 
 
 def _ranges(values: Floats) -> Floats:

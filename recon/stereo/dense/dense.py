@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import DisparityMap, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
-from recon.settings.stereo import DenseSettings
+from recon.settings.stereo import DenseSettings, MatchingSettings
 from recon.stereo.dense import uncertainty
 from recon.stereo.dense.choice import Choice, choose
 from recon.stereo.dense.cost import UNIT, Search, cost_volume
@@ -72,9 +72,17 @@ def match_dense(
 
 
 def match_every_pixel(
-    left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    settings: Settings,
+    stated_range: tuple[int, int] | None = None,
 ) -> DisparityMap:
     """Disparity of every pixel of two rectified images, as the settings say.
+
+    Parameters
+    ----------
+    stated_range : (min, max), optional
+        Search range in pixels that holds where the settings were not given one.
 
     Raises
     ------
@@ -83,7 +91,7 @@ def match_every_pixel(
     """
     check_images(left, right)
     greys = _grey(left), _grey(right)
-    search = _search(settings, left.shape[1])
+    search = _search(settings.matching.searching(stated_range), left.shape[1])
     found = _METHODS[settings.dense.method](*greys, search, settings.dense)
     disparity = filled_behind(found.disparity_px, settings.dense.fill_px)
     is_filled = np.isnan(found.disparity_px) & np.isfinite(disparity)
@@ -98,9 +106,8 @@ def _grey(image: NDArray[np.uint8]) -> Grey:
     return grey
 
 
-def _search(settings: Settings, width: int) -> Search:
-    """What of the search lies inside images of a width."""
-    asked = settings.matching
+def _search(asked: MatchingSettings, width: int) -> Search:
+    """What of a search lies inside images of a width."""
     first, last = max(asked.min_disparity, 1 - width), min(asked.max_disparity, width - 1)
     if last < first:
         raise InputError(
@@ -110,9 +117,7 @@ def _search(settings: Settings, width: int) -> Search:
     return Search(first, last - first + 1)
 
 
-def _semi_global(
-    left: Grey, right: Grey, search: Search, settings: DenseSettings
-) -> DisparityMap:
+def _semi_global(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
     choice = _by_strips(left, right, search)
     patches = without_specks(median(choice.disparity_px), settings.speck_px)
     smoothed = smooth(patches, left)
@@ -122,7 +127,7 @@ def _semi_global(
 def _opencv(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
     patches = without_specks(three_ways(left, right, search), settings.speck_px)
     smoothed = smooth(patches, left)
-    return _with_sigma(smoothed.disparity_px, uncertainty.of_spread(smoothed.spread_px))
+    return _with_sigma(smoothed.disparity_px, uncertainty.of_image(smoothed.spread_px, left))
 
 
 def _with_sigma(disparity: Floats, sigma: Floats) -> DisparityMap:
@@ -159,4 +164,4 @@ def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
 def _strip(left: Grey, right: Grey, search: Search) -> Choice:
     cost = cost_volume(left, right, search)
     total = aggregate(cost, left, PENALTIES)
-    return choose(cost, total, search.first, search.count)
+    return choose(cost, total, search.first, search.size)

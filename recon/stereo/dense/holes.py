@@ -3,7 +3,6 @@
 import cv2
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from recon.stereo.kernels.simd import Floats
 
@@ -45,19 +44,22 @@ def _nearest(disparity: Floats) -> Floats:
     """(H, W, 6) the nearest known values in the rows above and below: before, at and after."""
     height, width = disparity.shape
     near = np.full((height, width, 6), np.nan, np.float32)
-    for back in range(2):
-        for row in range(1, height):
-            v = height - 1 - row if back else row
-            other = v + 1 if back else v - 1
-            for u in range(width):
-                for side in range(3):
-                    column = u + side - 1
-                    if 0 <= column < width:
-                        known = np.isfinite(disparity[other, column])
-                        near[v, u, 3 * back + side] = (
-                            disparity[other, column] if known else near[other, column, 3 * back + side]
-                        )
+    for row in range(1, height):
+        _look_back(disparity[row - 1], near[row - 1], near[row], 0)
+    for row in range(height - 2, -1, -1):
+        _look_back(disparity[row + 1], near[row + 1], near[row], 3)
     return near
+
+
+@njit(cache=True, nogil=True)
+def _look_back(other: Floats, others_near: Floats, near: Floats, first: int) -> None:
+    """Write what a row's pixels meet in another row, or what those there have met before."""
+    width = other.size
+    for u in range(width):
+        for column in range(max(0, u - 1), min(width, u + 2)):
+            k = first + column - u + 1
+            known = np.isfinite(other[column])
+            near[u, k] = other[column] if known else others_near[column, k]
 
 
 @njit(cache=True, nogil=True)
@@ -74,9 +76,7 @@ def _fill_rows(disparity: Floats, near: Floats, widest: int, found: Floats) -> N
 
 
 @njit(cache=True, nogil=True)
-def _fill_gap(
-    row: Floats, near: Floats, gap: tuple[int, int], widest: int, found: Floats
-) -> None:
+def _fill_gap(row: Floats, near: Floats, gap: tuple[int, int], widest: int, found: Floats) -> None:
     """Fill the pixels of a gap that are near its farther end."""
     first, end = gap
     before = row[first - 1] if first > 0 else np.float32(np.nan)

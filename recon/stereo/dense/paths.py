@@ -37,9 +37,7 @@ class Penalties(NamedTuple):
     """(256,) more than one, by the difference of the grey levels."""
 
 
-def aggregate(
-    cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties
-) -> ShortArray:
+def aggregate(cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties) -> ShortArray:
     """Sum of the costs of the best ways to each pixel from eight sides.
 
     Parameters
@@ -59,96 +57,93 @@ def aggregate(
     return total
 
 
+class _Ends(NamedTuple):
+    """Paths of four directions as far as they have come: along the row, and from the row before."""
+
+    costs: ShortArray
+    """(4, W + 2, D + 2 * _RIM) of every disparity; the first and last column lie outside."""
+    lowest: ShortArray
+    """(4, W + 2) lowest of these costs."""
+
+
 @njit(cache=True, nogil=True)
 def _sweep(
     cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties, total: ShortArray, back: bool
 ) -> None:
-    """Four directions in one sweep: along the row, and from the three neighbours before it.
+    """Add four directions in one sweep: along the row, and from the three neighbours before it.
 
     Backwards, everything goes from the last pixel to the first.
     """
     height, width, depth = cost.shape
-    paths = np.full((2, 4, width + 2, depth + 2 * _RIM), _EDGE, np.int16)
-    paths[:, :, :, _RIM:-_RIM] = 0
+    costs = np.full((2, 4, width + 2, depth + 2 * _RIM), _EDGE, np.int16)
+    # What comes from outside the image has cost nothing so far.
+    costs[:, :, :, _RIM:-_RIM] = 0
     lowest = np.zeros((2, 4, width + 2), np.int16)
     step = -1 if back else 1
     for row in range(height):
         v = height - 1 - row if back else row
-        now, before = row % 2, 1 - row % 2
+        now = _Ends(costs[row % 2], lowest[row % 2])
+        before = _Ends(costs[1 - row % 2], lowest[1 - row % 2])
         above = v - step if row else v
         for column in range(width):
             u = width - 1 - column if back else column
-            # Number 0 and the last of the buffers lie outside the image.
-            place = column + 1
-            if column == 0:
-                _begin(paths[now, 0, 0], lowest[now, 0])
             behind, ahead = (u - step if column else u), min(max(u + step, 0), width - 1)
-            here = np.int64(grey[v, u])
-            larges = (
-                penalties.large_step[abs(here - np.int64(grey[v, behind]))],
-                penalties.large_step[abs(here - np.int64(grey[above, behind]))],
-                penalties.large_step[abs(here - np.int64(grey[above, u]))],
-                penalties.large_step[abs(here - np.int64(grey[above, ahead]))],
+            jumps = (
+                _jump(grey[v, u], grey[v, behind], penalties),
+                _jump(grey[v, u], grey[above, behind], penalties),
+                _jump(grey[v, u], grey[above, u], penalties),
+                _jump(grey[v, u], grey[above, ahead], penalties),
             )
-            _step(
-                cost[v, u], total[v, u], paths[now], paths[before], lowest[now], lowest[before],
-                place, penalties.small_step, larges, back,
-            )
-        _close(paths[now], lowest[now])
+            small = penalties.small_step
+            _go_on(cost[v, u], total[v, u], now, before, column + 1, (small, jumps, back))
 
 
 @kernel
-def _begin(path: ShortArray, lowest: ShortArray) -> None:
-    path[_RIM:-_RIM] = 0
-    lowest[0] = 0
+def _jump(here: int, there: int, penalties: Penalties) -> int:
+    """What a jump of disparity between two grey levels costs."""
+    large: int = penalties.large_step[abs(np.int64(here) - np.int64(there))]
+    return large
 
 
 @kernel
-def _close(paths: ShortArray, lowest: ShortArray) -> None:
-    """What comes from outside the image has cost nothing so far."""
-    paths[1:, 0, _RIM:-_RIM] = 0
-    paths[1:, -1, _RIM:-_RIM] = 0
-    lowest[1:, 0] = 0
-    lowest[1:, -1] = 0
-
-
-@kernel
-def _step(  # noqa: PLR0913
-    cost, total, now, before, low_now, low_before, place, small, larges, is_added
+def _go_on(
+    cost: ShortArray,
+    total: ShortArray,
+    now: _Ends,
+    before: _Ends,
+    place: int,
+    steps: tuple[int, tuple[int, int, int, int], bool],
 ) -> None:
-    along = now[0, place - 1]
-    first, second, third = before[1, place - 1], before[2, place], before[3, place + 1]
-    low_0, low_1 = low_now[0, place - 1], low_before[1, place - 1]
-    low_2, low_3 = low_before[2, place], low_before[3, place + 1]
+    """Carry the four paths on to one pixel, and add up their costs there."""
+    small, jumps, is_added = steps
+    one = spread_short(small)
+    along, first = now.costs[0, place - 1], before.costs[1, place - 1]
+    second, third = before.costs[2, place], before.costs[3, place + 1]
+    low_0, low_1 = now.lowest[0, place - 1], before.lowest[1, place - 1]
+    low_2, low_3 = before.lowest[2, place], before.lowest[3, place + 1]
     base_0, base_1 = spread_short(low_0), spread_short(low_1)
     base_2, base_3 = spread_short(low_2), spread_short(low_3)
-    jump_0, jump_1 = spread_short(low_0 + larges[0]), spread_short(low_1 + larges[1])
-    jump_2, jump_3 = spread_short(low_2 + larges[2]), spread_short(low_3 + larges[3])
-    one = spread_short(small)
-    m0 = m1 = m2 = m3 = spread_short(32767)
+    jump_0, jump_1 = spread_short(low_0 + jumps[0]), spread_short(low_1 + jumps[1])
+    jump_2, jump_3 = spread_short(low_2 + jumps[2]), spread_short(low_3 + jumps[3])
+    least_0 = least_1 = least_2 = least_3 = spread_short(32767)
     for d in range(0, cost.size, NUM_SHORTS):
-        c = load_shorts(cost, d)
-        k = d + _RIM
-        a = _best(along, k, one, jump_0) - base_0 + c
-        store_shorts(now[0, place], k, a)
-        m0 = lesser(m0, a)
-        b = _best(first, k, one, jump_1) - base_1 + c
-        store_shorts(now[1, place], k, b)
-        m1 = lesser(m1, b)
-        e = _best(second, k, one, jump_2) - base_2 + c
-        store_shorts(now[2, place], k, e)
-        m2 = lesser(m2, e)
-        f = _best(third, k, one, jump_3) - base_3 + c
-        store_shorts(now[3, place], k, f)
-        m3 = lesser(m3, f)
-        s = a + b + (e + f)
+        here, k = load_shorts(cost, d), d + _RIM
+        a = _best(along, k, one, jump_0) - base_0 + here
+        b = _best(first, k, one, jump_1) - base_1 + here
+        e = _best(second, k, one, jump_2) - base_2 + here
+        f = _best(third, k, one, jump_3) - base_3 + here
+        store_shorts(now.costs[0, place], k, a)
+        store_shorts(now.costs[1, place], k, b)
+        store_shorts(now.costs[2, place], k, e)
+        store_shorts(now.costs[3, place], k, f)
+        least_0, least_1 = lesser(least_0, a), lesser(least_1, b)
+        least_2, least_3 = lesser(least_2, e), lesser(least_3, f)
+        both = a + b + (e + f)
         if is_added:
-            s = s + load_shorts(total, d)
-        store_shorts(total, d, s)
-    low_now[0, place] = least(m0)
-    low_now[1, place] = least(m1)
-    low_now[2, place] = least(m2)
-    low_now[3, place] = least(m3)
+            both = both + load_shorts(total, d)
+        store_shorts(total, d, both)
+    now.lowest[0, place], now.lowest[1, place] = least(least_0), least(least_1)
+    now.lowest[2, place], now.lowest[3, place] = least(least_2), least(least_3)
 
 
 @kernel

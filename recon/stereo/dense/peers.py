@@ -55,7 +55,7 @@ def _matched(matcher: Any, left: Grey, right: Grey, search: Search) -> Floats:
     fixed = matcher.compute(*(np.pad(image, pad, mode="edge") for image in (left, right)))
     fixed = fixed[_BM_BLOCK_PX:-_BM_BLOCK_PX, side:-side]
     disparity = fixed.astype(np.float32) / np.float32(_FIXED_POINT)
-    outside = (disparity < search.first) | (disparity > search.first + search.count - 1)
+    outside = (disparity < search.first) | (disparity > search.first + search.size - 1)
     return np.where(outside, np.float32(np.nan), disparity)
 
 

@@ -102,7 +102,7 @@ def _solve(here: Floats, sums: Floats, disparity: Floats, spread: Floats) -> Non
         down, across = (ye * xx - xe * yx) / determinant, (xe * yy - ye * yx) / determinant
         disparity[u] = here[u] + e - down * y - across * x
         rest = ee - down * ye - across * xe
-        spread[u] = np.sqrt(rest if rest > 0 else np.float32(0))
+        spread[u] = np.sqrt(np.float32(0) if rest < 0 else rest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -132,4 +132,5 @@ def _middle(disparity: Floats, v: int, u: int, window: Floats) -> float:
                 at -= 1
             window[at] = value
             count += 1
-    return (window[(count - 1) // 2] + window[count // 2]) / 2
+    middle: float = (window[(count - 1) // 2] + window[count // 2]) / 2
+    return middle

@@ -4,13 +4,19 @@ The laws were fitted on recorded pairs with truth (Venus, Cones, Moebius, Cloth1
 68 % of the errors there are below one sigma, and judged on others.
 """
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.stereo.dense.choice import Choice
 from recon.stereo.kernels.simd import Floats
 
 FILLED_PX = np.float32(1.0)
 """Of what was filled in: four of five are within a pixel."""
+_WINDOW_PX = 7
+_NOISE = 2.0
+"""Grey levels that a camera's noise and rounding are taken to have."""
+_TINY = np.float32(1e-6)
 _LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 
 
@@ -24,9 +30,16 @@ def of_choice(choice: Choice, spread_px: Floats) -> Floats:
     return _bounded(16.9 * lead * (0.03 + spread_px) ** 0.45)
 
 
-def of_spread(spread_px: Floats) -> Floats:
-    """(H, W) the same, where only the neighbours' distance from a common plane is known."""
-    return _bounded(1.45 * (0.03 + spread_px) ** 0.7)
+def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
+    """(H, W) the same, where no costs are known, by the slope of the image instead.
+
+    A window of N pixels with noise of n grey levels and a slope of s levels per pixel tells the
+    disparity no better than ``n / (s sqrt N)``.
+    """
+    slope = cv2.Sobel(grey, cv2.CV_32F, 1, 0, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
+    square = cv2.blur(slope * slope, (_WINDOW_PX, _WINDOW_PX), borderType=cv2.BORDER_REPLICATE)
+    least = _NOISE / (np.sqrt(square) * _WINDOW_PX + _TINY)
+    return _bounded(np.hypot(1.45 * (0.03 + spread_px) ** 0.7, least))
 
 
 def _bounded(sigma_px: Floats) -> Floats:
