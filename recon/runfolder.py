@@ -7,13 +7,14 @@ import platform
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
 from recon.errors import InputError
 from recon.files import atomic_path
+from recon.locks import locked
 
 MANIFEST = "manifest.json"
 PARTIAL = "partial"
@@ -81,9 +82,9 @@ class RunFolder:
         return run
 
     def _check_replaceable(self) -> None:
-        """Refuse to replace what is no run, or holds an input."""
+        """Refuse to replace what is not a run, or holds an input."""
         if not self.path.is_dir():
-            raise InputError(f"{self.path} is no folder; give another -o")
+            raise InputError(f"{self.path} is not a folder; give another -o")
         if any(self.path.iterdir()):
             read_manifest(self.path)
         for source in self.plan.inputs:
@@ -104,35 +105,66 @@ class RunFolder:
     def opened(self) -> Iterator[Self]:
         """Make the folder and close it with the state it ended in.
 
-        A run that ends by bad input leaves no folder behind, or the one that it was to replace.
+        A run that is replaced waits beside until the new one is finished, and is back where that
+        fails. A run that ends by bad input leaves no folder behind. While it is open, no other
+        process can open it.
+
+        Raises
+        ------
+        InputError
+            Where another process has it open.
         """
-        before = self.path.with_name(f".{self.path.name}.before")
-        if self.replaces:
-            shutil.rmtree(before, ignore_errors=True)
-            self.path.rename(before)
-        is_new = not self.path.exists()
-        self.path.mkdir(parents=True, exist_ok=True)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        busy = f"{self.path} is being written by another process; wait for it, or give another -o"
+        with locked(self.path.with_name(f".{self.path.name}.lock"), busy):
+            if self.replaces:
+                self._put_aside()
+            is_new = not self.path.exists()
+            self.path.mkdir(exist_ok=True)
+            try:
+                yield from self._filled()
+            except BaseException as error:
+                self._fail(error, is_new)
+                raise
+            shutil.rmtree(self._before, ignore_errors=True)
+
+    def _filled(self) -> Iterator[Self]:
+        """Write what every run has, before and after its own."""
         self.write_text("settings.toml", self.plan.settings_toml)
         self._write_manifest()
         began = time.perf_counter()
-        try:
-            yield self
-        except BaseException as error:
-            if is_new and isinstance(error, InputError):
-                shutil.rmtree(self.path)
-                if self.replaces:
-                    before.rename(self.path)
-            else:
-                self.state = "interrupted" if isinstance(error, KeyboardInterrupt) else "failed"
-                self._write_manifest(error=str(error))
-            raise
-        finally:
-            shutil.rmtree(before, ignore_errors=True)
+        yield self
         self.seconds["total"] = time.perf_counter() - began
         if self.state == "running":
             self.state = "finished"
             shutil.rmtree(self.path / PARTIAL, ignore_errors=True)
         self._write_manifest()
+
+    @property
+    def _before(self) -> Path:
+        """Where a run that is replaced waits."""
+        return self.path.with_name(f".{self.path.name}.before")
+
+    def _put_aside(self) -> None:
+        """Make room for the new run; of two earlier ones, a finished one is kept."""
+        if self._before.exists() and not _is_finished(self.path):
+            shutil.rmtree(self.path)
+            return
+        shutil.rmtree(self._before, ignore_errors=True)
+        self.path.rename(self._before)
+
+    def _fail(self, error: BaseException, is_new: bool) -> None:
+        """Leave the earlier run where there is one, else say in the manifest what happened."""
+        is_cut = isinstance(error, KeyboardInterrupt)
+        if is_new and not is_cut and self._before.exists():
+            shutil.rmtree(self.path)
+            self._before.rename(self.path)
+        elif is_new and isinstance(error, InputError):
+            shutil.rmtree(self.path)
+        else:
+            self.state = "interrupted" if is_cut else "failed"
+            with suppress(OSError):  # of a full disk the first error is the one to tell
+                self._write_manifest(error=str(error))
 
     def interrupt(self) -> None:
         """Say that the run stopped early on purpose and can be resumed."""
@@ -176,15 +208,22 @@ def read_manifest(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Where `path` is no run folder.
+        Where `path` is not a run folder.
     """
     try:
         document = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(f"{path} is no run folder: its {MANIFEST} cannot be read") from error
+        raise InputError(f"{path} is not a run folder: its {MANIFEST} cannot be read") from error
     if not isinstance(document, dict) or not document.keys() >= KEYS:
-        raise InputError(f"{path} is no run folder: its {MANIFEST} is not one of recon's")
+        raise InputError(f"{path} is not a run folder: its {MANIFEST} is not one of recon's")
     return document
+
+
+def _is_finished(path: Path) -> bool:
+    try:
+        return bool(read_manifest(path)["state"] == "finished")
+    except InputError:
+        return False
 
 
 def digest(path: Path) -> str:

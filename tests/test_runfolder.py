@@ -1,5 +1,9 @@
 """The run folder: whole or not at all, refused, resumed, overwritten."""
 
+import json
+import subprocess
+import sys
+
 import pytest
 
 from recon.errors import InputError, ReconError
@@ -47,7 +51,7 @@ def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
     assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
     (tmp_path / "thesis").mkdir()
     (tmp_path / "thesis" / "only_copy.tex").write_text("x")
-    with pytest.raises(InputError, match="is no run folder"):
+    with pytest.raises(InputError, match="is not a run folder"):
         prepare(tmp_path / "thesis", plan, overwrite=True)
     (tmp_path / "thesis" / "manifest.json").write_text('{"name": "a web app"}')
     with pytest.raises(InputError, match="is not one of recon's"):
@@ -95,7 +99,7 @@ def test_an_interrupted_run_keeps_what_it_needs_to_go_on(tmp_path, plan):
 
 
 def test_a_folder_that_is_no_run_is_named(tmp_path):
-    with pytest.raises(InputError, match="is no run folder"):
+    with pytest.raises(InputError, match="is not a run folder"):
         read_manifest(tmp_path)
 
 
@@ -131,5 +135,72 @@ def test_inputs_of_one_name_are_told_apart(tmp_path, plan):
     both = RunPlan(command="disparity", settings_toml="", seed=0, inputs=inputs)
     finish(tmp_path / "run", both)
     inputs[0].write_text("changed")
-    with pytest.raises(InputError, match="another inputs"):
+    with pytest.raises(InputError, match="different inputs"):
         prepare(tmp_path / "run", both, resume=True)
+
+
+def ended(run, error):
+    """Open a run and end it by an error."""
+
+    def work():
+        with run.opened():
+            run.write_json("metrics.json", {"pairs": 4})
+            raise error
+
+    with pytest.raises(type(error)):
+        work()
+
+
+def pairs(path):
+    return json.loads((path / "metrics.json").read_text())["pairs"]
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left"), InputError("x"), MemoryError()])
+def test_an_earlier_run_outlives_the_failure_of_the_one_that_replaces_it(tmp_path, plan, error):
+    finish(tmp_path / "run", plan)
+    ended(prepare(tmp_path / "run", plan, overwrite=True), error)
+    assert pairs(tmp_path / "run") == 3
+    assert read_manifest(tmp_path / "run")["state"] == "finished"
+    assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
+
+
+def test_an_interrupted_replacement_goes_on_and_only_then_the_earlier_run_goes(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    ended(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
+    assert read_manifest(tmp_path / "run")["state"] == "interrupted"
+    assert pairs(tmp_path / ".run.before") == 3
+    finish(tmp_path / "run", plan, resume=True)
+    assert not (tmp_path / ".run.before").exists()
+
+
+def test_of_two_earlier_runs_the_finished_one_is_kept(tmp_path, plan):
+    finish(tmp_path / "run", plan)
+    ended(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
+    ended(prepare(tmp_path / "run", plan, overwrite=True), OSError(28, "No space left"))
+    assert pairs(tmp_path / "run") == 3
+
+
+def test_two_processes_do_not_write_one_run(tmp_path, plan):
+    first, second = (prepare(tmp_path / "run", plan) for _ in range(2))
+
+    def both():
+        with first.opened(), second.opened():
+            pass
+
+    with pytest.raises(InputError, match="is being written by another process"):
+        both()
+    assert not (tmp_path / ".run.lock").exists()
+
+
+def test_the_lock_of_a_process_that_died_is_taken_over(tmp_path, plan):
+    (tmp_path / ".run.lock").touch()
+    finish(tmp_path / "run", plan)
+    script = (
+        "import os, sys, pathlib; from recon.locks import locked\n"
+        "with locked(pathlib.Path(sys.argv[1]), 'busy'): os._exit(1)"
+    )
+    lock = tmp_path / ".run.lock"
+    subprocess.run([sys.executable, "-c", script, str(lock)], check=False)
+    assert lock.exists()
+    finish(tmp_path / "run", plan, overwrite=True)
+    assert not lock.exists()

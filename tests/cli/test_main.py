@@ -62,7 +62,7 @@ def test_version(capsys):
         (["exploer"], "exploer"),
         (["disparity", "a.png", "b.png"], "a.png"),
         (["reconstruct", "nowhere"], "nowhere does not exist"),
-        (["figure", "nowhere"], "nowhere is no run folder"),
+        (["figure", "nowhere"], "nowhere is not a run folder"),
         (["info", "nowhere"], "nowhere does not exist"),
     ],
 )
