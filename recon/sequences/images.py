@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.notices import notify
-from recon.sequences.jpeg import may_be_cut, probed
+from recon.sequences.jpeg import has_all_parts, may_be_cut, probed
 from recon.sequences.text import read_bytes
 
 Image = NDArray[np.uint8]
@@ -131,11 +131,18 @@ def _pillow(data: bytes, name: str) -> Pixels:
             "ignored: they are taken as the camera stored them",
         )
     pixels = _array(image, data, name)
-    if data.startswith(_JPEG_START) and may_be_cut(data, pixels):
-        again = _loaded(probed(data), name)
-        if not np.array_equal(pixels, _array(again, data, name)):
-            raise InputError(f"{name} is cut short, but a whole image is needed")
+    if data.startswith(_JPEG_START) and _is_cut(data, pixels, name):
+        raise InputError(f"{name} is cut short, but a whole image is needed")
     return pixels
+
+
+def _is_cut(data: bytes, pixels: Pixels, name: str) -> bool:
+    """Whether a JPEG that was decoded lacks a part."""
+    if not has_all_parts(data):
+        return True
+    if not may_be_cut(data, pixels):
+        return False
+    return not np.array_equal(pixels, _array(_loaded(probed(data), name), data, name))
 
 
 def _loaded(data: bytes, name: str) -> Any:

@@ -10,9 +10,28 @@ PROBE = b"\x55" * 64
 FILLED = 128
 """The level of what was never decoded."""
 
-_END = 0xD9
+_SCAN, _END = 0xDA, 0xD9
 _MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
 _PROGRESSIVE = 0xC2
+
+
+def has_all_parts(data: bytes) -> bool:
+    """Whether the parts of a file lead to its end, and no scan of a progressive one is missing."""
+    markers = _markers(data)
+    if not any(kind == _END for kind, _ in markers):
+        return False
+    if not any(kind == _PROGRESSIVE for kind, _ in markers):
+        return True
+    finished = np.zeros((256, 64), np.bool_)
+    scanned = np.zeros(256, np.bool_)
+    for at in (at for kind, at in markers if kind == _SCAN):
+        number = data[at + 4]
+        components = [*data[at + 5 : at + 5 + 2 * number : 2]]
+        first, last, bits = data[at + 5 + 2 * number : at + 8 + 2 * number]
+        scanned[components] = True
+        if bits & 15 == 0:  # the last bit of these coefficients
+            finished[components, first : last + 1] = True
+    return bool(finished[scanned].all())
 
 
 def may_be_cut(data: bytes, pixels: NDArray[np.generic]) -> bool:

@@ -54,6 +54,7 @@ class CheckedPairs(DerivedSource):
             found = [f for pair in looked_at for f in pair if f.code == code]
             if 2 * len(found) > len(looked_at):
                 notify(code, found[0].text)
-        of_poses = pose_finding(steps)
+        # Poses are held against motions that stereo gives, which must be sound itself.
+        of_poses = None if any(looked_at) else pose_finding(steps)
         if of_poses is not None:
             notify(of_poses.code, of_poses.text)

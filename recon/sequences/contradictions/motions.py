@@ -1,6 +1,6 @@
 """Given poses held against the motions that the images show."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 
@@ -14,6 +14,8 @@ from recon.sequences.odometry.motion import agreeing_tracks, refine_motion
 from recon.sequences.odometry.tracking import Tracks, track
 
 Array = NDArray[np.float64]
+Motion = Callable[["Step"], Array]
+"""`T_second_first` (4, 4) of a step, by some reading of the poses."""
 
 MIN_FLOW_PX = 2.0
 """Median way of points in the image below which a rig stands."""
@@ -69,8 +71,8 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
     left = _unexplained(steps, _given)
     if left <= EXPLAINED_SHARE:
         return None
-    reading = next((text for text, share in _readings(steps) if share < FITTING_SHARE), None)
-    advice = f"they fit {reading}" if reading else "try --poses estimated"
+    fitting = [text for text, share in _readings(steps) if share < FITTING_SHARE]
+    advice = f"they fit {', or '.join(fitting)}" if fitting else "try --poses estimated"
     return Finding(
         code="poses-disagree",
         text="poses contradict the images: of the motion that these show, the poses leave "
@@ -78,8 +80,8 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
     )
 
 
-def _unexplained(steps: Sequence[Step], motion: object) -> float:
-    assert callable(motion)
+def _unexplained(steps: Sequence[Step], motion: Motion) -> float:
+    """Share of the way of the points that a motion leaves: the median of the steps."""
     return float(np.median([step.error_px(motion(step)) / step.flow_px for step in steps]))
 
 
@@ -95,9 +97,9 @@ def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
     """What else the poses may mean, and the share of the motion that each leaves."""
     turns = [pose(R, np.zeros(3)) for R in _right_angles()]
     for text, motion in (
-        ("as those of a body whose axes are not the camera's", _given),
-        ("when inverted: they bring the world into the camera", _inverse),
+        ("inverted, as they bring the world into the camera", _inverse),
         ("in the opposite order", _backward),
+        ("as those of a body whose axes are not the camera's", _given),
     ):
         shares = [
             _unexplained(steps, lambda step, T=T, motion=motion: invert(T) @ motion(step) @ T)

@@ -1,0 +1,342 @@
+"""Files of other people's tools: each has its right value, or is refused in a line."""
+
+import io
+import struct
+import zlib
+
+import cv2
+import numpy as np
+import PIL.Image
+import pytest
+
+from recon.errors import InputError
+from recon.notices import collected_notices
+from recon.sequences.calibration.files import read_calibration
+from recon.sequences.depth import read_pair, stretch_of
+from recon.sequences.images import read_image, read_pixels
+from recon.sequences.pfm import decode_pfm
+from recon.sequences.truth import read_truth, read_truth_file
+
+CAMERA = "  camera_model: pinhole\n  distortion_model: {model}\n  distortion_coeffs: {lens}\n"
+CAMERA += "  intrinsics: [458.6, 457.3, 367.2, 248.4]\n  resolution: [752, 480]\n"
+IDENTITY = "[[1.0, 0.0, 0.0, {x}], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0, 0, 0, 1]]"
+
+
+def kalibr(
+    step, *, model="radtan", lens="[0, 0, 0, 0]", comment="# of the lab, for twelve words\n"
+):
+    """A chain whose cameras stand 0.11 apart; `step` names how the file says so."""
+    camera = CAMERA.format(model=model, lens=lens)
+    places = {
+        "T_cn_cnm1": (None, "-0.11"), "T_cam_imu": ("0.05", "-0.06"), "T_imu_cam": ("0.05", "0.16")
+    }[step]  # fmt: skip
+    rows = [f"  {step}: {IDENTITY.format(x=x)}\n" if x else "" for x in places]
+    return f"{comment}cam0:\n{camera}{rows[0]}cam1:\n{camera}{rows[1]}"
+
+
+def matrix(name, rows, cols, data, form="%YAML:1.0"):
+    return f"{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: {data}\n"
+
+
+K = [450.0, 0.0, 320.0, 0.0, 450.0, 240.0, 0.0, 0.0, 1.0]
+EYE = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
+CAMERAS = "".join(matrix(f"M{n}", 3, 3, K) + matrix(f"D{n}", 1, 5, [0.0] * 5) for n in (1, 2))
+STEP = matrix("R", 3, 3, EYE) + matrix("T", 3, 1, [-0.12, 0.0, 0.0])
+HEAD = "%YAML:1.0\n---\n"
+
+
+def ros(side):
+    x = -54.0 if side == "right" else 0.0
+    return (
+        f"image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo/{side}\n"
+        f"camera_matrix:\n  rows: 3\n  cols: 3\n  data: {K}\ndistortion_model: plumb_bob\n"
+        "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.0, 0.0, 0.0, 0.0, 0.0]\n"
+        f"rectification_matrix:\n  rows: 3\n  cols: 3\n  data: {EYE}\n"
+        f"projection_matrix:\n  rows: 3\n  cols: 4\n  data: [450.0, 0.0, 320.0, {x}, 0.0, 450.0,"
+        " 240.0, 0.0, 0.0, 0.0, 1.0, 0.0]\n"
+    )
+
+
+ORB = (
+    "Camera.fx: 435.2\nCamera.fy: 435.2\nCamera.cx: 367.4\nCamera.cy: 252.2\nCamera.k1: 0.0\n"
+    "Camera.width: 752\nCamera.height: 480\nCamera.bf: 47.872\n"
+)
+ORB3 = (
+    'File.version: "1.0"\nCamera.type: "PinHole"\n'
+    + "".join(
+        f"Camera{n}.fx: 458.6\nCamera{n}.fy: 457.3\nCamera{n}.cx: 367.2\nCamera{n}.cy: 248.4\n"
+        f"Camera{n}.k1: -0.28\nCamera{n}.k2: 0.07\nCamera{n}.p1: 0.0002\nCamera{n}.p2: 1.8e-05\n"
+        for n in (1, 2)
+    )
+    + "Camera.width: 752\nCamera.height: 480\n"
+    + matrix("Stereo.T_c1_c2", 4, 4, [1, 0, 0, 0.11, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1.0])
+)
+OKVIS = "cameras:\n" + "".join(
+    f"     - {{T_SC:\n        [1, 0, 0, {x},\n         0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],\n"
+    "        image_dimension: [752, 480],\n        distortion_coefficients: [-0.28, 0.07, 0, 0],\n"
+    "        distortion_type: radialtangential,\n        focal_length: [458.6, 457.3],\n"
+    "        principal_point: [367.2, 248.4]}\n"
+    for x in (0.05, 0.16)
+)
+VINS = (
+    HEAD
+    + 'imu: 1\ncam0_calib: "cam0_pinhole.yaml"\ncam1_calib: "cam1_pinhole.yaml"\n'
+    + "".join(
+        matrix(f"body_T_cam{n}", 4, 4, [1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1.0])
+        for n, x in ((0, 0.05), (1, 0.16))
+    )
+)
+VINS_CAMERA = (
+    HEAD + "model_type: PINHOLE\ncamera_name: camera\nimage_width: 752\nimage_height: 480\n"
+    "distortion_parameters:\n   k1: -0.28\n   k2: 0.07\n   p1: 0.0\n   p2: 0.0\n"
+    "projection_parameters:\n   fx: 458.6\n   fy: 457.3\n   cx: 367.2\n   cy: 248.4\n"
+)
+XML = (
+    '<?xml version="1.0"?>\n<opencv_storage>\n<image_width>640</image_width>'
+    "<image_height>480</image_height>\n"
+    + "".join(
+        f'<{name} type_id="opencv-matrix"><rows>{rows}</rows><cols>{cols}</cols><dt>d</dt>'
+        f"<data>{' '.join(str(v) for v in data)}</data></{name}>\n"
+        for name, rows, cols, data in (
+            ("K1", 3, 3, K), ("D1", 1, 5, [0.0] * 5), ("K2", 3, 3, K), ("D2", 1, 5, [0.0] * 5),
+            ("R", 3, 3, EYE), ("T", 3, 1, [-0.12, 0, 0]),
+        )
+    )
+    + "</opencv_storage>\n"
+)  # fmt: skip
+PROJECTION = "{name}: 721.5377 0 609.5593 {x} 0 721.5377 172.854 0 0 0 1 0\n"
+RAW = "calib_time: 09-Jan-2012 13:57:47\ncorner_dist: 9.950000e-02\n" + "".join(
+    f"S_0{n}: 1.392e+03 5.12e+02\nK_0{n}: 984 0 690 0 980 233 0 0 1\nS_rect_0{n}: 1242 375\n"
+    "R_rect_0{n}: 1 0 0 0 1 0 0 0 1\n" + PROJECTION.format(name=f"P_rect_0{n}", x=x)
+    for n, x in enumerate((0, -387.5744, 44.85728, -339.5242))
+)
+STEREO_2012 = "".join(
+    PROJECTION.format(name=f"P{n}", x=x) for n, x in enumerate((0, -387.5744, 44.85728, -339.5242))
+)
+
+
+@pytest.mark.parametrize(
+    ("files", "given", "baseline"),
+    [
+        ({"chain.yaml": kalibr("T_cn_cnm1")}, "chain.yaml", 0.11),
+        ({"chain.yaml": kalibr("T_cam_imu")}, "chain.yaml", 0.11),
+        ({"chain.yaml": HEAD + kalibr("T_imu_cam", comment="")}, "chain.yaml", 0.11),
+        ({"chain.yaml": kalibr("T_cn_cnm1", model="equidistant")}, "chain.yaml", 0.11),
+        ({"intrinsics.yml": HEAD + CAMERAS, "extrinsics.yml": HEAD + STEP}, "intrinsics.yml", 0.12),
+        ({"intrinsics.yml": HEAD + CAMERAS, "extrinsics.yml": HEAD + STEP}, "extrinsics.yml", 0.12),
+        ({"intrinsics.yml": HEAD + CAMERAS, "extrinsics.yml": HEAD + STEP}, ".", 0.12),
+        ({"left.yaml": ros("left"), "right.yaml": ros("right")}, "left.yaml", 0.12),
+        ({"left.yaml": ros("left"), "right.yaml": ros("right")}, "right.yaml", 0.12),
+        ({"calib.xml": XML}, "calib.xml", 0.12),
+        ({"EuRoC.yaml": HEAD + ORB}, "EuRoC.yaml", 0.11),
+        ({"EuRoC.yaml": HEAD + ORB3}, "EuRoC.yaml", 0.11),
+        ({"config.yaml": "%YAML:1.0\n" + OKVIS}, "config.yaml", 0.11),
+        ({"rig.yaml": VINS, "cam0_pinhole.yaml": VINS_CAMERA, "cam1_pinhole.yaml": VINS_CAMERA},
+         "rig.yaml", 0.11),
+        ({"calib_cam_to_cam.txt": RAW}, "calib_cam_to_cam.txt", 0.53715),
+        ({"000000.txt": STEREO_2012}, "000000.txt", 0.53715),
+    ],
+)  # fmt: skip
+def test_calibrations_are_told_apart_by_what_they_hold(tmp_path, files, given, baseline):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    with collected_notices() as notices:
+        rig = read_calibration(tmp_path / given)
+    assert rig.baseline == pytest.approx(baseline, rel=2e-4)
+    assert rig.T_right_left[0, 3] < 0
+    assert notices == []
+
+
+@pytest.mark.parametrize("text", [RAW, STEREO_2012], ids=["raw", "2012"])
+def test_kittis_colour_cameras_have_another_baseline(tmp_path, text):
+    (tmp_path / "calib.txt").write_text(text)
+    assert read_calibration(tmp_path / "calib.txt", (2, 3)).baseline == pytest.approx(
+        0.53273, rel=2e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.1 0 1 0 0 0 0 1 0.7\n", "holds poses"),
+        ("1.0 0 0 0 0 0 0 1\n2.0 0 0 1 0 0 0 1\n", "holds no keys"),
+        ("cam0: hello\ncam1: {T_cn_cnm1: 3}\n", "cam0 is a str, but keys are needed"),
+        (ros("left"), "no file of the other side"),
+        (XML.replace("<data>450.0", "<data>45x"), "no calibration in XML"),
+        ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "XML entities"),
+        ("<a>" * 5000, "no calibration in XML"),
+        ("a: " + "[" * 5000, "beyond what a calibration holds"),
+        ("a: &a [1,1,1,1,1,1,1,1,1,1]\n"
+         + "".join(f"{chr(98 + n)}: &{chr(98 + n)} [{','.join([f'*{chr(97 + n)}'] * 10)}]\n"
+                   for n in range(8)), "beyond what a calibration holds"),
+        ("K1: " + "9" * 5000, "no calibration in YAML"),
+        (VINS.replace("cam0_pinhole.yaml", "../secret.yaml"), "outside of its folder"),
+        (kalibr("T_cn_cnm1").replace("[1.0, 0.0, 0.0, -0.11]", "[1.5, 0.0, 0.0, -0.11]"),
+         "not a rotation"),
+        (kalibr("T_cn_cnm1", model="fov"), "camera model pinhole with fov is not known"),
+    ],
+)  # fmt: skip
+def test_what_is_no_calibration_is_refused_in_a_line(tmp_path, text, message):
+    (tmp_path / "calib.yaml").write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        read_calibration(tmp_path / "calib.yaml")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_rotation_that_digits_have_rounded_is_made_rigid_and_said(tmp_path):
+    turned = kalibr("T_cn_cnm1").replace(
+        "[[1.0, 0.0, 0.0, -0.11], [0.0, 1.0", "[[0.99995, 0.0, 0.0, -0.11], [0.0, 1.0"
+    )
+    (tmp_path / "chain.yaml").write_text(turned)
+    with collected_notices() as notices:
+        rig = read_calibration(tmp_path / "chain.yaml")
+    np.testing.assert_allclose(rig.T_right_left[:3, :3], np.eye(3), atol=1e-12)
+    assert [notice.code for notice in notices] == ["rotation-made-rigid"]
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["Pf\n4 3\n-0.003922\n", "Pf\r\n4 3\r\n-1.0\r\n", "Pf 4 3 -1\n", "Pf\n# words\n4 3\n-255.0\n"],
+)
+def test_float_maps_of_every_form_hold_what_is_stored(tmp_path, header):
+    stored = np.arange(12, dtype="<f4").reshape(3, 4) + 1.25
+    (tmp_path / "disp_left.pfm").write_bytes(header.encode() + stored[::-1].tobytes())
+    np.testing.assert_array_equal(read_truth(tmp_path).disparity_px, stored)
+
+
+def test_a_float_map_big_end_first_and_one_that_claims_more_than_it_holds():
+    stored = np.arange(6, dtype=">f4").reshape(2, 3)
+    data = b"Pf\n3 2\n1.0\n" + stored[::-1].tobytes()
+    np.testing.assert_array_equal(decode_pfm(data, "map"), stored)
+    for broken in (data[:-1], b"Pf\n99999999 99999999\n1\n", b"Pf\n3 -2\n1\n", b"Pf"):
+        with pytest.raises(InputError, match=r"claims|header"):
+            decode_pfm(broken, "map")
+
+
+def test_truth_in_colour_must_say_the_same_in_all_channels(tmp_path):
+    grey = np.full((4, 5), 24, np.uint8)
+    for name, last, fits in (("same", 24, True), ("other", 25, False)):
+        cv2.imwrite(
+            str(tmp_path / f"{name}.png"), np.dstack([grey, grey, np.full_like(grey, last)])
+        )
+        if fits:
+            assert read_truth_file(tmp_path / f"{name}.png", 8).disparity_px[0, 0] == 3
+            continue
+        with pytest.raises(InputError, match="3 channels that differ"):
+            read_truth_file(tmp_path / f"{name}.png", 8)
+
+
+def test_kittis_truth_counts_in_256ths_and_middleburys_has_its_names(tmp_path):
+    stored = np.array([[0, 256, 640]], np.uint16)
+    (tmp_path / "kitti").mkdir()
+    cv2.imwrite(str(tmp_path / "kitti" / "disp_occ_0.png"), stored)
+    found = read_truth(tmp_path / "kitti").disparity_px
+    np.testing.assert_array_equal(found, [[np.nan, 1.0, 2.5]])
+    for name in ("disp1", "disp2"):
+        (tmp_path / name).mkdir()
+        cv2.imwrite(str(tmp_path / name / f"{name}.png"), np.full((2, 2), 9, np.uint8))
+        assert (read_truth(tmp_path / name, 3).disparity_px == 3).all()
+
+
+def gradient(low, high, shape=(24, 32)):
+    return np.linspace(low, high, shape[0] * shape[1]).reshape(shape)
+
+
+def test_twelve_bits_in_sixteen_and_a_narrow_band_keep_their_levels(tmp_path):
+    for low, high in ((0, 4095), (30_000, 30_600)):
+        cv2.imwrite(str(tmp_path / "deep.png"), gradient(low, high).astype(np.uint16))
+        with collected_notices() as notices:
+            image = read_image(tmp_path / "deep.png")
+        assert len(np.unique(image)) > 180
+        assert np.all(np.diff(image.ravel().astype(int)) >= 0)
+        assert [notice.code for notice in notices] == ["depth-stretched"]
+
+
+def test_both_cameras_are_stretched_alike_and_eight_bits_are_left(tmp_path):
+    dark, bright = (gradient(*ends).astype(np.uint16) for ends in ((1000, 1300), (1200, 1600)))
+    cv2.imwrite(str(tmp_path / "l.png"), dark)
+    cv2.imwrite(str(tmp_path / "r.png"), bright)
+    left, right = read_pair(tmp_path / "l.png", tmp_path / "r.png")
+    same_level = np.abs(dark.astype(int)[:, :, None, None] - bright[::6, ::8]) == 0
+    where = np.argwhere(same_level)
+    assert len(where)
+    for row, column, other_row, other_column in where:
+        assert left[row, column] == right[::6, ::8][other_row, other_column]
+    eight = np.arange(6, dtype=np.uint8).reshape(2, 3)
+    assert stretch_of([eight])(eight) is eight or np.array_equal(stretch_of([eight])(eight), eight)
+
+
+def jpeg(image, **options):
+    stream = io.BytesIO()
+    PIL.Image.fromarray(image).save(stream, "JPEG", **options)
+    return stream.getvalue()
+
+
+@pytest.fixture
+def picture():
+    rng = np.random.default_rng(3)
+    return cv2.GaussianBlur(rng.integers(0, 256, (94, 160, 3), np.uint8), (0, 0), 2)
+
+
+def test_turning_by_exif_is_ignored_and_said(tmp_path, picture):
+    exif = PIL.Image.Exif()
+    exif[274] = 3
+    (tmp_path / "plain.jpg").write_bytes(jpeg(picture))
+    (tmp_path / "turned.jpg").write_bytes(jpeg(picture, exif=exif))
+    with collected_notices() as notices:
+        turned = read_image(tmp_path / "turned.jpg")
+        plain = read_image(tmp_path / "plain.jpg")
+    np.testing.assert_array_equal(turned, plain)
+    assert [notice.code for notice in notices] == ["exif-ignored"]
+
+
+def test_grey_beside_colour_is_taken_as_grey(tmp_path, picture):
+    cv2.imwrite(str(tmp_path / "l.png"), picture)
+    cv2.imwrite(str(tmp_path / "r.png"), picture[..., 0])
+    with collected_notices() as notices:
+        left, right = read_pair(tmp_path / "l.png", tmp_path / "r.png")
+    assert left.ndim == right.ndim == 2
+    assert [notice.code for notice in notices] == ["colour-missing"]
+
+
+def test_a_targa_and_a_jpeg_with_bytes_after_its_end_are_read(tmp_path, picture):
+    PIL.Image.fromarray(picture).save(tmp_path / "rgb.tga")
+    np.testing.assert_array_equal(read_image(tmp_path / "rgb.tga"), picture)
+    (tmp_path / "trailer.jpg").write_bytes(jpeg(picture) + b"more than was asked for")
+    assert read_image(tmp_path / "trailer.jpg").shape == picture.shape
+
+
+@pytest.mark.parametrize("options", [{}, {"progressive": True}, {"restart_marker_rows": 1}])
+@pytest.mark.parametrize("share", [0.4, 0.8])
+def test_a_jpeg_that_was_cut_and_closed_again_is_refused(tmp_path, picture, options, share):
+    data = jpeg(picture, **options)
+    (tmp_path / "whole.jpg").write_bytes(data)
+    assert read_pixels(tmp_path / "whole.jpg").shape == picture.shape
+    (tmp_path / "cut.jpg").write_bytes(data[: int(share * len(data))] + b"\xff\xd9")
+    with pytest.raises(InputError, match="is cut short"):
+        read_pixels(tmp_path / "cut.jpg")
+
+
+def test_a_grey_corner_alone_does_not_make_a_jpeg_cut(tmp_path, picture):
+    half = picture.copy()
+    half[40:] = 128
+    (tmp_path / "grey.jpg").write_bytes(jpeg(half))
+    assert (read_pixels(tmp_path / "grey.jpg")[-8:] == 128).all()
+
+
+def test_sizes_that_cannot_be_are_one_line_and_no_library_speaks(tmp_path, capfd):
+    header = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 118, 0, 0, 54, 40, 2**30, 2**30, 1, 24,
+                         0, 0, 0, 0, 0, 0)  # fmt: skip
+    (tmp_path / "huge.bmp").write_bytes(header + bytes(64))
+    chunk = b"IHDR" + struct.pack(">IIBBBBB", 2**24, 2**24, 16, 2, 0, 0, 0)
+    end = b"IEND"
+    png = b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(part) - 4) + part + struct.pack(">I", zlib.crc32(part))
+        for part in (chunk, end)
+    )
+    (tmp_path / "huge.png").write_bytes(png)
+    for name in ("huge.bmp", "huge.png"):
+        with pytest.raises(InputError) as caught:
+            read_image(tmp_path / name)
+        assert "\n" not in str(caught.value)
+    assert capfd.readouterr().err == ""

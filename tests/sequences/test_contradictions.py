@@ -1,0 +1,144 @@
+"""What images contradict is said with its code; sound ones get no word."""
+
+import cv2
+import numpy as np
+import pytest
+
+from recon.notices import collected_notices
+from recon.sequences import open_sequence
+from recon.sequences.contradictions.pairs import findings
+from recon.sequences.images import read_image
+from recon.sequences.pose_files import read_poses
+from recon.settings import SequenceSettings
+
+NUM_PAIRS = 3
+T_BODY_CAMERA = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
+"""x forward, y left, z up."""
+
+
+def textured(rng, shape=(240, 420)):
+    """A smooth random image."""
+    noise = cv2.GaussianBlur(rng.normal(size=shape), (0, 0), 2.0)
+    return np.clip(128 + 90 * noise / noise.std() / 2, 0, 255).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def images():
+    """A pair whose halves are 12 and 5 px apart."""
+    rng = np.random.default_rng(4)
+    wide = textured(rng)
+    upper, lower = wide[:120, 12:-8], wide[120:, 5:-15]
+    return wide[:, :400].copy(), np.concatenate([upper, lower]).copy()
+
+
+def codes(left, right, **known):
+    return [finding.code for finding in findings(left, right, **known)]
+
+
+def test_a_sound_pair_gets_no_word(images):
+    assert codes(*images, search=(0, 20)) == []
+    assert codes(*images) == []
+
+
+def test_too_little_texture_tells_nothing():
+    plain = np.full((120, 200), 90, np.uint8)
+    other = plain.copy()
+    other[0, 0] = 91
+    assert codes(plain, other, search=(0, 5)) == []
+
+
+@pytest.mark.parametrize("rows", [1, 2, -6])
+def test_rows_that_do_not_correspond(images, rows):
+    left, right = images
+    assert codes(left, np.roll(right, rows, axis=0)) == ["rows-differ"]
+
+
+def test_sides_that_are_swapped_or_mirrored(images):
+    left, right = images
+    assert codes(right, left, search=(0, 20)) == ["left-right-swapped"]
+    assert codes(left[:, ::-1].copy(), right[:, ::-1].copy()) == ["left-right-swapped"]
+    # Eyes that converge have negative disparities, and somebody who looks for them knows it.
+    assert codes(right, left, search=(-20, 0)) == []
+
+
+def test_a_range_that_leaves_out_what_is_there(images):
+    assert codes(*images, search=(0, 8)) == ["search-range-too-small"]
+    assert codes(*images, search=(8, 20)) == ["search-range-too-small"]
+
+
+def test_one_image_on_both_sides(images):
+    assert codes(images[0], images[0].copy()) == ["same-image"]
+
+
+def drive(data_dir, path, *, first=20, sides=("left", "right"), late=0, rows=0, poses=None):
+    """Some pairs of the recorded drive, changed."""
+    recorded = data_dir / "kitti_odometry" / "sequence_1"
+    for side, source, shift in zip(("left", "right"), sides, (0, late), strict=True):
+        (path / side).mkdir(parents=True)
+        for number in range(NUM_PAIRS):
+            image = cv2.imread(str(recorded / source / f"{first + number + shift:06d}.png"), -1)
+            moved = np.roll(image, rows if side == "right" else 0, axis=0)
+            cv2.imwrite(str(path / side / f"{number:06d}.png"), moved)
+    (path / "calib.txt").write_text((recorded / "calib.txt").read_text())
+    given = read_poses(recorded / "poses.txt").poses[first : first + NUM_PAIRS]
+    changed = given if poses is None else poses(given)
+    rows_of_text = (" ".join(f"{v:.9e}" for v in T[:3].ravel()) for T in changed)
+    (path / "poses.txt").write_text("\n".join(rows_of_text))
+    return path
+
+
+def said(path, **settings):
+    with collected_notices() as notices:
+        assert len(list(open_sequence(path, SequenceSettings(**settings)))) == NUM_PAIRS
+    return {notice.code: notice.text for notice in notices}
+
+
+@pytest.mark.data
+def test_a_sound_drive_gets_no_word(data_dir, tmp_path):
+    assert said(drive(data_dir, tmp_path / "start", first=0)) == {}
+    assert said(drive(data_dir, tmp_path / "later")) == {}
+
+
+@pytest.mark.data
+def test_pairs_of_the_drive_that_contradict_what_is_said_of_them(data_dir, tmp_path):
+    swapped = drive(data_dir, tmp_path / "swapped", sides=("right", "left"))
+    assert [*said(swapped)] == ["left-right-swapped"]
+    assert [*said(drive(data_dir, tmp_path / "rows", rows=2))] == ["rows-differ"]
+    assert [*said(drive(data_dir, tmp_path / "late", late=1))] == ["not-simultaneous"]
+    assert [*said(drive(data_dir, tmp_path / "early", late=-1))] == ["not-simultaneous"]
+
+
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (np.linalg.inv, "inverted"),
+        (lambda T: T @ np.linalg.inv(T_BODY_CAMERA), "axes are not the camera's"),
+        (lambda T: T[::-1], "opposite order"),
+        (lambda T: _scaled(T, 1000.0), "--poses estimated"),  # positions in millimetres
+    ],
+)
+def test_poses_of_another_kind_than_the_images_show(data_dir, tmp_path, change, word):
+    path = drive(data_dir, tmp_path / "drive", poses=change)
+    found = said(path)
+    assert [*found] == ["poses-disagree"]
+    assert word in found["poses-disagree"]
+    assert said(path, poses="estimated") == {}
+
+
+def _scaled(poses, factor):
+    far = poses.copy()
+    far[:, :3, 3] *= factor
+    return far
+
+
+@pytest.mark.data
+@pytest.mark.parametrize(
+    ("name", "highest"), [("2001/venus", 20), ("2003/cones", 60), ("2005/Moebius", 80)]
+)
+def test_recorded_pairs_get_no_word_until_they_are_spoilt(data_dir, name, highest):
+    folder = data_dir / f"middlebury{name}"
+    left, right = (read_image(folder / f"{side}.png") for side in ("left", "right"))
+    assert codes(left, right, search=(0, highest)) == []
+    assert codes(right, left, search=(0, highest)) == ["left-right-swapped"]
+    assert "rows-differ" in codes(left, np.roll(right, 2, axis=0), search=(0, highest))
