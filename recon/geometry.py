@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 
 WORLD_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
+LEVEL_CAMERA: Array = np.diag([1.0, -1.0, -1.0, 1.0])
+"""`T_world_camera` of a camera at the origin that looks level along -z, as one without a pose."""
+LEVEL_CAMERA.setflags(write=False)
+
 
 def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
     """Move points of frame b into frame a.

@@ -21,6 +21,7 @@ from recon.cli.info import info
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
+from recon.cli.rectify import rectify
 from recon.cli.settings import settings
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
@@ -38,8 +39,8 @@ def program() -> None:
 
 
 for command in (
-    explore, reconstruct, disparity, evaluate, train, calibrate, recognise, fit, figure, export,
-    info, doctor, batch, settings, demo, fetch,
+    explore, reconstruct, disparity, evaluate, train, calibrate, rectify, recognise, fit, figure,
+    export, info, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

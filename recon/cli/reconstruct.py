@@ -28,6 +28,8 @@ def parse_roi(
 @click.argument("sequence", type=PATH)
 @click.option("--format", "sequence__format", help="auto, folder, kitti, euroc, ...")
 @click.option("--poses", "sequence__poses", type=click.Choice(["given", "estimated", "none"]))
+@click.option("--left-topic", "sequence__left_topic", help="Topic of a bag's left images.")
+@click.option("--right-topic", "sequence__right_topic", help="Topic of a bag's right images.")
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
 @click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import check_type
+from recon.geometry import LEVEL_CAMERA
 from recon.mapping.consistency import Consistency, Witness
 from recon.mapping.pair import PairResult, insert, match_points
 from recon.mapping.views import CellCounts, count_cells, with_views
@@ -125,7 +126,7 @@ class Mapper:
                 result = match_points(pair, self.settings)
         step = Step(number=self.num_pairs, pair=pair, matches=result.matches, cloud=result.cloud)
         self._stamps_s.append(pair.stamp_s)
-        self._poses.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
+        self._poses.append(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
         if self.clearest is None or len(step.matches) > len(self.clearest.matches):
             self.clearest = step
         with self._stopwatch.stage("map"):

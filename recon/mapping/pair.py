@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_type
+from recon.geometry import LEVEL_CAMERA
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.features import detect
@@ -116,13 +117,15 @@ def process_pair(
 
 
 def match_points(pair: StereoPair, settings: Settings) -> PairResult:
-    """The matches of a pair and their points: in the world, where the pair has a pose."""
+    """The matches of a pair and their points in the world.
+
+    A pair without a pose is level at the world's origin, so that y is up there too.
+    """
     matches = match_images(pair.left, pair.right, settings, pair.disparity_range)
     # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
     cloud = triangulate(matches, pair, settings.triangulation)
-    if pair.T_world_left is not None:
-        cloud = cloud.transformed(pair.T_world_left)
-    return PairResult(matches=matches, cloud=cloud)
+    T_world_left = LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left
+    return PairResult(matches=matches, cloud=cloud.transformed(T_world_left))
 
 
 def insert(

@@ -1,20 +1,24 @@
-"""A calibration file from images of a chessboard."""
+"""A calibration file from images of a board, and images rectified by one."""
 
 from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
+from recon.notices import collected_notices
 from recon.sequences.calibration.boards import calibrate, write_calibration
+from recon.sequences.calibration.rectified_images import rectify_files
+from recon.sequences.calibration.targets import parse_target
 
 
 def calibrate_run(
     left_dir: Path,
     right_dir: Path,
-    board: tuple[int, int],
+    board: str,
     square: float,
     output: Path,
     *,
     overwrite: bool = False,
+    force: bool = False,
 ) -> dict[str, Any]:
     """Calibrate a rig and write its file.
 
@@ -23,14 +27,47 @@ def calibrate_run(
     dict
         The document of `recon calibrate --json`.
     """
-    if output.exists() and not overwrite:
-        raise InputError(f"{output} exists; give --overwrite or another -o")
-    found = calibrate(left_dir, right_dir, board, square)
-    write_calibration(found, output)
+    _check_absent(output, overwrite)
+    with collected_notices() as notices:
+        found = calibrate(left_dir, right_dir, parse_target(board, square), force=force)
+    write_calibration(found.calibration, output, found.rms_px)
     return {
         "output": str(output),
         "rms_px": found.rms_px,
         "num_pairs": found.num_pairs,
+        "dropped": [*found.dropped],
         "skipped": [{"name": skip.name, "reason": skip.reason} for skip in found.skipped],
         "baseline": found.calibration.baseline,
+        "warnings": [notice.as_json() for notice in notices],
     }
+
+
+def rectify_run(
+    left: Path, right: Path, calib: Path, output: Path, *, overwrite: bool = False
+) -> dict[str, Any]:
+    """Rectify images and write them with their calibration.
+
+    Returns
+    -------
+    dict
+        The document of `recon rectify --json`.
+    """
+    _check_absent(output, overwrite)
+    with collected_notices() as notices:
+        done = rectify_files(left, right, calib, output)
+    rig = done.rig
+    return {
+        "output": str(output),
+        "num_pairs": done.num_pairs,
+        "skipped": [*done.skipped],
+        "size": [rig.width, rig.height],
+        "focal_px": rig.focal_px,
+        "principal_point_px": [rig.cx_left_px, rig.cy_px],
+        "baseline": rig.baseline,
+        "warnings": [notice.as_json() for notice in notices],
+    }
+
+
+def _check_absent(output: Path, overwrite: bool) -> None:
+    if output.exists() and not overwrite:
+        raise InputError(f"{output} exists; give --overwrite or another -o")

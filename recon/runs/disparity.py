@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.figures.disparity import dense as draw_dense
 from recon.figures.disparity import disparity as draw_disparity
 from recon.files import atomic_path
@@ -18,7 +19,9 @@ from recon.runs.figures import write_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
-from recon.sequences.images import read_image
+from recon.sequences.calibration.rectification import rectifier
+from recon.sequences.contradictions.pairs import check_images as check_contradictions
+from recon.sequences.depth import read_pair
 from recon.sequences.pfm import write_pfm
 from recon.sequences.truth import DisparityTruth, read_truth_file
 from recon.settings import Settings
@@ -44,10 +47,16 @@ def match_files(
     right_path: Path,
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
+    calib: Path | None = None,
 ) -> MatchedPair:
-    """Match two image files as the settings say."""
-    left, right = read_image(left_path), read_image(right_path)
+    """Match two image files as the settings say; by a calibration they are rectified first."""
+    left, right = read_pair(left_path, right_path)
     check_images(left, right, f"{left_path} and {right_path}")
+    if calib is not None:
+        rectify = rectifier(read_calibration(calib), (left.shape[1], left.shape[0]))
+        left, right = rectify(left, right)
+    matching = settings.matching
+    check_contradictions(left, right, (matching.min_disparity, matching.max_disparity))
     began = time.perf_counter()
     features = detect(left, settings.features), detect(right, settings.features)
     matches = match_features(*features, settings, stated_range)
@@ -71,13 +80,23 @@ def _base(job: Job) -> Tree:
 def _match(job: Job, work: Work) -> Numbers:
     """Match two images, and hold them against the truth where it is known."""
     left, right = job.inputs
+    _check_truth(job)
     with work.stage("stereo"):
-        pair = match_files(left, right, job.settings)
+        pair = match_files(left, right, job.settings, calib=job.arguments.get("calib"))
     truth_path, truth_scale = job.arguments.get("truth"), job.arguments.get("truth_scale")
     truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
     if work.folder:
         _write(work.folder, pair, work)
     return measure(pair, truth)
+
+
+def _check_truth(job: Job) -> None:
+    """Refuse a truth of images as they are for images that a calibration rectifies."""
+    calib, truth = job.arguments.get("calib"), job.arguments.get("truth")
+    if calib is not None and truth is not None and not read_calibration(calib).is_rectified:
+        raise InputError(
+            f"{truth} is of the images as they are, but {calib} rectifies them: give one of them"
+        )
 
 
 def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:

@@ -20,7 +20,7 @@ from recon.runs.job import Job, Kind, Numbers
 from recon.runs.outputs import as_document
 from recon.runs.work import Work
 from recon.sequences.calibration.files import find_calibration, read_calibration
-from recon.sequences.images import read_image
+from recon.sequences.depth import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated
@@ -116,7 +116,7 @@ def stated_range(pair_dir: Path) -> dict[str, Any] | None:
 def trial_images(trial: Trial) -> dict[str, Image]:
     """Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17)."""
     settings, truth = trial.settings, trial.truth.disparity_px
-    left, right = (read_image(trial.image(side)) for side in ("left", "right"))
+    left, right = read_pair(trial.image("left"), trial.image("right"))
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
     whole = match(features_left, features_right, settings.matching)

@@ -1,5 +1,6 @@
 """A reconstruction, from a recording to a run folder."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +10,17 @@ from recon.exports.ply import CloudWriter
 from recon.geometry import transform
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
-from recon.records import Reconstruction, StereoPair
+from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs
 from recon.runs.work import Work
+from recon.sequences.contradictions.pairs import check_images
 from recon.sequences.open import open_sequence
 from recon.sequences.readers.ring import is_ring
 from recon.sequences.truth import read_truth
-from recon.settings import SequenceSettings, Settings, updated, with_quality
+from recon.settings import Settings, updated, with_quality
 
 # At middle depth a cell is so many times as long as the uncertainty of a well-matched point, and as
 # wide as so many pixels, which is about twice as far apart as features are.
@@ -33,7 +35,9 @@ DISPARITY_RANGE = (0, 127)
 def _base(job: Job) -> Tree:
     """What a recording itself suggests: its search range, and a cell size for its depths."""
     (path,) = job.inputs
-    chosen = Settings(sequence=SequenceSettings(format=job.settings.sequence.format))
+    # The images tell: no pose is needed, and none estimated.
+    read = replace(job.settings.sequence, poses="none", roi=None)
+    chosen = Settings(sequence=read)
     source = open_sequence(path, chosen.sequence)
     low, high = source.disparity_range or DISPARITY_RANGE
     search = {"min_disparity": low, "max_disparity": high}
@@ -70,6 +74,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     """Rebuild what a recording saw and leave its run folder."""
     (path,) = job.inputs
     source = open_sequence(path, job.settings.sequence)
+    _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
@@ -83,6 +88,13 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         | _surface_distance(path, mapper)
         | source.metrics
     )
+
+
+def _check_search(source: PairSource, settings: Settings) -> None:
+    """Say where the first pair holds disparities beyond those that are searched."""
+    search = settings.matching.min_disparity, settings.matching.max_disparity
+    pair = next(iter(source))
+    check_images(pair.left, pair.right, search, only="search-range-too-small")
 
 
 def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:

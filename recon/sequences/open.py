@@ -5,16 +5,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from recon.errors import InputError
+from recon.geometry import LEVEL_CAMERA
 from recon.plugins import Registry
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
 from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.frames import DerivedSource
 from recon.sequences.odometry.odometry import EstimatedPoses
-from recon.sequences.poses import T_up_recorded
 from recon.sequences.readers.reader import Reader
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings
@@ -102,7 +100,7 @@ def _level(pair: StereoPair) -> StereoPair:
     """The pair with a pose: its own, else level at the origin, y up."""
     if pair.T_world_left is not None:
         return pair
-    return replace(pair, T_world_left=T_up_recorded(np.eye(4)))
+    return replace(pair, T_world_left=LEVEL_CAMERA)
 
 
 def _recording(path: Path, settings: SequenceSettings) -> PairSource:

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import tomli_w
 from pydantic import ValidationError
@@ -92,9 +92,17 @@ def updated(settings: Settings, changes: Mapping[str, Any], source: str = "setti
         known = [f"{stage}.{known.name}" for known in fields(STAGES[stage])]
         for name in values:
             _check_known(f"{stage}.{name}", known, source)
-        plain = {name: None if value == "none" else value for name, value in values.items()}
+        plain = {name: _plain(stage, name, value) for name, value in values.items()}
         stages[stage] = _changed(stage, given(stages[stage]), plain, source)
     return Settings(**stages)
+
+
+def _plain(stage: str, name: str, value: Any) -> Any:
+    """The value, None for the word "none" where the setting may be None."""
+    if value != "none":
+        return value
+    kind = get_type_hints(STAGES[stage], include_extras=True)[name]
+    return None if type(None) in get_args(kind) else value
 
 
 def _check_known(name: str, known: Iterable[str], source: str) -> None:

@@ -1,5 +1,6 @@
-"""A rig's calibration from pairs of images of a chessboard."""
+"""A rig's calibration from pairs of images of a board."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,21 +8,25 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, ReconError
 from recon.files import atomic_path
 from recon.geometry import pose
+from recon.notices import notify
+from recon.sequences.calibration.agreement import MAX_SPREAD, BoardPair, agreed, lens
 from recon.sequences.calibration.cameras import Calibration, Camera
+from recon.sequences.calibration.targets import STOP, Target
 from recon.sequences.frames import Skipped
-from recon.sequences.images import Image, read_image
+from recon.sequences.images import read_image
 from recon.sequences.listing import Listed, list_pairs
-
-Points = NDArray[np.float32]
 
 MIN_PAIRS = 3
 """Fewer leave the lenses undetermined."""
-CORNER_WINDOW = (5, 5)
-"""Half of the square in which a corner is refined."""
-STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-6)
+MIN_CORNERS = 8
+"""Fewer of a board in both images say little of a lens."""
+FINE_PX = 0.5
+"""Residuals below this do not stand out."""
+MAX_RMS_PX = 1.0
+"""Of a calibration that can be used: beyond, boards were matched wrongly."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,120 +37,167 @@ class BoardCalibration:
     rms_px: float
     """Root mean square distance of corners to where the calibration puts them, both cameras."""
     num_pairs: int
-    skipped: tuple[Skipped, ...]
+    skipped: tuple[Skipped, ...] = ()
     """Pairs in which the board was not found by both eyes, and why."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Corners:
-    """The corners of one board, in both images."""
-
-    left: Points
-    right: Points
-    size: tuple[int, int]
+    dropped: tuple[str, ...] = ()
+    """Names of pairs whose residual stands out."""
 
 
 def calibrate(
-    left_dir: Path, right_dir: Path, board: tuple[int, int], square: float
+    left_dir: Path, right_dir: Path, target: Target, *, force: bool = False
 ) -> BoardCalibration:
     """Calibrate a rig.
+
+    Pairs that do not fit the rest (boards of different moments, corners found wrongly) are left
+    out and named.
 
     Parameters
     ----------
     left_dir, right_dir : Path
         Images of the board, paired by name.
-    board : (columns, rows)
-        INNER corners, where four squares meet.
-    square : float
-        Side of a square, world units (metres); sets the unit of the baseline.
+    target : Target
+        The board.
+    force : bool
+        Give a calibration that is off by more than a pixel, too.
 
     Raises
     ------
     InputError
-        Where fewer than three pairs show the whole board.
+        Where fewer than three pairs show the board.
+    ReconError
+        Where the calibration does not explain what was seen.
     """
-    found: list[_Corners] = []
+    found, skipped = _all_found(left_dir, right_dir, target)
+    _check_number(len(found), target, skipped)
+    kept, dropped = agreed(found, lens(found, "left"), lens(found, "right"), target.orders)
+    if len(kept) < MIN_PAIRS:
+        raise ReconError(
+            f"{len(kept)} of {len(found)} pairs agree on how the cameras stand to each other, but "
+            f"{MIN_PAIRS} are needed: are the images paired by their moment?"
+        )
+    solved, more = _solved(kept)
+    dropped = sorted([*dropped, *more])
+    if dropped:
+        notify(
+            "calibration-pairs-dropped",
+            f"{len(dropped)} of {len(found)} pairs do not fit the others and are left out: "
+            f"{', '.join(dropped)}",
+        )
+    if solved.rms_px > MAX_RMS_PX and not force:
+        raise ReconError(
+            f"the calibration is off by {solved.rms_px:.2f} px (root mean square), but at most "
+            f"{MAX_RMS_PX:g} px can be used: check --board and the images, or give --force"
+        )
+    return BoardCalibration(
+        calibration=solved.calibration,
+        rms_px=solved.rms_px,
+        num_pairs=solved.num_pairs,
+        skipped=tuple(skipped),
+        dropped=tuple(dropped),
+    )
+
+
+def _all_found(
+    left_dir: Path, right_dir: Path, target: Target
+) -> tuple[list[BoardPair], list[Skipped]]:
+    found: list[BoardPair] = []
     skipped = []
     for entry in list_pairs(left_dir, right_dir):
         try:
-            found.append(_find(entry, board, found[0].size if found else None))
+            found.append(_found(entry, target, found[0].size if found else None))
         except InputError as error:
             skipped.append(Skipped(entry.name, str(error)))
-    if len(found) < MIN_PAIRS:
+    return found, skipped
+
+
+def _check_number(number: int, target: Target, skipped: Sequence[Skipped]) -> None:
+    if number < MIN_PAIRS:
         first = f"; the first fault: {skipped[0].reason}" if skipped else ""
-        raise InputError(
-            f"{len(found)} pairs show a whole board of {board[0]} x {board[1]} inner corners, "
-            f"but {MIN_PAIRS} are needed{first}"
-        )
-    return _solve(found, _board_points(board, square), tuple(skipped))
+        raise InputError(f"{number} pairs show a {target.name}, but {MIN_PAIRS} are needed{first}")
 
 
-def _find(entry: Listed, board: tuple[int, int], size: tuple[int, int] | None) -> _Corners:
+def _found(entry: Listed, target: Target, size: tuple[int, int] | None) -> BoardPair:
+    """The corners of a board that both images show."""
     if entry.left is None or entry.right is None:
         raise InputError(f"it has no {'left' if entry.left is None else 'right'} image")
     left, right = read_image(entry.left), read_image(entry.right)
+    wanted = size or (left.shape[1], left.shape[0])
+    seen = []
     for path, image in ((entry.left, left), (entry.right, right)):
-        if image.shape[1::-1] != (size or left.shape[1::-1]):
+        if image.shape[1::-1] != wanted:
             raise InputError(f"{path} has another size than the first image")
-    return _Corners(
-        left=_corners(left, board, entry.left),
-        right=_corners(right, board, entry.right),
-        size=(left.shape[1], left.shape[0]),
+        corners = target.find(image)
+        if corners is None:
+            raise InputError(f"{path} shows no {target.name}")
+        seen.append(corners)
+    numbers, in_left, in_right = np.intersect1d(
+        seen[0].numbers, seen[1].numbers, return_indices=True
+    )
+    points = target.points[numbers]
+    if (
+        len(numbers) < min(MIN_CORNERS, len(target.points))
+        or np.linalg.matrix_rank(points[:, :2] - points[:, :2].mean(axis=0)) < 2
+    ):
+        raise InputError(f"its images show {len(numbers)} corners in common, which are too few")
+    return BoardPair(
+        name=entry.name,
+        size=wanted,
+        numbers=numbers,
+        points=points,
+        left=seen[0].points_px[in_left],
+        right=seen[1].points_px[in_right],
     )
 
 
-def _corners(image: Image, board: tuple[int, int], path: Path) -> Points:
-    grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    found, corners = cv2.findChessboardCorners(grey, board)
-    if not found:
-        raise InputError(f"{path} shows no whole board of {board[0]} x {board[1]} inner corners")
-    refined: Points = cv2.cornerSubPix(
-        grey, corners.reshape(-1, 1, 2), CORNER_WINDOW, (-1, -1), STOP
-    )
-    return refined
+def _solved(pairs: list[BoardPair]) -> tuple[BoardCalibration, list[str]]:
+    """Both cameras together, without the pairs that stand out, one after the other."""
+    kept, dropped = [*pairs], list[str]()
+    while True:
+        solved, residuals = _solve(kept)
+        worst = int(np.argmax(residuals))
+        limit = max(MAX_SPREAD * float(np.median(residuals)), FINE_PX)
+        if residuals[worst] <= limit or len(kept) <= MIN_PAIRS:
+            return solved, dropped
+        dropped.append(kept.pop(worst).name)
 
 
-def _board_points(board: tuple[int, int], square: float) -> Points:
-    """(N, 3) corners of the board in its own plane."""
-    row, column = np.mgrid[: board[1], : board[0]].reshape(2, -1)
-    points: Points = (square * np.column_stack([column, row, 0 * row])).astype(np.float32)
-    return points
-
-
-def _solve(found: list[_Corners], points: Points, skipped: tuple[Skipped, ...]) -> BoardCalibration:
+def _solve(pairs: Sequence[BoardPair]) -> tuple[BoardCalibration, NDArray[np.float64]]:
     """Each camera alone first, then both with the step between them, all numbers free."""
-    boards, size = [points] * len(found), found[0].size
-    lefts, rights = [corners.left for corners in found], [corners.right for corners in found]
-    starts = [cv2.calibrateCamera(boards, seen, size, None, None)[1:3] for seen in (lefts, rights)]
-    rms, K_left, D_left, K_right, D_right, R, T, _, _ = cv2.stereoCalibrate(
-        boards,
-        lefts,
-        rights,
-        *starts[0],
-        *starts[1],
+    size = pairs[0].size
+    left, right = (lens(pairs, side) for side in ("left", "right"))
+    solution = cv2.stereoCalibrateExtended(
+        [pair.points for pair in pairs],
+        [pair.left for pair in pairs],
+        [pair.right for pair in pairs],
+        left.matrix,
+        left.distortion,
+        right.matrix,
+        right.distortion,
         size,
+        np.eye(3),
+        np.zeros((3, 1)),
         flags=cv2.CALIB_USE_INTRINSIC_GUESS,
         criteria=STOP,
     )
+    rms, K_left, D_left, K_right, D_right, R, T = solution[:7]
+    residuals = np.asarray(solution[-1]).max(axis=1)
     calibration = Calibration(
         left=Camera(matrix=K_left, distortion=D_left.ravel(), size=size),
         right=Camera(matrix=K_right, distortion=D_right.ravel(), size=size),
         T_right_left=pose(R, T.ravel()),
     )
-    return BoardCalibration(
-        calibration=calibration, rms_px=float(rms), num_pairs=len(found), skipped=skipped
-    )
+    solved = BoardCalibration(calibration=calibration, rms_px=float(rms), num_pairs=len(pairs))
+    return solved, residuals
 
 
-def write_calibration(result: BoardCalibration, path: Path) -> None:
+def write_calibration(rig: Calibration, path: Path, rms_px: float | None = None) -> None:
     """Save as OpenCV's YAML, which recon and OpenCV 4 and 5 read."""
-    rig = result.calibration
-    width, height = rig.size or (0, 0)
     with atomic_path(path) as temporary:
         storage = cv2.FileStorage(str(temporary), cv2.FILE_STORAGE_WRITE)
-        for name, number in (("image_width", width), ("image_height", height)):
+        for name, number in zip(("image_width", "image_height"), rig.size or (), strict=False):
             storage.write(name, number)
-        storage.write("rms_px", result.rms_px)
+        if rms_px is not None:
+            storage.write("rms_px", rms_px)
         for name, matrix in (
             ("M1", rig.left.matrix),
             ("D1", rig.left.distortion[None]),

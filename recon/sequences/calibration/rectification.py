@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import invert, pose
+from recon.notices import notify
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
 from recon.sequences.depth import alike
 from recon.sequences.images import Image
 
 Array = NDArray[np.float64]
+MAX_OFF_CENTRE = 0.22
+"""Share of the images that the mean principal point may lie off their middle without a word."""
 Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
@@ -70,6 +73,7 @@ def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
         Where the calibration is for images of another size, or has left and right swapped.
     """
     _check_size(calibration, size)
+    _say_centre(calibration, size)
     _check_sides(calibration)
     if calibration.is_rectified:
         return Rectifier(
@@ -181,6 +185,20 @@ def _check_size(calibration: Calibration, size: tuple[int, int]) -> None:
                 f"images have {size[0]} x {size[1]} pixels, but the {side} camera's "
                 f"calibration is for {said}"
             )
+
+
+def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
+    """Tell where the principal points lie so far off that images may have been cut or scaled."""
+    if calibration.size is not None:
+        return
+    matrices = calibration.left.matrix, calibration.right.matrix
+    shares = np.mean([matrix[:2, 2] for matrix in matrices], axis=0) / size
+    if (np.abs(shares - 0.5) > MAX_OFF_CENTRE).any():
+        notify(
+            "calibration-off-centre",
+            f"the principal point lies at {shares[0]:.0%} of the width and {shares[1]:.0%} of the "
+            f"height of {size[0]} x {size[1]} pixels: is the calibration of images of this size?",
+        )
 
 
 def _check_sides(calibration: Calibration) -> None:

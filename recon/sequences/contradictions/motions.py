@@ -101,11 +101,13 @@ def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
         ("in the opposite order", _backward),
         ("as those of a body whose axes are not the camera's", _given),
     ):
-        shares = [
-            _unexplained(steps, lambda step, T=T, motion=motion: invert(T) @ motion(step) @ T)
-            for T in turns
-        ]
+        shares = [_unexplained(steps, _turned(motion, T)) for T in turns]
         yield text, min(shares)
+
+
+def _turned(motion: Motion, T_body_camera: Array) -> Motion:
+    """A motion of a body as that of the camera that looks out of it."""
+    return lambda step: invert(T_body_camera) @ motion(step) @ T_body_camera
 
 
 def _inverse(step: Step) -> Array:

@@ -35,7 +35,9 @@ class Finding:
     text: str
 
 
-def check_images(left: Image, right: Image, search: tuple[int, int]) -> None:
+def check_images(
+    left: Image, right: Image, search: tuple[int, int], *, only: str | None = None
+) -> None:
     """Say what two images that are to be matched contradict.
 
     Parameters
@@ -43,9 +45,12 @@ def check_images(left: Image, right: Image, search: tuple[int, int]) -> None:
     left, right : (H, W) or (H, W, 3) uint8
     search : (min, max)
         Disparities in pixels that are looked for, both included.
+    only : str, optional
+        The one code to say; all where not given.
     """
     for finding in findings(left, right, search=search):
-        notify(finding.code, finding.text)
+        if only in (None, finding.code):
+            notify(finding.code, finding.text)
 
 
 def findings(

@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from recon.errors import InputError
+from recon.geometry import LEVEL_CAMERA
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
-from recon.sequences.poses import T_up_recorded
 from recon.sequences.readers.folder import file_recording
 from recon.sequences.readers.reader import Reader
 from recon.sequences.timestamps import Moment
@@ -32,7 +30,7 @@ def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
     pair = Listed(
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
-    moment = Moment(stamp_s=0.0, T_world_left=T_up_recorded(np.eye(4)))
+    moment = Moment(stamp_s=0.0, T_world_left=LEVEL_CAMERA)
     calibration = read_calibration(find_calibration(path))
     return file_recording([pair], [moment], calibration, settings)
 
