@@ -2,6 +2,7 @@
 
 from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
 from recon.records.matches import Features, Matches, check_alike
+from recon.records.noise import ImageNoise
 from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
 from recon.records.pairs import PairSource, StereoPair, View, check_images
 from recon.records.reconstruction import Reconstruction
@@ -31,6 +32,7 @@ __all__ = [
     "FitFailure",
     "FoundObject",
     "GroundGrid",
+    "ImageNoise",
     "Matches",
     "Mesh",
     "PairSource",

@@ -1,11 +1,14 @@
 """Feature points of one image, and the pairs that two images make of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.records.noise import ImageNoise
+
+_UNKNOWN = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,6 +30,8 @@ class Features:
     rows are filled up to W' >= W columns, of which those beyond W mean nothing."""
     candidate_mask: NDArray[np.bool_]
     """(H, W) pixels strong enough to be matched with, or to support a match."""
+    noise: ImageNoise
+    """Noise of the image."""
 
     def __len__(self) -> int:
         return len(self.points_px)
@@ -65,6 +70,12 @@ class Matches:
     """(M,) row of the left feature the pair began as."""
     index_right: NDArray[np.int32]
     """(M,) row of the right feature at the matched pixel; -1 where it is a candidate only."""
+    probability: NDArray[np.float64] = field(default_factory=lambda: _UNKNOWN)
+    """(M,) that the pair is right to a pixel, NaN where nobody knows; NaN where not given."""
+
+    def __post_init__(self) -> None:
+        if self.probability is _UNKNOWN:
+            object.__setattr__(self, "probability", np.full(len(self.points_px), np.nan))
 
     def __len__(self) -> int:
         return len(self.points_px)

@@ -9,6 +9,7 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
+from recon.stereo.noise import estimate, floor_modulus
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import Floats, kernel
 
@@ -39,12 +40,15 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     grey = to_grey(image)
     responses = filters.respond(grey, settings.widths_px)
     modulus, cosine, sine = responses[1:]
+    noise = estimate(grey, responses.planes, settings.widths_px)
+    lowest = max(settings.threshold, floor_modulus(noise, settings.widths_px))
     if settings.method == "population":
+        lowest = settings.threshold
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
     ridge = np.flatnonzero(_ridges(modulus, cosine, sine))
     strength = modulus.reshape(-1)[ridge]
-    threshold = _threshold(strength, modulus.size, settings)
+    threshold = _threshold(strength, modulus.size, settings.share, lowest)
     rows = np.flatnonzero(strength >= threshold)
     place = ridge[rows]
     v, u = np.divmod(place, grey.shape[1])
@@ -56,6 +60,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
         widths_px=settings.widths_px,
         planes=responses.planes,
         candidate_mask=modulus >= _CANDIDATE_SHARE * threshold,
+        noise=noise,
     )
 
 
@@ -80,15 +85,15 @@ def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return grey
 
 
-def _threshold(strength: Floats, num_pixels: int, settings: FeatureSettings) -> float:
+def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -> float:
     """The modulus from which on a ridge pixel is a feature: by value and by number wanted."""
-    wanted = round(settings.share * num_pixels)
+    wanted = round(share * num_pixels)
     if wanted >= strength.size:
-        return settings.threshold
+        return lowest
     if wanted == 0:
         return np.inf
     by_number = float(np.partition(strength, -wanted)[-wanted])
-    return max(settings.threshold, by_number)
+    return max(lowest, by_number)
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,4 +1,4 @@
-"""Fine tuning: the part of the disparity below a pixel, from phase differences (Eqs 20, 21)."""
+"""Sub-pixel refinement of the disparity, from phase differences (Eqs 20, 21)."""
 
 import dataclasses
 from typing import NamedTuple
@@ -13,26 +13,19 @@ from recon.stereo.filters import WAVELENGTH_OF_WIDTH
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
 from recon.stereo.kernels.sorting import order
+from recon.stereo.uncertainty import (
+    calm_ratios,
+    solve,
+    updated_probability,
+    white_energies,
+)
+
+Array = NDArray[np.float64]
 
 _FINEST_WIDTH_PX = 2.0
 """Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
-_VAGUE_SHARE_SQ = np.float32(0.1**2)
-"""Square of the share of a vertical edge's information at which half of the change is taken: an
-edge along the row says nothing of the disparity, and must not break a good match."""
 _LEAST_COSINE = np.float32(np.cos(2.2))
 """Of a phase difference; a larger one has wrapped round, or belongs to nothing."""
-_LARGEST_CHANGE_PX = 0.7
-"""A larger change means that phase and position disagree; position is kept then."""
-UNTUNED_SIGMA_PX = 0.4
-"""Of a disparity that is known to the pixel only."""
-_SMALLEST_SIGMA_PX = 0.03
-# Variance of the tuned disparity, fitted to the errors of recorded pairs with truth (Venus,
-# Sawtooth, Cones, Map; the others confirm it): it grows with the discord of the channels, in
-# pixels, and as trust goes.
-_DISCORD_WEIGHT = 0.26
-_VAGUENESS_WEIGHT = 0.14
-
-Array = NDArray[np.float64]
 
 _CHUNK = 64
 """Pairs that are tuned at once, so that what is known of them stays in the fastest memory."""
@@ -43,8 +36,9 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
 
     With responses whose phase grows along the row, ``d = delta + (phi_right - phi_left) / k``,
     where k is the local frequency along the row, measured in both images. All scales and
-    orientations are taken together by weighted least squares. Pairs that have a sigma are tuned
-    already, and left as they are.
+    orientations are taken together by weighted least squares. The standard deviation follows from
+    the noise of both images and from how well the channels agree; so does the probability that the
+    pair is right. Pairs that have a sigma are tuned already, and left as they are.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
@@ -57,11 +51,18 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     widths = np.asarray(left.widths_px, dtype=np.float32)
     scales = np.flatnonzero(widths >= _FINEST_WIDTH_PX)
     nominal = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths
-    disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
     last = left.grey.shape[1] - 1
-    change, sigma[rows] = _tune(left.planes, right.planes, scales, nominal, (u, v, u - delta), last)
-    disparity[rows] = delta + change
-    return dataclasses.replace(matches, disparity_px=disparity, sigma_px=sigma)
+    sums = _sum(left.planes, right.planes, scales, nominal, (u, v, u - delta), last)
+    white = white_energies(left, right, scales, left.grey[v, u])
+    tuning = solve(sums, white, calm_ratios(left, right, scales), rows <= len(matches) // 2)
+    disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
+    disparity[rows] = delta + tuning.change_px
+    sigma[rows] = tuning.sigma_px
+    probability = matches.probability.copy()
+    probability[rows] = updated_probability(probability[rows], tuning.noise_variance)
+    return dataclasses.replace(
+        matches, disparity_px=disparity, sigma_px=sigma, probability=probability
+    )
 
 
 def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Integers) -> None:
@@ -92,32 +93,32 @@ class _Channels(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def _tune(
+def _sum(
     left: Floats,
     right: Floats,
     scales: Integers,
     nominal: Floats,
     pixels: tuple[Integers, Integers, Integers],
     last: int,
-) -> tuple[Array, Array]:
-    """Change of each disparity, and its standard deviation."""
+) -> Floats:
+    """Sums (3 S + 2, N) of the least squares problem of each pair; see `Sums`."""
     num_pairs = pixels[0].size
-    change, sigma = np.zeros(num_pairs), np.full(num_pairs, UNTUNED_SIGMA_PX)
     num_channels = scales.size * left.shape[2]
     both, single = (2, num_channels, _CHUNK), (num_channels, _CHUNK)
     channels = _Channels(
         np.zeros(both, np.float32), np.zeros(both, np.float32), np.zeros(single, np.float32),
         np.zeros(single, np.float32), np.zeros(single, np.float32), np.zeros(single, np.float32),
     )  # fmt: skip
-    sums = np.zeros((5, _CHUNK), np.float32)
+    chunk_sums = np.zeros((3 * scales.size + 2, _CHUNK), np.float32)
+    sums = np.zeros((3 * scales.size + 2, num_pairs), np.float32)
     if num_channels:
         for first in range(0, num_pairs, _CHUNK):
             chunk = slice(first, min(first + _CHUNK, num_pairs))
             places = pixels[0][chunk], pixels[1][chunk], pixels[2][chunk]
             _compare(left, right, scales, places, channels, last)
-            _add_up(channels, scales, nominal, sums)
-            _solve(sums, change[chunk], sigma[chunk])
-    return change, sigma
+            _add_up(channels, scales, nominal, chunk_sums)
+            sums[:, chunk] = chunk_sums[:, : chunk.stop - chunk.start]
+    return sums
 
 
 @kernel
@@ -178,44 +179,29 @@ def _turn(a: Floats, u: int, b: Floats, w: int) -> tuple[float, float]:
 
 @kernel
 def _add_up(channels: _Channels, scales: Integers, nominal: Floats, sums: Floats) -> None:
-    """Write the sums (5, _CHUNK) of the least squares problem of each pair."""
+    """Write the sums (3 S + 2, _CHUNK) of the least squares problem of each pair."""
     difference, double_frequency = channels.difference, channels.double_frequency
     num_channels = len(difference)
+    directions = num_channels // scales.size
     for c in range(num_channels):
         angles(channels.product[0, c], channels.product[1, c], difference[c])
         angles(channels.turn[0, c], channels.turn[1, c], double_frequency[c])
     for i in range(0, _CHUNK, NUM_LANES):
-        information = moment = power = vertical = count = spread(0.0)
-        for c in range(num_channels):
-            k = nominal[scales[c * scales.size // num_channels]]
-            weight, rest = load(channels.weight[c], i), load(difference[c], i)
-            frequency = 0.5 * load(double_frequency[c], i)
-            information += weight * frequency * frequency
-            moment += weight * frequency * rest
-            power += weight * rest * rest
-            vertical += k * k * weight
-            count += load(channels.is_counted[c], i)
-        store(sums[0], i, information)
-        store(sums[1], i, moment)
-        store(sums[2], i, power)
-        store(sums[3], i, vertical)
-        store(sums[4], i, count)
-
-
-@kernel
-def _solve(sums: Floats, change: Array, sigma: Array) -> None:
-    """Write the changes of disparities, and their standard deviations, where anything is known."""
-    for i in range(change.size):
-        information, moment, power, vertical, channels = sums[:, i]
-        if information <= np.float32(1e-6) * vertical:
-            continue
-        share_sq = (information / vertical) ** 2
-        trust = share_sq / (share_sq + _VAGUE_SHARE_SQ)
-        whole = moment / information
-        if trust * abs(whole) > _LARGEST_CHANGE_PX:
-            continue
-        discord = np.sqrt(max(power - moment * whole, np.float32(0.0)) / information)
-        discord *= channels / max(channels - 1, np.float32(1.0))
-        variance = _DISCORD_WEIGHT * trust * discord + _VAGUENESS_WEIGHT * (1 - trust)
-        change[i] = trust * whole
-        sigma[i] = min(np.sqrt(variance + _SMALLEST_SIGMA_PX**2), UNTUNED_SIGMA_PX)
+        vertical = count = spread(0.0)
+        for s in range(scales.size):
+            k = nominal[scales[s]]
+            information = moment = power = energy = spread(0.0)
+            for c in range(s * directions, (s + 1) * directions):
+                weight, rest = load(channels.weight[c], i), load(difference[c], i)
+                frequency = 0.5 * load(double_frequency[c], i)
+                information += weight * frequency * frequency
+                moment += weight * frequency * rest
+                power += weight * rest * rest
+                energy += weight
+                count += load(channels.is_counted[c], i)
+            store(sums[3 * s], i, information)
+            store(sums[3 * s + 1], i, moment)
+            store(sums[3 * s + 2], i, power)
+            vertical += k * k * energy
+        store(sums[3 * scales.size], i, vertical)
+        store(sums[3 * scales.size + 1], i, count)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from recon.records import Matches, PointCloud, StereoPair
 from recon.settings import TriangulationSettings
-from recon.stereo.subpixel import UNTUNED_SIGMA_PX
+from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 
 
 def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSettings) -> PointCloud:

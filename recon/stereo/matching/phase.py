@@ -1,5 +1,6 @@
 """Matching by the phase of all scales and orientations, supported by neighbours (Eqs 15 to 18)."""
 
+import dataclasses
 from collections.abc import Callable
 
 import cv2
@@ -18,6 +19,10 @@ from recon.stereo.matching.windows import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
 """How much confidence an equally good rival disparity costs."""
+_ODDS_OF_CONFIDENCE = 7.7
+"""Growth of the log odds that a pair is right, fitted to recorded pairs and rendered worlds."""
+_EVEN_CONFIDENCE = 0.14
+"""Confidence of pairs of which half are right."""
 _DEAD_ZONE = 0.04
 """Difference of the sides' evidence from which on a point is moved off its edge."""
 
@@ -26,7 +31,9 @@ Rows = NDArray[np.int64]
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
     """Pairs that choose each other, moved to the side of their edge that has their disparity."""
-    return match_by(left, right, settings, C_COS, _confidence)
+    matches = match_by(left, right, settings, C_COS, _confidence)
+    odds = _ODDS_OF_CONFIDENCE * (matches.score - _EVEN_CONFIDENCE)
+    return dataclasses.replace(matches, probability=1.0 / (1.0 + np.exp(-odds)))
 
 
 def _confidence(support: Support) -> Floats:

@@ -115,7 +115,8 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
 
     # Ranked by the lead, as many are certain to the last digit.
     matches = match_by(left, right, settings, table(model, len(left.widths_px)), lead)
-    return dataclasses.replace(matches, score=1 / (1 + np.exp(-_WORTH * matches.score)))
+    probability = 1 / (1 + np.exp(-_WORTH * matches.score))
+    return dataclasses.replace(matches, score=probability, probability=probability)
 
 
 def load_model(path: str | None) -> Model:

@@ -1,0 +1,163 @@
+"""Estimation of image noise from one image (Immerkaer 1996), by grey level and by scale.
+
+Texture only adds to what noise answers to a filter, so the calmest blocks of an image tell its
+noise.
+"""
+
+from functools import cache
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.records import ImageNoise
+from recon.stereo import filters
+from recon.stereo.kernels.simd import Floats
+
+ROUNDING_VARIANCE = 1.0 / 12.0
+"""Of grey levels that were rounded to whole ones."""
+_BLOCK_PX = 16
+_CALM_SHARE = 0.15
+"""Quantile of the blocks' energies that is taken for noise."""
+_CALM_FACTOR = 1.08**2
+"""True variance of white noise, of that quantile over blocks of 256 pixels."""
+_DARKEST, _BRIGHTEST = 5.0, 250.0
+"""Mean grey levels beyond which a block is saturated and tells nothing."""
+_NUM_GREYS = 4
+"""Groups of equally many blocks, by grey level."""
+_LEAST_BLOCKS = 16
+"""Of a group; smaller images have fewer groups."""
+_ROW_STEP = 4
+"""Every so many rows are enough for the energy of a scale."""
+_STEP_MARGIN = 1.6
+_MODULUS_OF_ENERGY = 1.64
+"""Mean square modulus of noise, of the sum of the scales' energies: it is measured along the
+strongest direction."""
+
+
+def estimate(
+    grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ...]
+) -> ImageNoise:
+    """Noise of an image (H, W), whose filter responses are `planes`.
+
+    Parameters
+    ----------
+    grey : (H, W) uint8
+    planes : (H, S, O, 2, W') float32
+        See `Features.planes`.
+    widths_px : (S,) widths of the filters
+    """
+    means, energies = _block_energies(grey, _BLOCK_PX)
+    usable = (means >= _DARKEST) & (means <= _BRIGHTEST)
+    if usable.any():
+        means, energies = means[usable], energies[usable]
+    variance = _calm(energies)
+    by_scale = np.array([
+        _calm(_scale_energies(planes, s, grey.shape[1], _BLOCK_PX)) / gain(width)
+        for s, width in enumerate(widths_px)
+    ])  # fmt: skip
+    return ImageNoise(
+        level=float(np.sqrt(variance)),
+        by_grey=np.sqrt(_by_grey(means, energies)).astype(np.float32),
+        by_scale=np.sqrt(np.maximum(by_scale, variance)).astype(np.float32),
+    )
+
+
+@cache
+def gain(width_px: float) -> float:
+    """Mean energy of the response of filters of a width to white noise of variance 1."""
+    side = 16 * int(np.ceil(width_px)) + 1
+    impulse = np.zeros((side, side), np.uint8)
+    impulse[side // 2, side // 2] = 255
+    planes = filters.respond(impulse, (width_px,)).planes[..., :side]
+    return float((planes.astype(np.float64) ** 2).sum()) / (filters.DESCRIPTORS * 255.0**2)
+
+
+def floor_modulus(noise: ImageNoise, widths_px: tuple[float, ...]) -> float:
+    """The modulus up to which an edge says nothing: of noise, and of a step of one grey level.
+
+    Such steps are what rounding makes of a smooth sky or wall.
+    """
+    energy = sum(gain(width) for width in widths_px)
+    random = noise.level * float(np.sqrt(_MODULUS_OF_ENERGY * energy))
+    return max(random, _STEP_MARGIN * step_modulus(widths_px))
+
+
+@cache
+def step_modulus(widths_px: tuple[float, ...]) -> float:
+    """Largest modulus, all scales together, of a vertical step of one grey level."""
+    side = 16 * int(np.ceil(max(widths_px)))
+    step = np.zeros((3, 2 * side), np.uint8)
+    step[:, side:] = 255
+    return float(filters.respond(step, widths_px).modulus.max()) / 255.0
+
+
+def _calm(energies: NDArray[np.float64]) -> float:
+    """Variance of white noise, from the energies of blocks."""
+    rank = int(_CALM_SHARE * (len(energies) - 1)) if len(energies) else 0
+    lowest = float(np.partition(energies, rank)[rank]) if len(energies) else 0.0
+    return max(_CALM_FACTOR * lowest, ROUNDING_VARIANCE)
+
+
+def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(256,) variance by grey level, between those of groups of blocks.
+
+    Noise of a sensor does not fall with the light, nor does it grow faster than the light: a group
+    that says otherwise shows texture, and is brought down to what the others allow.
+    """
+    num = max(1, min(_NUM_GREYS, len(means) // _LEAST_BLOCKS))
+    if num == 1:
+        return np.full(256, _calm(energies))
+    groups = np.array_split(np.argsort(means, kind="stable"), num)
+    greys = np.array([means[group].mean() for group in groups])
+    variances = np.array([_calm(energies[group]) for group in groups])
+    # By shot noise alone variance is in proportion to the light.
+    steepest = np.minimum.accumulate(variances / greys) * greys
+    flattest = np.minimum.accumulate(variances[::-1])[::-1]
+    variances = np.maximum(np.minimum(steepest, flattest), ROUNDING_VARIANCE)
+    return np.interp(np.arange(256), greys, variances)
+
+
+@njit(cache=True)
+def _block_energies(
+    grey: NDArray[np.uint8], side: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean grey level of each block, and mean square of its second differences both ways, / 36.
+
+    Of white noise the latter is its variance.
+    """
+    height, width = grey.shape
+    rows, columns = (height - 2) // side, (width - 2) // side
+    means, energies = np.zeros((rows, columns)), np.zeros((rows, columns))
+    line = np.empty(width, np.int32)
+    for v in range(rows * side):
+        above, middle, below = grey[v], grey[v + 1], grey[v + 2]
+        for u in range(width):
+            line[u] = np.int32(above[u]) - 2 * np.int32(middle[u]) + np.int32(below[u])
+        for b in range(columns):
+            energy = light = np.int32(0)
+            for u in range(b * side, (b + 1) * side):
+                difference = line[u] - 2 * line[u + 1] + line[u + 2]
+                energy += difference * difference
+                light += np.int32(middle[u + 1])
+            energies[v // side, b] += energy / (36.0 * side * side)
+            means[v // side, b] += light / (side * side)
+    return means.reshape(-1), energies.reshape(-1)
+
+
+@njit(cache=True, error_model="numpy")
+def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArray[np.float64]:
+    """Mean energy of one scale's responses in each block, all directions together."""
+    height, _, directions, _, _ = planes.shape
+    rows, columns = height // side, width // side
+    energies = np.zeros((rows, columns))
+    count = directions * side * (side // _ROW_STEP)
+    for v in range(0, rows * side, _ROW_STEP):
+        for o in range(directions):
+            real, imag = planes[v, scale, o, 0], planes[v, scale, o, 1]
+            for b in range(columns):
+                energy = np.float32(0.0)
+                for u in range(b * side, (b + 1) * side):
+                    energy += real[u] * real[u] + imag[u] * imag[u]
+                energies[v // side, b] += energy / count
+    return energies.reshape(-1)
