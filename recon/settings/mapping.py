@@ -13,7 +13,7 @@ class MapSettings:
 
     cell_size: Positive = 1.0
     """World units."""
-    max_sigma: Positive | None = 1.0
+    max_sigma: Positive | None = 1.4
     """Points less sure than this many cells are used to detect things, but not for the map."""
     occupancy: tuple[OccupancyRule, ...] = ("count",)
     """A cell is occupied where all of these rules hold."""

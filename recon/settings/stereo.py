@@ -1,4 +1,4 @@
-"""Settings of the stereo stages: features, matching, fine tuning, triangulation."""
+"""Settings of the stereo stages: features, matching, triangulation."""
 
 from typing import Annotated, Literal, Self
 
@@ -69,7 +69,9 @@ class TriangulationSettings:
     colour_window_px: int = Field(default=3, ge=1)
     """Side of the square whose mean is the colour of a point."""
     max_sigma: Positive | None = None
-    """Points whose depth is less sure than this many world units are left out; None = none."""
+    """Points whose depth is less sure than this many world units are doubtful; None = none."""
+    min_probability: Share = 0.5
+    """Points of matches that are right with less than this probability are doubtful."""
 
 
 @table

@@ -9,9 +9,9 @@ from recon.errors import InputError
 from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
-from recon.stereo.noise import estimate, floor_modulus
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import Floats, kernel
+from recon.stereo.noise import estimate, floor_modulus
 
 _CANDIDATE_SHARE = 0.5
 """A pixel may be matched, or support a match, from this share of the features' threshold on."""

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from recon.records import ImageNoise
 from recon.stereo import filters
-from recon.stereo.kernels.simd import Floats
+from recon.stereo.harmonics import DESCRIPTORS
+from recon.stereo.kernels.simd import FAST, Floats
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 """Of grey levels that were rounded to whole ones."""
@@ -35,9 +36,7 @@ _MODULUS_OF_ENERGY = 1.64
 strongest direction."""
 
 
-def estimate(
-    grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ...]
-) -> ImageNoise:
+def estimate(grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ...]) -> ImageNoise:
     """Noise of an image (H, W), whose filter responses are `planes`.
 
     Parameters
@@ -70,7 +69,7 @@ def gain(width_px: float) -> float:
     impulse = np.zeros((side, side), np.uint8)
     impulse[side // 2, side // 2] = 255
     planes = filters.respond(impulse, (width_px,)).planes[..., :side]
-    return float((planes.astype(np.float64) ** 2).sum()) / (filters.DESCRIPTORS * 255.0**2)
+    return float((planes.astype(np.float64) ** 2).sum()) / (DESCRIPTORS * 255.0**2)
 
 
 def floor_modulus(noise: ImageNoise, widths_px: tuple[float, ...]) -> float:
@@ -115,7 +114,8 @@ def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArr
     steepest = np.minimum.accumulate(variances / greys) * greys
     flattest = np.minimum.accumulate(variances[::-1])[::-1]
     variances = np.maximum(np.minimum(steepest, flattest), ROUNDING_VARIANCE)
-    return np.interp(np.arange(256), greys, variances)
+    between: NDArray[np.float64] = np.interp(np.arange(256), greys, variances)
+    return between
 
 
 @njit(cache=True)
@@ -127,7 +127,7 @@ def _block_energies(
     Of white noise the latter is its variance.
     """
     height, width = grey.shape
-    rows, columns = (height - 2) // side, (width - 2) // side
+    rows, columns = max(0, height - 2) // side, max(0, width - 2) // side
     means, energies = np.zeros((rows, columns)), np.zeros((rows, columns))
     line = np.empty(width, np.int32)
     for v in range(rows * side):
@@ -154,10 +154,16 @@ def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArra
     count = directions * side * (side // _ROW_STEP)
     for v in range(0, rows * side, _ROW_STEP):
         for o in range(directions):
-            real, imag = planes[v, scale, o, 0], planes[v, scale, o, 1]
-            for b in range(columns):
-                energy = np.float32(0.0)
-                for u in range(b * side, (b + 1) * side):
-                    energy += real[u] * real[u] + imag[u] * imag[u]
-                energies[v // side, b] += energy / count
+            _add_energy(planes[v, scale, o], side, count, energies[v // side])
     return energies.reshape(-1)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _add_energy(response: Floats, side: int, count: int, energies: NDArray[np.float64]) -> None:
+    """Add the mean energies of a row's responses (2, W') to its blocks'."""
+    real, imag = response
+    for b in range(energies.size):
+        energy = np.float32(0.0)
+        for u in range(b * side, (b + 1) * side):
+            energy += real[u] * real[u] + imag[u] * imag[u]
+        energies[b] += energy / count

@@ -1,16 +1,45 @@
 """From pairs to coloured points in the frame of the left camera (thesis 3.5, Eq 19)."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from recon.records import Matches, PointCloud, StereoPair
 from recon.settings import TriangulationSettings
 from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Triangulation:
+    """Points of a pair in the LEFT camera's frame, in the order of the matches.
+
+    Every match with a finite depth in front of the cameras is in one of the two clouds.
+    """
+
+    sure: PointCloud
+    """Of refined matches that are more likely right than wrong."""
+    doubtful: PointCloud
+    """All others: unlikely pairs, and edges along the row, which fit everywhere on it."""
+
+    def transformed(self, T_target_source: ArrayLike) -> "Triangulation":
+        """The same points in the target frame."""
+        return Triangulation(
+            sure=self.sure.transformed(T_target_source),
+            doubtful=self.doubtful.transformed(T_target_source),
+        )
+
+
 def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSettings) -> PointCloud:
-    """Coloured points of the pairs that meet in front of the eyes.
+    """Coloured points of the sure matches; see `triangulate_all`."""
+    return triangulate_all(matches, pair, settings).sure
+
+
+def triangulate_all(
+    matches: Matches, pair: StereoPair, settings: TriangulationSettings
+) -> Triangulation:
+    """Coloured points of the matches that meet in front of the cameras.
 
     Parameters
     ----------
@@ -21,18 +50,22 @@ def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSetti
 
     Returns
     -------
-    PointCloud
-        In the LEFT camera's frame, in the order of the matches, each with the standard deviation
-        of its depth; pairs without a depth, or with a less sure one than `max_sigma`, are left out,
-        and so are those that could not be tuned: an edge along the row, as the horizon is, fits
-        everywhere on it.
+    Triangulation
+        Points with the standard deviation of their depth. Sure ones are of matches that are
+        refined, are right with `min_probability` or nobody knows, and whose depth is known to
+        `max_sigma`.
     """
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     sigma = pair.rig.depth_sigma(points[:, 2], matches.sigma_px)
     cloud = PointCloud(points=points, colours=_colours(matches, pair.left, settings), sigma=sigma)
     limit = np.inf if settings.max_sigma is None else settings.max_sigma
-    is_tuned = matches.sigma_px < UNTUNED_SIGMA_PX
-    return cloud.select(np.isfinite(points).all(axis=1) & (sigma <= limit) & is_tuned)
+    is_sure = (sigma <= limit) & (matches.sigma_px < UNTUNED_SIGMA_PX)
+    # Written so that an unknown probability passes.
+    is_sure &= ~(matches.probability < settings.min_probability)
+    is_seen = np.isfinite(points).all(axis=1)
+    return Triangulation(
+        sure=cloud.select(is_seen & is_sure), doubtful=cloud.select(is_seen & ~is_sure)
+    )
 
 
 def _colours(

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import Features
-from recon.stereo.filters import DESCRIPTORS
+from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.simd import Floats, Integers
 from recon.stereo.noise import gain
 
 Array = NDArray[np.float64]
 
-UNTUNED_SIGMA_PX = 0.5
+UNTUNED_SIGMA_PX = 0.6
 """Standard deviation of a disparity that is known to the pixel only."""
 _VAGUE_SHARE_SQ = 0.1**2
 """Square of the share of a vertical edge's information at which half of the change is taken: an
@@ -24,8 +24,9 @@ _COHERENCE = 1.5
 _SCATTER_FACTOR = 2.0
 """Noise energy, of the median scatter of the channels of sure pairs round their common shift."""
 
-# Variance of the tuned disparity, fitted to the errors of recorded pairs with truth and of rendered
-# worlds, noise 0 to 10 in both (tools and pairs: docs/accuracy.md).
+# Variance of the tuned disparity. Fitted to the errors of recorded pairs with truth (Venus, Sawtooth,
+# Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the other
+# recorded pairs and other worlds confirm it.
 _FLOOR_VARIANCE = 0.0075
 _LONELY_VARIANCE = 0.015
 """Added to the floor, over the square of the number of scales: one alone agrees with itself."""
@@ -47,13 +48,11 @@ class Tuning:
     """To be added; 0 where nothing is known."""
     sigma_px: Array
     noise_variance: Array
-    """Squared pixels that the images' noise alone makes of the change; infinite where nothing is
-    known."""
+    """Squared pixels that the images' noise alone makes of the change; infinite where the
+    phase tells nothing, NaN where no filter is wide enough to tell."""
 
 
-def solve(
-    sums: Floats, white: Array, calm_ratio: Array, is_sure: NDArray[np.bool_]
-) -> Tuning:
+def solve(sums: Floats, white: Array, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Tuning:
     """Solve the least squares problems of all pairs.
 
     Parameters
@@ -68,7 +67,14 @@ def solve(
     is_sure : (N,)
         Pairs that are likely right: what their channels disagree by limits the noise, too.
     """
-    information, moment, power = sums[:-2].reshape(-1, 3, sums.shape[1]).swapaxes(0, 1)
+    if not len(white):
+        nothing = np.zeros(sums.shape[1])
+        return Tuning(
+            change_px=nothing,
+            sigma_px=nothing + UNTUNED_SIGMA_PX,
+            noise_variance=np.full_like(nothing, np.nan),
+        )
+    information, moment, power = sums[:-2].reshape(len(white), 3, sums.shape[1]).swapaxes(0, 1)
     vertical, count = sums[-2:].astype(np.float64)
     whole_information = information.sum(axis=0, dtype=np.float64)
     is_known = whole_information > 1e-6 * vertical
@@ -123,5 +129,5 @@ def updated_probability(prior: Array, noise_variance: Array) -> Array:
     with np.errstate(divide="ignore"):
         odds = np.log(prior) - np.log1p(-prior)
     noise = np.clip(noise_variance, _LEAST_NOISE, _MOST_NOISE)
-    odds += _NOISE_ODDS * np.log(noise / _NOISE_OF_EVEN_ODDS)
+    odds += np.nan_to_num(_NOISE_ODDS * np.log(noise / _NOISE_OF_EVEN_ODDS))
     return np.asarray(1.0 / (1.0 + np.exp(-odds)))
