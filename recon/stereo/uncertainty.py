@@ -24,9 +24,9 @@ _COHERENCE = 1.5
 _SCATTER_FACTOR = 2.0
 """Noise energy, of the median scatter of the channels of sure pairs round their common shift."""
 
-# Variance of the tuned disparity. Fitted to the errors of recorded pairs with truth (Venus, Sawtooth,
-# Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the other
-# recorded pairs and other worlds confirm it.
+# Variance of the tuned disparity. Fitted to the errors of recorded pairs with truth (Venus,
+# Sawtooth, Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the
+# other recorded pairs and other worlds confirm it.
 _FLOOR_VARIANCE = 0.0075
 _LONELY_VARIANCE = 0.015
 """Added to the floor, over the square of the number of scales: one alone agrees with itself."""
