@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from recon.errors import InputError
-from recon.files import atomic_path
+from recon.files import atomic_path, remove_temporaries
 from recon.locks import locked
 
 MANIFEST = "manifest.json"
@@ -130,6 +130,7 @@ class RunFolder:
 
     def _filled(self) -> Iterator[Self]:
         """Write what every run has, before and after its own."""
+        remove_temporaries(self.path)
         self.write_text("settings.toml", self.plan.settings_toml)
         self._write_manifest()
         began = time.perf_counter()

@@ -204,3 +204,12 @@ def test_the_lock_of_a_process_that_died_is_taken_over(tmp_path, plan):
     assert lock.exists()
     finish(tmp_path / "run", plan, overwrite=True)
     assert not lock.exists()
+
+
+def test_files_of_a_killed_process_are_swept(tmp_path, plan):
+    ended(prepare(tmp_path / "run", plan), KeyboardInterrupt())
+    (tmp_path / "run" / ".4711-0123abcd-map.npz").write_text("half")
+    (tmp_path / "run" / ".mine").write_text("x")
+    finish(tmp_path / "run", plan, resume=True)
+    assert not (tmp_path / "run" / ".4711-0123abcd-map.npz").exists()
+    assert (tmp_path / "run" / ".mine").exists()

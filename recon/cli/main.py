@@ -1,7 +1,10 @@
 """The program: a group of commands, and what becomes of their errors."""
 
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import click
 
@@ -26,6 +29,7 @@ from recon.cli.settings import settings
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
 
+ENDING_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -48,7 +52,8 @@ for command in (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; a known error is one line on stderr."""
     try:
-        code = program.main(args=argv, prog_name="recon", standalone_mode=False)
+        with ending_as_ctrl_c():
+            code = program.main(args=argv, prog_name="recon", standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message(), err=True)
         return WRONG_USE
@@ -65,6 +70,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     finally:
         stop_logging()
     return code if isinstance(code, int) else DONE
+
+
+@contextmanager
+def ending_as_ctrl_c() -> Iterator[None]:
+    """Take the signals that end a process for Ctrl-C, so that a run is closed as by that."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {one: signal.signal(one, signal.default_int_handler) for one in ENDING_SIGNALS}
+    try:
+        yield
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 def _say(message: str, code: int) -> int:

@@ -1,6 +1,6 @@
 """Files: whole or not at all when written, regular and within limits when read."""
 
-from recon.files.atomic import PathLike, atomic_path
+from recon.files.atomic import PathLike, atomic_path, remove_temporaries
 from recon.files.limits import check_memory, check_name, check_regular, memory_limit
 
 __all__ = [
@@ -10,4 +10,5 @@ __all__ = [
     "check_name",
     "check_regular",
     "memory_limit",
+    "remove_temporaries",
 ]

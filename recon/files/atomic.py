@@ -46,6 +46,13 @@ def atomic_path(path: PathLike) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+def remove_temporaries(folder: Path) -> None:
+    """Remove what killed processes left in a folder that no other process writes to."""
+    for path in folder.glob(".*"):
+        if _TEMPORARY.fullmatch(path.name) and path.is_file():
+            path.unlink(missing_ok=True)
+
+
 def _remove_stale(wanted: Path) -> None:
     with os.scandir(wanted.parent) as entries:
         names = [entry.name for entry in entries if entry.name.startswith(".")]

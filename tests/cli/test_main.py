@@ -1,6 +1,8 @@
 """The program as a person meets it: help, versions, one line for every known error."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -136,3 +138,16 @@ def test_a_size_beyond_reason_is_refused(capsys):
     code, _, err = run(capsys, "figure", "run", "--size", "999999x999999")
     assert code == 2
     assert "out of range" in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_ends_a_process_is_ctrl_c(number, tmp_path, monkeypatch, capsys):
+    def killed(*_, **__):
+        os.kill(os.getpid(), number)
+
+    monkeypatch.setattr("recon.runs.explore.World.from_file", killed)
+    before = signal.getsignal(number)
+    assert main(["explore", "village", "-o", str(tmp_path / "run")]) == 130
+    assert capsys.readouterr().err.strip() == "recon: interrupted"
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["state"] == "interrupted"
+    assert signal.getsignal(number) == before
