@@ -1,19 +1,20 @@
-"""Recognition of any cloud: levelled, gathered into cells, named, and brought back."""
+"""Recognition of any cloud: turned upright, gathered into cells, named, and brought back."""
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.errors import InputError
-from recon.geometry import invert, pose, transform
+from recon.geometry import invert, pose
 from recon.recognition.cells import gather
+from recon.recognition.frames import moved, moved_object
 from recon.recognition.recognition import recognise
-from recon.recognition.segments.ground import extent, level_plane
-from recon.records import FoundObject, Part, PointCloud, Recognition, Solid
+from recon.recognition.segments.ground import extent
+from recon.records import PointCloud, Recognition, Voxels
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
@@ -28,31 +29,39 @@ T_LEVEL_CLOUD: Mapping[str, Array] = {
 """Turns a cloud so that its own direction of `up` is y."""
 
 NEIGHBOURS_IN_CELL = 8
-"""Nearest neighbours that a cell of a cloud should hold."""
+"""A cell is as wide as so many neighbours of a point lie apart."""
 NUM_PROBES = 2000
+MOST_CELLS = 20_000
+"""Cells of a cloud, about: dense clouds are gathered in larger ones."""
+FULL_CELL = 0.25
+"""Points of an occupied cell as a share of those of the median one ..."""
 MIN_COUNT = 3
-"""Points of an occupied cell of a cloud."""
-CLEARANCE_CELLS = 1.5
-"""Cells lower over the plane than this belong to it."""
+"""... of which so many are enough."""
 
 
-def recognise_cloud(cloud: PointCloud, settings: RecognitionSettings, up: Up = "y") -> Recognition:
-    """Find and name the objects of a cloud that stand on its largest level plane.
+def recognise_cloud(
+    cloud: PointCloud,
+    settings: RecognitionSettings,
+    up: Up = "y",
+    T_cloud_left: Array | None = None,
+) -> Recognition:
+    """Find and name the objects of a cloud.
 
     Parameters
     ----------
     cloud : PointCloud
         In any frame and unit.
     settings : RecognitionSettings
-        `ground` is used where the cloud shows no level plane.
     up : str
         The cloud's axis that points up, to within the tilt of a hand-held camera.
+    T_cloud_left : (V, 4, 4) float64, optional
+        Poses of the views it was taken from; without, one from the origin of its frame.
 
     Returns
     -------
     Recognition
-        In the frame of the cloud, sizes across and along the plane's normal; `label` has one
-        number a point.
+        In the frame of the cloud, sizes across and along the normal of the largest level plane;
+        `label` has one number for each point.
 
     Raises
     ------
@@ -66,35 +75,36 @@ def recognise_cloud(cloud: PointCloud, settings: RecognitionSettings, up: Up = "
     if not len(finite):
         reason = {"no finite point": 1} if len(cloud) else {}
         return Recognition(objects=(), label=label, failures=reason)
-    level = cloud.select(finite).transformed(T_LEVEL_CLOUD[up])
-    T_floor_level = level_plane(level.points)
-    on_plane = T_floor_level is not None
-    T_floor_cloud = (np.eye(4) if T_floor_level is None else T_floor_level) @ T_LEVEL_CLOUD[up]
-    found, label[finite] = _on_floor(
-        cloud.select(finite).transformed(T_floor_cloud), settings, on_plane
-    )
-    T_cloud_floor = invert(T_floor_cloud)
+    T_up_cloud = T_LEVEL_CLOUD[up]
+    views = np.eye(4)[None] if T_cloud_left is None else T_cloud_left
+    upright = cloud.select(finite).transformed(T_up_cloud)
+    voxels = gathered(upright)
+    found = recognise(voxels, replace(settings, ground=None), T_up_cloud @ views)
+    label[finite] = _of_points(found.label, voxels, upright.points)
+    T_cloud_up = invert(T_up_cloud)
     return Recognition(
-        objects=tuple(_moved_object(one, T_cloud_floor) for one in found.objects),
+        objects=tuple(moved_object(one, T_cloud_up) for one in found.objects),
         label=label,
         failures=found.failures,
+        planes=tuple(moved(plane, T_cloud_up) for plane in found.planes),
     )
 
 
-def _on_floor(
-    cloud: PointCloud, settings: RecognitionSettings, on_plane: bool
-) -> tuple[Recognition, NDArray[np.int32]]:
-    """What stands on the floor y = 0, or on the set ground, and a label for each point."""
-    voxels = gather(cloud, _cell_size(cloud.points), MIN_COUNT)
-    clearance = CLEARANCE_CELLS * voxels.cell_size
-    lowest = float(cloud.points[:, 1].min())
-    height = lowest if settings.ground is None else settings.ground
-    ground = 0.0 if on_plane else height
-    found = recognise(voxels, replace(settings, ground=ground, ground_clearance=clearance))
+def gathered(cloud: PointCloud) -> Voxels:
+    """The cells of a cloud, as small as its density allows."""
+    side = _cell_size(cloud.points)
+    voxels = gather(cloud, side)
+    if len(voxels) > MOST_CELLS:
+        voxels = gather(cloud, side * float(np.sqrt(len(voxels) / MOST_CELLS)))
+    enough = np.clip(round(FULL_CELL * float(np.median(voxels.counts))), 1, MIN_COUNT)
+    return voxels.select(voxels.counts >= enough)
+
+
+def _of_points(label: NDArray[np.int32], voxels: Voxels, points: Array) -> NDArray[np.int32]:
+    """Labels (N,) of points by those (K,) of their cells."""
     reach = 0.51 * voxels.cell_size
-    cell = cKDTree(voxels.centres).query(cloud.points, p=np.inf, distance_upper_bound=reach)[1]
-    label = np.append(found.label, np.int32(-1))[cell]
-    return found, label
+    cell = cKDTree(voxels.centres).query(points, p=np.inf, distance_upper_bound=reach)[1]
+    return np.append(label, np.int32(-1))[cell]
 
 
 def _cell_size(points: Array) -> float:
@@ -102,27 +112,6 @@ def _cell_size(points: Array) -> float:
     probes = points[:: max(1, len(points) // NUM_PROBES)]
     count = min(NEIGHBOURS_IN_CELL + 1, len(points))
     reach = np.asarray(cKDTree(points).query(probes, k=count)[0]).reshape(len(probes), -1)[:, -1]
-    side = 2.0 * float(np.median(reach))
+    side = float(np.median(reach))
     # Cells far below the cloud's size would overflow their numbers.
     return max(side, 1e-5 * extent(points)) or 1.0
-
-
-def _moved_object(found: FoundObject, T: Array) -> FoundObject:
-    parts = tuple(_moved_part(part, T) for part in found.parts)
-    return replace(found, centre=transform(T, found.centre[None])[0], parts=parts)
-
-
-def _moved_part(part: Part, T: Array) -> Part:
-    return replace(part, solid=transformed(part.solid, T))
-
-
-def transformed(solid: Solid, T_target_source: Array) -> Solid:
-    """The same solid in another frame."""
-    changes: dict[str, Any] = {}
-    for field in fields(solid):
-        value = getattr(solid, field.name)
-        if field.name in ("centre", "point", "apex"):
-            changes[field.name] = transform(T_target_source, value[None])[0]
-        elif field.name in ("axis", "normal", "axes"):
-            changes[field.name] = value @ T_target_source[:3, :3].T
-    return replace(solid, **changes)

@@ -1,98 +1,168 @@
-"""From occupied cells to named objects (thesis 4.5)."""
+"""Recognition: from occupied cells to named objects (thesis 4.5)."""
 
 from collections import Counter
-from collections.abc import Callable
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.naming.catalogue import read_catalogue
-from recon.recognition.naming.naming import Naming, name_object
-from recon.recognition.naming.thesis import name_by_quadrics
-from recon.recognition.segments.components import connected, stacked
-from recon.recognition.segments.ground import ground_height
-from recon.recognition.segments.separation import Piece, Rows, reunite, separate
-from recon.records import Recognition, Voxels
+from recon.geometry import invert, transform
+from recon.notices import notify
+from recon.recognition.description import described
+from recon.recognition.frames import moved_object
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.kinds import Kind
+from recon.recognition.naming.naming import Naming
+from recon.recognition.naming.recognisers import RECOGNISERS
+from recon.recognition.segments.focus import Focus, find_focus
+from recon.recognition.segments.layout import Layout, lay_out
+from recon.recognition.segments.separation import (
+    Namer,
+    Piece,
+    Rows,
+    cut_at_creases,
+    reunite,
+    separate,
+)
+from recon.records import FoundObject, Recognition, Voxels
 from recon.settings import RecognitionSettings
 
+Array = NDArray[np.float64]
+
 HOVERING = "hovers over the ground, held by nothing known"
-GAP_REACH = 2
-"""Cells of one object lie at most so many apart: gaps of one cell are closed."""
+SEEN_ONCE = "seen once: it moves, or is false"
+VIEWS_TO_TELL = 3
+"""Views of the clearest cell from which a clump that no two views saw has moved."""
 
 
-def recognise(voxels: Voxels, settings: RecognitionSettings) -> Recognition:
-    """Find and name the objects of a map.
+def recognise(
+    voxels: Voxels, settings: RecognitionSettings, T_world_left: Array | None = None
+) -> Recognition:
+    """Find, describe and name the objects of a map.
 
     Parameters
     ----------
     voxels : Voxels
         Occupied cells, world, y up.
+    T_world_left : (V, 4, 4) float64, optional
+        Poses of the views that the map was made from.
 
     Returns
     -------
     Recognition
-        Objects numbered by their place (x, then z), a label for each cell handed in, and failures
-        counted by reason.
+        Objects numbered by their place (x, then z), a label for each cell handed in, the planes
+        they stand on or before, and failures counted by reason.
 
     Raises
     ------
     InputError
-        Where the catalogue cannot be read.
+        Where a catalogue cannot be read.
     """
-    namer = _namer(voxels, settings)
-    instance = components(voxels, settings)
+    kinds = read_catalogues(settings.catalogue)
+    _warn_of_scale(kinds, settings)
+    focus = None if T_world_left is None else find_focus(T_world_left)
+    layout = lay_out(voxels, settings, focus)
+    namer = _namer(layout, settings, kinds)
     failures: Counter[str] = Counter()
-    pieces: list[Piece] = []
-    for number in range(int(instance.max(initial=-1)) + 1):
-        rows = np.flatnonzero(instance == number)
-        if len(rows) < settings.min_voxels:
-            failures[f"fewer than {settings.min_voxels} cells"] += 1
-        else:
-            pieces.append((namer(rows), rows))
-    if settings.recogniser == "robust":
+    pieces = [(namer(rows), rows) for rows in _clumps(layout, settings, failures)]
+    if settings.recogniser != "thesis":
         pieces = reunite(pieces, namer)
-        pieces = [part for piece in pieces for part in separate(piece, voxels, settings, namer)]
+        pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
+        if layout.has_floor and not _is_one(focus):
+            eyes = None if T_world_left is None else T_world_left[:, :3, 3]
+            pieces = _cut(pieces, layout, eyes, settings, namer)
     held = [piece for piece in pieces if not piece[0].is_hovering]
     failures[HOVERING] += len(pieces) - len(held)
     for naming, _ in held:
         failures.update(naming.failures)
-    return _numbered(held, len(voxels), +failures)
-
-
-def _namer(voxels: Voxels, settings: RecognitionSettings) -> Callable[[Rows], Naming]:
-    """What names the object that rows of the map are."""
-    kinds = read_catalogue(None if settings.catalogue is None else Path(settings.catalogue))
-    ground = ground_height(voxels, settings)
-    if settings.recogniser == "thesis":
-        tolerance_deg = settings.hue_tolerance_deg
-        return lambda rows: name_by_quadrics(voxels.select(rows), ground, kinds, tolerance_deg)
-    return lambda rows: name_object(voxels.select(rows), ground, kinds)
+    return _numbered(held, layout, settings, +failures)
 
 
 def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int32]:
-    """Number of the object each cell belongs to after the ground is taken off.
+    """Number of the component each cell belongs to after the planes are taken off.
 
     Returns
     -------
-    instance : (K,) int32
-        0, 1, ...; -1 = ground. Objects too small to be named are numbered too.
+    component : (K,) int32
+        0, 1, ...; -1 = on a plane. Components too small to be named are numbered too.
     """
-    ground = ground_height(voxels, settings)
-    above = voxels.centres[:, 1] >= ground + settings.ground_clearance
-    label = connected(voxels.index[above], GAP_REACH)
-    instance = np.full(len(voxels), -1, dtype=np.int32)
-    instance[above] = stacked(voxels.means[above], label, settings.min_voxels)
-    return instance
+    return lay_out(voxels, settings).component
 
 
-def _numbered(pieces: list[Piece], num_cells: int, failures: Counter[str]) -> Recognition:
-    pieces = sorted(pieces, key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
-    label = np.full(num_cells, -1, dtype=np.int32)
-    for number, (_, rows) in enumerate(pieces):
+def _warn_of_scale(kinds: tuple[Kind, ...], settings: RecognitionSettings) -> None:
+    names = [kind.name for kind in kinds if kind.needs_scale]
+    if names and settings.unit is None:
+        notify(
+            "names-need-scale",
+            f"{', '.join(names)} have sizes in metres, but the scale is not known: their sizes "
+            "count for nothing",
+        )
+
+
+def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...]) -> Namer:
+    """What names the object that rows of the map are."""
+    recogniser = RECOGNISERS.load(settings.recogniser)
+    return lambda rows: recogniser(layout.cells.select(rows), layout.floor, kinds, settings)
+
+
+def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str]) -> list[Rows]:
+    """Components that may be objects; the others are counted."""
+    found = []
+    views = layout.cells.num_views
+    order = np.argsort(layout.component, kind="stable")
+    borders = np.searchsorted(layout.component[order], np.arange(layout.num_components + 1))
+    for low, high in zip(borders[:-1], borders[1:], strict=True):
+        rows = order[low:high]
+        if len(rows) < settings.min_voxels:
+            failures[f"fewer than {settings.min_voxels} cells"] += 1
+        elif views is not None and views.max() >= VIEWS_TO_TELL and np.median(views[rows]) <= 1:
+            failures[SEEN_ONCE] += 1
+        else:
+            found.append(rows)
+    return found
+
+
+def _is_one(focus: Focus | None) -> bool:
+    """Whether all views look at one thing."""
+    return focus is not None
+
+
+def _cut(
+    pieces: list[Piece],
+    layout: Layout,
+    eyes: Array | None,
+    settings: RecognitionSettings,
+    namer: Namer,
+) -> list[Piece]:
+    """Things without a name in the convex pieces that solids explain."""
+    level = None if eyes is None else transform(invert(layout.T_world_level), eyes)
+    return [
+        part
+        for piece in pieces
+        for part in cut_at_creases(piece, layout.cells, level, settings.min_voxels, namer)
+    ]
+
+
+def _numbered(
+    pieces: list[Piece], layout: Layout, settings: RecognitionSettings, failures: Counter[str]
+) -> Recognition:
+    """The objects in the order of their places, in the world."""
+    placed = [(_in_world(naming, rows, layout, settings), rows) for naming, rows in pieces]
+    placed.sort(key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
+    label = np.full(len(layout.cells), -1, dtype=np.int32)
+    for number, (_, rows) in enumerate(placed):
         label[rows] = number
     return Recognition(
-        objects=tuple(n.found(number, len(rows)) for number, (n, rows) in enumerate(pieces)),
+        objects=tuple(replace(found, id=number) for number, (found, _) in enumerate(placed)),
         label=label,
         failures=dict(failures),
+        planes=layout.planes,
     )
+
+
+def _in_world(
+    naming: Naming, rows: Rows, layout: Layout, settings: RecognitionSettings
+) -> FoundObject:
+    cells = layout.cells.select(rows)
+    found = described(naming.found(0, len(rows)), naming.solid, cells, settings.unit)
+    return moved_object(replace(found, support=layout.support(cells)), layout.T_world_level)

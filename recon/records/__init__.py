@@ -3,7 +3,15 @@
 from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
 from recon.records.matches import Features, Matches, check_alike
 from recon.records.noise import ImageNoise
-from recon.records.objects import UNKNOWN, FoundObject, Part, Recognition
+from recon.records.objects import (
+    UNKNOWN,
+    BoundingBox,
+    ExplainingSolid,
+    FoundObject,
+    FoundPlane,
+    Part,
+    Recognition,
+)
 from recon.records.pairs import PairSource, StereoPair, View, check_images
 from recon.records.reconstruction import Reconstruction
 from recon.records.solids import (
@@ -22,15 +30,18 @@ from recon.records.trajectory import Trajectory
 
 __all__ = [
     "UNKNOWN",
+    "BoundingBox",
     "Box",
     "Cone",
     "Crs",
     "Cylinder",
     "DisparityMap",
     "Ellipsoid",
+    "ExplainingSolid",
     "Features",
     "FitFailure",
     "FoundObject",
+    "FoundPlane",
     "GroundGrid",
     "ImageNoise",
     "Matches",

@@ -1,7 +1,7 @@
 """What was recognised."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +27,37 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoundingBox:
+    """The upright box of least footprint round an object's cells."""
+
+    centre: NDArray[np.float64]
+    """(3,) world."""
+    axes: NDArray[np.float64]
+    """(3, 3) unit rows."""
+    sizes: NDArray[np.float64]
+    """(3,) whole edges along the axes."""
+    unit: Literal["m"] | None
+    """None where the scale of the world is not known."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ExplainingSolid:
+    """One solid, and how much of an object it explains."""
+
+    solid: Solid
+    explained: float
+    """Share of the cells that lie on it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundObject:
     """One object with its label; world coordinates and units."""
 
     id: int
     label: str
     """A name of the catalogue, or "unknown"."""
-    probability: float
-    """Of the label, 0 to 1."""
+    probability: float | None
+    """Of the label, 0 to 1: of an unknown that it is of no kind; None where no kind was asked for."""
     centre: NDArray[np.float64]
     """(3,) x, z on the fitted vertical axis, y halfway between the ground and the top; of an
     unknown, the middle of the box of its cell means."""
@@ -44,6 +67,38 @@ class FoundObject:
     views: int = 0
     """Number of pairs that put at least 10 points on it."""
     parts: tuple[Part, ...] = ()
+    reason: str | None = None
+    """Why it has no name; None where it has one."""
+    nearest: tuple[tuple[str, float], ...] = ()
+    """Kinds it comes nearest to with their probabilities, the most probable first."""
+    box: BoundingBox | None = None
+    colour: tuple[int, int, int] | None = None
+    """RGB of most of its cells."""
+    seen: float | None = None
+    """Share of its surface that cells cover, 0 to 1."""
+    solid: ExplainingSolid | None = None
+    """The one solid that explains its cells best."""
+    pieces: int = 1
+    """Convex pieces it consists of."""
+    support: int | None = None
+    """Id of the plane it stands on."""
+
+
+PlaneRole = Literal["ground", "support", "wall"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundPlane:
+    """A large plane that things stand on or before."""
+
+    id: int
+    point: NDArray[np.float64]
+    """(3,) middle of its cells, world."""
+    normal: NDArray[np.float64]
+    """(3,) unit, to the side on which things are."""
+    area: float
+    """Of its cells, square world units."""
+    role: PlaneRole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,12 +110,15 @@ class Recognition:
     """(K,) id of the object of each cell that was handed in; -1 = ground or none."""
     failures: dict[str, int] = field(default_factory=dict)
     """How often a fit failed, by reason."""
+    planes: tuple[FoundPlane, ...] = ()
+    """What things stand on or before."""
 
 
 def as_json(recognition: Recognition) -> dict[str, object]:
     """The document of `objects.json`."""
     return {
         "objects": [_object_json(found) for found in recognition.objects],
+        "planes": [_plane_json(plane) for plane in recognition.planes],
         "failures": dict(sorted(recognition.failures.items())),
     }
 
@@ -69,27 +127,63 @@ def _object_json(found: FoundObject) -> dict[str, object]:
     return {
         "id": found.id,
         "label": found.label,
-        "probability": round(found.probability, 6),
+        "probability": None if found.probability is None else round(found.probability, 6),
+        "reason": found.reason,
+        "nearest": [[name, round(probability, 6)] for name, probability in found.nearest],
         "centre": found.centre.tolist(),
         "size": found.size.tolist(),
+        "box": found.box and _box_json(found.box),
+        "colour": found.colour and list(found.colour),
+        "solid": found.solid and _solid_json(found.solid),
+        "pieces": found.pieces,
+        "seen": found.seen,
+        "support": found.support,
         "num_voxels": found.num_voxels,
         "views": found.views,
-        "parts": [
-            {
-                "role": part.role,
-                "shape": part.solid.kind,
-                "parameters": parameters(part.solid),
-                "hue_deg": part.hue_deg,
-                "num_voxels": part.num_voxels,
-                "rms": part.rms,
-            }
-            for part in found.parts
-        ],
+        "parts": [_part_json(part) for part in found.parts],
+    }
+
+
+def _part_json(part: Part) -> dict[str, object]:
+    return {
+        "role": part.role,
+        "shape": part.solid.kind,
+        "parameters": parameters(part.solid),
+        "hue_deg": part.hue_deg,
+        "num_voxels": part.num_voxels,
+        "rms": part.rms,
+    }
+
+
+def _box_json(box: BoundingBox) -> dict[str, object]:
+    return {
+        "centre": box.centre.tolist(),
+        "axes": box.axes.tolist(),
+        "sizes": box.sizes.tolist(),
+        "unit": box.unit,
+    }
+
+
+def _solid_json(one: ExplainingSolid) -> dict[str, object]:
+    return {
+        "shape": one.solid.kind,
+        "parameters": parameters(one.solid),
+        "explained": one.explained,
+    }
+
+
+def _plane_json(plane: FoundPlane) -> dict[str, object]:
+    return {
+        "id": plane.id,
+        "point": plane.point.tolist(),
+        "normal": plane.normal.tolist(),
+        "area": plane.area,
+        "role": plane.role,
     }
 
 
 def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
-    """The objects of an `objects.json`.
+    """The objects of an `objects.json`; what older runs do not say is not known.
 
     Raises
     ------
@@ -103,16 +197,6 @@ def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
 
 
 def _object_from_json(found: dict[str, Any]) -> FoundObject:
-    parts = tuple(
-        Part(
-            role=part["role"],
-            solid=from_parameters(part["shape"], part["parameters"]),
-            hue_deg=part["hue_deg"],
-            num_voxels=part["num_voxels"],
-            rms=part["rms"],
-        )
-        for part in found["parts"]
-    )
     return FoundObject(
         id=found["id"],
         label=found["label"],
@@ -121,5 +205,37 @@ def _object_from_json(found: dict[str, Any]) -> FoundObject:
         size=np.asarray(found["size"], dtype=np.float64),
         num_voxels=found["num_voxels"],
         views=found["views"],
-        parts=parts,
+        parts=tuple(_part_from_json(part) for part in found["parts"]),
+        reason=found.get("reason"),
+        nearest=tuple((name, chance) for name, chance in found.get("nearest", [])),
+        box=_box_from_json(found.get("box")),
+        colour=tuple(found["colour"]) if found.get("colour") else None,
+        seen=found.get("seen"),
+        solid=_solid_from_json(found.get("solid")),
+        pieces=found.get("pieces", 1),
+        support=found.get("support"),
     )
+
+
+def _part_from_json(part: dict[str, Any]) -> Part:
+    return Part(
+        role=part["role"],
+        solid=from_parameters(part["shape"], part["parameters"]),
+        hue_deg=part["hue_deg"],
+        num_voxels=part["num_voxels"],
+        rms=part["rms"],
+    )
+
+
+def _box_from_json(box: dict[str, Any] | None) -> BoundingBox | None:
+    if box is None:
+        return None
+    arrays = {name: np.asarray(box[name], dtype=np.float64) for name in ("centre", "axes", "sizes")}
+    return BoundingBox(**arrays, unit=box["unit"])
+
+
+def _solid_from_json(one: dict[str, Any] | None) -> ExplainingSolid | None:
+    if one is None:
+        return None
+    solid = from_parameters(one["shape"], one["parameters"])
+    return ExplainingSolid(solid=solid, explained=one["explained"])

@@ -5,7 +5,7 @@ import pytest
 
 from recon.errors import InputError
 from recon.recognition import recognise
-from recon.recognition.fitting.composite import Stack
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.naming.catalogue import SHIPPED, read_catalogue
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.settings import RecognitionSettings
@@ -28,7 +28,7 @@ def test_the_shipped_catalogue_holds_the_thesiss_names():
 def test_a_user_adds_a_name(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(SHIPPED.read_text() + LAMP)
-    lamp = Stack(
+    lamp = Composite(
         shapes=("cylinder", "sphere"),
         axis=np.zeros(2),
         heights=np.array([0.0, 4.0, 10.0]),

@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.geometry import pose, transform
 from recon.recognition import recognise_cloud
 from recon.recognition.clouds import T_LEVEL_CLOUD, transformed
-from recon.recognition.synthetic import Orbit, observe, random_stack
+from recon.recognition.synthetic import Orbit, observe, random_composite
 from recon.records import Box, Cone, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
 
@@ -21,8 +21,8 @@ def village(surfaces, seed=0):
     rng = np.random.default_rng(seed)
     clouds = []
     for kind, place in (("cottage", [-15.0, 0.0]), ("apple tree", [15.0, 5.0])):
-        stack = dataclasses.replace(random_stack(kind, rng), axis=np.array(place))
-        clouds.append(observe(stack, np.full((2, 3), 120.0), Orbit(sigma_px=0.03), rng).points)
+        composite = dataclasses.replace(random_composite(kind, rng), axis=np.array(place))
+        clouds.append(observe(composite, np.full((2, 3), 120.0), Orbit(sigma_px=0.03), rng).points)
     ground = rng.uniform(-35, 35, (9000, 3)) * [1.0, 0.0, 1.0] + rng.normal(0, 0.05, (9000, 3))
     points = np.concatenate([*clouds, ground])
     return PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8))

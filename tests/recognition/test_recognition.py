@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from recon.geometry import pose, rotation_about_y, transform
 from recon.recognition import components, recognise
-from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
+from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings
 
@@ -20,19 +20,19 @@ COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
 
 def orbit_of(kind: str, seed: int, orbit: Orbit = NEAR):
     rng = np.random.default_rng(seed)
-    stack = random_stack(kind, rng)
-    return stack, voxelise(observe(stack, COLOURS, orbit, rng))
+    composite = random_composite(kind, rng)
+    return composite, voxelise(observe(composite, COLOURS, orbit, rng))
 
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
 def test_an_object_gets_its_name_place_and_size(kind, seed):
-    stack, voxels = orbit_of(kind, seed)
+    composite, voxels = orbit_of(kind, seed)
     found = max(recognise(voxels, SETTINGS).objects, key=lambda thing: thing.num_voxels)
     assert found.label == kind
-    assert found.centre[::2] == pytest.approx(stack.axis, abs=0.1)
-    assert found.size[1] == pytest.approx(stack.heights[-1], rel=0.1)
-    assert found.parts[0].solid.radius == pytest.approx(stack.radii[0][0], rel=0.05)
+    assert found.centre[::2] == pytest.approx(composite.axis, abs=0.1)
+    assert found.size[1] == pytest.approx(composite.heights[-1], rel=0.1)
+    assert found.parts[0].solid.radius == pytest.approx(composite.radii[0][0], rel=0.05)
 
 
 def test_an_empty_map_holds_nothing():
@@ -69,20 +69,20 @@ def test_the_order_of_cells_does_not_matter():
 )
 def test_turning_and_moving_a_world_never_changes_a_name(kind, angle, shift):
     rng = np.random.default_rng(11)
-    stack = random_stack(kind, rng)
-    cloud = observe(stack, COLOURS, NEAR, rng)
+    composite = random_composite(kind, rng)
+    cloud = observe(composite, COLOURS, NEAR, rng)
     T = pose(rotation_about_y(angle), [shift[0], 0.0, shift[1]])
     found = recognise(voxelise(cloud.transformed(T)), SETTINGS)
     assert [thing.label for thing in found.objects if thing.num_voxels > 40] == [kind]
-    axis = transform(T, np.array([[stack.axis[0], 0.0, stack.axis[1]]]))[0]
+    axis = transform(T, np.array([[composite.axis[0], 0.0, composite.axis[1]]]))[0]
     assert found.objects[0].centre[::2] == pytest.approx(axis[::2], abs=0.2)
 
 
 @pytest.mark.parametrize("cell_size", [0.5, 2.0])
 def test_the_size_of_a_cell_does_not_matter(cell_size):
     rng = np.random.default_rng(2)
-    stack = random_stack("cottage", rng)
-    voxels = voxelise(observe(stack, COLOURS, NEAR, rng), cell_size, 4)
+    composite = random_composite("cottage", rng)
+    voxels = voxelise(observe(composite, COLOURS, NEAR, rng), cell_size, 4)
     found = max(recognise(voxels, SETTINGS).objects, key=lambda thing: thing.num_voxels)
     assert found.label == "cottage"
 
@@ -126,7 +126,7 @@ def test_probabilities_come_true():
         rng = np.random.default_rng(1000 + seed)
         kind = ["apple tree", "pine tree", "cottage"][seed % 3]
         orbit = Orbit(sigma_px=0.2, num_views=3, arc_rad=2.0)
-        voxels = voxelise(observe(random_stack(kind, rng), COLOURS, orbit, rng))
+        voxels = voxelise(observe(random_composite(kind, rng), COLOURS, orbit, rng))
         for thing in recognise(voxels, SETTINGS).objects:
             if thing.label != "unknown" and thing.num_voxels > 40:
                 chances.append(thing.probability)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.recognition import components, recognise
-from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
+from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings
 
@@ -14,8 +14,8 @@ SETTINGS = RecognitionSettings()
 COLOURS = np.full((2, 3), 120.0)
 
 
-def seen(stack, rng):
-    return observe(stack, COLOURS, Orbit(), rng)
+def seen(composite, rng):
+    return observe(composite, COLOURS, Orbit(), rng)
 
 
 def together(*clouds):
@@ -27,7 +27,7 @@ def together(*clouds):
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_two_that_nearly_touch_are_parted(kind, seed):
     rng = np.random.default_rng(seed)
-    first = random_stack(kind, rng)
+    first = random_composite(kind, rng)
     second = dataclasses.replace(
         first, axis=np.add(first.axis, [2.0 * first.widest.max() + 0.3, 0.0])
     )
@@ -44,13 +44,13 @@ def test_two_that_nearly_touch_are_parted(kind, seed):
 def test_one_object_is_never_parted(kind):
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        voxels = voxelise(seen(random_stack(kind, rng), rng))
+        voxels = voxelise(seen(random_composite(kind, rng), rng))
         assert len([one for one in recognise(voxels, SETTINGS).objects if one.num_voxels > 60]) == 1
 
 
 def test_two_halves_of_a_crown_are_one_tree():
     rng = np.random.default_rng(3)
-    tree = random_stack("pine tree", rng)
+    tree = random_composite("pine tree", rng)
     cloud = seen(tree, rng)
     # A strip through the middle that no eye saw, trunk and all.
     strip = np.abs(cloud.points[:, 0] - tree.axis[0]) > 2.5

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from recon.recognition import recognise
-from recon.recognition.fitting.composite import Stack
-from recon.recognition.synthetic import Orbit, observe, random_stack, surface, voxelise
+from recon.recognition.fitting.composite import Composite
+from recon.recognition.synthetic import Orbit, observe, random_composite, surface, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings
 
@@ -13,15 +13,15 @@ THESIS = RecognitionSettings(recogniser="thesis", hue_tolerance_deg=30.0)
 COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
 
 
-def ideal(stack, seed=0):
+def ideal(composite, seed=0):
     """Cells of the surface itself, each part of one colour."""
-    whole = surface(stack, 60_000, np.random.default_rng(seed))
+    whole = surface(composite, 60_000, np.random.default_rng(seed))
     colours = COLOURS[whole.part].astype(np.uint8)
     return voxelise(PointCloud(points=whole.points, colours=colours))
 
 
 def test_an_ideal_apple_tree_is_told():
-    tree = Stack(
+    tree = Composite(
         shapes=("cylinder", "sphere"),
         axis=np.array([3.0, 4.0]),
         heights=np.array([0.0, 8.0, 20.0]),
@@ -39,7 +39,7 @@ def test_under_stereo_noise_only_the_robust_one_is_right(recogniser):
     for seed in range(9):
         rng = np.random.default_rng(seed)
         kind = ["apple tree", "pine tree", "cottage"][seed % 3]
-        voxels = voxelise(observe(random_stack(kind, rng), COLOURS, Orbit(), rng))
+        voxels = voxelise(observe(random_composite(kind, rng), COLOURS, Orbit(), rng))
         found = max(recognise(voxels, chosen).objects, key=lambda one: one.num_voxels)
         right += found.label == kind
     assert right == 9 if recogniser == "robust" else right < 7

@@ -10,11 +10,11 @@ import numpy as np
 
 from benchmarks import Measurement
 from recon.recognition import recognise
-from recon.recognition.fitting.composite import Stack
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.naming import name_object
-from recon.recognition.synthetic import Orbit, observe, random_stack, voxelise
+from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import Voxels
 from recon.settings import RecognitionSettings
 
@@ -50,11 +50,11 @@ def body_radius_error(count: int) -> float:
     """Median share by which the radius of a body is off at 0.1 px."""
     errors = []
     for seed in range(count):
-        stack, voxels = an_object(seed, 0.1)
+        composite, voxels = an_object(seed, 0.1)
         found = recognise(voxels, RecognitionSettings()).objects
         largest = max(found, key=lambda one: one.num_voxels)
         if largest.label == KINDS[seed % 3]:
-            errors.append(abs(largest.parts[0].solid.radius / stack.radii[0][0] - 1.0))
+            errors.append(abs(largest.parts[0].solid.radius / composite.radii[0][0] - 1.0))
     return float(np.median(errors))
 
 
@@ -124,14 +124,14 @@ def seconds(work: object) -> float:
     return min(times)
 
 
-def an_object(seed: int, sigma_px: float) -> tuple[Stack, Voxels]:
+def an_object(seed: int, sigma_px: float) -> tuple[Composite, Voxels]:
     """A random object and its cells after nine views."""
     rng = np.random.default_rng(seed)
-    stack = random_stack(KINDS[seed % 3], rng)
-    return stack, voxelise(observe(stack, COLOURS, Orbit(sigma_px=sigma_px), rng))
+    composite = random_composite(KINDS[seed % 3], rng)
+    return composite, voxelise(observe(composite, COLOURS, Orbit(sigma_px=sigma_px), rng))
 
 
-def a_part(shape: str, rng: np.random.Generator) -> Stack:
+def a_part(shape: str, rng: np.random.Generator) -> Composite:
     """One random solid, radius 1 to 8 and height 2 to 12."""
     radius, height, base = rng.uniform(1.0, 8.0), rng.uniform(2.0, 12.0), rng.uniform(0.0, 6.0)
     stretch = float(rng.choice([1.0, -1.0])) * rng.uniform(np.log(1.4), np.log(2.2))
@@ -141,7 +141,7 @@ def a_part(shape: str, rng: np.random.Generator) -> Stack:
         "cylinder": ([radius], base + height),
         "cone": ([max(radius, 2.0), rng.uniform(0.0, 1.0)], base + height),
     }[shape]
-    return Stack(
+    return Composite(
         shapes=("truncated cone" if shape == "cone" else shape,),
         axis=rng.uniform(-50.0, 50.0, 2),
         heights=np.array([base, top]),

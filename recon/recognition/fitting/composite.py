@@ -33,7 +33,7 @@ POINTED = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Stack:
+class Composite:
     """Upright parts on one axis; part i reaches from `heights[i]` to `heights[i + 1]`."""
 
     shapes: tuple[str, ...]
@@ -70,28 +70,28 @@ class Stack:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class StackModel:
-    """Distances of points to the nearest part of a stack."""
+class CompositeModel:
+    """Distances of points to the nearest part of a composite."""
 
     points: Array
 
-    def residuals(self, stack: Stack) -> tuple[Array, Array]:
+    def residuals(self, composite: Composite) -> tuple[Array, Array]:
         """Signed distances and their derivatives by axis, heights and radii."""
-        distances, gradient, _ = self.nearest(stack)
+        distances, gradient, _ = self.nearest(composite)
         return distances, gradient
 
-    def nearest(self, stack: Stack) -> tuple[Array, Array, NDArray[np.intp]]:
+    def nearest(self, composite: Composite) -> tuple[Array, Array, NDArray[np.intp]]:
         """Signed distances (N,), derivatives (N, P), and the nearest part (N,)."""
-        offset = self.points[:, ::2] - stack.axis
+        offset = self.points[:, ::2] - composite.axis
         rho = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-12)
         profile = np.column_stack([rho, self.points[:, 1]])
-        num_parts = len(stack.shapes)
+        num_parts = len(composite.shapes)
         best = np.full(len(rho), np.inf)
         nearest = np.zeros(len(rho), dtype=np.intp)
-        gradient = np.zeros((len(rho), 2 + num_parts + sum(map(len, stack.radii))))
+        gradient = np.zeros((len(rho), 2 + num_parts + sum(map(len, composite.radii))))
         column = 2 + num_parts
-        for part, (shape, radii) in enumerate(zip(stack.shapes, stack.radii, strict=True)):
-            ends = stack.heights[part : part + 2]
+        for part, (shape, radii) in enumerate(zip(composite.shapes, composite.radii, strict=True)):
+            ends = composite.heights[part : part + 2]
             signed, normal, by_numbers = distance(shape, profile, ends, radii)
             rows = np.abs(signed) < np.abs(best)
             best[rows], nearest[rows] = signed[rows], part
@@ -104,24 +104,24 @@ class StackModel:
             column += len(radii)
         return best, gradient, nearest
 
-    def transformed(self, stack: Stack, step: Array) -> Stack:
-        """The stack after a step; sizes stay positive, ends in order."""
-        num_parts = len(stack.shapes)
-        heights = stack.heights.copy()
+    def transformed(self, composite: Composite, step: Array) -> Composite:
+        """The composite after a step; sizes stay positive, ends in order."""
+        num_parts = len(composite.shapes)
+        heights = composite.heights.copy()
         heights[1:] += step[2 : 2 + num_parts]
         heights = np.maximum.accumulate(heights)
-        borders = np.cumsum([2 + num_parts, *map(len, stack.radii)])
+        borders = np.cumsum([2 + num_parts, *map(len, composite.radii)])
         radii = tuple(
             np.abs(radii + step[low:high])
-            for radii, low, high in zip(stack.radii, borders[:-1], borders[1:], strict=True)
+            for radii, low, high in zip(composite.radii, borders[:-1], borders[1:], strict=True)
         )
-        return Stack(shapes=stack.shapes, axis=stack.axis + step[:2], heights=heights, radii=radii)
+        return Composite(shapes=composite.shapes, axis=composite.axis + step[:2], heights=heights, radii=radii)
 
 
-def fit_stack(
+def fit_composite(
     shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
-) -> Estimate[Stack]:
-    """The most likely stack of `shapes` that stands on the ground.
+) -> Estimate[Composite]:
+    """The most likely composite of `shapes` that stands on the ground.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def fit_stack(
     weights : (N,) float64
         How much each point counts.
     """
-    model, floor = StackModel(points), NOISE_FLOOR * cell_size
+    model, floor = CompositeModel(points), NOISE_FLOOR * cell_size
     starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
     rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
     best = min(rough, key=lambda estimate: estimate.deviance)
@@ -142,29 +142,29 @@ def fit_stack(
     return replace(fit, state=_trimmed(fit, model, cell_size))
 
 
-def _trimmed(fit: Estimate[Stack], model: StackModel, cell_size: float) -> Stack:
-    """The stack, its last part cut where its points end: too long a part costs a fit nothing."""
-    stack = fit.state
-    if stack.shapes[-1] in ("sphere", "ellipsoid"):
-        return stack
-    _, _, nearest = model.nearest(stack)
-    own = (nearest == len(stack.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
+def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) -> Composite:
+    """The composite, its last part cut where its points end: too long a part costs a fit nothing."""
+    composite = fit.state
+    if composite.shapes[-1] in ("sphere", "ellipsoid"):
+        return composite
+    _, _, nearest = model.nearest(composite)
+    own = (nearest == len(composite.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
     if not own.any():
-        return stack
+        return composite
     ends = np.quantile(model.points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
-    ends = np.clip(ends, *stack.heights[-2:])
-    if len(stack.shapes) == 1:
-        ends[0] = stack.heights[0]
-    slope = float(stack.radii[-1][-1] - stack.radii[-1][0]) / max(np.diff(stack.heights)[-1], 1e-9)
-    rim = stack.radii[-1][0] + slope * (ends - stack.heights[-2])
+    ends = np.clip(ends, *composite.heights[-2:])
+    if len(composite.shapes) == 1:
+        ends[0] = composite.heights[0]
+    slope = float(composite.radii[-1][-1] - composite.radii[-1][0]) / max(np.diff(composite.heights)[-1], 1e-9)
+    rim = composite.radii[-1][0] + slope * (ends - composite.heights[-2])
     if slope < 0:
         # Eyes below see the tip last, if at all. The end lies between the last cell and the tip:
         # the middle is off by half of that at most.
         rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
         ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
-    radii = rim[-len(stack.radii[-1]) :]
+    radii = rim[-len(composite.radii[-1]) :]
     return replace(
-        stack, heights=np.append(stack.heights[:-2], ends), radii=(*stack.radii[:-1], radii)
+        composite, heights=np.append(composite.heights[:-2], ends), radii=(*composite.radii[:-1], radii)
     )
 
 
@@ -178,7 +178,7 @@ def _splits(num_parts: int) -> list[tuple[float, ...]]:
 
 def _start(
     shapes: tuple[str, ...], points: Array, ground: float, splits: tuple[float, ...]
-) -> Stack:
+) -> Composite:
     low, high = np.quantile(points, BULK, axis=0)
     axis = (low + high)[::2] / 2.0
     top = float(points[:, 1].max())
@@ -192,15 +192,15 @@ def _start(
             middle
             * np.array([1.3, 0.5] if shape == "truncated cone" else [1.0])[: NUM_RADII[shape]]
         )
-    return Stack(shapes=shapes, axis=axis, heights=heights, radii=tuple(radii))
+    return Composite(shapes=shapes, axis=axis, heights=heights, radii=tuple(radii))
 
 
-def solids(stack: Stack) -> list[Solid]:
-    """The parts of a stack as solids in the world, from the ground up."""
-    ends = zip(stack.heights[:-1], stack.heights[1:], strict=True)
+def solids(composite: Composite) -> list[Solid]:
+    """The parts of a composite as solids in the world, from the ground up."""
+    ends = zip(composite.heights[:-1], composite.heights[1:], strict=True)
     return [
-        _solid(shape, stack.axis, float(low), float(high), radii)
-        for shape, (low, high), radii in zip(stack.shapes, ends, stack.radii, strict=True)
+        _solid(shape, composite.axis, float(low), float(high), radii)
+        for shape, (low, high), radii in zip(composite.shapes, ends, composite.radii, strict=True)
     ]
 
 

@@ -1,75 +1,108 @@
-"""The catalogue: names as rules over parts, shapes and ratios of size, in TOML."""
+"""Catalogues: kinds of objects in TOML, shipped or written by people."""
 
-import itertools
+import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any
 
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from recon.errors import InputError
-from recon.settings.stage import STRICT, NonNegative
+from recon.recognition.naming.kinds import Kind
+from recon.settings.stage import STRICT
 
-SHIPPED = Path(__file__).with_name("catalogue.toml")
-
-UprightShape = Literal["cylinder", "sphere", "ellipsoid", "cone"]
-FITTED = {"cone": "truncated cone"}
-"""A cone is fitted with a free top: no map shows its tip."""
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class PartRule:
-    """One part of a kind of object."""
-
-    role: str
-    shapes: Annotated[tuple[UprightShape, ...], Field(min_length=1)]
-    """Any of these."""
-    slenderness: tuple[NonNegative, NonNegative] | None = None
-    """Bounds of its height over its radius; of a cone, over what its radius falls by."""
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class Kind:
-    """One name, and what a thing must be to get it."""
-
-    name: Annotated[str, Field(min_length=1)]
-    parts: Annotated[tuple[PartRule, ...], Field(min_length=1, max_length=3)]
-    """From the ground up."""
-    ratio: tuple[NonNegative, NonNegative] | None = None
-    """Bounds of the lowest part's largest radius over that of the part on it."""
-
-    @property
-    def stacks(self) -> list[tuple[str, ...]]:
-        """Every combination of fitted shapes that the parts allow; a cone may be truncated."""
-        fitted = ({FITTED.get(shape, shape): None for shape in part.shapes} for part in self.parts)
-        return list(itertools.product(*fitted))
+FOLDER = Path(__file__).with_name("catalogues")
+NONE = "none"
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Catalogue:
-    """All names."""
+    """All names of a file."""
 
     object: Annotated[tuple[Kind, ...], Field(min_length=1)]
 
 
-def read_catalogue(path: Path | None = None) -> tuple[Kind, ...]:
-    """The kinds of a catalogue file, by default the shipped one.
+def shipped_names() -> list[str]:
+    """Names of the catalogues that come with recon; "none" holds no kind."""
+    return [*sorted(path.stem for path in FOLDER.glob("*.toml")), NONE]
+
+
+def read_catalogues(names: Sequence[str]) -> tuple[Kind, ...]:
+    """The kinds of several catalogues, each a shipped name or a file.
 
     Raises
     ------
     InputError
-        Naming the file and its first fault.
+        For a catalogue that is nowhere, with the file, line and fault of one that is wrong, and
+        where two kinds have one name.
     """
-    source = SHIPPED if path is None else path
+    kinds: dict[str, Kind] = {}
+    for name in names:
+        for kind in () if name == NONE else read_catalogue(_path(name)):
+            if kind.name in kinds:
+                raise InputError(f"{name}: {kind.name!r} is there already; a name is needed once")
+            kinds[kind.name] = kind
+    return tuple(kinds.values())
+
+
+def _path(name: str) -> Path:
+    shipped = FOLDER / f"{name}.toml"
+    path = shipped if shipped.is_file() and name == Path(name).name else Path(name)
+    if not path.is_file():
+        known = ", ".join(shipped_names())
+        raise InputError(f"catalogue is {name!r}, but a TOML file or one of {known} is needed")
+    return path
+
+
+def read_catalogue(path: Path) -> tuple[Kind, ...]:
+    """The kinds of a catalogue file.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the line and the first fault.
+    """
     try:
-        with source.open("rb") as file:
-            return TypeAdapter(Catalogue).validate_python(tomllib.load(file)).object
+        text = path.read_text(encoding="utf-8")
+        kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(tomllib.loads(text)).object
     except OSError as error:
-        raise InputError(f"{source}: {error.strerror}, but a catalogue is needed") from error
+        raise InputError(f"{path}: {error.strerror}, but a catalogue is needed") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{source} is no TOML: {error}") from error
+        raise InputError(f"{path} is not TOML: {error}") from error
     except ValidationError as error:
         fault = error.errors()[0]
-        place = ".".join(map(str, fault["loc"]))
-        raise InputError(f"{source}: {place}: {fault['msg']}") from error
+        place = ".".join(map(str, fault["loc"])) or "catalogue"
+        message = fault["msg"].removeprefix("Value error, ")
+        raise InputError(f"{path}:{line_of(text, fault['loc'])}: {place}: {message}") from error
+    return kinds
+
+
+def line_of(text: str, location: Sequence[Any]) -> int:
+    """Number of the line of a TOML text that a location like ("object", 1, "name") points at.
+
+    Where the value itself is not there, that of the table which should hold it.
+    """
+    lines = text.splitlines() or [""]
+    low, high = 0, len(lines)
+    if len(location) > 1:
+        low, high = _nth_block(lines, r"\s*\[\[\s*object\s*\]\]", int(location[1]), low, high)
+    steps = list(location[2:])
+    if steps[:1] == ["parts"] and len(steps) > 1:
+        part = r"\s*(\[\[\s*object\s*\.\s*parts\s*\]\]|.*\{.*\brole\b)"
+        low, high = _nth_block(lines, part, int(steps[1]), low, high)
+        steps = steps[2:]
+    keys = [re.compile(rf"(^|[\s{{,.]){re.escape(str(step))}\s*[=.]") for step in steps]
+    named = [row for row in range(low, high) if any(key.search(lines[row]) for key in keys)]
+    return (named[-1] if len(keys) > 1 and named else named[0] if named else low) + 1
+
+
+def _nth_block(
+    lines: list[str], opening: str, number: int, low: int, high: int
+) -> tuple[int, int]:
+    """First and last row of the block that the nth opening begins."""
+    starts = [row for row in range(low, high) if re.match(opening, lines[row])]
+    if number >= len(starts):
+        return low, high
+    return starts[number], starts[number + 1] if number + 1 < len(starts) else high

@@ -1,15 +1,20 @@
-"""What cells may be: each kind of the catalogue, a thing of no kind, or nothing."""
+"""Hypotheses about cells: each kind of the catalogue, one solid of no kind, or nothing."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.composite import Stack, fit_stack, solids
-from recon.recognition.fitting.shapes import SAMPLE, candidates
-from recon.recognition.naming.catalogue import Kind
+from recon.recognition.fitting.composite import Composite, fit_composite, solids
+from recon.recognition.fitting.shapes import Candidate, candidates
+from recon.recognition.naming.assembly import Assembly, assemblies
 from recon.recognition.naming.colour_consistency import colour_opinions
-from recon.recognition.naming.visibility import is_hovering, unseen_parts
+from recon.recognition.naming.descriptors import describe
+from recon.recognition.naming.kinds import Kind
+from recon.recognition.naming.limits import RATIO_SPREAD, log_within, size_chance
+from recon.recognition.naming.probability import NEARNESS, Evidence
+from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
 from recon.records import FitFailure, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -18,21 +23,21 @@ FORMLESS_NOISE = 0.5
 """Scale of the residuals, in cells, that a thing of no form would leave."""
 MEAN_DEVIANCE = 2.27
 """(nu + 1) E[log(1 + t^2 / nu)] of Student-t noise of nu = 3 degrees of freedom."""
-MOST_CELLS = 2000
+MOST_CELLS = 600
 """Cells a fit is made on: more do not change it."""
 INDEPENDENT_CELLS = 60.0
 """Cells of an object err together: all of them weigh no more than so many that do not. Set where
 probabilities come true over simulated orbits."""
-RATIO_SPREAD = 0.05
-"""Standard deviation of a ratio of sizes, over which the bounds of the catalogue blur."""
 LOG_NO_KIND = -4.0
-"""Log of how much rarer a stack of no kind is than one of the catalogue."""
+"""Log of how much rarer a composite of no kind is than one of the catalogue."""
 LARGEST_TO_EXTENT = 2.0
 """A fit larger than so many times the extent of its cells is none."""
+ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}
+"""Solids that fit whatever a simpler one fits: they are not its rivals."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Explanation:
+class Hypothesis:
     """One thing that cells may be, and how likely it is."""
 
     kind: Kind | None
@@ -41,20 +46,67 @@ class Explanation:
     """Log of its likelihood, up to a constant of the object."""
     criterion: float
     """BIC a cell, less that of a thing of no form: the lower, the better the cells are known."""
-    stack: Stack | None = None
+    whole: float = 0.0
+    """Probability that it is of its kind, whole and seen enough, if it is of a kind."""
+    seen: float | None = None
+    """Share of the surface of its solids that cells cover."""
+    composite: Composite | None = None
     """The whole fit; None for a single solid and for nothing."""
     solids: tuple[Solid, ...] = ()
     """From the ground up."""
+    roles: tuple[str, ...] = ()
+    """Of the solids, where they are not one for each part of the kind."""
 
 
-def explain(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Explanation]:
-    """All explanations of the cells of one object that stands on the ground; at least one."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Case:
+    """The cells of one object, and what is known of them whatever the kind."""
+
+    cells: Voxels
+    """At most `MOST_CELLS` of them."""
+    ground: float
+    """Height of what it stands on."""
+    is_metric: bool
+    """Whether lengths are metres."""
+    alone: tuple[Candidate, ...]
+    """Lone solids through the cells, the best first."""
+
+    @property
+    def formless(self) -> float:
+        """Deviance a cell that a thing of no form would leave on average."""
+        return MEAN_DEVIANCE + 2.0 * float(np.log(FORMLESS_NOISE * self.cells.cell_size))
+
+    def criterion(self, bic: float) -> float:
+        """BIC a cell, less that of a thing of no form."""
+        return bic / len(self.cells) - self.formless
+
+    def evidence(self, criterion: float) -> float:
+        """Log likelihood of a fit, as far as its cells are independent."""
+        return -0.5 * criterion * min(INDEPENDENT_CELLS, len(self.cells))
+
+
+def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
+    """The case of one object that stands on the ground."""
     cells = _thinned(voxels)
-    of_no_kind = [
-        Explanation(kind=None, evidence=_evidence(0.0, len(cells)), criterion=0.0),
-        *_alone(cells, ground),
+    alone = candidates(cells.means, _weights(cells))
+    return Case(
+        cells=cells,
+        ground=ground,
+        is_metric=is_metric,
+        alone=() if isinstance(alone, FitFailure) else alone,
+    )
+
+
+def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
+    """All hypotheses about the cells of one object; at least that it is nothing known."""
+    return [
+        *_upright(case, tuple(kind for kind in kinds if kind.is_upright and len(kind.parts) > 1)),
+        *_lone(case, [kind for kind in kinds if len(kind.parts) == 1]),
+        *_assembled(case, kinds),
+        *_learned(case, [kind for kind in kinds if kind.learned]),
+        Hypothesis(kind=None, evidence=case.evidence(0.0), criterion=0.0),
+        *_of_no_kind(case),
     ]
-    return [*_whole(cells, ground, kinds), *of_no_kind]
 
 
 def _thinned(voxels: Voxels) -> Voxels:
@@ -64,83 +116,157 @@ def _thinned(voxels: Voxels) -> Voxels:
     return voxels.select(np.sort(rows))
 
 
-def _evidence(criterion: float, num_cells: int) -> float:
-    return -0.5 * criterion * min(INDEPENDENT_CELLS, num_cells)
-
-
-def _formless(cells: Voxels) -> float:
-    """Deviance a cell that a thing of no form would leave on average."""
-    return MEAN_DEVIANCE + 2.0 * float(np.log(FORMLESS_NOISE * cells.cell_size))
-
-
 def _weights(cells: Voxels) -> Array:
     """Cells of few points lie off the surface more often than on it."""
     weights: Array = np.clip(cells.counts / np.median(cells.counts), 0.1, 4.0)
     return weights
 
 
-def _alone(cells: Voxels, ground: float) -> list[Explanation]:
+def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
     """One solid, if the cells reach down to the ground."""
-    ranked = candidates(cells.means, _weights(cells))
-    if is_hovering(cells, ground) or isinstance(ranked, FitFailure):
-        return []
-    criterion = ranked[0].bic / min(len(cells), SAMPLE) - _formless(cells)
-    evidence = _evidence(criterion, len(cells))
-    solid = (ranked[0].solid,)
-    return [Explanation(kind=None, evidence=evidence, criterion=criterion, solids=solid)]
+    if case.alone and not is_hovering(case.cells, case.ground):
+        best = case.alone[0]
+        criterion = case.criterion(best.bic)
+        yield Hypothesis(
+            kind=None,
+            evidence=case.evidence(criterion),
+            criterion=criterion,
+            solids=(best.solid,),
+        )
 
 
-def _whole(cells: Voxels, ground: float, kinds: tuple[Kind, ...]) -> list[Explanation]:
-    """Whole fits of every combination of shapes that the kinds know, with and without a name."""
+def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
+    """Fits of every combination of shapes that the kinds know, with and without a name."""
+    cells, ground = case.cells, case.ground
     weights = _weights(cells)
-    combinations = sorted({shapes for kind in kinds for shapes in kind.stacks})
+    combinations = sorted({shapes for kind in kinds for shapes in kind.composites})
     fits = [
-        fit_stack(shapes, cells.means, ground, cells.cell_size, weights) for shapes in combinations
+        fit_composite(shapes, cells.means, ground, cells.cell_size, weights)
+        for shapes in combinations
     ]
     fits = [fit for fit in fits if _is_whole(fit.state, cells)]
     opinions = colour_opinions([fit.state for fit in fits], cells)
-    found = []
     for fit, opinion in zip(fits, opinions, strict=True):
-        criterion = fit.bic / len(cells) - _formless(cells)
-        evidence = _evidence(criterion, len(cells)) + opinion
-        chances: list[tuple[Kind | None, float]] = [
-            (kind, _log_chance(fit.state, kind, cells))
-            for kind in kinds
-            if fit.state.shapes in kind.stacks
-        ]
-        found += [
-            Explanation(
-                kind=kind,
-                evidence=evidence + chance,
-                criterion=criterion,
-                stack=fit.state,
-                solids=tuple(solids(fit.state)),
-            )
-            for kind, chance in [*chances, (None, LOG_NO_KIND)]
-        ]
-    return found
+        criterion = case.criterion(fit.bic)
+        of_no_kind = Hypothesis(
+            kind=None,
+            evidence=case.evidence(criterion) + opinion + LOG_NO_KIND,
+            criterion=criterion,
+            composite=fit.state,
+            solids=tuple(solids(fit.state)),
+        )
+        yield of_no_kind
+        own = [kind for kind in kinds if fit.state.shapes in kind.composites]
+        chances = [_log_chance(fit.state, kind, cells) for kind in own]
+        if np.isfinite(chances).any():
+            seen = coverage(of_no_kind.solids, cells)
+            evidence = _evidence(case, fit.state, criterion, seen)
+            for kind, chance in zip(own, chances, strict=True):
+                yield _rated(case, of_no_kind, kind, chance - LOG_NO_KIND, evidence)
 
 
-def _is_whole(stack: Stack, cells: Voxels) -> bool:
-    """Whether the stack is of the cells' size and all parts above the lowest are seen."""
+def _evidence(case: Case, composite: Composite, criterion: float, seen: Array) -> Evidence:
+    """What speaks for a fit of upright parts."""
+    rival = case.criterion(case.alone[0].bic) if case.alone else 0.0
+    narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
+    return Evidence(
+        criterion=criterion,
+        lead=rival - criterion,
+        seen=seen,
+        widths=narrowest / case.cells.cell_size,
+    )
+
+
+def _rated(
+    case: Case, found: Hypothesis, kind: Kind, chance: float, evidence: Evidence
+) -> Hypothesis:
+    """A fit as one of a kind: as likely as its sizes and what is seen allow."""
+    sizes = size_chance(kind, found.solids, case.cells) if case.is_metric else 1.0
+    seen = float(evidence.seen.mean())
+    whole = evidence.probability * sizes if seen >= kind.min_seen else 0.0
+    return replace(
+        found,
+        kind=kind,
+        evidence=found.evidence + chance + float(np.log(max(sizes, 1e-9))),
+        whole=whole,
+        seen=seen,
+    )
+
+
+def _is_whole(composite: Composite, cells: Voxels) -> bool:
+    """Whether the composite is of the cells' size and all parts above the lowest are seen."""
     extent = float(np.ptp(cells.means, axis=0).max())
-    within = max(2.0 * stack.widest.max(), stack.heights[-1] - cells.means[:, 1].min())
-    return bool(within < LARGEST_TO_EXTENT * extent and not unseen_parts(stack, cells)[1:].any())
+    within = max(2.0 * composite.widest.max(), composite.heights[-1] - cells.means[:, 1].min())
+    unseen = unseen_parts(composite, cells)[1:]
+    return bool(within < LARGEST_TO_EXTENT * extent and not unseen.any())
 
 
-def _log_chance(stack: Stack, kind: Kind, cells: Voxels) -> float:
+def _log_chance(composite: Composite, kind: Kind, cells: Voxels) -> float:
     """Log of the chance that the ratios of sizes lie within the kind's bounds."""
-    widths = np.maximum(stack.widest, 1e-9)
+    widths = np.maximum(composite.widest, 1e-9)
     bounds = [part.slenderness for part in kind.parts]
-    ratios = list(stack.slenderness)
+    ratios = list(composite.slenderness)
     if len(widths) > 1:
         # What holds up a crown and is not seen itself is thin.
-        ratios.append(0.0 if unseen_parts(stack, cells)[0] else widths[0] / widths[1])
+        ratios.append(0.0 if unseen_parts(composite, cells)[0] else widths[0] / widths[1])
         bounds.append(kind.ratio)
-    return sum(_within(r, limits) for r, limits in zip(ratios, bounds, strict=True) if limits)
+    pairs = zip(ratios, bounds, strict=True)
+    return sum(log_within(ratio, limits, RATIO_SPREAD) for ratio, limits in pairs if limits)
 
 
-def _within(ratio: float, limits: tuple[float, float]) -> float:
-    """Log of the chance that a ratio lies within its limits, which blur a little."""
-    excess = max(limits[0] - ratio, ratio - limits[1]) / RATIO_SPREAD
-    return -np.inf if excess > 2.0 else -float(np.logaddexp(0.0, 2.0 * excess))
+def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
+    """Kinds that are one solid, however it lies."""
+    for kind in kinds:
+        rule = kind.parts[0]
+        for one in case.alone:
+            shape = one.solid.kind
+            if shape.removeprefix("truncated ") not in rule.shapes:
+                continue
+            others = {shape, *rule.shapes, *ALSO_FITS.get(shape, ())}
+            rivals = [other.bic for other in case.alone if other.solid.kind not in others]
+            criterion = case.criterion(one.bic)
+            rival = min([case.criterion(bic) for bic in rivals], default=0.0)
+            seen = coverage([one.solid], case.cells)
+            width = float(np.ptp(case.cells.means, axis=0).min()) / case.cells.cell_size
+            evidence = Evidence(
+                criterion=criterion, lead=rival - criterion, seen=seen, widths=np.array([width])
+            )
+            found = Hypothesis(
+                kind=None,
+                evidence=case.evidence(criterion),
+                criterion=criterion,
+                solids=(one.solid,),
+            )
+            yield _rated(case, found, kind, 0.0, evidence)
+
+
+def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
+    """Kinds of parts beside and under each other."""
+    wanted = [kind for kind in kinds if len(kind.parts) > 1 and not kind.is_upright]
+    found: list[Assembly] = assemblies(case.cells, case.ground, wanted) if wanted else []
+    for one in found:
+        sizes = size_chance(one.kind, one.solids, case.cells) if case.is_metric else 1.0
+        seen = one.seen
+        yield Hypothesis(
+            kind=one.kind,
+            evidence=case.evidence(one.criterion) + float(np.log(max(sizes, 1e-9))),
+            criterion=one.criterion,
+            whole=one.probability * sizes if seen >= one.kind.min_seen else 0.0,
+            seen=seen,
+            solids=one.solids,
+            roles=one.roles,
+        )
+
+
+def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
+    """Kinds that are as their examples were."""
+    described = describe(case.cells) if kinds else {}
+    for kind in kinds:
+        if kind.learned is not None:
+            distance = kind.learned.distance(described) / kind.learned.threshold
+            yield Hypothesis(
+                kind=kind,
+                evidence=-0.5 * (2.0 * distance) ** 2,
+                criterion=0.0,
+                whole=float(NEARNESS.chance(-float(np.log(max(distance, 1e-9))))),
+            )

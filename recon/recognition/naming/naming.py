@@ -1,15 +1,15 @@
-"""Which kind of the catalogue an object is: the likeliest of its explanations."""
+"""Naming: which kind of the catalogue an object is, and how probable that is."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.colour import mean_hue_deg
 from recon.recognition.fitting.composite import solids
-from recon.recognition.naming.catalogue import Kind
-from recon.recognition.naming.hypotheses import Explanation, explain
+from recon.recognition.naming.hypotheses import Hypothesis, a_case, hypotheses
+from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.visibility import is_hovering, unseen_parts, with_thin_body
 from recon.records import UNKNOWN, FoundObject, Part, Solid, Voxels
 
@@ -19,6 +19,12 @@ GHOST_CELLS = 100
 """Cells from which a thing over the ground is one whose foot is hidden, not false matches."""
 HOVERING_CELLS = 40
 """Cells that a crown needs to stand for a whole object whose body is not seen."""
+NO_KIND_FITS = "no kind of the catalogue fits"
+NOT_ASKED = "no catalogue was asked"
+NUM_NEAREST = 3
+"""Kinds that are said to be nearest."""
+SAID = 0.001
+"""Kinds less probable than this are not near."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,11 +32,16 @@ class Naming:
     """What one object was found to be."""
 
     label: str
-    probability: float
+    probability: float | None
     centre: Array
     size: Array
     parts: tuple[Part, ...] = ()
     failures: list[str] = field(default_factory=list)
+    nearest: tuple[tuple[str, float], ...] = ()
+    seen: float | None = None
+    """Share of the surface of its solids that cells cover; None where it has none."""
+    solid: Solid | None = None
+    """The lone solid that fits its cells best."""
     deviance: float = 0.0
     """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
     is_hovering: bool = False
@@ -46,26 +57,66 @@ class Naming:
             size=self.size,
             num_voxels=num_voxels,
             parts=self.parts,
+            reason=self.failures[0] if self.failures else None,
+            nearest=self.nearest,
+            seen=self.seen,
         )
 
 
-def name_object(voxels: Voxels, ground: float, kinds: tuple[Kind, ...]) -> Naming:
+def name_object(
+    voxels: Voxels, ground: float, kinds: tuple[Kind, ...], is_metric: bool = False
+) -> Naming:
     """Name the object that `voxels` are the cells of.
 
     Parameters
     ----------
     ground : float
         Height it stands on, world.
+    is_metric : bool
+        Whether lengths are metres, in which kinds give theirs.
     """
-    explanations = explain(voxels, ground, kinds)
-    logs = np.array([one.evidence for one in explanations])
+    case = a_case(voxels, ground, is_metric)
+    found = hypotheses(case, kinds)
+    lone = case.alone[0].solid if case.alone else None
+    chances = _chances(found)
+    ranked = sorted(chances.items(), key=lambda pair: -pair[1][0])
+    nearest = tuple((name, chance) for name, (chance, _) in ranked[:NUM_NEAREST] if chance > SAID)
+    of_no_kind = 1.0 - sum(chance for chance, _ in chances.values())
+    if ranked and ranked[0][1][0] > of_no_kind:
+        chance, best = ranked[0][1]
+        named = _named(voxels, ground, best, chance)
+        return replace(named, nearest=nearest, solid=lone)
+    best = max((one for one in found if one.kind is None), key=lambda one: one.evidence)
+    unnamed = _unnamed(voxels, ground, best, of_no_kind if kinds else None)
+    reason = _reason(ranked[0][1][1] if nearest else None) if kinds else NOT_ASKED
+    return replace(unnamed, nearest=nearest, failures=[reason], solid=lone)
+
+
+def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
+    """Probability of each kind's name, and its likeliest hypothesis.
+
+    P(name) = P(kind | it is of a kind) P(whole, and seen enough).
+    """
+    best: dict[str, Hypothesis] = {}
+    for one in found:
+        if one.kind is not None and np.isfinite(one.evidence):
+            rival = best.get(one.kind.name)
+            if rival is None or one.evidence > rival.evidence:
+                best[one.kind.name] = one
+    if not best:
+        return {}
+    logs = np.array([one.evidence for one in best.values()])
     shares = np.exp(logs - logs.max())
-    best = explanations[int(np.argmax(logs))]
-    alike = np.array([one.kind is best.kind for one in explanations])
-    probability = float(shares[alike].sum() / shares.sum())
-    if best.kind is None:
-        return _unnamed(voxels, ground, best, probability)
-    return _named(voxels, ground, best, best.kind, probability)
+    shares /= shares.sum()
+    pairs = zip(best.items(), shares, strict=True)
+    return {name: (float(share) * one.whole, one) for (name, one), share in pairs}
+
+
+def _reason(nearest: Hypothesis | None) -> str:
+    """Why a thing has no name."""
+    if nearest is None or nearest.kind is None:
+        return NO_KIND_FITS
+    return f"too little speaks for a {nearest.kind.name}, which comes nearest"
 
 
 def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
@@ -74,42 +125,47 @@ def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
     size = high - low
     size[1] = high[1] - ground
     return Naming(
-        label=UNKNOWN, probability=1.0, centre=(low + high) / 2.0, size=size, failures=[reason]
+        label=UNKNOWN, probability=None, centre=(low + high) / 2.0, size=size, failures=[reason]
     )
 
 
-def _unnamed(voxels: Voxels, ground: float, best: Explanation, probability: float) -> Naming:
+def _unnamed(voxels: Voxels, ground: float, best: Hypothesis, chance: float | None) -> Naming:
     """An object of no kind, in the box of its cell means."""
     roles = ("body", *(f"top {number}" for number in range(1, len(best.solids))))
-    box = unknown(voxels, ground, "no kind of the catalogue fits")
-    return Naming(
-        label=UNKNOWN,
-        probability=probability,
-        centre=box.centre,
-        size=box.size,
+    box = unknown(voxels, ground, NO_KIND_FITS)
+    return replace(
+        box,
+        probability=chance,
         parts=_parts(voxels, roles, best.solids),
-        failures=box.failures,
         deviance=best.criterion * len(voxels),
         is_hovering=len(voxels) < GHOST_CELLS and is_hovering(voxels, ground),
     )
 
 
-def _named(
-    voxels: Voxels, ground: float, best: Explanation, kind: Kind, probability: float
-) -> Naming:
-    """An object of a kind, in the box of its solids."""
-    assert best.stack is not None
-    stack = with_thin_body(best.stack, voxels)
-    held = not unseen_parts(best.stack, voxels)[0] and not is_hovering(voxels, ground)
-    width = 2.0 * float(stack.widest.max())
-    top = float(stack.heights[-1])
-    return Naming(
-        label=kind.name,
-        probability=probability,
-        centre=np.array([stack.axis[0], (ground + top) / 2.0, stack.axis[1]]),
-        size=np.array([width, top - ground, width]),
-        parts=_parts(voxels, [part.role for part in kind.parts], solids(stack)),
+def _named(voxels: Voxels, ground: float, best: Hypothesis, chance: float) -> Naming:
+    """An object of a kind: upright ones in the box of their solids, others in that of cells."""
+    assert best.kind is not None
+    box = replace(
+        unknown(voxels, ground, ""),
+        label=best.kind.name,
+        probability=chance,
+        failures=[],
+        seen=best.seen,
         deviance=best.criterion * len(voxels),
+    )
+    if best.composite is None:
+        roles = best.roles or [part.role for part in best.kind.parts]
+        hovers = len(voxels) < HOVERING_CELLS and is_hovering(voxels, ground)
+        return replace(box, parts=_parts(voxels, roles, best.solids), is_hovering=hovers)
+    composite = with_thin_body(best.composite, voxels)
+    held = not unseen_parts(best.composite, voxels)[0] and not is_hovering(voxels, ground)
+    width = 2.0 * float(composite.widest.max())
+    top = float(composite.heights[-1])
+    return replace(
+        box,
+        centre=np.array([composite.axis[0], (ground + top) / 2.0, composite.axis[1]]),
+        size=np.array([width, top - ground, width]),
+        parts=_parts(voxels, [part.role for part in best.kind.parts], solids(composite)),
         is_hovering=len(voxels) < HOVERING_CELLS and not held,
     )
 

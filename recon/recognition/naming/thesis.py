@@ -5,7 +5,7 @@ import numpy as np
 from recon.recognition.colour import mean_hue_deg
 from recon.recognition.fitting.quadrics import half_axes_sq, quadric_shape, thesis_quadric
 from recon.recognition.fitting.shapes import from_points
-from recon.recognition.naming.catalogue import Kind
+from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming, unknown
 from recon.recognition.segments.segmentation import grow_hue
 from recon.records import FitFailure, Part, Voxels

@@ -1,18 +1,27 @@
 """What of an object is seen, and what must be there although it is not."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from recon.recognition.fitting.composite import Stack, StackModel
-from recon.records import Voxels
+from recon.recognition.fitting.composite import Composite, CompositeModel
+from recon.recognition.fitting.surface_points import area, surface
+from recon.records import Solid, Voxels
+
+Array = NDArray[np.float64]
 
 UNSEEN = 0.1
 """A part is unseen that has less of its surface in cells than this share of the best seen one."""
 HOVERING = 0.15
 """Share of its height that an object's lowest cell may be over the ground: what hovers higher is
 held by something that is not seen."""
+NEAR_CELLS = 1.25
+"""A cell is on a place of a surface that is nearer than so many cells."""
+NUM_PLACES = 200
+"""Places of a part that are looked at: its share is right to 0.035."""
 TRUNK = 0.3
 """Radius of a body that is not seen, as a share of its crown's."""
 
@@ -23,18 +32,33 @@ def is_hovering(cells: Voxels, ground: float) -> bool:
     return bool(low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size)
 
 
-def unseen_parts(stack: Stack, cells: Voxels) -> NDArray[np.bool_]:
+def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
     """(parts,) which parts have next to no cells for their surface."""
-    _, _, nearest = StackModel(cells.means).nearest(stack)
-    counts = np.bincount(nearest, minlength=len(stack.shapes))
-    density = counts / np.maximum(stack.areas, cells.cell_size**2)
+    _, _, nearest = CompositeModel(cells.means).nearest(composite)
+    counts = np.bincount(nearest, minlength=len(composite.shapes))
+    density = counts / np.maximum(composite.areas, cells.cell_size**2)
     unseen: NDArray[np.bool_] = density < UNSEEN * density.max()
     return unseen
 
 
-def with_thin_body(stack: Stack, cells: Voxels) -> Stack:
-    """The stack, its lowest part no wider than a trunk where it is not seen."""
-    if not unseen_parts(stack, cells)[0] or not len(stack.radii[0]):
-        return stack
-    radius = np.minimum(stack.radii[0], TRUNK * stack.widest[1:].max(initial=0.0))
-    return replace(stack, radii=(radius, *stack.radii[1:]))
+def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
+    """The composite, its lowest part no wider than a trunk where it is not seen."""
+    if not unseen_parts(composite, cells)[0] or not len(composite.radii[0]):
+        return composite
+    radius = np.minimum(composite.radii[0], TRUNK * composite.widest[1:].max(initial=0.0))
+    return replace(composite, radii=(radius, *composite.radii[1:]))
+
+
+def coverage(parts: Sequence[Solid], cells: Voxels) -> Array:
+    """Share (parts,) of the surface of each solid that has a cell near it."""
+    tree = cKDTree(cells.means)
+    reach = NEAR_CELLS * cells.cell_size
+    shares = []
+    for part in parts:
+        if area(part) <= 0.0:
+            shares.append(0.0)
+            continue
+        places = surface([part], NUM_PLACES, np.random.default_rng(0)).points
+        distances, _ = tree.query(places, distance_upper_bound=reach)
+        shares.append(float(np.isfinite(distances).mean()))
+    return np.array(shares)

@@ -1,4 +1,4 @@
-"""Which cells belong together: connected components with a gap."""
+"""Components: cells that hang together, by their numbers or by how densely they lie."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,6 +6,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+NUM_LINKS = 24
+"""Neighbours that a point may be linked to: as many as lie within the reach on a surface."""
+SPACING_RANK = 6
+"""The spacing at a point is the distance of this neighbour, the outermost ring on a surface."""
+LINK_SPACINGS = 2.0
+"""Points nearer than so many spacings belong together."""
 ON_AXIS = 0.6
 """Middles of two parts of one object are nearer than this share of the wider one's reach."""
 SIDE_BY_SIDE = 0.5
@@ -29,6 +35,31 @@ def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
         0, 1, ... in the order of each component's first cell.
     """
     return joined(neighbours(index, reach), len(index))
+
+
+def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
+    """Number of the component of each point; the reach of a link follows the density of points.
+
+    Parameters
+    ----------
+    points : (K, 3) float64
+    least : float
+        Points that lie nearer together belong together, however dense the rest is.
+
+    Returns
+    -------
+    label : (K,) int32
+        0, 1, ... in the order of each component's first point.
+    """
+    count = min(NUM_LINKS, len(points))
+    if count < 2:
+        return np.arange(len(points), dtype=np.int32)
+    distances, near = cKDTree(points).query(points, k=count)
+    spacing = distances[:, min(SPACING_RANK, count - 1)]
+    # The denser side decides: a speck far off joins nothing.
+    reach = np.maximum(LINK_SPACINGS * np.minimum(spacing[:, None], spacing[near]), least)
+    first, slot = np.nonzero(distances <= reach)
+    return joined(np.column_stack([first, near[first, slot]]), len(points))
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:

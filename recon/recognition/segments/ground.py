@@ -1,4 +1,4 @@
-"""Where the ground is."""
+"""The ground: as set, or the largest level plane."""
 
 import numpy as np
 from numpy.typing import NDArray

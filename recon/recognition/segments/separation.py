@@ -7,13 +7,17 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.naming.naming import Naming
+from recon.recognition.fitting.shapes import fit
 from recon.recognition.segments.components import neighbours
+from recon.recognition.segments.convexity import convex_pieces
 from recon.records import UNKNOWN, Voxels
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Piece = tuple[Naming, Rows]
+Namer = Callable[[Rows], Naming]
+"""Names the object that rows of the map are."""
 
 EXPLAINED = 1.0
 """Deviance a cell, under that of a thing of no form, from which one object is enough."""
@@ -24,6 +28,14 @@ TOGETHER = 0.5
 WAIST, WIDE_WAIST = 1.6, 2.4
 """Touching cells over the root of a side's cells, of things without a name and with one: 2.5 where
 a closed shell is cut in half."""
+SMALLEST_PIECE = 0.03
+"""Share of the cells of a thing that a piece of it must have."""
+PIECES_SHARE, EXPLAINED_SHARE = 0.8, 0.7
+"""Share of a thing's cells on pieces that are solids, and share of a piece's cells on its solid."""
+ON_SOLID_CELLS = 0.75
+"""A cell nearer than this share of a cell lies on a solid."""
+MOST_FITTED = 300
+"""Cells of a piece that a solid is fitted to."""
 MOST_ROUNDS = 20
 APART = 0.5
 """Fall of the deviance a cell from which two objects are believed instead of one."""
@@ -32,7 +44,7 @@ MOST_OBJECTS = 8
 
 
 def separate(
-    whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Callable[[Rows], Naming]
+    whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Namer
 ) -> list[Piece]:
     """The objects that a piece of the map is: itself, or more where more fit better.
 
@@ -53,7 +65,7 @@ def separate(
     return done
 
 
-def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
+def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
     """Pieces that stand in one place as one object: a crown seen from two sides is one.
 
     Parameters
@@ -78,6 +90,42 @@ def reunite(pieces: list[Piece], name: Callable[[Rows], Naming]) -> list[Piece]:
     return done
 
 
+def cut_at_creases(
+    whole: Piece, voxels: Voxels, eyes: Array | None, min_voxels: int, name: Namer
+) -> list[Piece]:
+    """A thing without a name as its convex pieces, where solids explain these.
+
+    Convexity alone breaks single things: it is believed where most cells lie on pieces that are
+    solids, each of its own.
+
+    Parameters
+    ----------
+    eyes : (V, 3) float64, optional
+        Places of the views.
+    """
+    naming, rows = whole
+    if naming.label != UNKNOWN or len(rows) < 2 * min_voxels:
+        return [whole]
+    cells = voxels.select(rows)
+    smallest = max(min_voxels, int(SMALLEST_PIECE * len(rows)))
+    piece = convex_pieces(cells, None if eyes is None else eyes.mean(axis=0), smallest)
+    parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
+    known = sum(len(part) for part in parts if _is_solid(cells.select(part)))
+    if len(parts) < 2 or known < PIECES_SHARE * len(rows):
+        return [whole]
+    return [(name(rows[part]), rows[part]) for part in parts]
+
+
+def _is_solid(cells: Voxels) -> bool:
+    """Whether one solid explains a piece."""
+    step = max(1, len(cells) // MOST_FITTED)
+    solid = fit(cells.means[::step])
+    if not solid:
+        return False
+    on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
+    return bool(on_it.mean() >= EXPLAINED_SHARE)
+
+
 def _in_one_place(first: Naming, second: Naming) -> bool:
     """Whether the middle of one lies inside the other, which has a name."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
@@ -86,7 +134,7 @@ def _in_one_place(first: Naming, second: Naming) -> bool:
 
 
 def _halves(
-    whole: Piece, voxels: Voxels, min_voxels: int, name: Callable[[Rows], Naming]
+    whole: Piece, voxels: Voxels, min_voxels: int, name: Namer
 ) -> list[Piece]:
     """Two objects that explain the cells better than one; empty where none do."""
     naming, rows = whole

@@ -1,0 +1,57 @@
+"""The description of every object, named or not."""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.naming.visibility import coverage
+from recon.recognition.segments.boxes import upright_box
+from recon.records import BoundingBox, ExplainingSolid, FoundObject, Plane, Solid, Voxels
+
+Array = NDArray[np.float64]
+
+ON_SOLID_CELLS = 0.75
+"""A cell nearer than this share of a cell lies on a solid."""
+
+
+def described(
+    found: FoundObject, solid: Solid | None, cells: Voxels, unit: Literal["m"] | None
+) -> FoundObject:
+    """The object with its box, colour, best solid and what of it is seen.
+
+    Parameters
+    ----------
+    solid : Solid, optional
+        The lone one that fits its cells best.
+    cells : Voxels
+        Its own, in the frame of the object.
+    """
+    seen = found.seen
+    if seen is None and solid is not None and not isinstance(solid, Plane):
+        seen = float(coverage([solid], cells)[0])
+    return replace(
+        found,
+        box=bounding_box(cells, unit),
+        colour=dominant_colour(cells),
+        solid=solid and ExplainingSolid(solid=solid, explained=explained(solid, cells)),
+        seen=None if seen is None else round(seen, 6),
+    )
+
+
+def bounding_box(cells: Voxels, unit: Literal["m"] | None) -> BoundingBox:
+    """The upright box of the cells' means."""
+    box = upright_box(cells.means)
+    return BoundingBox(centre=box.centre, axes=box.axes, sizes=box.sizes, unit=unit)
+
+
+def explained(solid: Solid, cells: Voxels) -> float:
+    """Share of the cells that lie on a solid."""
+    return float((solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size).mean())
+
+
+def dominant_colour(cells: Voxels) -> tuple[int, int, int]:
+    """The colour that lies in the middle of most cells: their median by channel."""
+    red, green, blue = np.median(cells.colours, axis=0).astype(int).tolist()
+    return red, green, blue

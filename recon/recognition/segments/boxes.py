@@ -1,0 +1,38 @@
+"""The upright box of least footprint."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+from recon.records import Box
+
+Array = NDArray[np.float64]
+
+BULK = (0.01, 0.99)
+"""Shares of the points below the ends of a box: the few beyond them are false."""
+
+
+def upright_box(points: Array) -> Box:
+    """The box (y up) of least footprint round the bulk of points (N, 3)."""
+    floor = points[:, ::2]
+    turns = _edge_directions(floor)
+    along = floor @ np.stack([np.cos(turns), np.sin(turns)])
+    across = floor @ np.stack([-np.sin(turns), np.cos(turns)])
+    lows, highs = (np.stack([np.quantile(a, q, axis=0) for a in (along, across)]) for q in BULK)
+    best = int(np.argmin(np.prod(highs - lows, axis=0)))
+    c, s = np.cos(turns[best]), np.sin(turns[best])
+    axes = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    bottom, top = np.quantile(points[:, 1], BULK)
+    low = np.array([lows[0, best], bottom, lows[1, best]])
+    high = np.array([highs[0, best], top, highs[1, best]])
+    return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
+
+
+def _edge_directions(floor: Array) -> Array:
+    """Angles of the hull's edges: one of them lies along the least box."""
+    try:
+        corners = floor[ConvexHull(floor).vertices]
+    except (QhullError, ValueError):
+        return np.zeros(1)
+    edges = np.roll(corners, -1, axis=0) - corners
+    return np.unique(np.arctan2(edges[:, 1], edges[:, 0]) % (np.pi / 2.0))

@@ -1,0 +1,144 @@
+"""Convex pieces: what meets along a concave crease are two surfaces (Stein et al., LCCP, 2014)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from recon.recognition.segments.components import in_order_of_appearance, joined
+from recon.records import Voxels
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int32]
+
+PATCH_CELLS = 3.0
+"""Reach of a patch: wide enough for a normal, narrower than a thing."""
+NUM_ROUNDS = 3
+"""Of moving the patches to the middle of their cells."""
+NUM_NEIGHBOURS = 12
+LINK_CELLS = 2.5
+"""Patches touch whose cells lie nearer together than so many cells."""
+SMALLEST_TOUCH = 2
+"""Pairs of cells along which two patches meet at least."""
+CONCAVE_DEG = 12.0
+"""Turn of the surface up to which a crease is noise."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Patches:
+    """Small, nearly plane groups of cells."""
+
+    label: Labels
+    """(K,) patch of each cell."""
+    middles: Array
+    normals: Array
+
+
+def convex_pieces(cells: Voxels, eye: Array | None, smallest: int) -> Labels:
+    """Number (K,) of the convex piece of each cell, the largest 0.
+
+    Parameters
+    ----------
+    cells : Voxels
+        Of one component.
+    eye : (3,) float64, optional
+        A place that sees the outer side of most of the surface; where none is known, outside is
+        away from the middle.
+    smallest : int
+        Pieces of fewer cells join the one that they touch most.
+    """
+    patches = _patches(cells, eye)
+    touching = _touching(cells, patches)
+    convex = touching[_is_convex(patches, touching)]
+    piece = joined(_twice_held(convex, len(patches.middles)), len(patches.middles))[patches.label]
+    return _by_size(_absorbed(cells, piece, smallest))
+
+
+def _patches(cells: Voxels, eye: Array | None) -> _Patches:
+    reach = PATCH_CELLS * cells.cell_size
+    normals = _normals(cells.means, eye)
+    # Places in units of a patch and normals together: a patch ends where its surface turns.
+    places = np.hstack([cells.means / reach, normals])
+    seeds = np.floor(cells.means / reach).astype(np.int64)
+    _, label = np.unique(seeds, axis=0, return_inverse=True)
+    label = label.ravel()
+    for _ in range(NUM_ROUNDS):
+        middles = _means(places, label)
+        _, label = cKDTree(middles).query(places)
+        label = in_order_of_appearance(label)
+    middles = _means(places, label)
+    length = np.linalg.norm(middles[:, 3:], axis=1, keepdims=True)
+    return _Patches(
+        label=label.astype(np.int32),
+        middles=middles[:, :3] * reach,
+        normals=middles[:, 3:] / np.maximum(length, 1e-12),
+    )
+
+
+def _normals(points: Array, eye: Array | None) -> Array:
+    _, near = cKDTree(points).query(points, k=min(NUM_NEIGHBOURS, len(points)))
+    patches = points[near.reshape(len(points), -1)]
+    patches = patches - patches.mean(axis=1, keepdims=True)
+    _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
+    normals = vectors[:, :, 0]
+    outwards = points - points.mean(axis=0) if eye is None else eye - points
+    towards = np.einsum("ij,ij->i", normals, outwards)
+    oriented: Array = np.where(towards < 0, -1.0, 1.0)[:, None] * normals
+    return oriented
+
+
+def _means(rows: Array, label: NDArray[np.integer]) -> Array:
+    counts = np.bincount(label)
+    sums = np.column_stack([np.bincount(label, column, len(counts)) for column in rows.T])
+    means: Array = sums / counts[:, None]
+    return means
+
+
+def _touching(cells: Voxels, patches: _Patches) -> NDArray[np.intp]:
+    """Pairs (E, 2) of patches that meet, the smaller number first."""
+    pairs = cKDTree(cells.means).query_pairs(LINK_CELLS * cells.cell_size, output_type="ndarray")
+    ends = np.sort(patches.label[pairs], axis=1)
+    ends = ends[ends[:, 0] != ends[:, 1]]
+    edges, counts = np.unique(ends, axis=0, return_counts=True)
+    kept: NDArray[np.intp] = edges[counts >= SMALLEST_TOUCH].reshape(-1, 2)
+    return kept
+
+
+def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:
+    first, second = edges.T
+    apart = patches.middles[first] - patches.middles[second]
+    apart /= np.maximum(np.linalg.norm(apart, axis=1, keepdims=True), 1e-12)
+    turn = np.einsum("ij,ij->i", patches.normals[first] - patches.normals[second], apart)
+    alike = np.einsum("ij,ij->i", patches.normals[first], patches.normals[second])
+    convex: NDArray[np.bool_] = (turn >= 0) | (alike > np.cos(np.radians(CONCAVE_DEG)))
+    return convex
+
+
+def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Edges whose two patches are both convex with a third: one false edge joins nothing."""
+    neighbours: list[set[int]] = [set() for _ in range(count)]
+    for first, second in edges.tolist():
+        neighbours[first].add(second)
+        neighbours[second].add(first)
+    held = [bool(neighbours[first] & neighbours[second]) for first, second in edges.tolist()]
+    return edges[np.array(held, dtype=bool)]
+
+
+def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
+    """The pieces after each small one has joined the large one next to it."""
+    counts = np.bincount(piece)
+    large = counts >= smallest
+    if not large.any():
+        return np.zeros(len(piece), dtype=np.int32)
+    kept = large[piece]
+    _, nearest = cKDTree(cells.means[kept]).query(cells.means)
+    return np.where(kept, piece, piece[kept][nearest]).astype(np.int32)
+
+
+def _by_size(piece: Labels) -> Labels:
+    counts = np.bincount(piece)
+    order = np.argsort(-counts, kind="stable")
+    rank = np.empty(len(order), dtype=np.int32)
+    rank[order] = np.arange(len(order))
+    return rank[piece]
