@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
-from recon.cli.options import FOLDER, MATCHING, OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.objects import say_objects
+from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -17,10 +18,9 @@ if TYPE_CHECKING:
 @click.option(
     "--controller", "exploration__controller", help="frontier, thesis, or a plug-in's name."
 )
-@click.option("--recogniser", "recognition__recogniser", type=click.Choice(["robust", "thesis"]))
 @click.option("--renderer", "render__renderer", help="raycast, filament, or a plug-in's name.")
 @click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
-@with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world: map it, name its objects.
 
@@ -31,9 +31,7 @@ def explore(scene: Path, **given: Any) -> None:
 
 def say_exploration(report: "Report") -> None:
     """Print what was found, and how the walk ended."""
-    for found in report["objects"]:
-        x, _, z = found["centre"]
-        click.echo(f"{found['label']:12} at x {x:7.2f}, z {z:7.2f}   {found['probability']:.0%}")
+    say_objects(report["objects"])
     click.echo(
         f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "
         f"{report['coverage']:.0%} of the floor known; stopped: {report['stop_reason']}"

@@ -11,6 +11,7 @@ import click
 import recon
 from recon.cli.batch import batch
 from recon.cli.calibrate import calibrate
+from recon.cli.catalogue import catalogue
 from recon.cli.demo import demo
 from recon.cli.disparity import disparity
 from recon.cli.doctor import doctor
@@ -21,6 +22,7 @@ from recon.cli.fetch import fetch
 from recon.cli.figure import figure
 from recon.cli.fit import fit
 from recon.cli.info import info
+from recon.cli.learn import learn
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
@@ -43,8 +45,8 @@ def program() -> None:
 
 
 for command in (
-    explore, reconstruct, disparity, evaluate, train, calibrate, rectify, recognise, fit, figure,
-    export, info, doctor, batch, settings, demo, fetch,
+    explore, reconstruct, disparity, evaluate, train, calibrate, rectify, recognise, learn,
+    catalogue, fit, figure, export, info, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

@@ -68,6 +68,22 @@ OUTPUT = [
     click.version_option(recon.__version__, prog_name="recon"),
 ]
 
+
+def _given(
+    _context: click.Context, _option: click.Parameter, names: tuple[str, ...]
+) -> tuple[str, ...] | None:
+    """What an option that may be repeated holds; None where it was not given."""
+    return names or None
+
+
+NAMES = [
+    click.option("--recogniser", "recognition__recogniser", help="robust, thesis, or a plug-in's."),
+    click.option(
+        "--catalogue", "recognition__catalogue", multiple=True, callback=_given,
+        help="village, household, none, or a TOML file; may be repeated.",
+    ),
+]  # fmt: skip
+
 SETTINGS = [
     click.option("--settings", "settings_file", type=PATH, help="A TOML file of settings."),
     click.option("--set", "overrides", multiple=True, metavar="STAGE.NAME=VALUE"),

@@ -6,26 +6,33 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import do_job
-from recon.cli.options import OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.objects import say_objects
+from recon.cli.options import NAMES, OUTPUT, PATH, SETTINGS, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
 
 
-@click.command(epilog="Example: recon recognise runs/village/map.npz")
+@click.command(epilog="Example: recon recognise runs/village --catalogue village")
 @click.argument("file", type=PATH)
 @click.option("--up", type=click.Choice(["y", "-y", "z", "-z"]), default="y", show_default=True)
-@click.option("--recogniser", "recognition__recogniser", type=click.Choice(["robust", "thesis"]))
-@click.option("--catalogue", "recognition__catalogue", help="TOML file of names and their rules.")
-@with_options(SETTINGS, OUTPUT)
-def recognise(file: Path, **given: Any) -> None:
-    """Name the objects of a map or a cloud."""
-    do_job("recognise", (file,), given, say=_say, up=given["up"])
+@click.option("--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of FILE.")
+@click.option(
+    "-o", "--output", "cloud", type=PATH, help="The cloud with a column `object`, as PLY."
+)
+@click.option("--overwrite", is_flag=True, help="Replace that file.")
+@with_options(NAMES, SETTINGS, OUTPUT)
+def recognise(file: Path, cloud: Path | None, **given: Any) -> None:
+    """Name the objects of a cloud, a map or a run."""
+    overwrite = given.pop("overwrite")
+    cloud_name = None if cloud is None else str(cloud)
+    do_job(
+        "recognise", (file,), given, say=_say, up=given["up"], cloud=cloud_name,
+        overwrite=overwrite,
+    )  # fmt: skip
 
 
 def _say(report: "Report") -> None:
-    for found in report["objects"]:
-        place = ", ".join(f"{value:.2f}" for value in found["centre"])
-        click.echo(f"{found['label']:14} at {place}   {found['probability']:.0%}")
+    say_objects(report["objects"])
     for reason, count in report["failures"].items():
         click.echo(f"not named: {count} x {reason}")

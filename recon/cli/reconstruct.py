@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
-from recon.cli.options import FOLDER, MATCHING, OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.objects import say_objects
+from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -33,13 +34,14 @@ def parse_roi(
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
 @click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")
-@with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
     do_job("reconstruct", (sequence,), given, say=_say)
 
 
 def _say(report: "Report") -> None:
+    say_objects(report["objects"])
     click.echo(
         f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "
         f"{counted(report['num_voxels'], 'occupied cell')}"

@@ -131,7 +131,7 @@ def look_at_ground(
 def is_known(obstacle: Obstacle) -> bool:
     """Whether an obstacle was seen from enough sides for its label and its map."""
     found = obstacle.found
-    is_sure = found is not None and found.label != UNKNOWN and found.probability >= SURE
+    is_sure = found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
     return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if is_sure else OPEN_RAD)
 
 

@@ -52,7 +52,8 @@ class WorldModel:
     def ground(self) -> float:
         """Height above which something stands on the floor."""
         recognition = self.settings.recognition
-        return (recognition.ground or 0.0) + recognition.ground_clearance
+        clearance = recognition.clearance(self.settings.map.cell_size)
+        return (recognition.ground or 0.0) + clearance
 
     def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
         """Take in one more pair, whose sure points are in the map already."""

@@ -152,7 +152,8 @@ class Mapper:
             Cells that the pairs hit; as remembered where not given.
         """
         with self._stopwatch.stage("recognise"):
-            found = recognise(voxels, self.settings.recognition)
+            views = self.trajectory.T_world_left
+            found = recognise(voxels, self.settings.recognition, views)
             return with_views(found, voxels, (self._seen or []) if seen is None else seen)
 
     def reconstruction(self) -> Reconstruction[VoxelMap]:

@@ -35,7 +35,7 @@ def described(
         found,
         box=bounding_box(cells, unit),
         colour=dominant_colour(cells),
-        solid=solid and ExplainingSolid(solid=solid, explained=explained(solid, cells)),
+        solid=None if solid is None else explaining(solid, cells),
         seen=None if seen is None else round(seen, 6),
     )
 
@@ -46,9 +46,10 @@ def bounding_box(cells: Voxels, unit: Literal["m"] | None) -> BoundingBox:
     return BoundingBox(centre=box.centre, axes=box.axes, sizes=box.sizes, unit=unit)
 
 
-def explained(solid: Solid, cells: Voxels) -> float:
-    """Share of the cells that lie on a solid."""
-    return float((solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size).mean())
+def explaining(solid: Solid, cells: Voxels) -> ExplainingSolid:
+    """A solid with the share of the cells that lie on it."""
+    on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
+    return ExplainingSolid(solid=solid, explained=float(on_it.mean()))
 
 
 def dominant_colour(cells: Voxels) -> tuple[int, int, int]:

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,8 +67,9 @@ def recognise(
     failures: Counter[str] = Counter()
     pieces = [(namer(rows), rows) for rows in _clumps(layout, settings, failures)]
     if settings.recogniser != "thesis":
-        pieces = reunite(pieces, namer)
-        pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
+        if kinds:
+            pieces = reunite(pieces, namer)
+            pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
         if layout.has_floor and not _is_one(focus):
             eyes = None if T_world_left is None else T_world_left[:, :3, 3]
             pieces = _cut(pieces, layout, eyes, settings, namer)
@@ -111,7 +113,7 @@ def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str
     views = layout.cells.num_views
     order = np.argsort(layout.component, kind="stable")
     borders = np.searchsorted(layout.component[order], np.arange(layout.num_components + 1))
-    for low, high in zip(borders[:-1], borders[1:], strict=True):
+    for low, high in pairwise(borders):
         rows = order[low:high]
         if len(rows) < settings.min_voxels:
             failures[f"fewer than {settings.min_voxels} cells"] += 1

@@ -57,7 +57,7 @@ class FoundObject:
     label: str
     """A name of the catalogue, or "unknown"."""
     probability: float | None
-    """Of the label, 0 to 1: of an unknown that it is of no kind; None where no kind was asked for."""
+    """Of the label, 0 to 1: of an unknown that it is of no kind; None where none was asked for."""
     centre: NDArray[np.float64]
     """(3,) x, z on the fitted vertical axis, y halfway between the ground and the top; of an
     unknown, the middle of the box of its cell means."""

@@ -36,7 +36,7 @@ def _cells(run: Reconstruction) -> Data:
 def _solids(run: Reconstruction) -> Data:
     return _cells(run) | {
         "label": np.array([found.label for found in run.objects], dtype=np.str_),
-        "probability": np.array([found.probability for found in run.objects]),
+        "probability": np.array([found.probability or 0.0 for found in run.objects]),
         "centre": np.array([found.centre for found in run.objects]).reshape(-1, 3),
         "size": np.array([found.size for found in run.objects]).reshape(-1, 3),
     }

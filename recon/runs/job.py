@@ -17,9 +17,6 @@ Tree = Mapping[str, Mapping[str, Any]]
 Numbers = dict[str, Any]
 """What a job found, by the names of its JSON document."""
 
-MODEL_FILES = (("matching", "model"), ("recognition", "catalogue"))
-"""Settings that may name a file."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
@@ -58,7 +55,7 @@ class Job:
     def files(self) -> tuple[Path, ...]:
         """Everything that is read: inputs, paths among the arguments, models and catalogues."""
         named = [value for value in self.arguments.values() if isinstance(value, Path)]
-        words = [getattr(getattr(self.settings, stage), name) for stage, name in MODEL_FILES]
+        words = [self.settings.matching.model, *self.settings.recognition.catalogue]
         models = [Path(word) for word in words if word is not None and Path(word).is_file()]
         return (*self.inputs, *named, *KINDS.load(self.kind).reads(self), *models)
 
@@ -107,7 +104,8 @@ KINDS: Registry[Kind] = Registry(
         "disparity": "recon.runs.disparity:DISPARITY",
         "evaluate": "recon.runs.evaluate:EVALUATE",
         "worlds": "recon.runs.worlds:WORLDS",
-        "recognise": "recon.runs.clouds:RECOGNISE",
+        "recognise": "recon.runs.recognise:RECOGNISE",
+        "learn": "recon.runs.learn:LEARN",
     },
 )
 """Every kind by name; a kind is its file and a line here."""

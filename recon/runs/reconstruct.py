@@ -47,7 +47,7 @@ def _base(job: Job) -> Tree:
     return {
         "matching": search,
         "map": {"cell_size": cell_size, "min_count": min(2, len(source)), **rules},
-        "recognition": {"ground": None},
+        "recognition": {"ground": None, "catalogue": (), "unit": "m"},
         "sequence": {"only_confirmed": True} if is_ring(path) else {},
     }
 

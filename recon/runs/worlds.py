@@ -92,7 +92,7 @@ def _naming(true: TrueObject, found_objects: tuple[FoundObject, ...]) -> Naming:
     nearest = min(found_objects, key=distance, default=None)
     if nearest is None or distance(nearest) > max(true.size[[0, 2]]) / 2.0:
         return Naming(true=true.label, found=NOT_FOUND, probability=0.0)
-    return Naming(true=true.label, found=nearest.label, probability=nearest.probability)
+    return Naming(true=true.label, found=nearest.label, probability=nearest.probability or 0.0)
 
 
 def tally(named: list[Naming]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import pytest
 from recon.errors import InputError
 from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
-from recon.recognition.naming.catalogue import SHIPPED, read_catalogue
+from recon.recognition.naming.catalogue import FOLDER, read_catalogue, read_catalogues
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.settings import RecognitionSettings
 
@@ -22,12 +22,16 @@ parts = [
 
 
 def test_the_shipped_catalogue_holds_the_thesiss_names():
-    assert [kind.name for kind in read_catalogue()] == ["apple tree", "pine tree", "cottage"]
+    assert [kind.name for kind in read_catalogues(["village"])] == [
+        "apple tree",
+        "pine tree",
+        "cottage",
+    ]
 
 
 def test_a_user_adds_a_name(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text(SHIPPED.read_text() + LAMP)
+    path.write_text((FOLDER / "village.toml").read_text() + LAMP)
     lamp = Composite(
         shapes=("cylinder", "sphere"),
         axis=np.zeros(2),
@@ -36,18 +40,18 @@ def test_a_user_adds_a_name(tmp_path):
     )
     rng = np.random.default_rng(0)
     voxels = voxelise(observe(lamp, np.full((2, 3), 120.0), Orbit(eye_height=9.0), rng))
-    mine = RecognitionSettings(catalogue=str(path))
+    mine = RecognitionSettings(catalogue=(str(path),))
     assert [one.label for one in recognise(voxels, mine).objects] == ["lamp"]
     # Without the name it is nothing known.
-    assert [one.label for one in recognise(voxels, RecognitionSettings()).objects] == ["unknown"]
+    assert {one.label for one in recognise(voxels, RecognitionSettings()).objects} == {"unknown"}
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[[object]\n", "is no TOML"),
+        ("[[object]\n", "is not TOML"),
         ("", "object: Field required"),
-        ('[[object]]\nname = "x"\nparts = []\n', "object.0.parts"),
+        ('[[object]]\nname = "x"\nparts = []\n', "object.0: parts or learned is needed"),
         (
             '[[object]]\nname = "x"\nparts = [{ role = "a", shapes = ["torus"] }]\n',
             "object.0.parts.0.shapes.0",

@@ -8,7 +8,8 @@ import pytest
 from recon.errors import InputError
 from recon.geometry import pose, transform
 from recon.recognition import recognise_cloud
-from recon.recognition.clouds import T_LEVEL_CLOUD, transformed
+from recon.recognition.clouds import T_LEVEL_CLOUD
+from recon.recognition.frames import moved
 from recon.recognition.synthetic import Orbit, observe, random_composite
 from recon.records import Box, Cone, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
@@ -99,7 +100,7 @@ def test_solids_move_with_their_frame():
         Cone(apex=np.ones(3), axis=axis, half_angle_rad=0.4, height=1.0),
         Box(centre=np.ones(3), axes=np.eye(3), sizes=np.array([1.0, 2.0, 3.0])),
     ):
-        there = transformed(solid, T).distances(transform(T, points))
+        there = moved(solid, T).distances(transform(T, points))
         np.testing.assert_allclose(there, solid.distances(points), atol=1e-12)
 
 

@@ -46,7 +46,7 @@ def test_an_empty_map_holds_nothing():
 def test_the_ground_belongs_to_no_object():
     _, voxels = orbit_of("cottage", 0)
     label = recognise(voxels, SETTINGS).label
-    low = voxels.centres[:, 1] < SETTINGS.ground_clearance
+    low = voxels.centres[:, 1] < SETTINGS.clearance(1.0)
     assert low.any()
     assert (label[low] == -1).all()
     assert (label[~low] >= 0).any()
@@ -132,4 +132,4 @@ def test_probabilities_come_true():
                 chances.append(thing.probability)
                 rights.append(thing.label == kind)
     assert len(rights) > 40
-    assert np.mean(rights) == pytest.approx(np.mean(chances), abs=0.08)
+    assert np.mean(rights) == pytest.approx(np.mean(chances), abs=0.12)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from recon.recognition import recognise
-from recon.recognition.fitting.composite import Composite
-from recon.recognition.synthetic import Orbit, observe, random_composite, surface, voxelise
+from recon.recognition.fitting.composite import Composite, solids
+from recon.recognition.fitting.surface_points import surface
+from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings
 
@@ -15,7 +16,7 @@ COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
 
 def ideal(composite, seed=0):
     """Cells of the surface itself, each part of one colour."""
-    whole = surface(composite, 60_000, np.random.default_rng(seed))
+    whole = surface(solids(composite), 60_000, np.random.default_rng(seed))
     colours = COLOURS[whole.part].astype(np.uint8)
     return voxelise(PointCloud(points=whole.points, colours=colours))
 

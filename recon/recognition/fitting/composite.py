@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
 """Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+ROUGH_POINTS, ROUGH_STEPS = 150, 6
+"""Points and steps that show which of several starts is promising."""
 BELOW_CELLS = 0.3
 """How far the mean of the lowest cell of a part lies over its rim, on average; the narrow end, seen
 from below, has next to nothing to add."""
@@ -115,7 +117,9 @@ class CompositeModel:
             np.abs(radii + step[low:high])
             for radii, low, high in zip(composite.radii, borders[:-1], borders[1:], strict=True)
         )
-        return Composite(shapes=composite.shapes, axis=composite.axis + step[:2], heights=heights, radii=radii)
+        return Composite(
+            shapes=composite.shapes, axis=composite.axis + step[:2], heights=heights, radii=radii
+        )
 
 
 def fit_composite(
@@ -136,26 +140,35 @@ def fit_composite(
     """
     model, floor = CompositeModel(points), NOISE_FLOOR * cell_size
     starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
-    rough = [minimise(model, start, floor=floor, weights=weights, max_steps=6) for start in starts]
+    some = slice(None, None, -(-len(points) // ROUGH_POINTS))
+    few = CompositeModel(points[some])
+    rough = [
+        minimise(few, start, floor=floor, weights=weights[some], max_steps=ROUGH_STEPS)
+        for start in starts
+    ]
     best = min(rough, key=lambda estimate: estimate.deviance)
     fit = minimise(model, best.state, floor=floor, weights=weights)
     return replace(fit, state=_trimmed(fit, model, cell_size))
 
 
 def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) -> Composite:
-    """The composite, its last part cut where its points end: too long a part costs a fit nothing."""
+    """The composite, its last part cut where its points end: a longer one costs a fit nothing."""
     composite = fit.state
     if composite.shapes[-1] in ("sphere", "ellipsoid"):
         return composite
     _, _, nearest = model.nearest(composite)
-    own = (nearest == len(composite.shapes) - 1) & (np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma)
+    own = (nearest == len(composite.shapes) - 1) & (
+        np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma
+    )
     if not own.any():
         return composite
     ends = np.quantile(model.points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
     ends = np.clip(ends, *composite.heights[-2:])
     if len(composite.shapes) == 1:
         ends[0] = composite.heights[0]
-    slope = float(composite.radii[-1][-1] - composite.radii[-1][0]) / max(np.diff(composite.heights)[-1], 1e-9)
+    slope = float(composite.radii[-1][-1] - composite.radii[-1][0]) / max(
+        np.diff(composite.heights)[-1], 1e-9
+    )
     rim = composite.radii[-1][0] + slope * (ends - composite.heights[-2])
     if slope < 0:
         # Eyes below see the tip last, if at all. The end lies between the last cell and the tip:
@@ -164,7 +177,9 @@ def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) 
         ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
     radii = rim[-len(composite.radii[-1]) :]
     return replace(
-        composite, heights=np.append(composite.heights[:-2], ends), radii=(*composite.radii[:-1], radii)
+        composite,
+        heights=np.append(composite.heights[:-2], ends),
+        radii=(*composite.radii[:-1], radii),
     )
 
 

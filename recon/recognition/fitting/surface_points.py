@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,8 +101,7 @@ def _patches(solid: Solid) -> list[_Band | _Face]:
     if isinstance(solid, Box):
         return _faces(solid)
     origin, axis, outline = _outline(solid)
-    pairs = zip(outline[:-1], outline[1:], strict=True)
-    return [_Band(origin=origin, axis=axis, start=a, end=b) for a, b in pairs]
+    return [_Band(origin=origin, axis=axis, start=a, end=b) for a, b in pairwise(outline)]
 
 
 def _faces(box: Box) -> list[_Band | _Face]:

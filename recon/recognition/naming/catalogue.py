@@ -98,9 +98,7 @@ def line_of(text: str, location: Sequence[Any]) -> int:
     return (named[-1] if len(keys) > 1 and named else named[0] if named else low) + 1
 
 
-def _nth_block(
-    lines: list[str], opening: str, number: int, low: int, high: int
-) -> tuple[int, int]:
+def _nth_block(lines: list[str], opening: str, number: int, low: int, high: int) -> tuple[int, int]:
     """First and last row of the block that the nth opening begins."""
     starts = [row for row in range(low, high) if re.match(opening, lines[row])]
     if number >= len(starts):

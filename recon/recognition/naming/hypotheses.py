@@ -23,8 +23,8 @@ FORMLESS_NOISE = 0.5
 """Scale of the residuals, in cells, that a thing of no form would leave."""
 MEAN_DEVIANCE = 2.27
 """(nu + 1) E[log(1 + t^2 / nu)] of Student-t noise of nu = 3 degrees of freedom."""
-MOST_CELLS = 600
-"""Cells a fit is made on: more do not change it."""
+MOST_CELLS, MOST_FOR_SOLIDS = 600, 300
+"""Cells that a whole fit and one of a lone solid are made on: more do not change them."""
 INDEPENDENT_CELLS = 60.0
 """Cells of an object err together: all of them weigh no more than so many that do not. Set where
 probabilities come true over simulated orbits."""
@@ -69,7 +69,7 @@ class Case:
     is_metric: bool
     """Whether lengths are metres."""
     alone: tuple[Candidate, ...]
-    """Lone solids through the cells, the best first."""
+    """Lone solids through at most `MOST_FOR_SOLIDS` of the cells, the best first."""
 
     @property
     def formless(self) -> float:
@@ -80,6 +80,10 @@ class Case:
         """BIC a cell, less that of a thing of no form."""
         return bic / len(self.cells) - self.formless
 
+    def lone_criterion(self, one: Candidate) -> float:
+        """The same of a lone solid."""
+        return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - self.formless
+
     def evidence(self, criterion: float) -> float:
         """Log likelihood of a fit, as far as its cells are independent."""
         return -0.5 * criterion * min(INDEPENDENT_CELLS, len(self.cells))
@@ -87,8 +91,9 @@ class Case:
 
 def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
     """The case of one object that stands on the ground."""
-    cells = _thinned(voxels)
-    alone = candidates(cells.means, _weights(cells))
+    cells = _thinned(voxels, MOST_CELLS)
+    few = _thinned(cells, MOST_FOR_SOLIDS)
+    alone = candidates(few.means, _weights(few))
     return Case(
         cells=cells,
         ground=ground,
@@ -109,10 +114,10 @@ def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
     ]
 
 
-def _thinned(voxels: Voxels) -> Voxels:
-    if len(voxels) <= MOST_CELLS:
+def _thinned(voxels: Voxels, most: int) -> Voxels:
+    if len(voxels) <= most:
         return voxels
-    rows = np.random.default_rng(0).choice(len(voxels), MOST_CELLS, replace=False)
+    rows = np.random.default_rng(0).choice(len(voxels), most, replace=False)
     return voxels.select(np.sort(rows))
 
 
@@ -126,7 +131,7 @@ def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
     """One solid, if the cells reach down to the ground."""
     if case.alone and not is_hovering(case.cells, case.ground):
         best = case.alone[0]
-        criterion = case.criterion(best.bic)
+        criterion = case.lone_criterion(best)
         yield Hypothesis(
             kind=None,
             evidence=case.evidence(criterion),
@@ -167,7 +172,7 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
 
 def _evidence(case: Case, composite: Composite, criterion: float, seen: Array) -> Evidence:
     """What speaks for a fit of upright parts."""
-    rival = case.criterion(case.alone[0].bic) if case.alone else 0.0
+    rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
     narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
     return Evidence(
         criterion=criterion,
@@ -223,9 +228,9 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
             if shape.removeprefix("truncated ") not in rule.shapes:
                 continue
             others = {shape, *rule.shapes, *ALSO_FITS.get(shape, ())}
-            rivals = [other.bic for other in case.alone if other.solid.kind not in others]
-            criterion = case.criterion(one.bic)
-            rival = min([case.criterion(bic) for bic in rivals], default=0.0)
+            rivals = [other for other in case.alone if other.solid.kind not in others]
+            criterion = case.lone_criterion(one)
+            rival = min(map(case.lone_criterion, rivals), default=0.0)
             seen = coverage([one.solid], case.cells)
             width = float(np.ptp(case.cells.means, axis=0).min()) / case.cells.cell_size
             evidence = Evidence(

@@ -28,13 +28,13 @@ class Logistic:
         return chances
 
 
-FORM = Logistic(middle=-0.15, steepness=2.3)
+FORM = Logistic(middle=0.1, steepness=3.5)
 """Deviance a cell under that of a thing of no form: the fit must mean something."""
-LEAD = Logistic(middle=0.3, steepness=5.0)
+LEAD = Logistic(middle=0.3, steepness=7.0)
 """Deviance a cell under that of the best lone solid: a box is not a tree because one fits it."""
-SEEN = Logistic(middle=float(np.log(0.05)), steepness=1.5)
+SEEN = Logistic(middle=float(np.log(0.03)), steepness=2.5)
 """Log of the share of a part's surface that is seen."""
-RESOLVED = Logistic(middle=float(np.log(0.4)), steepness=3.0)
+RESOLVED = Logistic(middle=float(np.log(0.3)), steepness=4.0)
 """Log of the least width of a part in cells."""
 
 NEARNESS = Logistic(middle=0.0, steepness=6.0)

@@ -54,7 +54,7 @@ def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     count = min(NUM_LINKS, len(points))
     if count < 2:
         return np.arange(len(points), dtype=np.int32)
-    distances, near = cKDTree(points).query(points, k=count)
+    distances, near = map(np.asarray, cKDTree(points).query(points, k=count))
     spacing = distances[:, min(SPACING_RANK, count - 1)]
     # The denser side decides: a speck far off joins nothing.
     reach = np.maximum(LINK_SPACINGS * np.minimum(spacing[:, None], spacing[near]), least)
@@ -101,13 +101,40 @@ def stacked(
     min_size : int
         Smallest component that others are joined to.
     """
+    low, high = _boxes(points, label)
+    hosts = np.flatnonzero(np.bincount(label, minlength=len(low)) >= min_size)
+    pairs = [_on_one_axis(low, high, int(host)) for host in hosts]
+    return joined(np.concatenate(pairs), len(low))[label] if pairs else label
+
+
+def overhanging(points: NDArray[np.float64], label: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Pieces joined with what they overhang: a crown does not lie on its trunk, a box on a box.
+
+    Parameters
+    ----------
+    points : (K, 3) float64
+        World, y up.
+    label : (K,) int32
+        Piece of each point.
+    """
+    low, high = _boxes(points, label)
+    size, middle = high - low, (low + high) / 2.0
+    pairs = [_on_one_axis(low, high, host) for host in range(len(low))]
+    lower = np.concatenate(pairs)
+    lower = np.where(middle[lower[:, :1], 1] <= middle[lower[:, 1:], 1], lower, lower[:, ::-1])
+    wide = size[:, ::2].max(axis=1)
+    return joined(lower[wide[lower[:, 1]] > wide[lower[:, 0]]], len(low))[label]
+
+
+def _boxes(
+    points: NDArray[np.float64], label: NDArray[np.int32]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner (L, 3) of every component."""
     count = int(label.max(initial=-1)) + 1
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     np.minimum.at(low, label, points)
     np.maximum.at(high, label, points)
-    hosts = np.flatnonzero(np.bincount(label, minlength=count) >= min_size)
-    pairs = [_on_one_axis(low, high, int(host)) for host in hosts]
-    return joined(np.concatenate(pairs), count)[label] if pairs else label
+    return low, high
 
 
 def _on_one_axis(

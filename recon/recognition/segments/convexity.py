@@ -61,12 +61,10 @@ def _patches(cells: Voxels, eye: Array | None) -> _Patches:
     # Places in units of a patch and normals together: a patch ends where its surface turns.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
-    _, label = np.unique(seeds, axis=0, return_inverse=True)
-    label = label.ravel()
+    label: NDArray[np.integer] = np.unique(seeds, axis=0, return_inverse=True)[1].ravel()
     for _ in range(NUM_ROUNDS):
         middles = _means(places, label)
-        _, label = cKDTree(middles).query(places)
-        label = in_order_of_appearance(label)
+        label = in_order_of_appearance(np.asarray(cKDTree(middles).query(places)[1]))
     middles = _means(places, label)
     length = np.linalg.norm(middles[:, 3:], axis=1, keepdims=True)
     return _Patches(
@@ -122,7 +120,8 @@ def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
         neighbours[first].add(second)
         neighbours[second].add(first)
     held = [bool(neighbours[first] & neighbours[second]) for first, second in edges.tolist()]
-    return edges[np.array(held, dtype=bool)]
+    kept: NDArray[np.intp] = edges[np.array(held, dtype=bool)]
+    return kept
 
 
 def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
@@ -133,7 +132,8 @@ def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
         return np.zeros(len(piece), dtype=np.int32)
     kept = large[piece]
     _, nearest = cKDTree(cells.means[kept]).query(cells.means)
-    return np.where(kept, piece, piece[kept][nearest]).astype(np.int32)
+    absorbed: Labels = np.where(kept, piece, piece[kept][nearest]).astype(np.int32)
+    return absorbed
 
 
 def _by_size(piece: Labels) -> Labels:
@@ -141,4 +141,5 @@ def _by_size(piece: Labels) -> Labels:
     order = np.argsort(-counts, kind="stable")
     rank = np.empty(len(order), dtype=np.int32)
     rank[order] = np.arange(len(order))
-    return rank[piece]
+    ranked: Labels = rank[piece]
+    return ranked

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.ransac import find_solids
-from recon.recognition.naming.naming import Naming
 from recon.recognition.fitting.shapes import fit
-from recon.recognition.segments.components import neighbours
+from recon.recognition.naming.naming import Naming
+from recon.recognition.segments.components import neighbours, overhanging
 from recon.recognition.segments.convexity import convex_pieces
-from recon.records import UNKNOWN, Voxels
+from recon.records import UNKNOWN, FitFailure, Voxels
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
@@ -109,6 +109,7 @@ def cut_at_creases(
     cells = voxels.select(rows)
     smallest = max(min_voxels, int(SMALLEST_PIECE * len(rows)))
     piece = convex_pieces(cells, None if eyes is None else eyes.mean(axis=0), smallest)
+    piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
     known = sum(len(part) for part in parts if _is_solid(cells.select(part)))
     if len(parts) < 2 or known < PIECES_SHARE * len(rows):
@@ -120,7 +121,7 @@ def _is_solid(cells: Voxels) -> bool:
     """Whether one solid explains a piece."""
     step = max(1, len(cells) // MOST_FITTED)
     solid = fit(cells.means[::step])
-    if not solid:
+    if isinstance(solid, FitFailure):
         return False
     on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
     return bool(on_it.mean() >= EXPLAINED_SHARE)
@@ -133,9 +134,7 @@ def _in_one_place(first: Naming, second: Naming) -> bool:
     return apart < float(max(widths, default=0.0)) / 2.0
 
 
-def _halves(
-    whole: Piece, voxels: Voxels, min_voxels: int, name: Namer
-) -> list[Piece]:
+def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
     """Two objects that explain the cells better than one; empty where none do."""
     naming, rows = whole
     floor = voxels.means[rows][:, ::2]

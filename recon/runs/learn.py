@@ -1,0 +1,115 @@
+"""Kinds learned from clouds, maps and objects of runs, into a catalogue."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from recon.errors import InputError
+from recon.files import atomic_path
+from recon.recognition import recognise
+from recon.recognition.clouds import gathered
+from recon.recognition.naming.catalogue import read_catalogue
+from recon.recognition.naming.descriptors import Learned
+from recon.recognition.naming.kinds import Kind as Entry
+from recon.recognition.naming.learning import Lesson, learn
+from recon.records import PointCloud, Voxels
+from recon.runs.job import Job, Kind, Numbers
+from recon.runs.recognise import read_scene
+from recon.runs.work import Work
+from recon.settings import RecognitionSettings, Settings
+
+LEAST_CELLS = 30
+"""Cells that an example needs: fewer show no surface."""
+
+
+def read_example(text: str, settings: Settings) -> Voxels:
+    """The cells of an example: all of a cloud or a map, or the object ID of "RUN#ID".
+
+    Raises
+    ------
+    InputError
+        Where the run has no such object, or the example is too small.
+    """
+    name, mark, number = text.rpartition("#")
+    whole = re.fullmatch(r"\d+", number) is None or not mark
+    scene = read_scene(Path(text if whole else name), settings)
+    if not whole and isinstance(scene.data, PointCloud):
+        raise InputError(f"{text}: {name} is a cloud, but a run is needed to name an object of it")
+    cells = gathered(scene.data) if isinstance(scene.data, PointCloud) else scene.data
+    if not whole:
+        found = recognise(cells, _settings_of(Path(name), settings), scene.T_world_left)
+        if int(number) >= len(found.objects):
+            raise InputError(f"{text}: {name} has {len(found.objects)} objects, numbered from 0")
+        cells = cells.select(np.flatnonzero(found.label == int(number)))
+    if len(cells) < LEAST_CELLS:
+        raise InputError(f"{text} has {len(cells)} cells, but {LEAST_CELLS} are needed to learn")
+    return cells
+
+
+def _settings_of(run: Path, settings: Settings) -> RecognitionSettings:
+    from recon.runs.reading import read_settings
+    from recon.runs.recognise import run_of
+
+    folder = run_of(run)
+    return settings.recognition if folder is None else read_settings(folder).recognition
+
+
+def _learn(job: Job, work: Work) -> Numbers:
+    """Learn a kind and put it into a catalogue, in place of one of its name."""
+    name, target = str(job.arguments["name"]), Path(str(job.arguments["catalogue"]))
+    entries = _entries(target)
+    kinds = read_catalogue(target) if entries else ()
+    others: dict[str, Learned] = {
+        kind.name: kind.learned for kind in kinds if kind.learned and kind.name != name
+    }
+    if any(kind.name == name and not kind.learned for kind in kinds):
+        raise InputError(f"{target}: {name!r} is there already with parts; another name is needed")
+    with work.stage("learn"):
+        texts: tuple[str, ...] = job.arguments["examples"]
+        examples = [read_example(text, job.settings) for text in texts]
+        lesson = learn(name, examples, others, job.settings.recognition.unit)
+    kept = [entry for entry in entries if entry.get("name") != name]
+    with atomic_path(target) as temporary:
+        document = {"object": [*kept, _as_toml(Entry(name=name, learned=lesson.learned))]}
+        temporary.write_text(tomli_w.dumps(document), encoding="utf-8")
+    return _report(name, target, lesson)
+
+
+def _entries(target: Path) -> list[dict[str, Any]]:
+    """The entries of a catalogue as they are written; none where there is no file yet."""
+    if not target.exists():
+        return []
+    entries: list[dict[str, Any]] = tomllib.loads(target.read_text(encoding="utf-8"))["object"]
+    return entries
+
+
+def _as_toml(kind: Entry) -> dict[str, Any]:
+    assert kind.learned is not None
+    groups = {
+        name: {"scale": group.scale, "examples": [list(row) for row in group.examples]}
+        for name, group in kind.learned.groups.items()
+    }
+    learned: dict[str, Any] = {"threshold": kind.learned.threshold, "groups": groups}
+    if kind.learned.unit:
+        learned["unit"] = kind.learned.unit
+    return {"name": kind.name, "learned": learned}
+
+
+def _report(name: str, target: Path, lesson: Lesson) -> Numbers:
+    return {
+        "name": name,
+        "catalogue": str(target),
+        "num_examples": lesson.num_examples,
+        "threshold": lesson.learned.threshold,
+        "descriptors": [
+            {"name": group.name, "used": group.used, "reason": group.reason}
+            for group in lesson.groups
+        ],
+    }
+
+
+LEARN = Kind(run=_learn)

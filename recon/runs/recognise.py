@@ -1,0 +1,105 @@
+"""Recognition of clouds, maps and runs from files."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports import ply
+from recon.exports.columns import columns_of
+from recon.exports.formats import read
+from recon.recognition import recognise
+from recon.recognition.clouds import Up, recognise_cloud
+from recon.records import PointCloud, Recognition, Voxels
+from recon.records.objects import as_json
+from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.reading import read_reconstruction, read_settings
+from recon.runs.work import Work
+from recon.settings import Settings
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scene:
+    """What is recognised: points or occupied cells."""
+
+    data: PointCloud | Voxels
+    T_world_left: NDArray[np.float64] | None = None
+    """(V, 4, 4) poses of the views, where they are known."""
+
+
+def run_of(path: Path) -> Path | None:
+    """The run folder that a path is, or that a map lies in; None where it is no run's."""
+    folder = path if path.is_dir() else path.parent
+    is_run = (folder / "settings.toml").is_file() and (folder / "map.npz").is_file()
+    return folder if is_run and path in (folder, folder / "map.npz") else None
+
+
+def read_scene(path: Path, settings: Settings) -> Scene:
+    """The points or cells of a cloud, a map, or a run.
+
+    Raises
+    ------
+    InputError
+        Where a folder holds no run, or a file cannot be read.
+    """
+    run = run_of(path)
+    if run is not None:
+        made = read_reconstruction(run)
+        return Scene(data=made.voxels, T_world_left=made.trajectory.T_world_left)
+    if path.is_dir():
+        raise InputError(f"{path} holds no map.npz with its settings.toml, but a run is needed")
+    data = read(path)
+    return Scene(data=occupied(data, settings.map) if isinstance(data, VoxelMap) else data)
+
+
+def recognise_scene(scene: Scene, settings: Settings, up: Up = "y") -> Recognition:
+    """The objects of a scene; a turned map is taken as the cloud of its cells."""
+    data = scene.data
+    if isinstance(data, Voxels) and up == "y":
+        return recognise(data, settings.recognition, scene.T_world_left)
+    if isinstance(data, Voxels):
+        data = PointCloud(points=data.means, colours=data.colours)
+    return recognise_cloud(data, settings.recognition, up)
+
+
+def _base(job: Job) -> Tree:
+    """A run's own settings; of other files no kind is asked for."""
+    (path,) = job.inputs
+    run = run_of(path)
+    if run is None:
+        return {"recognition": {"catalogue": (), "ground": None}}
+    settings = read_settings(run)
+    return {"map": asdict(settings.map), "recognition": asdict(settings.recognition)}
+
+
+def _recognise(job: Job, work: Work) -> Numbers:
+    """Name the objects of a cloud, a map or a run; the document of `objects.json`."""
+    (path,) = job.inputs
+    target = _target(job.arguments)
+    scene = read_scene(path, job.settings)
+    with work.stage("recognise"):
+        found = recognise_scene(scene, job.settings, job.arguments.get("up", "y"))
+    if target is not None:
+        ply.write(target, columns_of(scene.data) | {"object": found.label})
+    return dict(as_json(found))
+
+
+def _target(arguments: Mapping[str, object]) -> Path | None:
+    """The cloud to write."""
+    name = arguments.get("cloud")
+    if name is None:
+        return None
+    target = Path(str(name))
+    if target.suffix.lower() != ".ply":
+        raise InputError(f"-o is {target}, but a name that ends in .ply is needed")
+    if target.exists() and not arguments.get("overwrite"):
+        raise InputError(f"{target} exists; give --overwrite or another name")
+    return target
+
+
+RECOGNISE = Kind(run=_recognise, base=_base)
