@@ -82,7 +82,7 @@ def test_a_tree_is_named_and_the_catalogue_is_the_users(tmp_path, capsys):
     crown = (0, 12, 0) + 4 * sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
     path = tmp_path / "tree.ply"
     write(as_cloud(np.vstack([trunk, crown])), path)
-    code, report = run_json(capsys, "recognise", path)
+    code, report = run_json(capsys, "recognise", path, "--catalogue", "village")
     assert code == 0
     (tree,) = report["objects"]
     assert tree["label"] == "apple tree"

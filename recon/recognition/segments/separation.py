@@ -81,8 +81,10 @@ def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
         others = [piece for piece, is_in in zip(waiting, inside, strict=True) if is_in]
         together = np.sort(np.concatenate([rows, *(own for _, own in others)]))
         union = name(together) if others else naming
-        apart = naming.deviance + sum(other.deviance for other, _ in others)
-        if not others or union.deviance > apart + TOGETHER * len(together):
+        rivals = [other for other, _ in others]
+        apart = naming.deviance + sum(other.deviance for other in rivals)
+        is_known = union.label != UNKNOWN or any(n.label != UNKNOWN for n in (naming, *rivals))
+        if not others or not is_known or union.deviance > apart + TOGETHER * len(together):
             done.append((naming, rows))
         else:
             waiting = [piece for piece, is_in in zip(waiting, inside, strict=True) if not is_in]
@@ -128,9 +130,12 @@ def _is_solid(cells: Voxels) -> bool:
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
-    """Whether the middle of one lies inside the other, which has a name."""
+    """Whether the middle of one lies inside the other, which has a name, or may hold it."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
-    widths = [one.size[::2].max() for one in (first, second) if one.label != UNKNOWN]
+    pair = (first, second)
+    if any(one.is_hovering for one in pair):
+        return apart < sum(float(one.size[::2].max()) for one in pair) / 2.0
+    widths = [one.size[::2].max() for one in pair if one.label != UNKNOWN]
     return apart < float(max(widths, default=0.0)) / 2.0
 
 
