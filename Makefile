@@ -2,7 +2,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: setup demo test benchmark clean
+.PHONY: setup demo test benchmark reproduce docs clean
 
 setup: $(VENV)/ready
 
@@ -33,6 +33,15 @@ test: setup $(VENV)/kernels
 benchmark: setup $(VENV)/kernels
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[benchmark]"
 	$(BIN)/python tools/benchmark.py
+
+# The thesis beside recon: site/thesis/index.html.
+reproduce: setup $(VENV)/kernels
+	$(BIN)/python tools/reproduce.py
+
+# The site: site/index.html. Examples run when it is made.
+docs: setup $(VENV)/kernels
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs site
 
 clean:
 	rm -rf $(VENV)

@@ -25,7 +25,7 @@ extensions = [
 ]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
-exclude_patterns = ["plugin/README.md", "plugin/src", "**.egg-info"]
+exclude_patterns = ["plugin/src", "**.egg-info"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 nitpicky = False
 autosummary_generate = True
