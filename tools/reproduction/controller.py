@@ -1,34 +1,57 @@
 """Which activity of the thesis's controller follows which, counted on a walk."""
 
+import itertools
 from collections import Counter
+from typing import Any
 
-import recon
+from recon.exploration.agent import explore
 from recon.exploration.thesis import ThesisController
-from recon.records import View
+from recon.runs.door import explorers
 from recon.settings import Settings, with_preset
 from recon.world.library import find_scene
 from recon.world.world import World
 
-ACTIVITIES = {"_circle": "turn round an object", "_meet": "meet what is new",
-              "_turn": "turn on the spot", "_head": "head for the unexplored"}  # fmt: skip
+ACTIVITIES = {
+    "_circle": "turn round an object",
+    "_meet": "meet what is new",
+    "_turn": "turn on the spot",
+    "_head": "head for the unexplored",
+}
+START = "look"
 
 
-class Watched(ThesisController):
-    """The controller, and the activity of each of its answers."""
+class Told(ThesisController):
+    """The controller, and the activity that gave each of its views."""
 
-    seen: list[str]
+    def __init__(self) -> None:
+        super().__init__()
+        self.names = [START]
+
+    def next_view(self, state: Any) -> Any:
+        """The next view, noted by the innermost activity that gave it."""
+        self.last = ""
+        view = super().next_view(state)
+        self.names.append(self.last or "end")
+        return view
+
+
+def _told(name: str) -> Any:
+    def activity(self: Told, *given: Any) -> Any:
+        view = getattr(ThesisController, name)(self, *given)
+        if view is not None and not self.last:
+            self.last = ACTIVITIES[name]
+        return view
+
+    return activity
+
+
+for _name in ACTIVITIES:
+    setattr(Told, _name, _told(_name))
 
 
 def transitions(scene: str) -> dict[tuple[str, str], int]:
     """How often one activity followed another."""
-    names: list[str] = ["look"]
-
-    class Told(ThesisController):
-        """Notes which activity gave the next view."""
-
-        def next_view(self, state: object) -> View | None:
-            view = super().next_view(state)  # type: ignore[arg-type]
-            names.append(self.activity)
-            return view
-
-    raise NotImplementedError(Told, Counter, recon, find_scene, World, Settings, with_preset)
+    settings = explorers(with_preset(Settings(), "thesis"))
+    controller = Told()
+    explore(World.from_file(find_scene(scene), settings), settings, controller=controller)
+    return dict(Counter(itertools.pairwise(controller.names)))
