@@ -110,6 +110,29 @@ MATCHING = [
     ),
 ]  # fmt: skip
 
+SURFACE = [
+    click.option(
+        "--dense", "dense__enabled", is_flag=True, default=None,
+        help="Match every pixel, too: dense.ply.",
+    ),
+    click.option(
+        "--mesh", "surface__mesh", is_flag=True, default=None,
+        help="Fuse every pixel into a mesh: mesh.ply.",
+    ),
+    click.option(
+        "--voxel", "surface__voxel", type=PositiveNumber(), metavar="S",
+        help="Side of the mesh's voxels, world units.",
+    ),
+    click.option(
+        "--watertight", "surface__watertight", is_flag=True, default=None,
+        help="Close the mesh, by surface that nobody saw.",
+    ),
+    click.option(
+        "--depth", "surface__depth_maps", is_flag=True, default=None,
+        help="Leave a depth map per pair.",
+    ),
+]  # fmt: skip
+
 
 def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Command], Command]:
     """A decorator that adds the options of all groups, in their order."""

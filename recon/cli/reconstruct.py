@@ -7,7 +7,7 @@ import click
 
 from recon.cli.jobs import counted, do_job
 from recon.cli.objects import say_objects
-from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, SURFACE, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -34,10 +34,20 @@ def parse_roi(
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
 @click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")
-@with_options(NAMES, MATCHING, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
     do_job("reconstruct", (sequence,), given, say=_say)
+
+
+def say_surface(report: "Report") -> None:
+    """Tell what there is of a surface."""
+    if "num_dense_points" in report.numbers:
+        click.echo(f"{counted(report['num_dense_points'], 'dense point')}")
+    if "num_triangles" in report.numbers:
+        click.echo(
+            f"{counted(report['num_triangles'], 'triangle')}, area {report['mesh_area']:.6g}"
+        )
 
 
 def _say(report: "Report") -> None:
@@ -46,4 +56,5 @@ def _say(report: "Report") -> None:
         f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "
         f"{counted(report['num_voxels'], 'occupied cell')}"
     )
+    say_surface(report)
     click.echo(report.run)

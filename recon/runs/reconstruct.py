@@ -15,6 +15,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs
+from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
 from recon.sequences.contradictions.pairs import check_images
 from recon.sequences.open import open_sequence
@@ -76,9 +77,11 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = open_sequence(path, job.settings.sequence)
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
+    surface = SurfaceWork(job.settings, work)
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
             _note(mapper.process(pair, result), cloud, work)
+            surface.take(pair)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
     num_voxels = _write(mapper, work)
@@ -87,6 +90,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         | {"num_voxels": num_voxels, "num_skipped": len(source.skipped)}
         | _surface_distance(path, mapper)
         | source.metrics
+        | surface.finish()
     )
 
 

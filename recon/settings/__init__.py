@@ -20,6 +20,7 @@ from recon.settings.stereo import (
     MatchingSettings,
     TriangulationSettings,
 )
+from recon.settings.surface import SurfaceSettings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "RenderSettings",
     "SequenceSettings",
     "Settings",
+    "SurfaceSettings",
     "TriangulationSettings",
     "WorldSettings",
     "given_tree",

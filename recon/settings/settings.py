@@ -14,6 +14,7 @@ from recon.settings.stereo import (
     MatchingSettings,
     TriangulationSettings,
 )
+from recon.settings.surface import SurfaceSettings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 
 
@@ -29,6 +30,7 @@ class Settings:
     matching: MatchingSettings = field(default_factory=MatchingSettings)
     dense: DenseSettings = field(default_factory=DenseSettings)
     triangulation: TriangulationSettings = field(default_factory=TriangulationSettings)
+    surface: SurfaceSettings = field(default_factory=SurfaceSettings)
     map: MapSettings = field(default_factory=MapSettings)
     exploration: ExplorationSettings = field(default_factory=ExplorationSettings)
     motion: MotionSettings = field(default_factory=MotionSettings)

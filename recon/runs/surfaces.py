@@ -1,0 +1,61 @@
+"""Surfaces in runs: every pixel of every pair, fused, and written."""
+
+from typing import Any
+
+import numpy as np
+
+from recon.exports.formats import write
+from recon.figures.mesh import mesh as draw_mesh
+from recon.records import StereoPair
+from recon.runs.figures import write_figures
+from recon.runs.work import Work
+from recon.sequences.depth_images import write_depth
+from recon.settings import Settings
+from recon.stereo.dense.dense import match_every_pixel
+from recon.surface.fusion import Fusion
+
+
+class SurfaceWork:
+    """The surface of a run, pair by pair; nothing where the settings do not want it."""
+
+    def __init__(self, settings: Settings, work: Work) -> None:
+        self.settings = settings
+        self.work = work
+        self.is_wanted = wants_surface(settings)
+        self.fusion = Fusion(settings.surface)
+        self._places: list[np.ndarray] = []
+
+    def take(self, pair: StereoPair) -> None:
+        """Match every pixel of the next pair, and fuse it."""
+        if not self.is_wanted:
+            return
+        with self.work.stage("dense"):
+            found = match_every_pixel(pair.left, pair.right, self.settings, pair.disparity_range)
+        with self.work.stage("surface"):
+            view = self.fusion.add(pair, found)
+        if self.settings.surface.depth_maps:
+            with self.work.stage("write"):
+                write_depth(self.work.run.path / "depth", f"{len(self._places):06d}", view.depth)
+        self._places.append(view.position)
+
+    def finish(self) -> dict[str, Any]:
+        """Write dense.ply and mesh.ply, and give their numbers."""
+        if not self.is_wanted:
+            return {}
+        with self.work.stage("surface"):
+            surface = self.fusion.finish()
+        folder = self.work.run.path
+        with self.work.stage("write"):
+            write(surface.cloud, folder / "dense.ply")
+            if surface.mesh is not None:
+                write(surface.mesh, folder / "mesh.ply")
+        if surface.mesh is not None:
+            with self.work.stage("figures"):
+                write_figures(folder, {"mesh": draw_mesh(surface.mesh, np.array(self._places))})
+        return surface.metrics
+
+
+def wants_surface(settings: Settings) -> bool:
+    """Whether a run leaves more than its sparse cloud."""
+    asked = settings.surface
+    return settings.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps

@@ -1,0 +1,27 @@
+"""Depth maps as files: exact as floats, and as 16-bit images in thousandths for other programs."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.files import atomic_path
+from recon.sequences.pfm import write_pfm
+
+_PER_UNIT = 1000.0
+_HIGHEST = np.iinfo(np.uint16).max
+
+
+def write_depth(folder: Path, name: str, depth: NDArray[np.floating]) -> None:
+    """Write a depth (H, W), NaN = unknown, as NAME.pfm and as NAME.png.
+
+    The image counts thousandths of a world unit (millimetres of a metre); what is unknown or
+    farther than 65.535 units is 0 there.
+    """
+    folder.mkdir(exist_ok=True)
+    write_pfm(folder / f"{name}.pfm", depth)
+    steps = np.rint(np.nan_to_num(depth.astype(np.float64), nan=0.0) * _PER_UNIT)
+    image = np.where(steps <= _HIGHEST, steps, 0).astype(np.uint16)
+    with atomic_path(folder / f"{name}.png") as part:
+        part.write_bytes(cv2.imencode(".png", image)[1].tobytes())

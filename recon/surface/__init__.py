@@ -1,0 +1,1 @@
+"""Surfaces: depth maps confirmed by their neighbours, fused into one mesh."""

@@ -1,0 +1,130 @@
+"""Depths that other views confirm: what moves, floats or was matched wrongly is seen once."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.geometry import invert
+from recon.surface.depth import DepthMap, Floats
+
+NUM_NEIGHBOURS = 6
+_NUM_SIGMAS = np.float32(2.5)
+_NUM_NEEDED = 2
+_FEW = 2
+"""Where no more views than this look, one of them is enough."""
+
+
+def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:
+    """The depths of a view that others confirm, with the number of views that agree.
+
+    Another view confirms a point where its own depth lies within 2.5 joint sigmas, contradicts it
+    where it sees something behind, and does not look where it knows nothing or something stands
+    before. Two have to confirm, one where only one or two look, none where none looks; and no more
+    may contradict than confirm.
+    """
+    counts = np.zeros((3, *view.depth.shape), np.uint8)
+    for other in _nearest(view, others):
+        T_other_view = invert(other.T_world_left) @ view.T_world_left
+        _ask(
+            view.depth, view.sigma, _camera(view), other.depth, other.sigma, _camera(other),
+            T_other_view, counts,
+        )  # fmt: skip
+    agreeing, against, looking = counts
+    needed = np.minimum(np.where(looking <= _FEW, 1, _NUM_NEEDED), looking)
+    kept = view.valid_mask & (agreeing >= needed) & (against <= agreeing)
+    return replace(view.where(kept), num_views=np.where(kept, agreeing + 1, 0).astype(np.uint8))
+
+
+class Confirmation:
+    """Views that come one after the other, each confirmed by those before and after it.
+
+    So many views are held at once as a view has neighbours on both sides.
+    """
+
+    def __init__(self) -> None:
+        self._views: list[DepthMap] = []
+        self._num_done = 0
+        self._num_dropped = 0
+
+    def add(self, view: DepthMap) -> Iterator[DepthMap]:
+        """Take the next view; the one that has all its neighbours now, confirmed."""
+        self._views.append(view)
+        if self._num_seen - self._num_done > NUM_NEIGHBOURS:
+            yield self._next()
+
+    def finish(self) -> Iterator[DepthMap]:
+        """The views that still waited for others."""
+        while self._num_done < self._num_seen:
+            yield self._next()
+
+    @property
+    def _num_seen(self) -> int:
+        return self._num_dropped + len(self._views)
+
+    def _next(self) -> DepthMap:
+        row = self._num_done - self._num_dropped
+        found = confirmed(self._views[row], self._views[:row] + self._views[row + 1 :])
+        self._num_done += 1
+        if row >= NUM_NEIGHBOURS:
+            self._views.pop(0)
+            self._num_dropped += 1
+        return found
+
+
+def _nearest(view: DepthMap, others: Sequence[DepthMap]) -> list[DepthMap]:
+    """The nearest views that look the same way, more or less."""
+    ahead = view.T_world_left[:3, 2]
+    alike = [other for other in others if other.T_world_left[:3, 2] @ ahead > 0]
+    distances = [float(np.linalg.norm(other.position - view.position)) for other in alike]
+    return [alike[row] for row in np.argsort(distances, kind="stable")[:NUM_NEIGHBOURS]]
+
+
+def _camera(view: DepthMap) -> tuple[float, float, float]:
+    return view.rig.focal_px, view.rig.cx_left_px, view.rig.cy_px
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _ask(  # noqa: PLR0913 - two views and the motion between them
+    depth: Floats,
+    sigma: Floats,
+    camera: tuple[float, float, float],
+    other_depth: Floats,
+    other_sigma: Floats,
+    other_camera: tuple[float, float, float],
+    T_other_view: NDArray[np.float64],
+    counts: NDArray[np.uint8],
+) -> None:
+    """Count for every pixel whether another view agrees, disagrees, and looks."""
+    focal, cx, cy = camera
+    R, t = T_other_view[:3, :3].copy(), T_other_view[:3, 3].copy()
+    for v in range(depth.shape[0]):
+        for u in range(depth.shape[1]):
+            z = depth[v, u]
+            if not np.isfinite(z):
+                continue
+            x, y = (u - cx) / focal * z, (v - cy) / focal * z
+            point = R[:, 0] * x + R[:, 1] * y + R[:, 2] * z + t
+            row, column = _pixel(point, other_camera, other_depth.shape)
+            if row >= 0 and np.isfinite(other_depth[row, column]):
+                difference = other_depth[row, column] - point[2]
+                limit = _NUM_SIGMAS * np.hypot(sigma[v, u], other_sigma[row, column])
+                counts[0, v, u] += abs(difference) <= limit
+                counts[1, v, u] += difference > limit
+                counts[2, v, u] += difference >= -limit
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pixel(
+    point: NDArray[np.float64], camera: tuple[float, float, float], shape: tuple[int, int]
+) -> tuple[int, int]:
+    """Row and column in which a camera sees a point; -1 where it does not."""
+    focal, cx, cy = camera
+    if point[2] <= 0:
+        return -1, -1
+    column, row = focal * point[0] / point[2] + cx, focal * point[1] / point[2] + cy
+    if not (-0.5 <= column < shape[1] - 0.5 and -0.5 <= row < shape[0] - 0.5):
+        return -1, -1
+    return int(np.floor(row + 0.5)), int(np.floor(column + 0.5))

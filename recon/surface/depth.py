@@ -1,0 +1,73 @@
+"""The depth of every pixel of a view, with its uncertainty."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.geometry import transform
+from recon.records import DisparityMap, StereoPair
+
+Floats = NDArray[np.float32]
+Array = NDArray[np.float64]
+
+_SIGMA_SCALE, _SIGMA_FLOOR_PX = 1.3, 0.08
+"""Errors of neighbouring pixels go together, and those of a calibration do not average out."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DepthMap:
+    """What one left camera saw, and how far away."""
+
+    depth: Floats
+    """(H, W) along z of the left camera, world units; NaN = unknown."""
+    sigma: Floats
+    """(H, W) standard deviation of the depth."""
+    colours: NDArray[np.uint8]
+    """(H, W, 3) RGB."""
+    rig: StereoRig
+    T_world_left: Array
+    """(4, 4)"""
+    num_views: NDArray[np.uint8] | None = None
+    """(H, W) views that agree, this one included; None before they were asked."""
+
+    @property
+    def valid_mask(self) -> NDArray[np.bool_]:
+        """(H, W) pixels whose depth is known."""
+        return np.isfinite(self.depth)
+
+    @property
+    def position(self) -> Array:
+        """(3,) of the left camera, world."""
+        place: Array = self.T_world_left[:3, 3]
+        return place
+
+    def points_left(self, mask: NDArray[np.bool_]) -> Array:
+        """(N, 3) points of the pixels of `mask`, in the left camera's frame, row by row."""
+        v, u = np.nonzero(mask)
+        rays = self.rig.rays(np.column_stack([u, v]))
+        points: Array = rays * self.depth[v, u, None]
+        return points
+
+    def points(self, mask: NDArray[np.bool_]) -> Array:
+        """(N, 3) the same in the world."""
+        return transform(self.T_world_left, self.points_left(mask))
+
+    def where(self, kept_mask: NDArray[np.bool_]) -> "DepthMap":
+        """The same depths, unknown outside `kept_mask` (H, W)."""
+        return replace(self, depth=np.where(kept_mask, self.depth, np.float32(np.nan)))
+
+
+def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
+    """The depths of a pair's left pixels; a pair without a pose stands at the origin."""
+    left = pair.left if pair.left.ndim == 3 else np.repeat(pair.left[..., None], 3, axis=2)
+    depth = pair.rig.depth(found.disparity_px)
+    sigma_px = np.hypot(_SIGMA_SCALE * found.sigma_px, _SIGMA_FLOOR_PX)
+    return DepthMap(
+        depth=depth.astype(np.float32),
+        sigma=pair.rig.depth_sigma(depth, sigma_px).astype(np.float32),
+        colours=left,
+        rig=pair.rig,
+        T_world_left=np.eye(4) if pair.T_world_left is None else pair.T_world_left,
+    )

@@ -1,0 +1,92 @@
+"""Meshes made, cleaned and closed."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from recon.libraries import load_open3d
+from recon.records import Mesh
+from recon.surface.depth import DepthMap
+from recon.surface.volume import with_normals
+
+_SMALLEST_SHARE = 0.01
+"""Pieces with a smaller share of the area float: they are left out."""
+_NUM_SIGMAS = 3.0
+_STEEPEST = 3.0
+"""Depth between neighbouring pixels, in widths of a pixel there, that is still one surface."""
+_POISSON_DEPTH = 9
+
+
+def pieces(mesh: Mesh) -> NDArray[np.int32]:
+    """(T,) number of the connected piece of each triangle."""
+    a, b, c = mesh.triangles.T
+    edges = np.concatenate([np.stack([a, b]), np.stack([b, c])], axis=1)
+    ones = np.ones(edges.shape[1], np.int8)
+    graph = coo_array((ones, tuple(edges)), shape=(len(mesh.vertices),) * 2)
+    label = connected_components(graph, directed=False)[1]
+    found: NDArray[np.int32] = label[a].astype(np.int32)
+    return found
+
+
+def without_floaters(mesh: Mesh, smallest_share: float = _SMALLEST_SHARE) -> Mesh:
+    """The mesh without connected pieces that have less than a share of its area."""
+    if not len(mesh):
+        return mesh
+    piece = pieces(mesh)
+    areas = np.bincount(piece, weights=mesh.triangle_areas)
+    return mesh.select(areas[piece] >= smallest_share * areas.sum())
+
+
+def largest_share(mesh: Mesh) -> float:
+    """Share of the area that the largest connected piece has; 0 of no triangle."""
+    if not len(mesh):
+        return 0.0
+    areas = np.bincount(pieces(mesh), weights=mesh.triangle_areas)
+    return float(areas.max() / areas.sum())
+
+
+def mesh_of_pixels(view: DepthMap) -> Mesh:
+    """Triangles between neighbouring pixels of one view, cut where the depth jumps."""
+    mask = view.valid_mask
+    number = np.full(mask.shape, -1, np.int32)
+    number[mask] = np.arange(mask.sum(), dtype=np.int32)
+    a, b = number[:-1, :-1], number[:-1, 1:]
+    c, d = number[1:, :-1], number[1:, 1:]
+    triangles = np.concatenate(
+        [np.stack([a, c, b], axis=-1).reshape(-1, 3), np.stack([b, c, d], axis=-1).reshape(-1, 3)]
+    )
+    triangles = triangles[(triangles >= 0).all(axis=1)]
+    depth, sigma = view.depth[mask].astype(np.float64), view.sigma[mask]
+    between = depth[triangles]
+    limit = _STEEPEST * between.min(axis=1) / view.rig.focal_px * np.sqrt(2)
+    limit += _NUM_SIGMAS * sigma[triangles].min(axis=1)
+    whole = triangles[np.ptp(between, axis=1) <= limit]
+    mesh = Mesh(vertices=view.points(mask), triangles=whole, colours=view.colours[mask])
+    # Vertices of no triangle are left out.
+    return with_normals(mesh.select(np.ones(len(mesh), bool)))
+
+
+def watertight(mesh: Mesh) -> Mesh:
+    """A closed surface through the mesh (screened Poisson); it covers what nobody saw, too."""
+    o3d = load_open3d()
+    cloud = o3d.geometry.PointCloud()
+    cloud.points = o3d.utility.Vector3dVector(mesh.vertices)
+    cloud.normals = o3d.utility.Vector3dVector(with_normals(mesh).normals)
+    if mesh.colours is not None:
+        cloud.colors = o3d.utility.Vector3dVector(mesh.colours / 255.0)
+    closed, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
+        cloud, depth=_POISSON_DEPTH, n_threads=1
+    )
+    return with_normals(_from_open3d(closed))
+
+
+def _from_open3d(mesh: Any) -> Mesh:
+    colours = np.rint(np.asarray(mesh.vertex_colors) * 255).astype(np.uint8)
+    return Mesh(
+        vertices=np.asarray(mesh.vertices),
+        triangles=np.asarray(mesh.triangles).astype(np.int32),
+        colours=colours if len(colours) else None,
+    )

@@ -1,0 +1,79 @@
+"""Surfaces through the command line: files, numbers, and what is refused."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from recon.cli import main
+from recon.exports.formats import read
+from recon.exports.ply import read_mesh
+from recon.sequences.pfm import decode_pfm
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    """Three views of a textured wall 4 units away, the camera moving sideways."""
+    folder = tmp_path_factory.mktemp("wall")
+    rng = np.random.default_rng(3)
+    texture = cv2.GaussianBlur(rng.normal(size=(60, 400)), (0, 0), 1.2)
+    texture = (128 + 50 * texture / texture.std()).clip(0, 255).astype(np.uint8)
+    # 100 px focal length, baseline 0.2, depth 4: a disparity of 5 px, and 25 px for each unit.
+    for number in range(3):
+        start = 100 + 5 * number
+        for side, shift in (("left", 0), ("right", 5)):
+            (folder / side).mkdir(exist_ok=True)
+            image = texture[:, start + shift : start + shift + 80]
+            cv2.imwrite(str(folder / side / f"{number}.png"), image)
+    rows = [f"1 0 0 {0.2 * number} 0 1 0 0 0 0 1 0" for number in range(3)]
+    (folder / "poses.txt").write_text("\n".join(rows) + "\n")
+    (folder / "calib.txt").write_text(
+        "P0: 100 0 39.5 0 0 100 29.5 0 0 0 1 0\nP1: 100 0 39.5 -20 0 100 29.5 0 0 0 1 0\n"
+    )
+    return folder
+
+
+def reconstruct(drive, run, capsys, *options):
+    argv = ["reconstruct", str(drive), "-o", str(run), "--set", "matching.max_disparity=12"]
+    assert main([*argv, *options, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_wall_becomes_a_cloud_and_a_mesh(drive, tmp_path, capsys):
+    run = tmp_path / "run"
+    report = reconstruct(drive, run, capsys, "--dense", "--mesh", "--voxel", "0.1", "--depth")
+    mesh = read_mesh(run / "mesh.ply")
+    # The camera looks along -z of a world whose y is up.
+    np.testing.assert_allclose(np.median(mesh.vertices[:, 2]), -4, atol=0.05)
+    assert mesh.colours is not None
+    assert report["num_triangles"] == len(mesh)
+    assert report["mesh_area"] == pytest.approx(mesh.area, rel=1e-3)
+    assert 0.8 < report["dense_share"] <= 1
+    assert report["dense_confirmed_share"] > 0.8
+    cloud = read(run / "dense.ply")
+    assert len(cloud) == report["num_dense_points"]
+    assert cloud.colours is not None
+    assert (cloud.sigma > 0).all()
+    assert cloud.attributes["views"].max() == 3
+    assert (run / "figures" / "mesh.png").stat().st_size > 5000
+    depth = decode_pfm((run / "depth" / "000001.pfm").read_bytes(), "depth")
+    steps = cv2.imread(str(run / "depth" / "000001.png"), cv2.IMREAD_UNCHANGED)
+    assert steps.dtype == np.uint16
+    known = np.isfinite(depth)
+    np.testing.assert_allclose(steps[known], 1000 * depth[known], atol=0.51)
+    assert (steps[~known] == 0).all()
+
+
+def test_a_run_that_is_not_asked_leaves_no_surface(drive, tmp_path, capsys):
+    report = reconstruct(drive, tmp_path / "run", capsys)
+    assert "num_dense_points" not in report
+    assert not list((tmp_path / "run").glob("dense*"))
+    assert not (tmp_path / "run" / "mesh.ply").exists()
+
+
+def test_the_same_command_gives_the_same_bytes(drive, tmp_path, capsys):
+    for name in "ab":
+        reconstruct(drive, tmp_path / name, capsys, "--mesh", "--voxel", "0.1", "--quality", "fast")
+    for file in ("mesh.ply", "dense.ply"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()

@@ -1,0 +1,226 @@
+"""Depths confirmed, fused and meshed: exact on a ball and a wall, nothing invented."""
+
+import numpy as np
+import pytest
+from views import COLOUR, HEIGHT, RIG, WIDTH, ball_view, view_of, wall_view
+
+from recon.errors import InputError
+from recon.geometry import transform
+from recon.records import DisparityMap, Mesh, StereoPair
+from recon.settings import SurfaceSettings
+from recon.surface.cells import CellCloud
+from recon.surface.confirmation import Confirmation, confirmed
+from recon.surface.depth import depth_map
+from recon.surface.fusion import Fusion
+from recon.surface.triangles import (
+    largest_share,
+    mesh_of_pixels,
+    pieces,
+    watertight,
+    without_floaters,
+)
+from recon.surface.volume import Volume
+
+VOXEL = 0.08
+
+
+@pytest.fixture(scope="module")
+def ball():
+    volume = Volume(VOXEL)
+    for angle in range(0, 360, 30):
+        volume.add(ball_view(angle, noise=0.02, sigma=0.02))
+    return volume.mesh()
+
+
+def test_a_ball_comes_out_round_in_its_colour_and_faces_outwards(ball):
+    radius = np.linalg.norm(ball.vertices, axis=1)
+    assert np.median(np.abs(radius - 1)) < 0.1 * VOXEL
+    assert abs(np.median(radius - 1)) < 0.05 * VOXEL
+    assert 0.75 < ball.area / (4 * np.pi) < 1.02
+    np.testing.assert_array_equal(np.median(ball.colours, axis=0), COLOUR)
+    outwards = (ball.normals * ball.vertices).sum(axis=1) / radius
+    assert np.quantile(outwards, 0.05) > 0.9
+    assert largest_share(ball) > 0.98
+
+
+def test_the_same_views_give_the_same_bytes(ball):
+    volume = Volume(VOXEL)
+    for angle in range(0, 360, 30):
+        volume.add(ball_view(angle, noise=0.02, sigma=0.02))
+    again = volume.mesh()
+    assert again.vertices.tobytes() == ball.vertices.tobytes()
+    assert again.triangles.tobytes() == ball.triangles.tobytes()
+
+
+def test_sure_views_count_more_than_unsure_ones():
+    volume = Volume(VOXEL)
+    volume.add(wall_view(4.0, sigma=0.01))
+    volume.add(wall_view(4.1, sigma=0.4))
+    assert np.median(volume.mesh().vertices[:, 2]) == pytest.approx(4.0, abs=0.01)
+    alike = Volume(VOXEL)
+    alike.add(wall_view(4.0, sigma=0.02))
+    alike.add(wall_view(4.1, sigma=0.02))
+    assert np.median(alike.mesh().vertices[:, 2]) == pytest.approx(4.05, abs=0.01)
+
+
+def test_what_other_views_see_through_is_carved_away():
+    floating = np.full((HEIGHT, WIDTH), 4.0)
+    floating[30:50, 40:60] = 2.0
+    volume = Volume(VOXEL)
+    volume.add(view_of(floating, np.eye(4), 0.02))
+    before = (volume.mesh().vertices[:, 2] < 3).sum()
+    for x in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8):
+        volume.add(wall_view(4.0, sigma=0.02, x=x))
+    assert before > 100
+    assert (volume.mesh().vertices[:, 2] < 3).sum() < 0.2 * before
+
+
+def test_unsure_depths_and_empty_views_make_no_surface():
+    volume = Volume(VOXEL)
+    volume.add(wall_view(4.0, sigma=7 * VOXEL))
+    volume.add(view_of(np.full((HEIGHT, WIDTH), np.nan), np.eye(4), 0.01))
+    assert len(volume.mesh()) == 0
+
+
+def test_too_small_voxels_are_refused(monkeypatch):
+    monkeypatch.setattr("recon.surface.volume._MAX_BLOCKS", 100)
+    with pytest.raises(InputError, match="give a larger --voxel"):
+        Volume(0.02).add(wall_view())
+
+
+def test_neighbours_confirm_what_they_see_too():
+    views = [ball_view(angle, noise=0.01, sigma=0.01) for angle in (0, 10, 20)]
+    found = confirmed(views[1], [views[0], views[2]])
+    kept, known = found.valid_mask, views[1].valid_mask
+    assert kept[known].mean() > 0.9
+    assert (found.num_views[kept] >= 2).mean() > 0.9
+    assert (found.num_views[~kept] == 0).all()
+
+
+def test_what_floats_or_moves_is_not_confirmed():
+    views = [wall_view(x=x) for x in (-0.2, -0.1, 0.1, 0.2)]
+    depth = np.full((HEIGHT, WIDTH), 4.0)
+    depth[30:50, 40:60] = 3.0
+    found = confirmed(view_of(depth, np.eye(4), 0.01), views)
+    assert np.isnan(found.depth[31:49, 41:59]).all()
+    assert np.isfinite(found.depth[5:25, 45:50]).all()
+
+
+def test_where_nobody_else_looks_nothing_is_asked():
+    alone = wall_view()
+    assert confirmed(alone, []).valid_mask.all()
+    away = view_of(np.full((HEIGHT, WIDTH), 4.0), np.diag([-1.0, 1, -1, 1]), 0.01)
+    assert confirmed(alone, [away]).valid_mask.all()
+
+
+def test_views_are_confirmed_in_turn_and_few_are_held():
+    line = Confirmation()
+    done = []
+    for number in range(30):
+        done += list(line.add(wall_view(x=0.05 * number)))
+        assert len(line._views) <= 13
+    done += list(line.finish())
+    places = [view.position[0] for view in done]
+    np.testing.assert_allclose(places, 0.05 * np.arange(30))
+
+
+def test_pixels_join_but_not_across_jumps():
+    depth = np.full((HEIGHT, WIDTH), 4.0)
+    depth[:, 48:] = 2.0
+    view = view_of(depth, np.eye(4), 0.01)
+    mesh = mesh_of_pixels(view)
+    assert np.ptp(mesh.corners[..., 2], axis=1).max() < 0.1
+    assert len(mesh) == 2 * (HEIGHT - 1) * (WIDTH - 2)
+    assert (mesh.normals[:, 2] < -0.9).all()
+    assert pieces(mesh).max() == 1
+    slanted = np.full((HEIGHT, WIDTH), 4.0) + np.arange(WIDTH) * 0.05
+    assert len(mesh_of_pixels(view_of(slanted, np.eye(4), 0.01))) == 2 * (HEIGHT - 1) * (WIDTH - 1)
+
+
+def test_small_pieces_are_left_out(ball):
+    speck = Mesh(
+        vertices=np.concatenate([ball.vertices, [[5.0, 0, 0], [5.1, 0, 0], [5, 0.1, 0]]]),
+        triangles=np.concatenate(
+            [ball.triangles, len(ball.vertices) + np.array([[0, 1, 2]], np.int32)]
+        ),
+    )
+    kept = without_floaters(speck)
+    assert kept.vertices[:, 0].max() < 2
+    assert len(kept) > 0.95 * len(ball)
+    assert len(without_floaters(Mesh.none())) == 0
+
+
+def test_a_watertight_mesh_has_no_border_and_the_right_size(ball):
+    closed = watertight(ball)
+    edges = np.sort(closed.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    _, number = np.unique(edges, axis=0, return_counts=True)
+    assert (number == 1).mean() < 0.01
+    assert closed.area == pytest.approx(4 * np.pi, rel=0.05)
+    open_edges = np.sort(ball.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert (np.unique(open_edges, axis=0, return_counts=True)[1] == 1).any()
+
+
+def test_points_of_a_cell_become_one_and_views_are_counted():
+    cells = CellCloud(0.5)
+    for _ in range(3):
+        cells.add(wall_view(4.1, sigma=0.2))
+    cloud = cells.cloud()
+    np.testing.assert_allclose(cloud.points[:, 2], 4.1, atol=1e-6)
+    np.testing.assert_allclose(cloud.sigma, 0.2 / np.sqrt(3), rtol=1e-6)
+    assert (cloud.attributes["views"] == 3).all()
+    assert len(np.unique(np.floor(cloud.points / 0.5), axis=0)) == len(cloud)
+    assert len(CellCloud(1.0).cloud()) == 0
+
+
+def pair_of(disparity, T=None):
+    image = np.full((HEIGHT, WIDTH, 3), COLOUR, np.uint8)
+    found = DisparityMap(
+        disparity_px=np.full((HEIGHT, WIDTH), disparity, np.float32),
+        sigma_px=np.full((HEIGHT, WIDTH), 0.1, np.float32),
+    )
+    return StereoPair(left=image, right=image, rig=RIG, T_world_left=T, name="pair 7"), found
+
+
+def test_a_single_pair_gives_its_pixels():
+    fusion = Fusion(SurfaceSettings(mesh=True))
+    fusion.add(*pair_of(4.5))
+    surface = fusion.finish()
+    assert len(surface.cloud) == HEIGHT * WIDTH
+    np.testing.assert_allclose(surface.cloud.points[:, 2], 4.0, atol=1e-6)
+    expected = RIG.depth_sigma(4.0, np.hypot(0.13, 0.08))
+    np.testing.assert_allclose(surface.cloud.sigma, expected, rtol=1e-5)
+    assert surface.metrics["num_triangles"] == len(surface.mesh)
+    assert surface.metrics["dense_share"] == 1.0
+
+
+def test_several_pairs_are_fused_in_the_world():
+    fusion = Fusion(SurfaceSettings(mesh=True, voxel=0.1))
+    for x in (0.0, 0.1, 0.2):
+        T = np.eye(4)
+        T[:3, 3] = [x, 5.0, 0.0]
+        fusion.add(*pair_of(4.5, T))
+    surface = fusion.finish()
+    np.testing.assert_allclose(surface.mesh.vertices[:, 2], 4.0, atol=0.02)
+    assert surface.mesh.vertices[:, 1].mean() == pytest.approx(5.0, abs=0.1)
+    assert surface.metrics["dense_confirmed_share"] > 0.95
+    assert (surface.cloud.attributes["views"] >= 2).mean() > 0.8
+
+
+def test_a_second_pair_needs_a_pose():
+    fusion = Fusion(SurfaceSettings())
+    fusion.add(*pair_of(4.5))
+    with pytest.raises(InputError, match="pair 7 has no pose"):
+        fusion.add(*pair_of(4.5))
+
+
+def test_nothing_gives_an_empty_surface():
+    surface = Fusion(SurfaceSettings(mesh=True)).finish()
+    assert len(surface.cloud) == len(surface.mesh) == 0
+
+
+def test_depth_follows_disparity_and_the_pose():
+    pair, found = pair_of(9.0, np.diag([1.0, -1, -1, 1]))
+    view = depth_map(pair, found)
+    np.testing.assert_allclose(view.depth, 2.0)
+    expected = transform(np.diag([1.0, -1, -1, 1]), view.points_left(view.valid_mask))
+    np.testing.assert_allclose(view.points(view.valid_mask), expected)
