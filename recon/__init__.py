@@ -9,6 +9,7 @@ reconstruct, explore         a whole recording; a whole world
 VoxelMap, recognise, fit     cells that count points; named objects; one solid of one cloud
 read, write                  clouds and maps in files of many formats
 Job, execute, Events         what the command line calls
+register                     parts of your own, by name
 """
 
 import importlib
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from recon.mapping.pair import PairResult as PairResult
     from recon.mapping.pair import match_pair as match_pair
     from recon.mapping.pair import process_pair as process_pair
+    from recon.plugins import register as register
     from recon.recognition.fitting.shapes import fit as fit
     from recon.records import Box as Box
     from recon.records import Cone as Cone
@@ -60,8 +62,11 @@ if TYPE_CHECKING:
     from recon.runs.execute import execute as execute
     from recon.runs.job import Job as Job
     from recon.runs.report import Report as Report
+    from recon.settings import MatchingSettings as MatchingSettings
+    from recon.settings import SequenceSettings as SequenceSettings
     from recon.settings import Settings as Settings
     from recon.stereo.dense.dense import match_dense as match_dense
+    from recon.stereo.matching.matching import ImageMatcher as ImageMatcher
     from recon.voxelmap import VoxelMap as VoxelMap
     from recon.world.world import World as World
 
@@ -81,8 +86,10 @@ _HOMES = {
     "runs.execute": "execute",
     "runs.job": "Job",
     "runs.report": "Report",
-    "settings": "Settings",
     "stereo.dense.dense": "match_dense",
+    "plugins": "register",
+    "settings": "MatchingSettings SequenceSettings Settings",
+    "stereo.matching.matching": "ImageMatcher",
     "voxelmap": "VoxelMap",
     "world.world": "World",
 }

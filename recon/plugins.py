@@ -1,17 +1,46 @@
 """Plug-ins: parts by name, recon's own and those of installed packages, loaded when first used."""
 
 import difflib
-import importlib
 import logging
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from recon.errors import InputError
 
 log = logging.getLogger(__name__)
 
 Part = TypeVar("Part")
+
+GROUPS = (
+    "controllers", "matchers", "sequences", "formats", "figures", "recognisers", "renderers",
+)  # fmt: skip
+"""What plug-ins may bring: each is the entry-point group `recon.NAME`."""
+
+_registered: dict[str, dict[str, Any]] = {}
+"""Parts that this process registered, by entry-point group and name."""
+
+
+def register(group: str, name: str, part: Any) -> None:
+    """Offer a part under a name in this process, as an installed plug-in would.
+
+    Parameters
+    ----------
+    group : str
+        One of controllers, matchers, sequences, formats, figures, recognisers, renderers.
+    name : str
+        The name it is asked for by; one of recon's own parts keeps its name.
+    part : object
+        What the page of the group in docs/plugin describes.
+
+    Raises
+    ------
+    InputError
+        For a group that is not there.
+    """
+    if group not in GROUPS:
+        raise InputError(f"group is {group!r}, but one of {', '.join(GROUPS)} is needed")
+    _registered.setdefault(f"recon.{group}", {})[name] = part
 
 
 class Registry(Generic[Part]):
@@ -47,8 +76,11 @@ class Registry(Generic[Part]):
         InputError
             For a name that is not there, with the nearest one, and for a part that does not load.
         """
+        # Asking all installed packages takes long, and recon's own parts need not wait for it.
+        if name in self._own:
+            return self._loaded(self._own[name])
         self.check(name)
-        return self._loaded(self._entries()[name])
+        return self._part(name, self._entries())
 
     def check(self, name: str) -> None:
         """Raise `InputError` for a name that is not there, with the nearest one."""
@@ -61,22 +93,31 @@ class Registry(Generic[Part]):
 
     def parts(self) -> Iterator[tuple[str, Part]]:
         """Every part that loads, with its name; one that does not is named in one warning."""
-        for name, entry in self._entries().items():
+        entries = self._entries()
+        for name in entries:
             try:
-                part = self._loaded(entry)
+                part = self._part(name, entries)
             except InputError as error:
                 log.warning("%s; it is left out", error)
             else:
                 yield name, part
 
-    def _entries(self) -> dict[str, EntryPoint]:
-        """All entry points by name; no plug-in replaces a part of recon."""
+    def _entries(self) -> dict[str, EntryPoint | None]:
+        """All entry points by name, None for what is registered; recon's own are never replaced."""
         plugins = {entry.name: entry for entry in entry_points(group=self.group)}
-        return self._own | {name: one for name, one in plugins.items() if name not in self._own}
+        registered = dict.fromkeys(_registered.get(self.group, ()))
+        return {**self._own, **(plugins | registered), **self._own}
+
+    def _part(self, name: str, entries: Mapping[str, EntryPoint | None]) -> Part:
+        entry = entries[name]
+        if entry is not None:
+            return self._loaded(entry)
+        part: Part = _registered[self.group][name]
+        return part
 
     def _loaded(self, entry: EntryPoint) -> Part:
         try:
-            part: Part = getattr(importlib.import_module(entry.module), entry.attr)
+            part: Part = entry.load()
         # A package of somebody else's may fail in any way.
         except Exception as error:
             raise InputError(

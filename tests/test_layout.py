@@ -27,7 +27,7 @@ HOMES = {
     "cv2": {"stereo", "sequences", "localisation", "world", "exports"},
     "skimage": {"stereo", "recognition", "exploration", "sequences"},
     "PIL": {"world", "sequences"},
-    "pyvista": {"figures", "app", "exports"},
+    "pyvista": {"figures", "app", "exports", "voxelmap"},  # VoxelMap.to_pyvista
     "matplotlib": {"figures"},
     "nicegui": {"app"},
     "dask": {"batch"},

@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 import pytest
 
 from recon.errors import InputError
-from recon.plugins import Registry
+from recon.plugins import Registry, register
 
 OWN = {"join": "os.path:join"}
 PLUGINS = {"split": "os.path:split", "broken": "no_such_module:part", "join": "os.path:basename"}
@@ -37,3 +37,15 @@ def test_a_broken_plugin_is_named_in_one_line_and_hurts_nobody_else(registry, ca
     assert [name for name, _ in registry.parts()] == ["join", "split"]
     assert len(caplog.records) == 1
     assert "'broken'" in caplog.text
+
+
+def test_what_is_registered_is_found_but_replaces_nothing(monkeypatch):
+    monkeypatch.setattr("recon.plugins._registered", {})
+    matchers = Registry("recon.matchers", "matcher", OWN)
+    register("matchers", "mine", len)
+    register("matchers", "join", len)
+    assert matchers.load("mine") is len
+    assert matchers.load("join") is not len
+    assert dict(matchers.parts())["mine"] is len
+    with pytest.raises(InputError, match="group is 'matcher', but one of .*matchers"):
+        register("matcher", "mine", len)

@@ -10,7 +10,7 @@ from recon.geometry import LEVEL_CAMERA
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.features import detect
-from recon.stereo.matching.matching import match
+from recon.stereo.matching.matching import match, match_whole_images
 from recon.stereo.subpixel import refine
 from recon.stereo.triangulation import triangulate
 from recon.voxelmap import VoxelMap
@@ -75,6 +75,10 @@ def match_images(
     stated_range : (min, max), optional
         Search range in pixels that holds where the settings were not given one.
     """
+    search = settings.matching.searching(stated_range)
+    whole = match_whole_images(left, right, search)
+    if whole is not None:
+        return whole
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)

@@ -28,6 +28,7 @@ from recon.settings import Settings
 from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
+from recon.stereo.matching.matching import match_whole_images
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,7 +60,9 @@ def match_files(
     check_contradictions(left, right, (matching.min_disparity, matching.max_disparity))
     began = time.perf_counter()
     features = detect(left, settings.features), detect(right, settings.features)
-    matches = match_features(*features, settings, stated_range)
+    matches = match_whole_images(left, right, settings.matching.searching(stated_range))
+    if matches is None:
+        matches = match_features(*features, settings, stated_range)
     seconds = time.perf_counter() - began
     is_dense = settings.dense.enabled
     dense = match_every_pixel(left, right, settings, stated_range) if is_dense else None

@@ -27,7 +27,7 @@ from recon.settings import Settings, updated
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
 from recon.stereo.matching import vonmises
-from recon.stereo.matching.matching import match
+from recon.stereo.matching.matching import match, match_whole_images
 from recon.stereo.subpixel import refine
 
 # Searched beyond the largest true disparity where no calibration states a range.
@@ -117,6 +117,10 @@ def trial_images(trial: Trial) -> dict[str, Image]:
     """Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17)."""
     settings, truth = trial.settings, trial.truth.disparity_px
     left, right = read_pair(trial.image("left"), trial.image("right"))
+    title = f"{trial.name}_{settings.matching.matcher}"
+    by_images = match_whole_images(left, right, settings.matching)
+    if by_images is not None:
+        return {f"{title}_errors": error_map(left, by_images, truth)}
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
     whole = match(features_left, features_right, settings.matching)
@@ -133,7 +137,6 @@ def trial_images(trial: Trial) -> dict[str, Image]:
     }
     if settings.matching.matcher == "vonmises":
         images["mixture"] = model_image(features_left, features_right, whole, settings)
-    title = f"{trial.name}_{settings.matching.matcher}"
     return {f"{title}_{name}": image for name, image in images.items()}
 
 

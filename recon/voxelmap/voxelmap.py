@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError, as_numbers, check_finite, check_number, check_shape, check_type
 from recon.records import PointCloud, Voxels
-from recon.voxelmap import archive, hits
+from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan
 from recon.voxelmap.hues import Hues
 from recon.voxelmap.rays import Rays, Sightings
@@ -129,6 +129,14 @@ class VoxelMap:
         check_number("min_count", min_count)
         chosen = np.flatnonzero(self._hits.used["count"] >= min_count)
         return self._voxels(chosen[order_of(self._hits.rows["index"][chosen])])
+
+    def to_open3d(self, min_count: int = 1) -> Any:
+        """An open3d PointCloud of the cells with at least `min_count` points, at their means."""
+        return viewers.to_open3d(self.occupied(min_count))
+
+    def to_pyvista(self, min_count: int = 1) -> Any:
+        """A pyvista PolyData of the cells with at least `min_count` points, at their centres."""
+        return viewers.to_pyvista(self.occupied(min_count))
 
     def sightings(self) -> Sightings:
         """Every cell that a scan hit or passed; of a map that keeps rays.

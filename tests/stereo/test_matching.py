@@ -35,7 +35,7 @@ def share_right(matches, truth, within=1.0):
 
 
 def test_the_table_names_every_matcher_of_the_settings():
-    assert set(matching.MATCHERS) == {"phase", "vonmises", "sgbm"}
+    assert set(matching.MATCHERS.names()) >= {"phase", "vonmises", "sgbm"}
 
 
 @pytest.mark.parametrize("way", EVERY_WAY, ids=lambda way: "-".join(way.values()))
@@ -124,7 +124,7 @@ def test_the_same_images_give_the_same_bytes(plane):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
 
 
-@pytest.mark.parametrize("matcher", sorted(matching.MATCHERS))
+@pytest.mark.parametrize("matcher", ["phase", "sgbm", "vonmises"])
 @pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6), (40, 40)])
 def test_tiny_or_empty_images_give_no_matches(matcher, shape):
     image = np.full(shape, 50, np.uint8)
@@ -164,8 +164,8 @@ def test_what_fills_rows_up_means_nothing(width):
 
 
 def test_an_unknown_matcher_is_named_with_the_known_ones():
-    with pytest.raises(InputError, match="matcher is 'sift', but one of phase, vonmises, sgbm"):
-        matching.find_matcher("sift")
+    with pytest.raises(InputError, match="matcher is 'sift', but one of phase, sgbm, vonmises"):
+        matching.MATCHERS.load("sift")
 
 
 def test_points_on_an_occluding_edge_move_to_the_side_that_has_their_disparity(monkeypatch):

@@ -1,27 +1,40 @@
 """The matchers, and the one door to them."""
 
 from collections.abc import Callable
-from importlib.metadata import entry_points
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_type
+from recon.plugins import Registry
 from recon.records import Features, Matches, check_alike
 from recon.settings import MatchingSettings
-from recon.stereo.matching import phase, sgbm, vonmises
 
 BLOCK_PX = 32
 """Side of the blocks over which pairs are spread."""
 
-Matcher = Callable[[Features, Features, MatchingSettings], Matches]
+Image = NDArray[np.uint8]
+FeatureMatcher = Callable[[Features, Features, MatchingSettings], Matches]
+"""Pairs oriented feature points; the pairs are refined to fractions of a pixel afterwards."""
 
-MATCHERS: dict[str, Matcher] = {
-    "phase": phase.match,
-    "vonmises": vonmises.match,
-    "sgbm": sgbm.match,
-}
-"""By name; others are found in the entry-point group `recon.matchers`."""
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImageMatcher:
+    """A matcher that takes the images themselves, as a learned one or one on a GPU does."""
+
+    match: Callable[[Image, Image, MatchingSettings], Matches]
+    """Pairs of both images (H, W) or (H, W, 3), with their sigma; nothing is refined."""
+
+
+Matcher = FeatureMatcher | ImageMatcher
+
+_ROOM = "recon.stereo.matching"
+MATCHERS: Registry[Matcher] = Registry(
+    "recon.matchers",
+    "matcher",
+    {name: f"{_ROOM}.{name}:match" for name in ("phase", "vonmises", "sgbm")},
+)
 
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
@@ -33,7 +46,39 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
         Where the images differ in size or filters, or nobody knows the matcher.
     """
     check_alike(left, right)
-    matches = find_matcher(settings.matcher)(left, right, settings)
+    matcher = MATCHERS.load(settings.matcher)
+    if isinstance(matcher, ImageMatcher):
+        raise InputError(f"matcher {settings.matcher!r} takes images, but features are given")
+    return _chosen(matcher(left, right, settings), settings)
+
+
+def match_whole_images(left: Image, right: Image, settings: MatchingSettings) -> Matches | None:
+    """Pair two images by a matcher that takes them; None where it takes features."""
+    matcher = MATCHERS.load(settings.matcher)
+    if not isinstance(matcher, ImageMatcher):
+        return None
+    matches = matcher.match(left, right, settings)
+    _check_matches(matches, settings.matcher, left.shape)
+    return _chosen(matches, settings)
+
+
+def _check_matches(matches: Matches, name: str, shape: tuple[int, ...]) -> None:
+    """Raise `InputError` where what a plug-in gave cannot be used."""
+    check_type(f"what matcher {name!r} gave", matches, Matches)
+    u, v = matches.points_px.T
+    inside = (u >= 0) & (v >= 0) & (u <= shape[1] - 1) & (v <= shape[0] - 1)
+    whole = np.isfinite(matches.disparity_px) & (matches.sigma_px > 0)
+    if not (inside & whole).all():
+        row = int(np.argmin(inside & whole))
+        raise InputError(
+            f"matcher {name!r} gave the point {matches.points_px[row]} with disparity "
+            f"{matches.disparity_px[row]} and sigma {matches.sigma_px[row]}, but a point of the "
+            "image, a finite disparity and a positive sigma are needed"
+        )
+
+
+def _chosen(matches: Matches, settings: MatchingSettings) -> Matches:
+    """The matches that the settings keep, the most confident ones."""
     if settings.per_block is not None:
         matches = matches.select(_is_among_best_of_block(matches, settings.per_block))
     return matches.select(slice(0, settings.keep))
@@ -48,15 +93,3 @@ def _is_among_best_of_block(matches: Matches, quota: int) -> NDArray[np.bool_]:
     among = np.empty(len(matches), dtype=bool)
     among[order] = np.arange(len(matches)) - starts < quota
     return among
-
-
-def find_matcher(name: str) -> Matcher:
-    """The matcher of a name, recon's own or a plug-in's."""
-    if name in MATCHERS:
-        return MATCHERS[name]
-    plugins = entry_points(group="recon.matchers")
-    if name in plugins.names:
-        matcher: Matcher = plugins[name].load()
-        return matcher
-    known = ", ".join([*MATCHERS, *sorted(plugins.names)])
-    raise InputError(f"matcher is {name!r}, but one of {known} is needed")

@@ -1,0 +1,26 @@
+"""Cells as objects of other libraries, for their viewers and tools."""
+
+from typing import Any
+
+import numpy as np
+
+from recon.libraries import load_open3d, load_pyvista
+from recon.records import Voxels
+
+
+def to_open3d(voxels: Voxels) -> Any:
+    """An open3d.geometry.PointCloud: one coloured point per cell, at the mean of its points."""
+    geometry = load_open3d()
+    cloud = geometry.geometry.PointCloud()
+    cloud.points = geometry.utility.Vector3dVector(voxels.means)
+    cloud.colors = geometry.utility.Vector3dVector(voxels.colours / 255.0)
+    return cloud
+
+
+def to_pyvista(voxels: Voxels) -> Any:
+    """A pyvista.PolyData: one point per cell at its centre, with `colours` and `counts`."""
+    cells = load_pyvista().PolyData(np.ascontiguousarray(voxels.centres))
+    cells["colours"] = voxels.colours
+    cells["counts"] = voxels.counts
+    cells["means"] = voxels.means
+    return cells
