@@ -4,11 +4,7 @@ import sys
 
 import recon
 
-mapper = recon.Mapper(recon.settings_for(sys.argv[1], quality="fast"))
-for pair in recon.open_sequence(sys.argv[1]):
-    for step in mapper.process(pair):
-        print(step)
-mapper.finish()
-done = mapper.reconstruction()
+done = recon.reconstruct(sys.argv[1], quality="fast")
 done.map.save(sys.argv[2])
 print(done)
+print(f"the camera went {done.trajectory.length:.2f} units, to {done.trajectory.positions[-1]}")

@@ -1,15 +1,21 @@
-"""A matcher of one's own, judged beside recon's: python own_matcher.py PAIR_DIR."""
+"""A recording reconstructed by a matcher of one's own: python own_matcher.py SEQUENCE."""
 
 import sys
-from pathlib import Path
 
-from own_matchers import block_matching
+import cv2
+import numpy as np
 
 import recon
 
-recon.register("matchers", "blocks", recon.ImageMatcher(match=block_matching))
-job = recon.Job(
-    kind="evaluate", inputs=(Path(sys.argv[1]),), arguments={"matchers": ("phase", "blocks")}
-)
-for row in recon.execute(job)["pairs"]:
-    print(f"{row['matcher']}: {row['num_matches']} matches, {row['success_all']:.1f} % right")
+
+def match(left: recon.Image, right: recon.Image, s: recon.MatchingSettings) -> recon.Matches:
+    blocks = cv2.StereoBM.create(numDisparities=16 * (s.max_disparity // 16 + 1), blockSize=11)
+    greys = (cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) for image in (left, right))
+    found = np.asarray(blocks.compute(*greys), float) / 16
+    v, u = np.nonzero(found > 0)
+    points, ones = np.column_stack([u, v]).astype(float), np.ones(len(u))
+    return recon.Matches(points_px=points, disparity_px=found[v, u], sigma_px=ones / 3, score=ones)
+
+
+recon.register("matchers", "blocks", recon.ImageMatcher(match=match))
+print(recon.reconstruct(sys.argv[1], matcher="blocks"))

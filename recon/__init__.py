@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from recon.records import Features as Features
     from recon.records import FitFailure as FitFailure
     from recon.records import FoundObject as FoundObject
+    from recon.records import Image as Image
     from recon.records import Matches as Matches
     from recon.records import Mesh as Mesh
     from recon.records import Part as Part
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
     from recon.runs.door import open_sequence as open_sequence
     from recon.runs.door import recognise as recognise
     from recon.runs.door import reconstruct as reconstruct
+    from recon.runs.door import rectifier as rectifier
     from recon.runs.events import Cancelled as Cancelled
     from recon.runs.events import Events as Events
     from recon.runs.execute import execute as execute
@@ -69,6 +71,15 @@ if TYPE_CHECKING:
     from recon.stereo.matching.matching import ImageMatcher as ImageMatcher
     from recon.voxelmap import VoxelMap as VoxelMap
     from recon.world.world import World as World
+else:
+    # A type checker that saw this function would take any name for one that is there.
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME_OF:
+            raise AttributeError(f"recon has no {name}, but {', '.join(_HOME_OF)}")
+        value = getattr(importlib.import_module(_HOME_OF[name]), name)
+        globals()[name] = value
+        return value
+
 
 _HOMES = {
     "camera": "StereoRig",
@@ -78,10 +89,10 @@ _HOMES = {
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",
     "recognition.fitting.shapes": "fit",
-    "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Matches "
-    "Mesh Part Plane PointCloud Recognition Reconstruction Sphere StereoPair Trajectory "
+    "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Image "
+    "Matches Mesh Part Plane PointCloud Recognition Reconstruction Sphere StereoPair Trajectory "
     "TruncatedCone View Voxels",
-    "runs.door": "explore open_sequence recognise reconstruct",
+    "runs.door": "explore open_sequence recognise reconstruct rectifier",
     "runs.events": "Cancelled Events",
     "runs.execute": "execute",
     "runs.job": "Job",
@@ -96,14 +107,6 @@ _HOMES = {
 _HOME_OF = {name: f"recon.{home}" for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = ["__version__", *sorted(_HOME_OF)]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME_OF:
-        raise AttributeError(f"recon has no {name}, but {', '.join(_HOME_OF)}")
-    value = getattr(importlib.import_module(_HOME_OF[name]), name)
-    globals()[name] = value
-    return value
 
 
 def __dir__() -> list[str]:

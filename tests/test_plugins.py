@@ -47,5 +47,5 @@ def test_what_is_registered_is_found_but_replaces_nothing(monkeypatch):
     assert matchers.load("mine") is len
     assert matchers.load("join") is not len
     assert dict(matchers.parts())["mine"] is len
-    with pytest.raises(InputError, match="group is 'matcher', but one of .*matchers"):
+    with pytest.raises(InputError, match=r"group is 'matcher', but one of .*matchers"):
         register("matcher", "mine", len)

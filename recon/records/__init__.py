@@ -12,7 +12,7 @@ from recon.records.objects import (
     Part,
     Recognition,
 )
-from recon.records.pairs import PairSource, StereoPair, View, check_images
+from recon.records.pairs import Image, PairSource, StereoPair, View, check_images
 from recon.records.reconstruction import Reconstruction
 from recon.records.solids import (
     Box,
@@ -43,6 +43,7 @@ __all__ = [
     "FoundObject",
     "FoundPlane",
     "GroundGrid",
+    "Image",
     "ImageNoise",
     "Matches",
     "Mesh",

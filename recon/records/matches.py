@@ -5,10 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_shape
 from recon.records.noise import ImageNoise
-
-_UNKNOWN = np.zeros(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,16 +64,21 @@ class Matches:
     """(M,) standard deviation of the disparity; NaN before fine tuning."""
     score: NDArray[np.float64]
     """(M,) confidence, falling."""
-    index_left: NDArray[np.int32]
-    """(M,) row of the left feature the pair began as."""
-    index_right: NDArray[np.int32]
+    index_left: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
+    """(M,) row of the left feature the pair began as; -1 where it began as none."""
+    index_right: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
     """(M,) row of the right feature at the matched pixel; -1 where it is a candidate only."""
-    probability: NDArray[np.float64] = field(default_factory=lambda: _UNKNOWN)
+    probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     """(M,) that the pair is right to a pixel, NaN where nobody knows; NaN where not given."""
 
     def __post_init__(self) -> None:
-        if self.probability is _UNKNOWN:
-            object.__setattr__(self, "probability", np.full(len(self.points_px), np.nan))
+        check_shape("points_px", self.points_px, (None, 2))
+        for name, unknown in (("index_left", -1), ("index_right", -1), ("probability", np.nan)):
+            column = getattr(self, name)
+            if len(self) and not len(column):
+                object.__setattr__(self, name, np.full(len(self), unknown, column.dtype))
+        for name in Matches.__slots__[1:]:
+            check_shape(name, getattr(self, name), (len(self),))
 
     def __len__(self) -> int:
         return len(self.points_px)

@@ -11,6 +11,9 @@ from recon.camera import StereoRig
 from recon.errors import InputError, as_numbers, check_number, check_shape, check_type
 from recon.geometry import check_rigid
 
+Image = NDArray[np.uint8]
+"""(H, W, 3) RGB or (H, W) grey."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class View:

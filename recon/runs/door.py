@@ -1,6 +1,7 @@
 """The functions of `import recon` that join several rooms."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,9 @@ from recon.recognition.clouds import Up
 from recon.records import PointCloud, Recognition, Reconstruction, Voxels
 from recon.runs.job import Job
 from recon.sequences import open_sequence as open_pairs
+from recon.sequences.calibration.files import read_calibration
+from recon.sequences.calibration.rectification import Rectifier
+from recon.sequences.calibration.rectification import rectifier as rectifier_of
 from recon.sequences.frames import DerivedSource
 from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
 from recon.settings.keywords import by_keyword
@@ -38,6 +42,25 @@ def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
         Rectified, with poses where they are known, and the search range where it is stated.
     """
     return open_pairs(checked_path(path), by_keyword(**settings).sequence)
+
+
+def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
+    """What makes rectified pairs of the raw images of a rig.
+
+    Parameters
+    ----------
+    calibration : path
+        A calibration in any form that `recon reconstruct` reads.
+    size : (width, height)
+        Of the raw images, pixels.
+
+    Returns
+    -------
+    Rectifier
+        Its ``pair(left, right)`` gives a `StereoPair`.
+    """
+    read = read_calibration(checked_path(calibration))
+    return replace(rectifier_of(read, size), disparity_range=read.disparity_range)
 
 
 def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
@@ -71,6 +94,7 @@ def explore(
     controller: str | None = None,
     *,
     observe: Callable[[Step], None] | None = None,
+    **values: Any,
 ) -> Exploration:
     """Let a controller explore a world by itself.
 
@@ -84,13 +108,15 @@ def explore(
         "frontier", "thesis" or the name of a plug-in; that of the settings where not given.
     observe : callable, optional
         Called with every `Step`.
+    values
+        More settings by name, as for `reconstruct`.
 
     Returns
     -------
     Exploration
         Its `reconstruction` holds map, objects and trajectory; whole, whatever ended it.
     """
-    chosen = by_keyword(settings)
+    chosen = by_keyword(settings, **values)
     if controller is not None:
         chosen = updated(chosen, {"exploration": {"controller": controller}})
     return lead(source, explorers(chosen), observe)

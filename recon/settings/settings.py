@@ -1,6 +1,7 @@
 """All settings of a run: one frozen dataclass a stage."""
 
 from dataclasses import field
+from typing import Any
 
 from recon.settings.exploration import ExplorationSettings
 from recon.settings.mapping import MapSettings
@@ -35,3 +36,17 @@ class Settings:
     exploration: ExplorationSettings = field(default_factory=ExplorationSettings)
     motion: MotionSettings = field(default_factory=MotionSettings)
     recognition: RecognitionSettings = field(default_factory=RecognitionSettings)
+
+    @classmethod
+    def of(cls, **values: Any) -> "Settings":
+        """Settings by keyword: ``Settings.of(quality="fast", max_disparity=60)``.
+
+        Parameters
+        ----------
+        values
+            `preset`, `quality`, a stage with its table (``map={"cell_size": 0.1}``), or the name
+            of a setting that only one stage has.
+        """
+        from recon.settings.keywords import by_keyword
+
+        return by_keyword(**values)

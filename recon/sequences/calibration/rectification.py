@@ -32,6 +32,8 @@ class Rectifier:
     """(4, 4) from the rectified left frame into the left camera's own: a pure rotation."""
     maps: tuple[Maps, Maps] | None = None
     """(u, v) of the source pixel of each rectified one, left and right."""
+    disparity_range: tuple[int, int] | None = None
+    """(min, max) in pixels, both included, where the calibration states it."""
 
     def __call__(self, left: Image, right: Image) -> tuple[Image, Image]:
         """The two images as the rectified rig sees them; outside of the raw ones is black."""
@@ -50,7 +52,12 @@ class Rectifier:
         )
 
     def pair(
-        self, left: Image, right: Image, T_world_raw: Array | None, stamp_s: float, name: str
+        self,
+        left: Image,
+        right: Image,
+        T_world_raw: Array | None = None,
+        stamp_s: float = 0.0,
+        name: str = "pair",
     ) -> StereoPair:
         """The rectified pair of raw images, whose left camera stood at `T_world_raw`."""
         left, right = self(*alike(left, right))
@@ -61,6 +68,7 @@ class Rectifier:
             T_world_left=None if T_world_raw is None else T_world_raw @ self.T_raw_rectified,
             stamp_s=stamp_s,
             name=name,
+            disparity_range=self.disparity_range,
         )
 
 

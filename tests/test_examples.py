@@ -1,0 +1,98 @@
+"""The examples: short, run as users run them, and typed as users see them."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+import recon
+
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
+PAIR = ROOT / "data" / "motorcycle"
+MAX_LINES = 15
+
+
+def run(name, *arguments, cwd):
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / name), *map(str, arguments)],
+        capture_output=True, text=True, cwd=cwd, check=False,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_two_images_are_matched(tmp_path):
+    out = run("match_two_images.py", PAIR / "left.png", PAIR / "right.png", 64, cwd=tmp_path)
+    matches = int(out.split("Matches(")[1].split()[0])
+    assert matches > 10_000
+    assert 0.02 < float(out.split("surer than ")[1].split()[0]) < 1.0
+
+
+def test_a_folder_becomes_a_map_and_the_map_goes_to_other_libraries(tmp_path):
+    run("folder_to_map.py", PAIR, "map.npz", cwd=tmp_path)
+    assert recon.VoxelMap.load(tmp_path / "map.npz").num_cells > 1000
+    out = run("map_to_open3d_and_pyvista.py", "map.npz", "cells.vtp", cwd=tmp_path)
+    assert "PointCloud with" in out
+    assert (tmp_path / "cells.vtp").stat().st_size > 10_000
+
+
+def test_the_objects_of_a_cloud_are_named(tmp_path):
+    rng = np.random.default_rng(7)
+    angle, height = rng.uniform(0, 2 * np.pi, 6000), rng.uniform(0, 8, 6000)
+    trunk = np.column_stack([2 * np.cos(angle), height, 2 * np.sin(angle)])
+    sphere = rng.normal(size=(9000, 3))
+    crown = (0, 12, 0) + 4 * sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
+    points = np.vstack([trunk, crown])
+    cloud = recon.PointCloud(points=points, colours=np.full(points.shape, 90, np.uint8))
+    recon.write(cloud, tmp_path / "tree.ply")
+    assert run("name_objects.py", "tree.ply", cwd=tmp_path).startswith("apple tree at")
+
+
+def test_a_recording_is_reconstructed_by_a_matcher_of_ones_own(tmp_path):
+    out = run("own_matcher.py", PAIR, cwd=tmp_path)
+    assert int(out.split("Reconstruction(")[1].split()[0]) > 1000
+
+
+def test_a_live_camera_gives_points(tmp_path):
+    both = np.hstack([cv2.imread(str(PAIR / f"{side}.png")) for side in ("left", "right")])
+    height, width = both.shape[:2]
+    file = cv2.VideoWriter(
+        str(tmp_path / "a.avi"), cv2.VideoWriter.fourcc(*"FFV1"), 5, (width, height)
+    )
+    for _ in range(2):
+        file.write(both)
+    file.release()
+    lines = run("live_camera.py", PAIR / "calib.txt", tmp_path / "a.avi", cwd=tmp_path).splitlines()
+    assert len(lines) == 2
+    assert int(lines[1].split("matches, ")[1].split()[0]) > 5000
+
+
+def test_every_example_is_short():
+    files = sorted(EXAMPLES.glob("*.py"))
+    assert len(files) >= 6
+    for file in files:
+        lines = [line for line in file.read_text().splitlines() if line.strip()]
+        assert len(lines) <= MAX_LINES, file.name
+
+
+def test_the_examples_are_typed_from_outside_the_package_and_wrong_calls_are_found(tmp_path):
+    for file in EXAMPLES.glob("*.py"):
+        shutil.copy(file, tmp_path)
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text("import recon\nrecon.VoxelMap('x')\nrecon.VoxelMpa\nrecon.fit()\n")
+    done = subprocess.run(
+        [
+            sys.executable, "-m", "mypy", "--strict", "--follow-imports", "silent",
+            "--cache-dir", str(ROOT / ".mypy_cache" / "outside"), ".",
+        ],
+        capture_output=True, text=True, cwd=tmp_path, check=False,
+        env=os.environ | {"MYPYPATH": str(ROOT)},
+    )  # fmt: skip
+    found = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert [line.split(": error")[0] for line in found] == [f"wrong.py:{n}" for n in (2, 3, 4)]
