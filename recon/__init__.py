@@ -15,6 +15,10 @@ register                     parts of your own, by name
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from recon.environment import prepare as _prepare
+
+_prepare()
+
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:

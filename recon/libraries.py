@@ -41,9 +41,37 @@ def load_open3d() -> ModuleType:
 @functools.cache
 def load_pyvista() -> ModuleType:
     """Pyvista, told to render without a screen where there is none."""
-    if not os.environ.get("DISPLAY"):
+    if not _has_screen():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     return importlib.import_module("pyvista")
+
+
+def _has_screen() -> bool:
+    """Whether somebody answers at DISPLAY; VTK would write to stderr that nobody does."""
+    import socket
+
+    host, colon, screen = os.environ.get("DISPLAY", "").rpartition(":")
+    number = screen.partition(".")[0]
+    if not (colon and number.isdecimal()):
+        return False
+    try:
+        if host in ("", "unix"):
+            kind, address = socket.AF_UNIX, f"/tmp/.X11-unix/X{number}"
+        else:
+            kind, address = socket.AF_INET, (host, 6000 + int(number))
+        with socket.socket(kind, socket.SOCK_STREAM) as probe:
+            probe.settimeout(1.0)
+            probe.connect(address)
+    except OSError:
+        return False
+    return True
+
+
+def compile_always() -> None:
+    """Let numba compile without keeping anything: where it can write nowhere it would refuse."""
+    from numba.core.dispatcher import Dispatcher
+
+    Dispatcher.enable_caching = lambda self: None
 
 
 def load_extra(module: str, extra: str) -> ModuleType:

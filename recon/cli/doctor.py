@@ -19,8 +19,15 @@ def doctor(as_json: bool, quiet: bool, verbose: bool) -> None:
     elif not quiet:
         for finding in findings:
             click.echo(
-                f"{'ok' if finding.is_well else 'MISSING':8} {finding.name:12} {finding.word}"
+                f"{_state(finding.is_well, finding.is_needed):8} {finding.name:12} {finding.word}"
             )
     faults = [finding.word for finding in findings if not finding.is_well and finding.is_needed]
     if faults:
         raise ReconError(faults[0])
+
+
+def _state(is_well: bool, is_needed: bool) -> str:
+    """One word of a finding."""
+    if is_well:
+        return "ok"
+    return "MISSING" if is_needed else "optional"

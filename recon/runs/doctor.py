@@ -5,6 +5,7 @@ import importlib.util
 import platform
 from dataclasses import dataclass
 
+from recon.environment import kernel_folder
 from recon.libraries import open3d_fault, rendering_fault
 from recon.world.filament import filament_fault
 
@@ -45,8 +46,16 @@ def examine() -> list[Finding]:
         _needed("open3d", open3d_fault(), importlib.metadata.version("open3d")),
         _needed("rendering", rendering_fault(), "without a screen"),
         _optional("filament", filament_fault(), "light and shadows"),
+        _kernels(),
         *(_extra(*item) for item in EXTRAS.items()),
     ]
+
+
+def _kernels() -> Finding:
+    """Where compiled kernels are kept: where nowhere, every command compiles for half a minute."""
+    folder = kernel_folder()
+    cure = "no writable place: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
+    return _optional("kernels", None if folder else cure, f"kept in {folder}")
 
 
 def _needed(name: str, fault: str | None, word: str) -> Finding:
