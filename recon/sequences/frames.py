@@ -4,6 +4,7 @@ import copy
 import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple, Protocol
 
 from recon.errors import InputError
@@ -137,6 +138,24 @@ class DerivedSource:
         changed = copy.copy(self)
         changed.source = source
         return changed
+
+
+class PartOf(DerivedSource):
+    """Some pairs of a source that has to go through all before them."""
+
+    def __init__(self, source: PairSource, part: slice) -> None:
+        super().__init__(source)
+        self._rows = range(len(source))[part]
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, part: slice) -> "PartOf":
+        rows = self._rows[part]
+        return PartOf(self.source, slice(rows.start, rows.stop, rows.step))
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        return islice(self.source, self._rows.start, self._rows.stop, self._rows.step)
 
 
 def _check_later(frame: Frame, last: Frame | None) -> None:

@@ -78,9 +78,13 @@ class RangedPairs(DerivedSource):
 class PosedPairs(DerivedSource):
     """The pairs of a recording that has poses; a single pair without one is level at the origin."""
 
+    def __init__(self, source: PairSource) -> None:
+        super().__init__(source)
+        self._is_single = len(source) == 1
+
     def __iter__(self) -> Iterator[StereoPair]:
-        for number, pair in enumerate(self.source):
-            if pair.T_world_left is None and (number or len(self.source) > 1):
+        for pair in self.source:
+            if pair.T_world_left is None and not self._is_single:
                 raise InputError(
                     f"{pair.name} has no pose, but all pairs need one to be put together: add "
                     "poses.txt, or take --poses estimated or --poses none"
@@ -89,11 +93,15 @@ class PosedPairs(DerivedSource):
 
 
 class UnposedPairs(DerivedSource):
-    """Each pair by itself: its left camera is the origin of a world with y up."""
+    """Pairs without their poses; a single one is level at the origin."""
+
+    def __init__(self, source: PairSource) -> None:
+        super().__init__(source)
+        self._is_single = len(source) == 1
 
     def __iter__(self) -> Iterator[StereoPair]:
         for pair in self.source:
-            yield replace(pair, T_world_left=None) if len(self.source) > 1 else _level(pair)
+            yield _level(pair) if self._is_single else replace(pair, T_world_left=None)
 
 
 def _level(pair: StereoPair) -> StereoPair:

@@ -6,7 +6,12 @@ import pytest
 from recon.geometry import invert
 from recon.sequences.calibration.row_error import Field, Residual
 from recon.sequences.calibration.selfcalibration import estimate_residual
-from recon.sequences.odometry.motion import estimate_motion, linearise, motion_changed
+from recon.sequences.odometry.motion import (
+    estimate_motion,
+    linearise,
+    motion_changed,
+    refine_motion,
+)
 from tests.sequences.drives import RIG, motion, tracks
 
 
@@ -117,3 +122,22 @@ def test_a_few_hundred_tracks_calibrate_nothing(rng):
     field = np.array([1.2, 0, 0, 0, 0, 0])
     seen = [tracks(rng, motion(rng), number=60, field=field) for _ in range(8)]
     assert not estimate_residual(seen, RIG).disparity.coefficients.any()
+
+
+@pytest.mark.parametrize("kind", ["one point", "one line", "no depth", "behind"])
+def test_tracks_that_determine_no_motion_give_none_or_a_finite_one(rng, kind):
+    seen = tracks(rng, motion(rng))
+    first, second = seen.first, seen.second
+    if kind == "one point":
+        seen = seen.select(np.zeros(50, np.int64))
+    elif kind == "one line":
+        first.points_px[:, 1] = second.points_px[:, 1] = 183.0
+        first.disparity_px[:] = second.disparity_px[:] = 20.0
+    elif kind == "no depth":
+        first.disparity_px[:] = second.disparity_px[:] = 1e-9
+    else:
+        second.disparity_px[:] *= -1
+    found = estimate_motion(seen, RIG)
+    assert found is None or np.isfinite(found).all()
+    refined = refine_motion(np.eye(4), seen, RIG)
+    assert refined is None or np.isfinite(refined).all()

@@ -31,12 +31,13 @@ class StraightenedPairs(DerivedSource):
 
     def __init__(self, source: PairSource, estimate: Callable[[PairSource], Residual]) -> None:
         super().__init__(source)
+        self._whole = source  # a part of the pairs is straightened as the whole is
         self._estimate = estimate
 
     @cached_property
     def residual(self) -> Residual:
         """What is taken out; estimated by a pass of its own when the first pair is asked for."""
-        residual = self._estimate(self.source)
+        residual = self._estimate(self._whole)
         for name, field in (("rows", residual.row), ("disparities", residual.disparity)):
             if field.coefficients.any():
                 log.info(

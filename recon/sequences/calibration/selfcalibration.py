@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.sequences.calibration.row_error import NUM_TERMS, Field, Residual, terms
 from recon.sequences.odometry.motion import (
+    DAMPING,
     agreeing_tracks,
     are_near,
     estimate_motion,
@@ -135,7 +136,7 @@ def _start(seen: Tracks, rig: StereoRig, disparity: Field) -> _Motion | None:
         return None
     T_second_first, rows = agreeing
     refined = refine_motion(T_second_first, corrected.select(rows), rig)
-    return _Motion(T_second_first=refined, tracks=seen.select(rows))
+    return refined if refined is None else _Motion(T_second_first=refined, tracks=seen.select(rows))
 
 
 def _step(
@@ -183,6 +184,7 @@ def _block(motion: _Motion, rig: StereoRig, field: Field, used: list[int]) -> _B
     )
     both = np.concatenate([at.by_motion, by_field, at.residual[:, :, None]], axis=2)
     product = np.einsum("n,nij,nik->jk", at.weights, both, both, optimize=True)
-    back = np.linalg.solve(product[:6, :6], product[:6, 6:])
+    motion = product[:6, :6] + DAMPING * np.trace(product[:6, :6]) * np.eye(6)
+    back = np.linalg.solve(motion, product[:6, 6:])
     reduced = product[6:, 6:] - product[6:, :6] @ back
     return _Block(normal=reduced[:-1, :-1], gradient=reduced[:-1, -1], back=back)

@@ -61,6 +61,8 @@ def step_between(first: StereoPair, second: StereoPair) -> Step | None:
     T_second_first, rows = agreeing
     step = Step(first=first, second=second, tracks=tracks.select(rows))
     refined = refine_motion(T_second_first, step.tracks, first.rig)
+    if refined is None:
+        return None
     return step if step.flow_px > max(MIN_FLOW_PX, 2.0 * step.error_px(refined)) else None
 
 

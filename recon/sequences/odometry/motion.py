@@ -25,6 +25,8 @@ TRACK_SIGMA_PX = 0.2
 NUM_ROUNDS = 8
 DAMPING = 1e-12
 """Of the trace: points on one line leave the turn about it open, which then stays."""
+MIN_DEPTH = 1e-9
+"""Points that a motion puts into the camera stand so far before it: they agree with nothing."""
 SMALL_CHANGE = 1e-6
 """Radians and world units: far below what tracks tell."""
 
@@ -83,6 +85,8 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
     T_second_first, inliers = start
     # The few points of a sample judge by their own noise: judge all again by the fit of many.
     refined = refine_motion(T_second_first, candidates.select(inliers), rig)
+    if refined is None:
+        return None
     rows = np.zeros(len(tracks), np.bool_)
     rows[near] = linearise(refined, candidates, rig).distances < MAX_SIGMAS
     return refined, rows
@@ -118,8 +122,20 @@ def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
     return near
 
 
-def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array:
-    """Gauss-Newton with Cauchy's weights from a motion that is nearly right."""
+def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array | None:
+    """Gauss-Newton with Cauchy's weights from a motion that is nearly right.
+
+    None where the tracks determine none: points that coincide, or that it puts into the camera.
+    """
+    try:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            refined = _refined(T_second_first, tracks, rig)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    return refined if np.isfinite(refined).all() else None
+
+
+def _refined(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array:
     for _ in range(NUM_ROUNDS):
         at = linearise(T_second_first, tracks, rig)
         weighted = at.by_motion * at.weights[:, None, None]
@@ -141,6 +157,7 @@ def linearise(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Linearis
     """Whitened residuals and derivatives at a motion."""
     first = rig.triangulate(tracks.first.points_px, tracks.first.disparity_px)
     second = transform(T_second_first, first)
+    second[np.abs(second[:, 2]) < MIN_DEPTH, 2] = MIN_DEPTH
     predicted = np.column_stack([rig.project_left(second), rig.disparity(second[:, 2])])
     seen = np.column_stack([tracks.second.points_px, tracks.second.disparity_px])
     by_point = _projection_derivative(second, rig)
@@ -166,13 +183,16 @@ def _projection_derivative(points: Array, rig: StereoRig) -> Array:
 
 
 def _whitening(by_first: Array) -> Array:
-    """(N, 3, 3) inverse Cholesky factors of the residuals' covariance.
+    """(N, 3, 3) inverse square roots of the residuals' covariance.
 
-    The first disparity is as unsure as what is compared with it: S = s^2 (I + j j^T).
+    The first disparity is as unsure as what is compared with it: S = s^2 (I + j j^T), whose root
+    has a closed form; no track, however near the camera, makes it fail.
     """
-    covariance = TRACK_SIGMA_PX**2 * (np.eye(3) + by_first @ by_first.transpose(0, 2, 1))
-    inverse: Array = np.linalg.inv(np.linalg.cholesky(covariance))
-    return inverse
+    j = by_first[:, :, 0]
+    length_sq = np.maximum((j * j).sum(axis=1), np.finfo(np.float64).tiny)
+    share = (1.0 - 1.0 / np.sqrt(1.0 + length_sq)) / length_sq
+    inverse: Array = np.eye(3) - (share[:, None] * j)[:, :, None] * j[:, None, :]
+    return inverse / TRACK_SIGMA_PX
 
 
 def _cross(points: Array) -> Array:

@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError
 from recon.geometry import invert
+from recon.notices import notify
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import StraightenedPairs, full_residual
 from recon.sequences.calibration.row_error import Residual
-from recon.sequences.frames import DerivedSource, Metrics
+from recon.sequences.frames import DerivedSource, Metrics, PartOf
 from recon.sequences.odometry.motion import estimate_motion
 from recon.sequences.odometry.tracking import track
 from recon.sequences.poses import T_up_recorded
@@ -42,6 +43,10 @@ class EstimatedPoses(DerivedSource):
         """Of rows and disparities, estimated from the images and taken out of the pairs."""
         return self._straight.residual
 
+    def __getitem__(self, part: slice) -> PartOf:
+        """A part of the pairs; their poses lead on from the first one of all."""
+        return PartOf(self, part)
+
     def __iter__(self) -> Iterator[StereoPair]:
         self.carried, self._estimated, self._true = [], [], []
         T_world_left = T_up_recorded(np.eye(4))
@@ -55,6 +60,12 @@ class EstimatedPoses(DerivedSource):
             self._true.append(pair.T_world_left)
             yield replace(pair, T_world_left=T_world_left)
             last = pair
+        if self.carried:
+            notify(
+                "frames-carried",
+                f"{len(self.carried)} of {len(self._estimated)} frames could not be tracked, and "
+                f"got the motion before; the first is {self.carried[0]}",
+            )
 
     @property
     def metrics(self) -> Metrics:
@@ -71,7 +82,7 @@ class EstimatedPoses(DerivedSource):
         T_second_first = estimate_motion(track(first, second), first.rig)
         if T_second_first is not None:
             return invert(T_second_first)
-        log.warning("frame %s could not be tracked: the last motion goes on", second.name)
+        log.info("frame %s could not be tracked: the last motion goes on", second.name)
         self.carried.append(second.name)
         return usual
 
