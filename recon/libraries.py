@@ -54,14 +54,12 @@ def _has_screen() -> bool:
     number = screen.partition(".")[0]
     if not (colon and number.isdecimal()):
         return False
+    is_local = host in ("", "unix")
+    path, server = f"/tmp/.X11-unix/X{number}", (host, 6000 + int(number))
     try:
-        if host in ("", "unix"):
-            kind, address = socket.AF_UNIX, f"/tmp/.X11-unix/X{number}"
-        else:
-            kind, address = socket.AF_INET, (host, 6000 + int(number))
-        with socket.socket(kind, socket.SOCK_STREAM) as probe:
+        with socket.socket(socket.AF_UNIX if is_local else socket.AF_INET) as probe:
             probe.settimeout(1.0)
-            probe.connect(address)
+            probe.connect(path if is_local else server)
     except OSError:
         return False
     return True
@@ -71,7 +69,7 @@ def compile_always() -> None:
     """Let numba compile without keeping anything: where it can write nowhere it would refuse."""
     from numba.core.dispatcher import Dispatcher
 
-    Dispatcher.enable_caching = lambda self: None
+    setattr(Dispatcher, "enable_caching", lambda self: None)  # noqa: B010
 
 
 def load_extra(module: str, extra: str) -> ModuleType:

@@ -184,7 +184,7 @@ def _block(motion: _Motion, rig: StereoRig, field: Field, used: list[int]) -> _B
     )
     both = np.concatenate([at.by_motion, by_field, at.residual[:, :, None]], axis=2)
     product = np.einsum("n,nij,nik->jk", at.weights, both, both, optimize=True)
-    motion = product[:6, :6] + DAMPING * np.trace(product[:6, :6]) * np.eye(6)
-    back = np.linalg.solve(motion, product[:6, 6:])
+    by_motion = product[:6, :6] + DAMPING * np.trace(product[:6, :6]) * np.eye(6)
+    back = np.linalg.solve(by_motion, product[:6, 6:])
     reduced = product[6:, 6:] - product[6:, :6] @ back
     return _Block(normal=reduced[:-1, :-1], gradient=reduced[:-1, -1], back=back)
