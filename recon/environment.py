@@ -10,8 +10,6 @@ import stat
 import sys
 from pathlib import Path
 
-from recon.libraries import compile_always
-
 PACKAGE = Path(__file__).parent
 
 QUIET = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
@@ -29,6 +27,8 @@ def prepare() -> None:
     if kernel_folder() is None:
         folder = _own_folder("kernels")
         if folder is None:
+            from recon.libraries import compile_always  # late: this is read by `import recon`
+
             compile_always()
         else:
             os.environ["NUMBA_CACHE_DIR"] = str(folder)

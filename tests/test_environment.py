@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from recon import environment
+from recon import environment, libraries
 
 SOURCE = Path(environment.__file__).parent
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE = 24, 1
@@ -87,7 +87,7 @@ def test_without_any_place_kernels_are_compiled_and_not_kept(monkeypatch):
     told = []
     monkeypatch.setattr(environment, "kernel_folder", lambda: None)
     monkeypatch.setattr(environment, "_own_folder", lambda name: None)
-    monkeypatch.setattr(environment, "compile_always", lambda: told.append(True))
+    monkeypatch.setattr(libraries, "compile_always", lambda: told.append(True))
     environment.prepare()
     assert told == [True]
 
