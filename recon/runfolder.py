@@ -192,6 +192,7 @@ class RunFolder:
         document = self.identity | {
             "state": self.state,
             "error": error,
+            "input_paths": [str(path.resolve()) for path in self.plan.inputs],
             "versions": versions(),
             "outputs": {
                 path.relative_to(self.path).as_posix(): digest(path)

@@ -6,26 +6,48 @@ from typing import Any
 import click
 
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.figures.table import KINDS
 
 MIN_SIDE, MAX_SIDE = 100, 8192
+VIEWS = "default, front, back, side, top, ego (behind the first camera), camera (its own)"
 
 
-@click.command(epilog="Example: recon figure runs/village --kind map3d --view top")
+@click.command(epilog="Example: recon figure runs/village --kind map3d --view top --format pdf")
 @click.argument("run", type=PATH)
-@click.option("--kind", help="map3d, solids, parts, counts, slices, occupancy, ...")
-@click.option("--view", default="default", help="default, top, front or side, of map3d.")
-@click.option("--data", "with_data", is_flag=True, help="Also the arrays that are drawn, as .npz.")
-@click.option("--size", metavar="WxH", help="Pixels, as 1200x900.")
+@click.option("--kind", help=f"{', '.join(KINDS.names())}; all that the run tells if not given.")
+@click.option(
+    "--view", default="default",
+    help=f"In space: {VIEWS}; or x,y,z (a place), or x,y,z,x,y,z (and what it looks at).",
+)  # fmt: skip
+@click.option("--size", metavar="WxH", help="Pixels, as 1200x900; each kind's own if not given.")
+@click.option(
+    "--format", "ending", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True
+)
+@click.option("--dpi", type=click.IntRange(30, 1200), default=100, show_default=True,
+              help="Pixels per inch of the printed figure.")  # fmt: skip
+@click.option("--font-size", type=click.FloatRange(3, 72), help="Points; by the size if not given.")
+@click.option("--no-title", is_flag=True, help="Leave the title to the caption.")
+@click.option(
+    "--background", type=click.Choice(["white", "transparent"]), default="white", show_default=True
+)
+@click.option("--data", "with_data", is_flag=True,
+              help="Also what is shown, as .npz; labels also as GeoJSON and nav2 map.")  # fmt: skip
 @with_options(OUTPUT)
 def figure(run: Path, **given: Any) -> None:
     """Draw the figures of a run again."""
     start_logging(given)
-    from recon.runs.figures import figure_run
+    from recon.figures.canvas import Style
+    from recon.runs.figures import Wish, figure_run
 
-    paths = figure_run(
-        run, kind=given["kind"], view=given["view"], size=_parse_size(given["size"]),
-        with_data=given["with_data"],
+    style = Style(
+        dpi=given["dpi"], font_size=given["font_size"], with_title=not given["no_title"],
+        background=given["background"],
     )  # fmt: skip
+    wish = Wish(
+        kind=given["kind"], view=given["view"], size=_parse_size(given["size"]), style=style,
+        ending=given["ending"], with_data=given["with_data"],
+    )  # fmt: skip
+    paths = figure_run(run, wish)
     if given["as_json"]:
         print_json({"figures": [str(path) for path in paths]})
     elif not given["quiet"]:
@@ -38,7 +60,7 @@ def _parse_size(text: str | None) -> tuple[int, int] | None:
         return None
     width, _, height = text.partition("x")
     if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
-        raise click.BadParameter(f"{text!r} is no size, but WxH such as 1200x900 is needed")
+        raise click.BadParameter(f"{text!r} is not a size, but WxH such as 1200x900 is needed")
     if not all(MIN_SIDE <= int(side) <= MAX_SIDE for side in (width, height)):
         raise click.BadParameter(f"{text} is out of range: {MIN_SIDE} to {MAX_SIDE} pixels a side")
     return int(width), int(height)

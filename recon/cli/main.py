@@ -22,6 +22,7 @@ from recon.cli.fetch import fetch
 from recon.cli.figure import figure
 from recon.cli.fit import fit
 from recon.cli.info import info
+from recon.cli.inspect import inspect
 from recon.cli.learn import learn
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
@@ -46,7 +47,7 @@ def program() -> None:
 
 for command in (
     explore, reconstruct, disparity, evaluate, train, calibrate, rectify, recognise, learn,
-    catalogue, fit, figure, export, info, doctor, batch, settings, demo, fetch,
+    catalogue, fit, figure, export, info, inspect, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

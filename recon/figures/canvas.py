@@ -1,61 +1,175 @@
-"""The sheet that flat figures are drawn on; the same image gives the same bytes as PNG."""
+"""The sheet that figures are drawn on, and how it becomes a file, byte for byte the same."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.errors import InputError
 from recon.files import atomic_path
 
 Image = NDArray[np.uint8]
 Size = tuple[int, int]
-"""Width and height in pixels."""
+"""Width and height in pixels at DPI."""
+Background = Literal["white", "transparent"]
 
 DPI = 100
-PAPER = "#fbfaf7"
-INK = "#2b2b2b"
-FAINT = "#b9b4a8"
-ACCENT = "#c2452d"
+INK = "#22262b"
+QUIET = "#6f767d"
+FAINT = "#c3c8cd"
+ACCENT = "#b3391f"
+FORMATS = ("png", "pdf", "svg")
+
+FONT_SHARE = 0.0135
+"""Height of letters where nobody says, as a share of the sheet's mean side."""
+SMALLEST_FONT = 6.5
+"""Points; what is printed smaller is not read."""
+POINTS_PER_INCH = 72.0
 
 
-def new_figure(size: Size) -> Any:
-    """An empty matplotlib figure of `size` pixels in the house's colours."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Style:
+    """What a figure shall look like, whatever it shows."""
+
+    dpi: int = DPI
+    font_size: float | None = None
+    """Points; in proportion to the sheet where None."""
+    with_title: bool = True
+    background: Background = "white"
+
+
+class Sheet:
+    """A matplotlib figure, or a panel of one, with the fonts and lines of the house.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure or SubFigure
+    style : Style
+    font_size : float
+        Points.
+    """
+
+    def __init__(self, figure: Any, style: Style, font_size: float) -> None:
+        self.figure = figure
+        self.style = style
+        self.font_size = font_size
+
+    @classmethod
+    def of(cls, size: Size, style: Style | None = None) -> "Sheet":
+        """An empty sheet of `size` pixels at the style's dots per inch."""
+        from recon.figures.notebook import ShownFigure
+
+        style = style or Style()
+        inches = size[0] / style.dpi, size[1] / style.dpi
+        clear = style.background == "transparent"
+        figure = ShownFigure(
+            figsize=inches, dpi=style.dpi, layout="constrained",
+            facecolor="none" if clear else "white",
+        )  # fmt: skip
+        font = FONT_SHARE * POINTS_PER_INCH * float(np.sqrt(inches[0] * inches[1]))
+        return cls(figure, style, style.font_size or max(font, SMALLEST_FONT))
+
+    @property
+    def size(self) -> Size:
+        """Width and height in pixels."""
+        box = self.figure.bbox
+        return max(round(box.width), 1), max(round(box.height), 1)
+
+    @property
+    def line_px(self) -> float:
+        """Height of a line of text in pixels."""
+        return 1.35 * self.font_size * self.style.dpi / POINTS_PER_INCH
+
+    def place_by_hand(self) -> None:
+        """Leave axes where they are put; a sheet of panels keeps arranging the others."""
+        from matplotlib.figure import Figure
+
+        if isinstance(self.figure, Figure):
+            self.figure.set_layout_engine("none")
+
+    def settle(self) -> None:
+        """Arrange what is there, so that axes have their place in pixels."""
+        root = self.figure.get_figure(root=True)
+        engine = root.get_layout_engine()
+        if engine is not None:
+            engine.execute(root)
+        for axes in self.figure.axes:
+            axes.apply_aspect()
+
+    def panels(
+        self, rows: int, columns: int, *, font_share: float = 1.0, **ratios: Any
+    ) -> NDArray[np.object_]:
+        """Sheets (rows, columns) side by side on this one, with letters of `font_share`."""
+        grid = self.figure.subfigures(rows, columns, squeeze=False, **ratios)
+        for panel in grid.flat:
+            panel.set_facecolor("none")
+        sheets = [Sheet(panel, self.style, font_share * self.font_size) for panel in grid.flat]
+        return np.array(sheets, dtype=object).reshape(rows, columns)
+
+    def axes(self, title: str = "", xlabel: str = "", ylabel: str = "", at: Any = 111) -> Any:
+        """Axes with a title, unless the style wants none, and quiet lines."""
+        axes = self.figure.add_subplot(*np.atleast_1d(at).tolist())
+        self.dress(axes, title)
+        axes.set_xlabel(xlabel, color=INK, fontsize=self.font_size)
+        axes.set_ylabel(ylabel, color=INK, fontsize=self.font_size)
+        return axes
+
+    def dress(self, axes: Any, title: str = "") -> None:
+        """Give axes the house's fonts and lines."""
+        axes.set_facecolor("none" if self.style.background == "transparent" else "white")
+        if title and self.style.with_title:
+            axes.set_title(title, color=INK, fontsize=1.1 * self.font_size, loc="left")
+        axes.tick_params(colors=QUIET, labelcolor=INK, labelsize=0.9 * self.font_size)
+        for spine in axes.spines.values():
+            spine.set_color(FAINT)
+
+    def colour_bar(self, coloured: Any, axes: Any, label: str, **placed: Any) -> Any:
+        """The numbers that colours stand for, beside the axes and as high as they are."""
+        thick = 0.7 * self.line_px / axes.get_window_extent().width
+        place = axes.inset_axes((1.0 + thick, 0.0, thick, 1.0))
+        bar = self.figure.colorbar(coloured, cax=place, **placed)
+        self.dress_bar(bar, label)
+        return bar
+
+    def dress_bar(self, bar: Any, label: str) -> None:
+        """Give a colour bar the house's fonts and lines."""
+        bar.set_label(label, color=INK, fontsize=self.font_size)
+        bar.ax.tick_params(colors=QUIET, labelcolor=INK, labelsize=0.9 * self.font_size)
+        bar.outline.set_edgecolor(FAINT)
+
+
+def pixels(figure: Any) -> Image:
+    """The pixels (H, W, 3) of a figure, over white."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    figure = Figure(
-        figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=PAPER, layout="constrained"
-    )
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def new_axes(figure: Any, title: str, xlabel: str = "", ylabel: str = "", at: Any = 111) -> Any:
-    """Axes with a title and quiet lines."""
-    axes = figure.add_subplot(*np.atleast_1d(at).tolist())
-    axes.set_facecolor(PAPER)
-    axes.set_title(title, color=INK, fontsize=11, loc="left")
-    axes.set_xlabel(xlabel, color=INK, fontsize=9)
-    axes.set_ylabel(ylabel, color=INK, fontsize=9)
-    axes.tick_params(colors=INK, labelsize=8)
-    for spine in axes.spines.values():
-        spine.set_color(FAINT)
-    return axes
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    rgba = np.asarray(canvas.buffer_rgba()).astype(np.float64)
+    alpha = rgba[..., 3:] / 255.0
+    flat: Image = np.rint(rgba[..., :3] * alpha + 255.0 * (1.0 - alpha)).astype(np.uint8)
+    return flat
 
 
-def to_image(figure: Any) -> Image:
-    """The pixels (H, W, 3) of a figure."""
-    figure.canvas.draw()
-    pixels: Image = np.asarray(figure.canvas.buffer_rgba())[..., :3].copy()
-    return pixels
+def save(figure: Any, path: Path) -> None:
+    """Write a figure by the ending of `path`, whole, without a date or a program's name in it.
 
+    Raises
+    ------
+    InputError
+        For an ending that is none of FORMATS.
+    """
+    from matplotlib import rc_context
 
-def save_png(image: Image, path: Path) -> None:
-    """Write an image (H, W, 3) as PNG, whole, without a date or a program's name in it."""
-    from matplotlib.image import imsave
-
-    with atomic_path(path) as part:
-        # None takes the entry out; the stubs know strings only.
-        nameless = {"Software": None}
-        imsave(part, image, format="png", metadata=nameless)  # type: ignore[arg-type]
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise InputError(f"{path}: {kind!r} is not a format, but {', '.join(FORMATS)} are")
+    nameless = {
+        "png": {"Software": None},
+        "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+        "svg": {"Creator": None, "Date": None},
+    }[kind]
+    # Journals refuse Type 3 fonts; the ids of an SVG are drawn by lot unless they have a salt.
+    with rc_context({"pdf.fonttype": 42, "svg.hashsalt": "recon"}), atomic_path(path) as part:
+        figure.savefig(part, format=kind, metadata=nameless)

@@ -5,35 +5,37 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.canvas import INK, Image, Size, new_figure, to_image
-from recon.figures.matching import draw_points, image
-from recon.records import Matches
+from recon.figures import scales
+from recon.figures.canvas import Sheet, Size
+from recon.figures.photo import add_bar, photo, points
 
+Array = NDArray[np.float64]
 SIZE: Size = (1000, 760)
+LABEL = "disparity [px]"
 
 
-def disparity(left: NDArray[np.uint8], matches: Matches, size: Size = SIZE) -> Image:
-    """Every matched point in the colour of its disparity, over a pale left image."""
-    figure = new_figure(size)
-    axes = image(figure, 111, left, f"Disparity of {len(matches)} matched points")
-    dots = draw_points(axes, matches.points_px, matches.disparity_px, "turbo")
-    if len(matches):
-        _add_bar(figure, axes, dots)
-    return to_image(figure)
+def disparity(
+    left: NDArray[np.uint8], points_px: Array, disparity_px: Array, *, sheet: Sheet | None = None
+) -> Any:
+    """Every matched point (M, 2) in the colour of its disparity (M,), over the left image."""
+    sheet = sheet or Sheet.of(SIZE)
+    axes = photo(sheet, left, f"Disparity of {len(points_px):,} matched points")
+    if len(points_px):
+        dots = points(sheet, axes, points_px, disparity_px, cmap=scales.disparity())
+        add_bar(sheet, axes, dots, LABEL, disparity_px)
+    return sheet.figure
 
 
-def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.floating], size: Size = SIZE) -> Image:
-    """Every pixel in the colour of its disparity; the pale left image where it is unknown."""
-    figure = new_figure(size)
+def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.floating], *, sheet: Sheet | None = None) -> Any:
+    """Every pixel (H, W) in the colour of its disparity; the left image where it is unknown."""
+    sheet = sheet or Sheet.of(SIZE)
     known = np.isfinite(disparity_px)
-    axes = image(figure, 111, left, f"Disparity of {known.mean():.0%} of the pixels")
-    shown = axes.imshow(np.ma.masked_where(~known, disparity_px), cmap="turbo")
+    axes = photo(sheet, left, f"Disparity of {known.mean():.0%} of the pixels")
     if known.any():
-        _add_bar(figure, axes, shown)
-    return to_image(figure)
-
-
-def _add_bar(figure: Any, axes: Any, coloured: Any) -> None:
-    """What the colours stand for, beside the image."""
-    bar = figure.colorbar(coloured, ax=axes, shrink=0.75, pad=0.01)
-    bar.set_label("disparity [px]", color=INK, fontsize=9)
+        low, high = scales.ends(disparity_px)
+        shown = axes.imshow(
+            np.ma.masked_where(~known, disparity_px), cmap=scales.disparity(), vmin=low, vmax=high,
+            interpolation="none",
+        )  # fmt: skip
+        add_bar(sheet, axes, shown, LABEL, disparity_px[known])
+    return sheet.figure

@@ -1,144 +1,221 @@
 """The map in space (thesis figure 27): the exposed faces of its cells in their colours."""
 
-import colorsys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
-from recon.figures.canvas import INK, PAPER, Image, Size
-from recon.figures.solids import mesh as solid_mesh
-from recon.geometry import look_at
-from recon.libraries import load_pyvista
+from recon.figures import frame, names, scales
+from recon.figures.canvas import QUIET, Sheet, Size
+from recon.figures.cover import Cover
+from recon.figures.partition import cells_of
+from recon.figures.scene import Scene, box_of
+from recon.figures.viewpoint import Box, Viewpoint, check, viewpoint
 from recon.records import UNKNOWN, FoundObject, Voxels
-from recon.voxelmap.faces import exposed_faces
 
+Array = NDArray[np.float64]
 SIZE: Size = (1200, 900)
 
-VIEW_ANGLE_DEG = 28.0
-FRAME = 1.1
-"""Room round the map, for the names over it."""
-STRAY = 0.02
-"""Share of the cells, on each side, that may lie outside the image."""
+PALE = 0.12
+"""Opacity of the cells over which solids are drawn."""
+UNITS = "world units"
 
-# Directions from which the camera looks at the middle of the map.
-VIEWS = {
-    "default": (0.55, 0.75, 1.0),
-    "top": (0.0, 1.0, 1e-3),
-    "front": (0.0, 0.15, 1.0),
-    "side": (1.0, 0.15, 0.0),
-}
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Standpoint:
+    """Where a figure in space is looked at from, and what its lengths are called."""
+
+    view: str = "default"
+    """As `viewpoint` takes it."""
+    first: Array | None = None
+    """(4, 4) pose of the first camera in the world, for the views from there."""
+    unit: str = UNITS
+
+    def __post_init__(self) -> None:
+        check(self.view)
+
+    def viewpoint(self, box: Box, size: Size) -> Viewpoint:
+        """The camera that shows a box in an image of `size` pixels."""
+        return viewpoint(self.view, box, size, self.first)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Drawn:
+    """What a figure in space shows."""
+
+    voxels: Voxels
+    objects: tuple[FoundObject, ...]
+    unit: str
+    with_numbers: bool = True
+
+    @property
+    def box(self) -> Box:
+        """Lowest and highest corner of cells and named objects."""
+        return whole_box(self.voxels, self.objects)
 
 
 def map3d(
     voxels: Voxels,
     objects: Sequence[FoundObject] = (),
-    view: str = "default",
-    size: Size = SIZE,
     *,
-    colours: NDArray[np.uint8] | None = None,
+    standpoint: Standpoint | None = None,
     with_solids: bool = False,
-) -> Image:
-    """Draw the occupied cells, with the names of the objects above them.
+    title: str | None = None,
+    with_numbers: bool = True,
+    sheet: Sheet | None = None,
+) -> Any:
+    """The occupied cells, with the names of the objects above them.
 
     Parameters
     ----------
     voxels : Voxels
     objects : sequence of FoundObject
-    view : str
-        A key of VIEWS.
-    size : (width, height)
-        Pixels.
-    colours : (K, 3) uint8, optional
-        Of the cells; their own where not given.
+    standpoint : Standpoint, optional
     with_solids : bool
-        Draw the objects' fitted solids over pale cells.
+        Draw the objects' fitted solids instead of opaque cells.
+    title : str, optional
+        What the map is where not given.
+    with_numbers : bool
+        Number the edges of the box; the width of the grid is said in any case.
+    sheet : Sheet, optional
+
+    Returns
+    -------
+    matplotlib Figure
 
     Raises
     ------
     InputError
-        For a view that is none of VIEWS.
+        For a view that is not known.
     """
-    if view not in VIEWS:
-        raise InputError(f"view is {view!r}, but one of {', '.join(VIEWS)} is needed")
-    pyvista = load_pyvista()
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
-    try:
-        plotter.set_background(PAPER)
-        if len(voxels):
-            painted = voxels if colours is None else replace(voxels, colours=colours)
-            _add_cells(pyvista, plotter, painted, 0.25 if with_solids else 1.0)
-            if with_solids:
-                _add_solids(plotter, objects)
-            _add_names(plotter, objects)
-            _look(plotter, voxels, VIEWS[view])
-        plotter.render()
-        return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
-    finally:
-        plotter.close()
+    standpoint = standpoint or Standpoint()
+    sheet = sheet or Sheet.of(SIZE)
+    axes = _axes(
+        sheet, heading(voxels, standpoint.unit) if title is None else title, with_bar=False
+    )
+    if not len(voxels):
+        return sheet.figure
+    scene = Scene(frame.axes_size(axes))
+    drawn = Drawn(
+        voxels=voxels, objects=tuple(objects), unit=standpoint.unit, with_numbers=with_numbers
+    )
+    if with_solids:
+        scene.add_cells(voxels, PALE)
+        scene.add_solids(objects, voxels)
+    else:
+        scene.add_cells(voxels)
+    camera = standpoint.viewpoint(drawn.box, frame.axes_size(axes))
+    _draw(sheet, axes, scene, camera, drawn)
+    return sheet.figure
 
 
-def by_value(values: NDArray[np.floating], cmap: str = "viridis") -> NDArray[np.uint8]:
-    """Colours (K, 3) of numbers (K,), from the smallest to the largest."""
-    from matplotlib import colormaps
-
-    low, high = (values.min(), values.max()) if len(values) else (0.0, 0.0)
-    share = (values - low) / (high - low if high > low else 1.0)
-    colours: NDArray[np.uint8] = colormaps[cmap](share, bytes=True)[:, :3]
-    return colours
-
-
-def _add_cells(pyvista: Any, plotter: Any, voxels: Voxels, opacity: float) -> None:
-    faces = exposed_faces(voxels)
-    quads = np.arange(4 * len(faces.vertices)).reshape(-1, 4)
-    cells = np.column_stack([np.full(len(quads), 4), quads]).ravel()
-    mesh = pyvista.PolyData(faces.vertices.reshape(-1, 3), faces=cells)
-    mesh.cell_data["colour"] = faces.colours
-    plotter.add_mesh(
-        mesh, scalars="colour", rgb=True, ambient=0.45, diffuse=0.6, specular=0.0,
-        show_edges=False, opacity=opacity,
-    )  # fmt: skip
-
-
-def _add_solids(plotter: Any, objects: Sequence[FoundObject]) -> None:
-    for part in [part for found in objects for part in found.parts]:
-        hue = part.hue_deg
-        colour = "#8a8a8a" if hue is None else colorsys.hsv_to_rgb(hue / 360.0, 0.7, 0.75)
-        surface = solid_mesh(part.solid)
-        plotter.add_mesh(surface, color=colour, opacity=0.75, ambient=0.35, smooth_shading=False)
-        plotter.add_mesh(surface, color=INK, style="wireframe", opacity=0.15, line_width=1)
+def valued(
+    voxels: Voxels,
+    values: Array,
+    label: str,
+    *,
+    standpoint: Standpoint | None = None,
+    is_log: bool = False,
+    sheet: Sheet | None = None,
+) -> Any:
+    """The occupied cells in the colours of a number each (K,), with its scale beside."""
+    standpoint = standpoint or Standpoint()
+    sheet = sheet or Sheet.of(SIZE)
+    axes = _axes(sheet, f"Map: {label}", with_bar=True)
+    if not len(voxels):
+        return sheet.figure
+    scale = scales.coloured(values, scales.COUNT, is_log=is_log)
+    scene = Scene(frame.axes_size(axes))
+    scene.add_cells(replace(voxels, colours=scales.rgb(scale, values)))
+    drawn = Drawn(voxels=voxels, objects=(), unit=standpoint.unit)
+    camera = standpoint.viewpoint(drawn.box, frame.axes_size(axes))
+    _draw(sheet, axes, scene, camera, drawn)
+    _add_bar(sheet, scale, (label, is_log), values)
+    return sheet.figure
 
 
-def _add_names(plotter: Any, objects: Sequence[FoundObject]) -> None:
+def heading(voxels: Voxels, unit: str) -> str:
+    """The title of a map: how many cells, and how large."""
+    return f"Map: {len(voxels):,} occupied cells of {voxels.cell_size:g} {unit}"
+
+
+def whole_box(voxels: Voxels, objects: Sequence[FoundObject]) -> Box:
+    """The box of cells and named objects."""
+    low, high = box_of(voxels)
     named = [found for found in objects if found.label != UNKNOWN]
-    if not named:
-        return
-    tops = np.array([found.centre for found in named])
-    tops[:, 1] += [found.size[1] * 0.6 for found in named]
-    plotter.add_point_labels(
-        tops, [found.label for found in named], font_size=18, text_color=INK,
-        shape_color="white", shape_opacity=0.8, show_points=False, always_visible=True,
-        font_family="arial", bold=False,
-    )  # fmt: skip
+    low = np.min([low, *(found.centre - found.size / 2.0 for found in named)], axis=0)
+    high = np.max([high, *(found.centre + found.size / 2.0 for found in named)], axis=0)
+    return low, high
 
 
-def _look(plotter: Any, voxels: Voxels, direction: tuple[float, float, float]) -> None:
-    """Stand as near as the whole box of the cells allows."""
-    # Stray cells far out must not make the rest small.
-    low, high = np.quantile(voxels.centres, (STRAY, 1.0 - STRAY), axis=0)
-    low, high = low - voxels.cell_size, high + voxels.cell_size
-    centre = (low + high) / 2.0
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    T_centre_camera = look_at(np.asarray(direction), np.zeros(3))
-    seen = (corners - 0.5) * (high - low) @ T_centre_camera[:3, :3]
-    width, height = plotter.window_size
-    half = np.tan(np.radians(VIEW_ANGLE_DEG) / 2.0) * np.array([width / height, 1.0])
-    distance = FRAME * float((np.abs(seen[:, :2]) / half - seen[:, 2:]).max())
-    plotter.camera.focal_point = tuple(centre)
-    plotter.camera.position = tuple(centre - distance * T_centre_camera[:3, 2])
-    plotter.camera.up = (0.0, 1.0, 0.0)
-    plotter.camera.view_angle = VIEW_ANGLE_DEG
-    plotter.renderer.reset_camera_clipping_range()
+def _axes(sheet: Sheet, title: str, *, with_bar: bool) -> Any:
+    """Axes that leave room for a title above and, where wanted, a scale to the right."""
+    width, height = sheet.size
+    sheet.place_by_hand()
+    top = 1.9 * sheet.line_px / height if sheet.style.with_title and title else 0.0
+    right = 7.0 * sheet.line_px / width if with_bar else 0.0
+    axes = sheet.figure.add_axes((0.0, 0.0, 1.0 - right, 1.0 - top))
+    sheet.dress(axes)
+    axes.set_axis_off()
+    if top:
+        place = (0.6 * sheet.line_px / width, 1.0 - 0.5 * sheet.line_px / height)
+        sheet.figure.text(*place, title, ha="left", va="top", fontsize=1.1 * sheet.font_size)
+    return axes
+
+
+def _draw(sheet: Sheet, axes: Any, scene: Scene, view: Viewpoint, drawn: Drawn) -> None:
+    """Render a scene over its grid into axes, number the grid and name the objects."""
+    size = width, height = frame.axes_size(axes)
+    scene.add_lines(frame.floor_lines(drawn.box), max(1.0, width / 900))
+    image = scene.image(view, is_clear=sheet.style.background == "transparent")
+    axes.imshow(image, extent=(0, width, height, 0), aspect="auto", interpolation="none")
+    axes.set(xlim=(0, width), ylim=(height, 0))
+    at = view.project(drawn.voxels.centres, size)
+    at = at[at[:, 2] > 0]
+    pixels = view.pixels_per_unit(at[:, 2], size) * drawn.voxels.cell_size
+    cover = Cover(at[:, :2], 0.75 * pixels, size)
+    numbered = frame.add_numbers(sheet, axes, drawn.box, view, cover) if drawn.with_numbers else []
+    note = f"{', '.join(numbered)} in {drawn.unit}" if numbered else ""
+    grid = f"grid {frame.step_of(drawn.box):g} {drawn.unit}"
+    axes.text(width - 0.6 * sheet.line_px, height - 0.5 * sheet.line_px,
+              "; ".join(filter(None, (note, grid))), ha="right", va="bottom", color=QUIET,
+              fontsize=0.85 * sheet.font_size)  # fmt: skip
+    _name(sheet, axes, drawn, view, cover)
+
+
+def _name(sheet: Sheet, axes: Any, drawn: Drawn, view: Viewpoint, cover: Cover) -> None:
+    """Every named object's name beside its place in the image."""
+    size = frame.axes_size(axes)
+    named = [found for found in drawn.objects if found.label != UNKNOWN]
+    boxes = [_image_box(drawn.voxels, found, view, size) for found in named]
+    texts = [
+        names.Name(text=found.label, box=box)
+        for found, box in zip(named, boxes, strict=True)
+        if box is not None
+    ]
+    names.write(sheet, axes, texts, cover)
+
+
+def _image_box(voxels: Voxels, found: FoundObject, view: Viewpoint, size: Size) -> Array | None:
+    """Left, top, right and bottom of an object's cells in the image; None where it has none."""
+    at = view.project(cells_of(voxels, found).centres, size)
+    at = at[(at[:, 2] > 0) & (at[:, :2] >= 0).all(axis=1) & (at[:, :2] <= size).all(axis=1), :2]
+    if not len(at):
+        return None
+    return np.concatenate([at.min(axis=0), at.max(axis=0)])
+
+
+def _add_bar(sheet: Sheet, scale: Any, numbers: tuple[str, bool], values: Array) -> None:
+    label, is_log = numbers
+    width, _ = sheet.size
+    line = sheet.line_px
+    place = (1.0 - 6.2 * line / width, 0.2, 0.9 * line / width, 0.6)
+    low, high = scale.get_clim()
+    bar = sheet.figure.colorbar(
+        scale, cax=sheet.figure.add_axes(place), extend=scales.beyond(values, low, high)
+    )
+    if is_log:
+        scales.plain_numbers(bar)
+    sheet.dress_bar(bar, label)

@@ -1,11 +1,12 @@
 """What right pairs look like to the von Mises matcher (thesis figure 17)."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.canvas import ACCENT, FAINT, INK, Image, Size, new_axes, new_figure, to_image
+from recon.figures.canvas import ACCENT, FAINT, INK, Sheet, Size
 
 Array = NDArray[np.float64]
 SIZE: Size = (1300, 420)
@@ -19,9 +20,10 @@ def mixture(
     densities: Sequence[Array],
     measured_rad: Sequence[Array],
     titles: Sequence[str],
-    size: Size = SIZE,
-) -> Image:
-    """The fitted density of phase differences beside the measured ones, one panel a scale.
+    *,
+    sheet: Sheet | None = None,
+) -> Any:
+    """The fitted density of phase differences beside the measured ones, one panel per scale.
 
     Parameters
     ----------
@@ -32,17 +34,20 @@ def mixture(
     measured_rad : sequence of (M,)
         A scale's phase differences of matched pairs.
     titles : sequence of str
+    sheet : Sheet, optional
+
+    Returns
+    -------
+    matplotlib Figure
     """
-    figure = new_figure(size)
+    sheet = sheet or Sheet.of(SIZE)
     edges = np.linspace(-np.pi, np.pi, _NUM_BINS + 1)
     panels = zip(densities, measured_rad, titles, strict=True)
     for number, (curves, measured, title) in enumerate(panels, start=1):
-        axes = new_axes(
-            figure, title, "phase difference [rad]", "density", at=(1, len(titles), number)
-        )
+        axes = sheet.axes(title, "phase difference [rad]", "density", (1, len(titles), number))
         axes.hist(measured, bins=edges, density=bool(len(measured)), color=FAINT)
         for place, curve in enumerate(curves):
             share = (place + 1) / len(curves)
             axes.plot(phases_rad, curve, color=ACCENT, alpha=0.15 + 0.85 * share, lw=1.2)
         axes.axhline(1.0 / (2.0 * np.pi), color=INK, lw=0.6, ls=":")
-    return to_image(figure)
+    return sheet.figure

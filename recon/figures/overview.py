@@ -1,27 +1,46 @@
-"""One sheet of a run: what the eye saw, what was matched, the map with its names, the floor."""
+"""One sheet of a run: the map with its names, what the camera saw, what was matched, the floor."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from recon.figures.canvas import INK, Image, Size, new_figure, to_image
+from recon.figures.canvas import Sheet, Size
 
-SIZE: Size = (1600, 1000)
+SIZE: Size = (1700, 1000)
+PANEL_FONT = 0.8
+"""Letters of the small figures, to those of the large one."""
+Panel = Callable[[Sheet], Any]
+"""Draws one figure onto the sheet it is given."""
 
 
-def overview(images: Mapping[str, Image], size: Size = SIZE) -> Image:
-    """Up to four images side by side: the large one first, the others in a column.
+def overview(
+    main: Panel,
+    others: Sequence[Panel],
+    *,
+    heights: Sequence[float] | None = None,
+    sheet: Sheet | None = None,
+) -> Any:
+    """One large figure, and others in a column to its right, on one sheet.
 
     Parameters
     ----------
-    images : mapping of str to (H, W, 3) uint8
-        By their titles, the large one first.
+    main : callable
+        Draws the large one.
+    others : sequence of callable
+    heights : sequence of float, optional
+        Of the others, to each other.
+    sheet : Sheet, optional
+
+    Returns
+    -------
+    matplotlib Figure
     """
-    figure = new_figure(size)
-    rows = max(len(images) - 1, 1)
-    grid = figure.add_gridspec(rows, 2, width_ratios=(1.0 * rows, 1.0))
-    for number, (title, image) in enumerate(images.items()):
-        place = grid[:, 0] if number == 0 else grid[number - 1, 1]
-        axes = figure.add_subplot(place)
-        axes.imshow(image, cmap="gray" if image.ndim == 2 else None)
-        axes.set_axis_off()
-        axes.set_title(title, color=INK, fontsize=11, loc="left")
-    return to_image(figure)
+    sheet = sheet or Sheet.of(SIZE)
+    if not others:
+        main(sheet)
+        return sheet.figure
+    large, column = sheet.panels(1, 2, width_ratios=(1.65, 1.0), wspace=0.02)[0]
+    main(large)
+    panels = column.panels(len(others), 1, font_share=PANEL_FONT, height_ratios=heights)
+    for draw, panel in zip(others, panels[:, 0], strict=True):
+        draw(panel)
+    return sheet.figure

@@ -4,34 +4,46 @@ from typing import Any
 
 import numpy as np
 
-from recon.figures.canvas import Image, Size, new_axes, new_figure, to_image
-from recon.records import Voxels
+from recon.figures import floor
+from recon.figures.canvas import Sheet, Size
+from recon.figures.map3d import UNITS
+from recon.records import GroundGrid, Voxels
 
 SIZE: Size = (1200, 820)
 NUM_SLICES = 6
 
 
-def slices(voxels: Voxels, size: Size = SIZE) -> Image:
-    """Layers of cells at `NUM_SLICES` heights, evenly spread, seen from above."""
-    figure = new_figure(size)
-    layers = np.unique(voxels.index[:, 1])
-    picked = layers[np.linspace(0, len(layers) - 1, min(NUM_SLICES, len(layers))).astype(int)]
-    for number, layer in enumerate(picked):
+def slices(voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None) -> Any:
+    """Layers of cells at `NUM_SLICES` heights, evenly spread over the cells, seen from above."""
+    sheet = sheet or Sheet.of(SIZE)
+    # Most cells lie in between; layers of a few strays would be empty sheets.
+    places = np.linspace(0.02, 0.98, NUM_SLICES)
+    heights = np.quantile(voxels.index[:, 1], places) if len(voxels) else np.zeros(0)
+    layers = np.unique(heights.astype(int))
+    columns = max(-(-len(layers) // 2), 1)
+    rows = min(len(layers), 2) or 1
+    for number, layer in enumerate(layers):
         low, high = np.array([layer, layer + 1]) * voxels.cell_size
-        title = f"y = {low:g} to {high:g}"
-        axes = new_axes(figure, title, at=(2, (NUM_SLICES + 1) // 2, number + 1))
-        _draw_layer(axes, voxels, layer)
-    return to_image(figure)
+        axes = sheet.axes(
+            f"y = {low:.4g} to {high:.4g} {unit}", at=(rows, columns, number + 1),
+            xlabel=f"x [{unit}]" if number >= len(layers) - columns else "",
+            ylabel=f"z [{unit}]" if number % columns == 0 else "",
+        )  # fmt: skip
+        axes.set_aspect("equal")
+        _draw_layer(axes, voxels, int(layer))
+        floor.show(axes, floor.extent_of(voxels))
+    return sheet.figure
 
 
 def _draw_layer(axes: Any, voxels: Voxels, layer: int) -> None:
-    floor = voxels.index[:, [0, 2]]
-    low = floor.min(axis=0)
-    width, depth = floor.max(axis=0) - low + 1
-    sheet = np.full((depth, width, 3), 255, dtype=np.uint8)
+    places = voxels.index[:, [0, 2]]
+    low = places.min(axis=0)
+    width, depth = places.max(axis=0) - low + 1
+    colours = np.full((width, depth, 4), 0, dtype=np.uint8)
     here = voxels.index[:, 1] == layer
-    x, z = (floor[here] - low).T
-    sheet[z, x] = voxels.colours[here]
-    left, top = low * voxels.cell_size
-    cell = voxels.cell_size
-    axes.imshow(sheet, extent=(left, left + width * cell, top + depth * cell, top))
+    x, z = (places[here] - low).T
+    colours[x, z, :3] = voxels.colours[here]
+    colours[x, z, 3] = 255
+    origin = low.astype(np.float64) * voxels.cell_size
+    grid = GroundGrid(cells=colours, origin_xz=origin, cell_size=voxels.cell_size)
+    floor.draw_grid(axes, grid, colours)

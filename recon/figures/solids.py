@@ -1,4 +1,4 @@
-"""Fitted solids as meshes, to be drawn over the cells they were fitted to."""
+"""Fitted solids as closed meshes, to be drawn over the cells they were fitted to."""
 
 from typing import Any
 
@@ -18,11 +18,14 @@ PLANE_SIZE = 10.0
 
 
 def mesh(solid: Solid) -> Any:
-    """The surface of a solid as pyvista's PolyData, world."""
+    """The surface of a solid as pyvista's PolyData, world; ends are closed."""
     pyvista = load_pyvista()
     match solid:
         case Sphere():
-            return pyvista.Sphere(radius=solid.radius, center=solid.centre)
+            return pyvista.Sphere(
+                radius=solid.radius, center=solid.centre, theta_resolution=AROUND,
+                phi_resolution=AROUND // 2,
+            )  # fmt: skip
         case Ellipsoid():
             ball = pyvista.ParametricEllipsoid(*solid.radii)
             return ball.transform(pose(solid.axes.T, solid.centre), inplace=False)
@@ -44,8 +47,14 @@ def mesh(solid: Solid) -> Any:
             return cube.transform(pose(solid.axes.T, solid.centre), inplace=False)
 
 
+def triangles_of(solid: Solid) -> tuple[Array, NDArray[np.int32]]:
+    """Vertices (V, 3) and triangles (T, 3) of a solid's closed surface."""
+    surface = mesh(solid).triangulate()
+    return np.asarray(surface.points, np.float64), surface.regular_faces.astype(np.int32)
+
+
 def _frustum(point: Array, axis: Array, height: float, bottom: float, top: float) -> Any:
-    """The open side between two circles."""
+    """The side between two circles, and the circles."""
     pyvista = load_pyvista()
     across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
@@ -54,5 +63,6 @@ def _frustum(point: Array, axis: Array, height: float, bottom: float, top: float
     corners = np.vstack([point + bottom * ring, point + height * axis + top * ring])
     here = np.arange(AROUND)
     then = (here + 1) % AROUND
-    quads = np.column_stack([np.full(AROUND, 4), here, then, then + AROUND, here + AROUND])
-    return pyvista.PolyData(corners, faces=quads.ravel())
+    sides = np.column_stack([np.full(AROUND, 4), here, then, then + AROUND, here + AROUND])
+    ends = [[AROUND, *here], [AROUND, *(here + AROUND)]]
+    return pyvista.PolyData(corners, faces=np.concatenate([sides.ravel(), *ends]))

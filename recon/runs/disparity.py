@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.figures.disparity import dense as draw_dense
-from recon.figures.disparity import disparity as draw_disparity
+from recon.figures.kept import kept_pair
+from recon.figures.kinds import Arrays
 from recon.files import atomic_path
 from recon.mapping.pair import match_features
 from recon.records import DisparityMap, Matches, check_images
 from recon.runfolder import RunFolder
-from recon.runs.figures import write_figures
+from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
@@ -109,10 +109,10 @@ def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
             write_pfm(run.path / "dense.pfm", pair.dense.disparity_px)
             write_pfm(run.path / "dense_sigma.pfm", pair.dense.sigma_px)
     with work.stage("figures"):
-        figures = {"disparity": draw_disparity(pair.left, pair.matches)}
+        leave_figure(run.path, "disparity", kept_pair(pair.left, pair.matches))
         if pair.dense is not None:
-            figures["dense"] = draw_dense(pair.left, pair.dense.disparity_px)
-        write_figures(run.path, figures)
+            arrays: Arrays = {"left": pair.left, "disparity_px": pair.dense.disparity_px}
+            leave_figure(run.path, "dense", arrays)
 
 
 def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.figures.canvas import Image
-from recon.figures.matching import error_map, side_by_side, tuning
-from recon.figures.mixture import mixture
+from recon.figures.kept import kept_matches, kept_pair
+from recon.figures.kinds import Arrays
 from recon.mapping.pair import match_images
 from recon.records import Features, Matches
 from recon.runs.disparity import match_files, measure
-from recon.runs.figures import write_figures
+from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.outputs import as_document
 from recon.runs.work import Work
@@ -76,7 +75,7 @@ def _evaluate(job: Job, work: Work) -> Numbers:
     if work.folder:
         with work.stage("figures"):
             for trial in trials:
-                write_figures(work.folder.path, trial_images(trial))
+                _leave_figures(work.folder.path, trial)
     return {"pairs": rows}
 
 
@@ -113,41 +112,56 @@ def stated_range(pair_dir: Path) -> dict[str, Any] | None:
     return stated and {"min_disparity": stated[0], "max_disparity": stated[1]}
 
 
-def trial_images(trial: Trial) -> dict[str, Image]:
-    """Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17)."""
+def _leave_figures(run_path: Path, trial: Trial) -> None:
+    title = f"{trial.name}_{trial.settings.matching.matcher}"
+    for kind, arrays in trial_arrays(trial).items():
+        leave_figure(run_path, kind, arrays, f"{title}_{kind}")
+
+
+def trial_arrays(trial: Trial) -> dict[str, Arrays]:
+    """What is drawn of a trial, by the kind of figure.
+
+    Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17).
+    """
     settings, truth = trial.settings, trial.truth.disparity_px
     left, right = read_pair(trial.image("left"), trial.image("right"))
-    title = f"{trial.name}_{settings.matching.matcher}"
     by_images = match_whole_images(left, right, settings.matching)
     if by_images is not None:
-        return {f"{title}_errors": error_map(left, by_images, truth)}
+        return {"errors": kept_pair(left, by_images) | {"truth_px": truth}}
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
     whole = match(features_left, features_right, settings.matching)
     tuned = refine(whole, features_left, features_right)
     finest = updated(settings, {"features": {"widths_px": settings.features.widths_px[:1]}})
-    scales = {"one scale": match_images(left, right, finest), "all scales": tuned}
+    one_scale = match_images(left, right, finest)
     # The row whose points are spread the widest: one along a horizontal edge shows nothing.
     spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
     fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())
-    images = {
-        "errors": error_map(left, tuned, truth),
-        "scales": side_by_side(left, scales),
-        "tuning": tuning(whole, tuned, truth, fullest),
+    all_scales = kept_matches("all scales", tuned)
+    along_row = kept_matches("matched", whole) | kept_matches("tuned", tuned)
+    arrays: dict[str, Arrays] = {
+        "errors": kept_pair(left, tuned) | {"truth_px": truth},
+        "scales": {"left": left} | kept_matches("one scale", one_scale) | all_scales,
+        "tuning": along_row | {"truth_px": truth, "row": np.array(fullest)},
     }
     if settings.matching.matcher == "vonmises":
-        images["mixture"] = model_image(features_left, features_right, whole, settings)
-    return {f"{title}_{name}": image for name, image in images.items()}
+        arrays["mixture"] = model_arrays(features_left, features_right, whole, settings)
+    return arrays
 
 
-def model_image(left: Features, right: Features, matches: Matches, settings: Settings) -> Image:
+def model_arrays(left: Features, right: Features, matches: Matches, settings: Settings) -> Arrays:
     """What the model expects of right pairs, beside what these pairs are (thesis figure 17)."""
     model = vonmises.load_model(settings.matching.model)
     phases = np.linspace(-np.pi, np.pi, 361)
     measured = vonmises.phase_differences(left, right, matches)
     shown = min(len(measured), len(model.widths_px))
     titles = [f"filters {width:g} px wide" for width in left.widths_px[:shown]]
-    return mixture(phases, [*model.densities(phases)[:shown]], [*measured[:shown]], titles)
+    drawn = {"phases_rad": phases, "densities": np.asarray(model.densities(phases)[:shown])}
+    return {
+        **drawn,
+        "titles": np.array(titles, dtype=np.str_),
+        **{f"measured_{number}": measured[number] for number in range(shown)},
+    }
 
 
 EVALUATE = Kind(run=_evaluate, stages=("reading", "stereo", "figures"))

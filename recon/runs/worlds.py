@@ -2,17 +2,16 @@
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from recon.errors import InputError
 from recon.exploration.agent import explore
-from recon.figures.canvas import Image
-from recon.figures.confusion import confusion_matrix, reliability
 from recon.recognition import recognise
 from recon.records import FoundObject
-from recon.runs.figures import write_figures
+from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.settings import EXPLORER_BASE
@@ -48,7 +47,7 @@ def _worlds(job: Job, work: Work) -> Numbers:
     report: Numbers = {"worlds": num_worlds, "robust": tally(own), "thesis": tally(thesis)}
     if work.folder:
         with work.stage("figures"):
-            write_figures(work.folder.path, _images(report, own))
+            _leave_figures(work.folder.path, own, thesis)
     return report
 
 
@@ -67,15 +66,18 @@ def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[
     )
 
 
-def _images(report: Numbers, own: list[Naming]) -> dict[str, Image]:
-    return {
-        "confusion": confusion_matrix(report["robust"]["confusion"]),
-        "confusion_thesis": confusion_matrix(report["thesis"]["confusion"]),
-        "reliability": reliability(
-            np.array([one.probability for one in own]),
-            np.array([one.found == one.true for one in own]),
-        ),
+def _leave_figures(run_path: Path, own: list[Naming], thesis: list[Naming]) -> None:
+    for name, named in (("confusion", own), ("confusion_thesis", thesis)):
+        arrays = {
+            "true": np.array([one.true for one in named], dtype=np.str_),
+            "found": np.array([one.found for one in named], dtype=np.str_),
+        }
+        leave_figure(run_path, "confusion", arrays, name)
+    judged = {
+        "probability": np.array([one.probability for one in own]),
+        "is_right": np.array([one.found == one.true for one in own]),
     }
+    leave_figure(run_path, "reliability", judged)
 
 
 def namings(

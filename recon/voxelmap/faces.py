@@ -37,14 +37,23 @@ class Faces:
         return len(self.vertices)
 
 
-def exposed_faces(voxels: Voxels) -> Faces:
-    """The outside of the occupied cells, direction by direction in the order of the cells."""
+def covered_faces(voxels: Voxels) -> NDArray[np.uint8]:
+    """(K,) six bits: bit f is set where face f (-x, +x, -y, +y, -z, +z) has a cell before it."""
     rows = np.zeros(len(voxels), [("index", "i4", 3)])
     rows["index"] = voxels.index
     table = CellTable.of(rows)
+    bits = np.zeros(len(voxels), np.uint8)
+    for face, direction in enumerate(_DIRECTIONS):
+        bits |= (table.find(voxels.index + direction) >= 0).astype(np.uint8) << np.uint8(face)
+    return bits
+
+
+def exposed_faces(voxels: Voxels) -> Faces:
+    """The outside of the occupied cells, direction by direction in the order of the cells."""
+    covered = covered_faces(voxels)
     cells, corners = [], []
-    for direction, square in zip(_DIRECTIONS, _CORNERS, strict=True):
-        exposed = np.flatnonzero(table.find(voxels.index + direction) < 0)
+    for face, square in enumerate(_CORNERS):
+        exposed = np.flatnonzero((covered >> face & 1) == 0)
         cells.append(exposed)
         corners.append((voxels.index[exposed, None] + square) * voxels.cell_size)
     cell = np.concatenate(cells)

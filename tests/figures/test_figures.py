@@ -1,32 +1,23 @@
-"""Figures: right size, the right colours in the right places, the same bytes twice."""
+"""Figures: the right size, the right colours in the right places, the same bytes twice."""
 
 import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.figures import topview
-from recon.figures.canvas import save_png
+from recon.figures.canvas import Sheet, Style, pixels, save
+from recon.figures.confusion import confusion_matrix
 from recon.figures.disparity import dense, disparity
-from recon.figures.map3d import map3d
-from recon.figures.matching import error_map
+from recon.figures.map3d import Standpoint, map3d, valued
+from recon.figures.matching import Drawn, error_map
 from recon.figures.mixture import mixture
-from recon.records import FoundObject, Matches, Voxels
+from recon.figures.occupancy import labels, occupancy
+from recon.figures.overview import overview
+from recon.figures.trajectory import trajectory
+from recon.records import Voxels
 
 
-@pytest.fixture
-def voxels():
-    """A red column and a blue one, ten cells apart along x."""
-    index = np.array([[x, y, 0] for x in (0, 10) for y in range(4)])
-    colours = np.where(index[:, :1] == 0, [[220, 20, 20]], [[20, 20, 220]]).astype(np.uint8)
-    return Voxels(
-        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(8, 9),
-        colours=colours, cell_size=1.0,
-    )  # fmt: skip
-
-
-@pytest.fixture
-def nothing(voxels):
-    return voxels.select(slice(0))
+def small(width=400, height=320, **style):
+    return Sheet.of((width, height), Style(**style))
 
 
 def columns_of(image, channel):
@@ -35,99 +26,159 @@ def columns_of(image, channel):
     return np.nonzero((image[..., channel].astype(int) - others > 60).any(axis=0))[0]
 
 
-def test_x_runs_to_the_right_in_both_maps(voxels):
-    for image in (map3d(voxels, size=(400, 300)), topview.labels(voxels, [], size=(400, 380))):
+def test_x_runs_to_the_right(voxels):
+    for view in ("default", "front", "top"):
+        image = pixels(map3d(voxels, standpoint=Standpoint(view=view), sheet=small()))
         assert columns_of(image, 0).mean() < columns_of(image, 2).mean() - 50
+    image = pixels(map3d(voxels, standpoint=Standpoint(view="back"), sheet=small()))
+    assert columns_of(image, 0).mean() > columns_of(image, 2).mean() + 50
 
 
-def test_z_runs_down_the_page():
+def test_z_runs_down_the_floor():
     index = np.array([[0, 0, -5], [0, 0, 5]])
-    colours = np.array([[220, 20, 20], [20, 20, 220]], dtype=np.uint8)
     voxels = Voxels(
-        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(2, 9),
-        colours=colours, cell_size=1.0,
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.array([1, 900]),
+        colours=np.zeros((2, 3), np.uint8), cell_size=1.0,
     )  # fmt: skip
-    image = topview.labels(voxels, [], size=(400, 380)).transpose(1, 0, 2)
-    assert columns_of(image, 0).mean() < columns_of(image, 2).mean() - 50
+    figure = occupancy(voxels, sheet=small())
+    low, high = figure.axes[0].get_ylim()
+    assert low > 5.5
+    assert high < -4.5
 
 
 def test_sizes_are_as_asked_and_nothing_is_drawn_without_cells(nothing):
-    assert map3d(nothing, size=(320, 240)).shape == (240, 320, 3)
-    assert topview.occupancy(nothing, size=(300, 280)).shape == (280, 300, 3)
-    assert map3d(nothing, size=(320, 240)).std(axis=(0, 1)).max() == 0
+    image = pixels(map3d(nothing, sheet=small(320, 240, with_title=False)))
+    assert image.shape == (240, 320, 3)
+    assert image.std(axis=(0, 1)).max() == 0
+    assert pixels(occupancy(nothing, sheet=small(300, 280))).shape == (280, 300, 3)
+    assert pixels(labels(nothing, [], sheet=small(300, 280))).shape == (280, 300, 3)
+    assert pixels(trajectory(np.eye(4)[None], nothing, sheet=small())).shape == (320, 400, 3)
 
 
-def test_names_are_drawn(voxels):
-    found = FoundObject(
-        id=0, label="pine tree", probability=0.9, centre=np.array([5.0, 2, 0]),
-        size=np.array([4.0, 4, 4]), num_voxels=8,
-    )  # fmt: skip
-    for draw in (lambda o: map3d(voxels, o, size=(400, 300)), lambda o: topview.labels(voxels, o)):
-        assert (draw([found]) != draw([])).any()
+def test_titles_are_left_to_captions(voxels):
+    def texts(with_title):
+        figure = occupancy(voxels, sheet=small(with_title=with_title))
+        return figure.axes[0].get_title(loc="left")
+
+    assert texts(with_title=True).startswith("Occupancy")
+    assert texts(with_title=False) == ""
 
 
-def test_an_unknown_view_is_refused(voxels):
-    with pytest.raises(InputError, match="'below', but one of default, top"):
-        map3d(voxels, view="below")
+def test_nothing_is_behind_a_transparent_figure(voxels, tmp_path):
+    from matplotlib.image import imread
+
+    corners = {}
+    for background in ("white", "transparent"):
+        path = tmp_path / f"{background}.png"
+        save(map3d(voxels, sheet=small(background=background)), path)
+        corners[background] = imread(path)[-1, 0, 3]
+    assert corners == {"white": 1.0, "transparent": 0.0}
 
 
-def test_the_same_figure_is_the_same_bytes(voxels, tmp_path):
-    for name in ("a.png", "b.png"):
-        save_png(map3d(voxels, size=(320, 240)), tmp_path / name)
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_the_same_figure_is_the_same_bytes(voxels, ball, tmp_path, ending):
+    paths = [tmp_path / f"{name}.{ending}" for name in "ab"]
+    for path in paths:
+        save(labels(voxels, [ball], sheet=small()), path)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+    assert paths[0].stat().st_size > 2000
 
 
-def test_disparity_is_drawn_at_u_v(voxels):
-    zeros = np.zeros(1, np.int32)
-    matches = Matches(
-        points_px=np.array([[80.0, 10.0]]), disparity_px=np.ones(1), sigma_px=np.ones(1),
-        score=np.ones(1), index_left=zeros, index_right=zeros,
-    )  # fmt: skip
+def test_another_ending_is_refused(voxels, tmp_path):
+    with pytest.raises(InputError, match="'bmp' is not a format, but png, pdf, svg are"):
+        save(occupancy(voxels, sheet=small()), tmp_path / "a.bmp")
+
+
+def test_an_unknown_view_is_refused():
+    with pytest.raises(InputError, match="'below', but one of default, front"):
+        Standpoint(view="below")
+
+
+def test_colours_that_mean_numbers_have_a_scale(voxels):
+    figure = valued(voxels, np.arange(8.0), "metres", sheet=small())
+    assert "metres" in [axes.get_ylabel() for axes in figure.axes]
+
+
+def test_lengths_say_their_unit(voxels, ball):
+    figure = labels(voxels, [ball], unit="m", sheet=small(900, 800))
+    assert figure.axes[0].get_xlabel() == "x [m]"
+    assert any(text.get_text().endswith(" m") for text in figure.axes[0].texts)
+
+
+def test_names_carry_their_probability(voxels, ball):
+    written = [text.get_text() for text in labels(voxels, [ball], sheet=small()).axes[0].texts]
+    assert "pine tree 90%" in written
+    assert "pine tree 90%" not in [
+        text.get_text() for text in labels(voxels, [], sheet=small()).axes[0].texts
+    ]
+
+
+def test_letters_grow_with_the_sheet():
+    small_sheet, large = Sheet.of((600, 600)), Sheet.of((1800, 1800))
+    assert large.font_size == pytest.approx(3 * small_sheet.font_size, rel=0.3)
+    assert Sheet.of((600, 600), Style(font_size=7.5)).font_size == 7.5
+
+
+def test_an_overview_is_one_figure(voxels):
+    drawn = []
+    panels = [lambda sheet: drawn.append(sheet.size), lambda sheet: occupancy(voxels, sheet=sheet)]
+    figure = overview(lambda sheet: map3d(voxels, sheet=sheet), panels, sheet=small(900, 600))
+    (size,) = drawn
+    assert size[0] < 450
+    assert size[1] < 320
+    assert len(figure.subfigs) == 2
+
+
+def test_disparity_is_drawn_at_u_v():
     left = np.full((60, 100), 128, np.uint8)
-    with_point = disparity(left, matches, size=(500, 400))
-    without = disparity(left, matches.select(slice(0)), size=(500, 400))
-    assert with_point.shape == without.shape == (400, 500, 3)
+    at = np.array([[80.0, 10.0]])
+    with_point = pixels(disparity(left, at, np.ones(1), sheet=small()))
+    without = pixels(disparity(left, at[:0], np.ones(0), sheet=small()))
+    assert with_point.shape == without.shape == (320, 400, 3)
     assert (with_point != without).any()
-
-
-def test_errors_stand_out_where_they_are():
-    zeros = np.zeros(2, np.int32)
-    matches = Matches(
-        points_px=np.array([[20.0, 30.0], [80.0, 30.0]]), disparity_px=np.array([3.0, 9.0]),
-        sigma_px=np.ones(2), score=np.ones(2), index_left=zeros, index_right=zeros,
-    )  # fmt: skip
-    left = np.full((60, 100), 128, np.uint8)
-    right_everywhere = error_map(left, matches, np.where(np.arange(100) < 50, 3.0, 9.0) + left * 0)
-    wrong_once = error_map(left, matches, np.full((60, 100), 3.0))
-    assert right_everywhere.shape == wrong_once.shape
-    assert (right_everywhere != wrong_once).any()
-    unknown = error_map(left, matches, np.full((60, 100), np.nan))
-    assert (unknown != wrong_once).any()
-
-
-def test_a_single_place_and_no_cells_make_a_image(nothing):
-    assert topview.path(np.eye(4)[None], nothing, size=(300, 280)).shape == (280, 300, 3)
-
-
-def test_a_model_is_drawn_beside_what_was_measured():
-    phases = np.linspace(-np.pi, np.pi, 91)
-    narrow, wide = (np.exp(-((phases / spread) ** 2)) for spread in (0.3, 1.0))
-    measured = np.random.default_rng(0).normal(0, 0.3, 500)
-    image = mixture(phases, [[wide, narrow]], [measured], ["filters"])
-    shifted = mixture(phases, [[wide, narrow]], [measured + 1], ["filters"])
-    assert image.shape == shifted.shape == (420, 1300, 3)
-    assert (image != shifted).any(axis=2).mean() > 0.01
-    assert mixture(phases, [[wide]], [np.zeros(0)], ["nothing"]).shape == (420, 1300, 3)
 
 
 def test_unknown_pixels_show_the_image():
     left = np.full((30, 40, 3), 120, np.uint8)
     found = np.full((30, 40), np.nan)
     found[:, :20] = np.linspace(0, 30, 20)
-    image = dense(left, found)
+    image = pixels(dense(left, found, sheet=small(600, 400)))
     spread = image.max(axis=2).astype(int) - image.min(axis=2)
     strong = (spread > 80).mean(axis=0)
     assert strong[: image.shape[1] // 3].max() > 0.5
     middle = slice(image.shape[1] // 2, image.shape[1] * 4 // 5)
     assert strong[middle].max() < 0.2
-    assert dense(left, np.full((30, 40), np.nan)).shape == image.shape
+    assert pixels(dense(left, np.full((30, 40), np.nan), sheet=small())).shape == (320, 400, 3)
+
+
+def test_errors_stand_out_where_they_are():
+    found = Drawn(
+        points_px=np.array([[20.0, 30.0], [80.0, 30.0]]), disparity_px=np.array([3.0, 9.0])
+    )
+    left = np.full((60, 100), 128, np.uint8)
+
+    def title(truth):
+        return error_map(left, found, truth, sheet=small(800, 400)).axes[1].get_title(loc="left")
+
+    right = np.where(np.arange(100) < 50, 3.0, 9.0) + left * 0.0
+    assert title(right) == "Error: 0.00% of 2 are over 1 px"
+    assert title(np.full((60, 100), 3.0)) == "Error: 50.00% of 2 are over 1 px"
+    assert title(np.full((60, 100), np.nan)) == "Error: 0.00% of 0 are over 1 px"
+
+
+def test_a_confusion_is_counted():
+    figure = confusion_matrix(["a", "a", "b"], ["a", "b", "b"], sheet=small())
+    written = sorted(text.get_text() for text in figure.axes[0].texts)
+    assert written == ["0", "1", "1", "1"]
+
+
+def test_a_model_is_drawn_beside_what_was_measured():
+    phases = np.linspace(-np.pi, np.pi, 91)
+    narrow, wide = (np.exp(-((phases / spread) ** 2)) for spread in (0.3, 1.0))
+    measured = np.random.default_rng(0).normal(0, 0.3, 500)
+    image = pixels(mixture(phases, [[wide, narrow]], [measured], ["filters"]))
+    shifted = pixels(mixture(phases, [[wide, narrow]], [measured + 1], ["filters"]))
+    assert image.shape == shifted.shape == (420, 1300, 3)
+    assert (image != shifted).any(axis=2).mean() > 0.01
+    empty = mixture(phases, [[wide]], [np.zeros(0)], ["nothing"])
+    assert pixels(empty).shape == (420, 1300, 3)

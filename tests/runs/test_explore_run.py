@@ -1,6 +1,7 @@
 """An exploration through the command line: what it leaves, and that it leaves the same twice."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,8 @@ FILES = {
     "manifest.json", "settings.toml", "trajectory.txt", "cloud.ply", "map.npz", "objects.json",
     "metrics.json", "figures/map3d.png", "figures/solids.png", "figures/occupancy.png",
     "figures/labels.png",
-    "figures/trajectory.png", "figures/disparity.png", "figures/overview.png",
+    "figures/trajectory.png", "figures/disparity.png", "figures/disparity.npz",
+    "figures/overview.png",
 }  # fmt: skip
 
 
@@ -109,7 +111,56 @@ def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
     header = Path(path).read_bytes()[16:24]
     assert (int.from_bytes(header[:4]), int.from_bytes(header[4:])) == (320, 300)
     assert main(["figure", str(run), "--kind", "portrait"]) == 2
+    assert main(["figure", str(run), "--kind", "labels", "--view", "top"]) == 2
+    assert "always seen from one side" in capsys.readouterr().err
     assert main(["figure", str(run), "--size", "bigxbig"]) == 2
+
+
+def test_names_of_files_carry_the_view_and_the_format(run, capsys):
+    before = (run / "figures" / "map3d.png").read_bytes()
+    argv = ["figure", str(run), "--kind", "map3d", "--size", "300x240", "--json"]
+    for more, name in (
+        (["--view", "top"], "map3d_top.png"),
+        (["--view", "30,20,30,0,2,0"], "map3d_30_20_30_0_2_0.png"),
+        (["--view", "front", "--format", "pdf", "--no-title"], "map3d_front.pdf"),
+    ):
+        assert main([*argv, *more]) == 0
+        (path,) = json.loads(capsys.readouterr().out)["figures"]
+        assert Path(path).name == name
+        assert Path(path).stat().st_size > 1000
+    assert (run / "figures" / "map3d.png").read_bytes() == before
+
+
+def test_dots_per_inch_keep_the_size_on_paper(run, capsys):
+    argv = ["figure", str(run), "--kind", "occupancy", "--dpi", "50", "--json"]
+    assert main(argv) == 0
+    (path,) = json.loads(capsys.readouterr().out)["figures"]
+    header = Path(path).read_bytes()[16:24]
+    assert (int.from_bytes(header[:4]), int.from_bytes(header[4:])) == (500, 430)
+
+
+def test_labels_are_also_maps_for_others(run, capsys):
+    assert main(["figure", str(run), "--kind", "labels", "--data", "--json"]) == 0
+    written = {Path(path).name for path in json.loads(capsys.readouterr().out)["figures"]}
+    assert written == {
+        "labels.png", "labels.npz", "labels.geojson", "map.pgm", "map.yaml", "labels.json",
+    }  # fmt: skip
+    objects = json.loads((run / "objects.json").read_text())["objects"]
+    shown = json.loads((run / "figures" / "labels.geojson").read_text())["features"]
+    polygons = [one for one in shown if one["geometry"]["type"] == "Polygon"]
+    assert [one["properties"]["label"] for one in polygons] == [one["label"] for one in objects]
+    labels = json.loads((run / "figures" / "labels.json").read_text())["labels"]
+    for found, label in zip(objects, labels, strict=True):
+        x, _, z = found["centre"]
+        np.testing.assert_allclose(label["position"], [x, -z], atol=1e-5)
+
+
+def test_a_damaged_table_of_arrays_is_one_line(run, capsys, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(run, copy)
+    (copy / "figures" / "disparity.npz").write_bytes(b"PK nothing")
+    assert main(["figure", str(copy), "--kind", "disparity"]) == 2
+    assert "cannot be read" in capsys.readouterr().err
 
 
 def test_every_figure_is_also_data(run, capsys):

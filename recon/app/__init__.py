@@ -1,0 +1,1 @@
+"""Pages in a browser: the simulator and the inspector."""

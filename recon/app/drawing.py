@@ -1,0 +1,129 @@
+"""A view of a layer as an image, and what lies under a pixel of it."""
+
+import base64
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app.filters import Shown
+from recon.app.layers import COLOUR, Layer
+from recon.app.orbit import Orbit
+from recon.figures import scales
+from recon.figures.partition import part_colour
+from recon.figures.solids import triangles_of
+from recon.records import FoundObject, Voxels
+from recon.sequences.encoding import encode_image
+from recon.world.raster import Lens, Raster
+
+SIZE = (960, 600)
+"""Width and height of a view in pixels."""
+LIGHT, DARK = (250, 250, 249), (24, 27, 31)
+MARKED = np.array([255, 140, 0], np.uint8)
+POINT_PX = 2
+SEE_THROUGH = 0.55
+"""Of a solid before the cells it was fitted to."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Look:
+    """How a layer is shown."""
+
+    colour_by: str = COLOUR
+    is_dark: bool = True
+    selected: int | None = None
+    """Id of the object that stands out."""
+    solids: tuple[FoundObject, ...] = ()
+    """Objects whose solids are drawn over the cells."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """A drawn view."""
+
+    image: NDArray[np.uint8]
+    """(H, W, 3)"""
+    number: NDArray[np.int32]
+    """(H, W) row of the layer under each pixel; -1 = none."""
+    lens: Lens
+    shown: Shown
+
+    def row_at(self, column_px: float, row_px: float, reach_px: int = 3) -> int | None:
+        """The row of the layer at a pixel, or the nearest within reach."""
+        height, width = self.number.shape
+        u, v = round(column_px), round(row_px)
+        top, left = max(v - reach_px, 0), max(u - reach_px, 0)
+        near = self.number[top : min(v + reach_px + 1, height), left : min(u + reach_px + 1, width)]
+        rows, columns = np.nonzero(near >= 0)
+        if not len(rows):
+            return None
+        nearest = np.argmin((rows + top - v) ** 2 + (columns + left - u) ** 2)
+        return int(near[rows[nearest], columns[nearest]])
+
+
+def draw(
+    layer: Layer, shown: Shown, orbit: Orbit, look: Look, size: tuple[int, int] = SIZE
+) -> View:
+    """Draw the rows of a layer that are shown."""
+    lens = orbit.lens(*size)
+    raster = Raster(lens, DARK if look.is_dark else LIGHT)
+    colours = row_colours(layer, shown.rows, look)
+    numbers = shown.rows.astype(np.int32)
+    if isinstance(layer.data, Voxels) and layer.covered is not None:
+        raster.add_cells(
+            layer.data.index[shown.rows], layer.covered[shown.rows], colours, numbers,
+            layer.data.cell_size,
+        )  # fmt: skip
+        raster.shade(20.0)
+    elif layer.triangles is not None:
+        _add_mesh(raster, layer, shown, look)
+    else:
+        raster.add_points(layer.places[shown.rows], colours, numbers, POINT_PX)
+        raster.shade()
+    if look.solids and isinstance(layer.data, Voxels):
+        _add_solids(raster, layer.data, look.solids)
+    return View(image=raster.image, number=raster.number, lens=lens, shown=shown)
+
+
+def row_colours(layer: Layer, rows: NDArray[np.int64], look: Look) -> NDArray[np.uint8]:
+    """Colours (M, 3) of rows: their own, or those of a column's numbers."""
+    if look.colour_by == COLOUR or look.colour_by not in layer.columns:
+        colours = layer.colours[rows].copy()
+    else:
+        values = layer.columns[look.colour_by]
+        scale = scales.coloured(values, scales.COUNT)
+        colours = scales.rgb(scale, np.nan_to_num(values[rows], nan=scale.get_clim()[0]))
+    if look.selected is not None and "object" in layer.columns:
+        colours[layer.columns["object"][rows] == look.selected] = MARKED
+    return np.ascontiguousarray(colours)
+
+
+def _add_mesh(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
+    """Triangles whose corners are all shown, and the corners for clicks."""
+    assert layer.triangles is not None
+    every = np.arange(len(layer))
+    is_shown = np.zeros(len(layer), bool)
+    is_shown[shown.rows] = True
+    kept = layer.triangles[is_shown[layer.triangles].all(axis=1)]
+    raster.add_triangles(layer.places, kept, row_colours(layer, every, look), kept[:, 0].copy())
+
+
+def _add_solids(raster: Raster, voxels: Voxels, objects: tuple[FoundObject, ...]) -> None:
+    over = Raster(raster.lens, (0, 0, 0))
+    for found in objects:
+        for number, part in enumerate(found.parts):
+            vertices, triangles = triangles_of(part.solid)
+            colour = np.array(part_colour(voxels, found, number), np.uint8)
+            colours = np.tile(colour, (len(vertices), 1))
+            over.add_triangles(vertices, triangles, colours, np.zeros(len(triangles), np.int32))
+    # A solid goes through its cells: it shows where it lies little behind them, too.
+    depth = 1.15 * over.inverse_depth
+    before = (over.number >= 0) & (depth >= raster.inverse_depth)
+    mixed = SEE_THROUGH * over.image[before] + (1.0 - SEE_THROUGH) * raster.image[before]
+    raster.image[before] = mixed.astype(np.uint8)
+
+
+def as_source(image: NDArray[np.uint8], ending: str = ".png") -> str:
+    """An image as an address that holds it whole."""
+    data = base64.b64encode(encode_image(image, ending)).decode()
+    return f"data:image/{ending.removeprefix('.').replace('jpg', 'jpeg')};base64,{data}"

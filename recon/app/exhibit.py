@@ -1,0 +1,105 @@
+"""What an argument of `recon inspect` names: a run folder, or points, cells or a mesh in a file."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app.layers import Layer, layer_of
+from recon.errors import InputError
+from recon.exports.formats import read
+from recon.exports.ply import read_cloud_chunks
+from recon.figures.partition import cells_of_mask
+from recon.records import FoundObject, PointCloud, Trajectory, Voxels
+from recon.runfolder import MANIFEST, read_manifest
+from recon.runs.reading import read_reconstruction
+from recon.voxelmap import VoxelMap
+
+CLOUDS = {"dense": "dense.ply", "mesh": "mesh.ply"}
+"""What a run may hold besides its map and its cloud, by the names of layers."""
+NOBODY = -1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Exhibit:
+    """A file or a run, read whole."""
+
+    path: Path
+    layers: Mapping[str, Layer]
+    objects: tuple[FoundObject, ...] = ()
+    trajectory: Trajectory | None = None
+    is_run: bool = False
+    unit: str = ""
+    """Of lengths, where it is known."""
+
+    @property
+    def figures(self) -> tuple[Path, ...]:
+        """The images that the run left."""
+        return tuple(sorted((self.path / "figures").glob("*.png"))) if self.is_run else ()
+
+
+def open_exhibit(path: Path) -> Exhibit:
+    """Read what is at a path.
+
+    Raises
+    ------
+    InputError
+        Where nothing is there, or nothing that can be shown.
+    """
+    if not path.exists():
+        raise InputError(f"{path} does not exist")
+    if (path / MANIFEST).exists():
+        return _open_run(path)
+    if path.is_dir() and path.suffix != ".zarr":
+        raise InputError(f"{path} is not a run folder: it has no {MANIFEST}")
+    data = read(path)
+    if isinstance(data, VoxelMap):
+        data = data.occupied(min_count=1)
+    return Exhibit(path=path, layers={path.name: layer_of(data)})
+
+
+def _open_run(path: Path) -> Exhibit:
+    manifest = read_manifest(path)
+    layers: dict[str, Layer] = {}
+    objects: tuple[FoundObject, ...] = ()
+    trajectory = None
+    if (path / "map.npz").exists():
+        run = read_reconstruction(path)
+        objects, trajectory = run.objects, run.trajectory
+        layers["map"] = layer_of(run.voxels, {"object": object_of(run.voxels, objects)})
+    if (path / "cloud.ply").exists():
+        layers["cloud"] = _run_cloud(path / "cloud.ply")
+    for name, file in CLOUDS.items():
+        if (path / file).exists():
+            data = read(path / file)
+            assert not isinstance(data, VoxelMap)
+            layers[name] = layer_of(data)
+    unit = "m" if manifest["command"] == "reconstruct" else "world units"
+    return Exhibit(
+        path=path, layers=layers, objects=objects, trajectory=trajectory, is_run=True, unit=unit
+    )
+
+
+def _run_cloud(path: Path) -> Layer:
+    """The cloud of a run, with the number of the pair that each point comes from."""
+    chunks = list(read_cloud_chunks(path))
+    if not chunks:
+        return layer_of(PointCloud(points=np.empty((0, 3)), colours=np.empty((0, 3), np.uint8)))
+    clouds, pairs = zip(*chunks, strict=True)
+    sigmas = [np.full(len(one), np.nan) if one.sigma is None else one.sigma for one in clouds]
+    cloud = PointCloud(
+        points=np.vstack([one.points for one in clouds]),
+        colours=np.vstack([one.colours for one in clouds]),
+        sigma=np.concatenate(sigmas),
+    )
+    return layer_of(cloud, {"pair": np.concatenate(pairs).astype(np.float64)})
+
+
+def object_of(voxels: Voxels, objects: tuple[FoundObject, ...]) -> NDArray[np.float64]:
+    """(K,) id of the object in whose box a cell lies, the smallest where there are several."""
+    ids = np.full(len(voxels), NOBODY)
+    for found in sorted(objects, key=lambda one: -float(np.prod(one.size))):
+        ids[cells_of_mask(voxels, found)] = found.id
+    return ids

@@ -1,0 +1,70 @@
+"""Which rows of a layer are shown: thresholds, a box, and no more than can be drawn quickly."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app.layers import Layer
+
+Array = NDArray[np.float64]
+
+AT_LEAST = ("count", "num_views", "views", "weight", "hits")
+AT_MOST = ("sigma",)
+"""Columns that a slider cuts: below it, and above it."""
+
+MOST_AT_REST = 2_000_000
+MOST_MOVING = 200_000
+"""Rows that are drawn while the view stands still, and while it turns."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Filter:
+    """What is left out."""
+
+    least: Mapping[str, float] = field(default_factory=dict)
+    most: Mapping[str, float] = field(default_factory=dict)
+    low: Array | None = None
+    high: Array | None = None
+    """Corners (3,) of the clip box, world."""
+
+    def kept(self, layer: Layer) -> NDArray[np.bool_]:
+        """(N,) rows that pass; what is not known passes."""
+        kept = np.ones(len(layer), bool)
+        for name, bound in self.least.items():
+            if name in layer.columns:
+                kept &= ~(layer.columns[name] < bound)
+        for name, bound in self.most.items():
+            if name in layer.columns:
+                kept &= ~(layer.columns[name] > bound)
+        if self.low is not None and self.high is not None:
+            kept &= ((layer.places >= self.low) & (layer.places <= self.high)).all(axis=1)
+        return kept
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shown:
+    """The rows that are drawn, and how many there are."""
+
+    rows: NDArray[np.int64]
+    num_kept: int
+    """That pass the filter."""
+    num_all: int
+
+    def share(self, noun: str) -> str:
+        """What part is shown, in words."""
+        drawn = 1.0 if not self.num_kept else len(self.rows) / self.num_kept
+        text = f"shows {len(self.rows):,} of {self.num_all:,} {noun}"
+        if len(self.rows) < self.num_kept:
+            return f"{text}: {drawn:.0%} of the {self.num_kept:,} that pass, drawn by lot"
+        if self.num_kept < self.num_all:
+            return f"{text} ({self.num_kept / self.num_all:.0%}): the others are filtered out"
+        return f"{text} (100%)"
+
+
+def shown(layer: Layer, kept: NDArray[np.bool_], most: int) -> Shown:
+    """The rows to draw: all that pass, or so many of them by lot."""
+    total = int(kept.sum())
+    rows = np.flatnonzero(kept) if total <= most else layer.order[kept[layer.order]][:most]
+    return Shown(rows=rows, num_kept=total, num_all=len(layer))

@@ -1,0 +1,69 @@
+"""The objects of a run as a table that selects in the scene, and back."""
+
+from collections.abc import Callable
+from typing import Any
+
+from recon.app.exhibit import Exhibit
+from recon.app.widgets import nicegui, testid
+from recon.records import FoundObject
+
+COLUMNS = ("id", "label", "probability", "x", "z", "height", "views")
+
+
+def rows_of(objects: tuple[FoundObject, ...]) -> list[dict[str, Any]]:
+    """One row per object, as the table shows them."""
+    return [
+        {
+            "id": found.id,
+            "label": found.label,
+            "probability": "" if found.probability is None else f"{found.probability:.0%}",
+            "x": f"{found.centre[0]:.2f}",
+            "z": f"{found.centre[2]:.2f}",
+            "height": f"{found.size[1]:.2f}",
+            "views": found.views,
+        }
+        for found in objects
+    ]
+
+
+class ObjectsTable:
+    """A table of objects; a click selects one, another click none."""
+
+    def __init__(
+        self, name: str, exhibit: Exhibit | None, chosen: Callable[[int | None], Any]
+    ) -> None:
+        ui = nicegui()
+        columns = [{"name": one, "label": one, "field": one, "align": "left"} for one in COLUMNS]
+        objects = () if exhibit is None else exhibit.objects
+        with testid(ui.element("div").classes("w-full"), name):
+            self.table = ui.table(
+                rows=rows_of(objects), columns=columns, row_key="id", selection="single"
+            )
+            self.table.props("dense flat hide-bottom :rows-per-page-options=[0]")
+            self.table.classes("w-full")
+        self._chosen = chosen
+        self.table.on("rowClick", lambda event: self._click(event.args[1]["id"]))
+        self.table.on_select(lambda event: self._tell())
+
+    def show(self, objects: tuple[FoundObject, ...]) -> None:
+        """Show other objects."""
+        self.table.rows = rows_of(objects)
+        self.table.update()
+
+    def select(self, number: int) -> None:
+        """Select the row of an object."""
+        self.table.selected = [row for row in self.table.rows if row["id"] == number]
+        self.table.update()
+        self._tell()
+
+    def _click(self, number: int) -> None:
+        if [row["id"] for row in self.table.selected] == [number]:
+            self.table.selected = []
+            self.table.update()
+            self._tell()
+        else:
+            self.select(number)
+
+    def _tell(self) -> None:
+        selected = self.table.selected
+        self._chosen(selected[0]["id"] if selected else None)

@@ -1,0 +1,83 @@
+"""The camera of a view in space: it turns about a point, comes nearer, and moves sideways."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import look_at
+from recon.world.raster import Lens
+
+Array = NDArray[np.float64]
+
+FOV_DEG = 45.0
+MAX_ELEVATION = np.radians(89.9)
+TURN_PER_PIXEL = 0.008
+ZOOM = 1.15
+NEAREST, FARTHEST = 1e-4, 1e7
+VIEWS = {
+    "default": (0.5, 0.5), "front": (0.0, 0.0), "back": (np.pi, 0.0), "side": (np.pi / 2.0, 0.0),
+    "top": (0.0, float(MAX_ELEVATION)),
+}  # fmt: skip
+"""Azimuth, from +z towards +x, and elevation of the camera, radians."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Orbit:
+    """A place on a sphere round a point."""
+
+    target: Array
+    """(3,) world."""
+    distance: float
+    azimuth: float = 0.5
+    elevation: float = 0.5
+
+    @classmethod
+    def round(cls, low: Array, high: Array) -> "Orbit":
+        """Far enough off to see a whole box."""
+        reach = float(np.linalg.norm(high - low)) / 2.0 or 1.0
+        return cls(
+            target=(low + high) / 2.0, distance=reach / np.sin(np.radians(FOV_DEG) / 2.0) * 0.85
+        )
+
+    @property
+    def position(self) -> Array:
+        """(3,) of the camera."""
+        flat = np.cos(self.elevation)
+        away = (
+            flat * np.sin(self.azimuth), np.sin(self.elevation), flat * np.cos(self.azimuth)
+        )  # fmt: skip
+        return self.target + self.distance * np.array(away)
+
+    def lens(self, width: int, height: int) -> Lens:
+        """The camera for an image of that size."""
+        return Lens(
+            T_world_cam=look_at(self.position, self.target), width=width, height=height,
+            focal_px=height / 2.0 / float(np.tan(np.radians(FOV_DEG) / 2.0)),
+            near=1e-3 * self.distance,
+        )  # fmt: skip
+
+    def turned(self, right_px: float, down_px: float) -> "Orbit":
+        """Turned as a hand that drags the things would turn them."""
+        elevation = self.elevation + TURN_PER_PIXEL * down_px
+        return replace(
+            self,
+            azimuth=self.azimuth - TURN_PER_PIXEL * right_px,
+            elevation=float(np.clip(elevation, -MAX_ELEVATION, MAX_ELEVATION)),
+        )
+
+    def moved(self, right_px: float, down_px: float, height_px: int) -> "Orbit":
+        """Moved so that what is in the middle follows the hand."""
+        T = look_at(self.position, self.target)
+        unit = 2.0 * self.distance * np.tan(np.radians(FOV_DEG) / 2.0) / height_px
+        return replace(self, target=self.target - unit * (right_px * T[:3, 0] + down_px * T[:3, 1]))
+
+    def zoomed(self, steps: float) -> "Orbit":
+        """Nearer for positive steps."""
+        distance = float(np.clip(self.distance * ZOOM**-steps, NEAREST, FARTHEST))
+        return replace(self, distance=distance)
+
+    def seen_from(self, view: str) -> "Orbit":
+        """From a side of VIEWS."""
+        azimuth, elevation = VIEWS[view]
+        return replace(self, azimuth=azimuth, elevation=elevation)

@@ -1,0 +1,67 @@
+"""Drawing beside the page: in a thread, the newest of what was asked for."""
+
+import logging
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from recon.errors import ReconError
+from recon.libraries import load_extra
+
+log = logging.getLogger(__name__)
+
+Drawn = TypeVar("Drawn")
+
+
+class Painter(Generic[Drawn]):
+    """Draws again whenever it is asked; what was asked while it drew is drawn once, at the end.
+
+    Parameters
+    ----------
+    draw : callable
+        Runs in a thread.
+    show : callable
+        Takes what was drawn, in the page's own thread.
+    complain : callable
+        Takes the text of an error; what was shown before stays.
+    """
+
+    def __init__(
+        self,
+        draw: Callable[[], Drawn],
+        show: Callable[[Drawn], Any],
+        complain: Callable[[str], Any],
+    ) -> None:
+        self.draw = draw
+        self.show = show
+        self.complain = complain
+        self._is_wanted = False
+        self._is_at_work = False
+
+    def ask(self) -> None:
+        """Draw soon."""
+        self._is_wanted = True
+        if not self._is_at_work:
+            self._is_at_work = True
+            load_extra("nicegui", "app").background_tasks.create(self._paint())
+
+    async def _paint(self) -> None:
+        run = load_extra("nicegui", "app").run
+        try:
+            while self._is_wanted:
+                self._is_wanted = False
+                await self._paint_once(run)
+        finally:
+            self._is_at_work = False
+
+    async def _paint_once(self, run: Any) -> None:
+        try:
+            drawn = await run.io_bound(self.draw)
+        except (ReconError, OSError) as error:
+            self.complain(str(error))
+        # A plug-in or a damaged file may raise anything; the page stays.
+        except Exception as error:
+            log.exception("drawing failed")
+            self.complain(f"{type(error).__name__}: {error}")
+        else:
+            if drawn is not None:
+                self.show(drawn)

@@ -1,0 +1,168 @@
+"""A view in space that the mouse and the keys turn; a click tells what lies there."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from recon.app import drawing, marks
+from recon.app.drawing import Look, View, draw
+from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, shown
+from recon.app.layers import Layer
+from recon.app.orbit import VIEWS, Orbit
+from recon.app.painter import Painter
+from recon.app.widgets import nicegui, pane
+from recon.records import Trajectory
+
+CLICK_PX = 4.0
+"""A mouse that moves less clicks; one that moves more turns."""
+REST_S = 0.35
+"""After so long without a turn everything is drawn."""
+KEY_PX = 25.0
+KEYS = {
+    "ArrowLeft": (-KEY_PX, 0.0), "ArrowRight": (KEY_PX, 0.0),
+    "ArrowUp": (0.0, -KEY_PX), "ArrowDown": (0.0, KEY_PX),
+}  # fmt: skip
+EVENTS = ("mousedown", "mousemove", "mouseup", "mouseleave", "dblclick")
+
+
+class ViewPanel:
+    """The scene of one exhibit.
+
+    Parameters
+    ----------
+    name : str
+        Its `data-testid`.
+    layer : Layer
+    clicked : callable
+        Takes the row that was clicked, or None.
+    drawn : callable
+        Takes every `View` that is shown.
+    complain : callable
+        Takes the text of an error.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        layer: Layer,
+        clicked: Callable[[int | None], Any],
+        drawn: Callable[[View], Any],
+        complain: Callable[[str], Any],
+    ) -> None:
+        self.layer = layer
+        self.filter = Filter()
+        self.look = Look()
+        self.orbit = Orbit.round(*layer.box)
+        self.trajectory: Trajectory | None = None
+        self.pair = 0
+        self.names: marks.Names = ()
+        self.picked: int | None = None
+        self.view: View | None = None
+        self.followers: list[ViewPanel] = []
+        self._clicked, self._drawn = clicked, drawn
+        self._is_moving = False
+        self._pressed: tuple[float, float, float] | None = None
+        self._last = (0.0, 0.0)
+        self._kept = np.ones(len(layer), bool)
+        self.painter = Painter(self._draw, self._show, complain)
+        self.image = pane(name, drawing.SIZE, self._on_mouse, EVENTS)
+        self.image.on("wheel.prevent", self._on_wheel, ["deltaY"], throttle=0.05)
+        self.image.on("keydown", self._on_key, ["key"])
+        self._rest = nicegui().timer(REST_S, self._stand_still, active=False, once=False)
+
+    def change_layer(self, layer: Layer) -> None:
+        """Show something else from the same place."""
+        self.layer = layer
+        self.picked = None
+        self.refilter(self.filter)
+
+    def refilter(self, chosen: Filter) -> None:
+        """Show other rows."""
+        self.filter = chosen
+        self._kept = chosen.kept(self.layer)
+        self.painter.ask()
+
+    @property
+    def kept(self) -> Any:
+        """(N,) rows that pass the filter."""
+        return self._kept
+
+    def look_from(self, view: str) -> None:
+        """Turn to a side."""
+        self._turn(self.orbit.seen_from(view), is_moving=False)
+
+    def _draw(self) -> View:
+        most = MOST_MOVING if self._is_moving else MOST_AT_REST
+        return draw(self.layer, shown(self.layer, self._kept, most), self.orbit, self.look)
+
+    def _show(self, view: View) -> None:
+        self.view = view
+        self.image.set_source(drawing.as_source(view.image, ".jpg"))
+        self.image.set_content(
+            marks.of_view(view, self.layer, self.look, self.names)
+            + marks.of_trajectory(view.lens, self.trajectory, self.pair)
+            + marks.of_row(view.lens, self.layer, self.picked)
+        )
+        self._drawn(view)
+
+    def _turn(self, orbit: Orbit, *, is_moving: bool = True) -> None:
+        for panel in (self, *self.followers):
+            panel.orbit = orbit
+            panel._is_moving = is_moving
+            panel.painter.ask()
+        if is_moving:
+            self._rest.deactivate()
+            self._rest.activate()
+
+    def _stand_still(self) -> None:
+        if self._pressed is None:
+            self._rest.deactivate()
+            self._turn(self.orbit, is_moving=False)
+
+    def _on_mouse(self, event: Any) -> None:
+        at = event.image_x, event.image_y
+        if event.type == "mousedown":
+            self._pressed = (*at, 0.0)
+        elif event.type == "dblclick":
+            self._turn(Orbit.round(*self.layer.box), is_moving=False)
+        elif self._pressed is not None and event.type == "mousemove" and event.buttons:
+            self._drag(at, moves=event.shift or event.buttons != 1)
+        elif self._pressed is not None:
+            self._release(at, is_click=event.type == "mouseup")
+        self._last = at
+
+    def _drag(self, at: tuple[float, float], *, moves: bool) -> None:
+        right, down = at[0] - self._last[0], at[1] - self._last[1]
+        assert self._pressed is not None
+        x, y, way = self._pressed
+        self._pressed = (x, y, way + abs(right) + abs(down))
+        if self._pressed[2] > CLICK_PX:
+            height = drawing.SIZE[1]
+            orbit = self.orbit
+            self._turn(orbit.moved(right, down, height) if moves else orbit.turned(right, down))
+
+    def _release(self, at: tuple[float, float], *, is_click: bool) -> None:
+        assert self._pressed is not None
+        way, self._pressed = self._pressed[2], None
+        if way <= CLICK_PX and is_click:
+            self._pick(at)
+        else:
+            self._turn(self.orbit, is_moving=False)
+
+    def _pick(self, at: tuple[float, float]) -> None:
+        self.picked = None if self.view is None else self.view.row_at(*at)
+        self._clicked(self.picked)
+        self.painter.ask()
+
+    def _on_wheel(self, event: Any) -> None:
+        self._turn(self.orbit.zoomed(-np.sign(event.args["deltaY"])))
+
+    def _on_key(self, event: Any) -> None:
+        key = event.args["key"]
+        if key in KEYS:
+            self._turn(self.orbit.turned(*KEYS[key]))
+        elif key in ("+", "=", "-"):
+            self._turn(self.orbit.zoomed(-1.0 if key == "-" else 1.0))
+        elif key.isdecimal() and 0 < int(key) <= len(VIEWS):
+            self.look_from(list(VIEWS)[int(key) - 1])

@@ -1,0 +1,109 @@
+"""Pieces that both pages are made of; every one that tests look for has its `data-testid`."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from recon.libraries import load_extra
+
+HEAD = """
+<style>
+  body { font-feature-settings: "tnum"; }
+  .recon-page { display: flex; flex-wrap: nowrap; width: 100%; gap: 10px;
+                height: calc(100vh - 44px); padding: 8px 10px; box-sizing: border-box; }
+  .recon-side { width: 430px; min-width: 360px; overflow-y: auto; padding-right: 4px; }
+  .recon-main { flex: 1 1 auto; min-width: 0; overflow-y: auto; }
+  .recon-panes { display: grid; grid-template-columns: 1fr 1fr; gap: 8px; }
+  .recon-card { padding: 8px 12px; width: 100%; gap: 4px; margin-bottom: 8px; box-shadow: none;
+                border: 1px solid rgba(128, 128, 128, .35); border-radius: 6px; }
+  .recon-title { font-size: 13px; font-weight: 600; }
+  .recon-note { font-size: 12px; opacity: .8; white-space: pre-line; overflow-wrap: anywhere; }
+  .recon-fields { display: grid; grid-template-columns: repeat(3, 1fr); width: 100%;
+                  gap: 2px 10px; }
+  .recon-range { width: 100%; accent-color: #0072b2; }
+  .recon-pane { border: 1px solid rgba(128, 128, 128, .35); border-radius: 4px; overflow: hidden;
+                touch-action: none; user-select: none; outline-offset: -2px; }
+  .recon-message { min-height: 20px; font-size: 13px; color: #d55e00; overflow-wrap: anywhere; }
+  .recon-bar { height: 10px; width: 100%; border-radius: 3px; }
+  @media (max-width: 1000px) { .recon-page { flex-wrap: wrap; height: auto; }
+                               .recon-side { width: 100%; } }
+</style>
+"""
+
+
+def nicegui() -> Any:
+    """NiceGUI's `ui`."""
+    return load_extra("nicegui", "app").ui
+
+
+def testid(element: Any, name: str) -> Any:
+    """The element, marked for tests and scripts."""
+    return element.props(f'data-testid="{name}"')
+
+
+def card(title: str) -> Any:
+    """A frame with a title, to be entered with `with`."""
+    ui = nicegui()
+    frame = ui.card().classes("recon-card")
+    with frame:
+        ui.label(title).classes("recon-title")
+    return frame
+
+
+def note(name: str = "", text: str = "", kind: str = "recon-note") -> Any:
+    """A line of text that is changed later."""
+    label = nicegui().label(text).classes(kind)
+    return testid(label, name) if name else label
+
+
+def number_field(name: str, label: str, value: float, change: Callable[[Any], Any]) -> Any:
+    """A number that is taken over when it is whole: by Enter, or when the field is left."""
+    field = nicegui().number(label, value=value, format="%.6g").props("dense step=any")
+    testid(field, name)
+    field.on("change", change)
+    field.on("keydown.enter", change)
+    return field
+
+
+def slider(name: str, ends: tuple[float, float, float], value: float, change: Any) -> Any:
+    """The browser's own slider: keyboard, drag and screen readers work; (low, high, step)."""
+    low, high, step = ends
+    element = nicegui().element("input").classes("recon-range")
+    element.props(f"type=range min={low:g} max={high:g} step={step:g} value={value:g}")
+    element.on("input", lambda event: change(float(event.args)), js_handler=_VALUE)
+    return testid(element, name)
+
+
+_VALUE = "(event) => emit(event.target.value)"
+
+
+def chooser(name: str, label: str, options: Sequence[str], value: str, change: Any) -> Any:
+    """A choice of one among several."""
+    with testid(nicegui().element("div").classes("w-full"), name):
+        return nicegui().select(
+            list(options), value=value, label=label, on_change=lambda event: change(event.value)
+        ).props("dense options-dense").classes("w-full")  # fmt: skip
+
+
+def header(title: str, subtitle: str) -> Any:
+    """The line above a page: its name, what it shows, dark or light; returns the dark mode."""
+    ui = nicegui()
+    ui.add_head_html(HEAD)
+    ui.colors(primary="#0072b2")
+    dark = ui.dark_mode(True)
+    with ui.row().classes("w-full items-center no-wrap").style("height: 40px; padding: 0 12px"):
+        ui.label(title).style("font-weight: 700")
+        ui.label(subtitle).classes("recon-note")
+        ui.space()
+        testid(ui.button("dark / light").props("flat dense no-caps"), "theme").on_click(
+            lambda: dark.set_value(not dark.value)
+        )
+    return dark
+
+
+def pane(name: str, size: tuple[int, int], on_mouse: Any, events: Sequence[str]) -> Any:
+    """An image that is drawn by the server, with marks over it."""
+    image = nicegui().interactive_image(
+        size=size, on_mouse=on_mouse, events=list(events), sanitize=False
+    )
+    image.classes("recon-pane w-full").props("tabindex=0")
+    return testid(image, name)

@@ -1,0 +1,33 @@
+"""Options of the commands that show a page, and how its address is said."""
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from recon.cli.options import print_json
+
+SERVER: list[Any] = [
+    click.option("--host", default="127.0.0.1", show_default=True,
+                 help="Where to listen; any but this machine's own asks for a token."),
+    click.option("--port", type=click.IntRange(0, 65535), help="The first free one from 8600 on."),
+    click.option("--no-browser", is_flag=True, help="Print the address only."),
+]  # fmt: skip
+
+
+def announced(url: str, given: dict[str, Any]) -> Callable[[], None]:
+    """Prints the address of a page, and opens it where there is a browser."""
+
+    def announce() -> None:
+        from recon.app.serving import open_browser
+
+        if given["as_json"]:
+            print_json({"url": url})
+        else:
+            click.echo(url)
+        sys.stdout.flush()
+        if not given["no_browser"]:
+            open_browser(url)
+
+    return announce

@@ -1,0 +1,114 @@
+"""What solids and objects cover of the floor: outlines in x and z, counter-clockwise in (x, -z)."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+from recon.figures.partition import cells_of
+from recon.records import (
+    Box,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    FoundObject,
+    Plane,
+    Solid,
+    Sphere,
+    TruncatedCone,
+    Voxels,
+)
+
+Array = NDArray[np.float64]
+
+AROUND = 48
+"""Corners of a circle."""
+
+
+def of_object(found: FoundObject, voxels: Voxels) -> Array:
+    """Outline (N, 2) in x, z: round the solids, else the least rectangle round the cells."""
+    outlines = [of_solid(part.solid) for part in found.parts]
+    corners = [outline for outline in outlines if len(outline)]
+    if corners:
+        return _hull(np.vstack(corners))
+    cells = cells_of(voxels, found)
+    if len(cells) < 3:
+        return rectangle(found.centre[[0, 2]], np.eye(2), found.size[[0, 2]])
+    return least_rectangle(cells.means[:, [0, 2]])
+
+
+def of_solid(solid: Solid) -> Array:
+    """Outline (N, 2) in x, z of a solid seen from above; (0, 2) of a plane, which has none."""
+    return _hull(_corners(solid)[:, [0, 2]])
+
+
+def rectangle(centre: Array, axes: Array, sizes: Array) -> Array:
+    """Corners (4, 2) of a rectangle with `sizes` (2,) along the rows of `axes` (2, 2)."""
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2.0
+    return _hull(centre + (signs * sizes) @ axes)
+
+
+def least_rectangle(points: Array) -> Array:
+    """Corners (4, 2) of the least rectangle round points (N, 2), along a side of their hull."""
+    hull = _hull(points)
+    sides = np.roll(hull, -1, axis=0) - hull
+    best, least = rectangle(points.mean(axis=0), np.eye(2), np.ptp(points, axis=0)), np.inf
+    for side in sides[np.linalg.norm(sides, axis=1) > 0]:
+        along = side / np.linalg.norm(side)
+        axes = np.array([along, [-along[1], along[0]]])
+        turned = hull @ axes.T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        if np.prod(high - low) < least:
+            least = float(np.prod(high - low))
+            best = rectangle((low + high) / 2.0 @ axes, axes, high - low)
+    return best
+
+
+def _corners(solid: Solid) -> Array:
+    """Points (N, 3) whose hull, seen from above, is the solid's."""
+    match solid:
+        case Sphere():
+            return solid.centre + solid.radius * _circle(np.array([0.0, 1.0, 0.0]))
+        case Ellipsoid():
+            # The rim seen from above: where the normal is level.
+            scaled = solid.axes.T * solid.radii
+            upright = scaled[1] / np.linalg.norm(scaled[1])
+            return solid.centre + _circle(upright) @ scaled.T
+        case Cylinder():
+            return _ends(solid.point, solid.axis, solid.height, (solid.radius, solid.radius))
+        case Cone():
+            wide = float(solid.height * np.tan(solid.half_angle_rad))
+            return _ends(solid.apex, solid.axis, solid.height, (0.0, wide))
+        case TruncatedCone():
+            radii = solid.radius_bottom, solid.radius_top
+            return _ends(solid.point, solid.axis, solid.height, radii)
+        case Box():
+            signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2.0
+            return solid.centre + (signs * solid.sizes) @ solid.axes
+        case Plane():
+            return np.empty((0, 3))
+
+
+def _circle(axis: Array) -> Array:
+    """The unit circle (AROUND, 3) across an axis."""
+    across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
+    ring: Array = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(axis, across))
+    return ring
+
+
+def _ends(point: Array, axis: Array, height: float, radii: tuple[float, float]) -> Array:
+    ring = _circle(axis)
+    return np.vstack([point + radii[0] * ring, point + height * axis + radii[1] * ring])
+
+
+def _hull(points: Array) -> Array:
+    """The corners of the convex hull of points (N, 2), as rings of maps go; (N, 2) as they are
+    where they span no area.
+    """
+    try:
+        ring = points[ConvexHull(points).vertices] if len(points) > 2 else points
+    except QhullError:
+        return points
+    # Counter-clockwise in (x, z) is clockwise in (x, -z), which maps draw.
+    return ring[::-1]

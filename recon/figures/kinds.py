@@ -1,0 +1,104 @@
+"""What a kind of figure is, and what it is drawn from."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.records import GroundGrid, Reconstruction
+
+if TYPE_CHECKING:
+    from recon.figures.canvas import Sheet
+
+Arrays = Mapping[str, NDArray[Any]]
+"""What a figure shows, by name: what its `.npz` holds."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Subject:
+    """What is drawn: a run with a map, or the arrays that a run kept for one figure, or both."""
+
+    run: Reconstruction[Any] | None = None
+    kept: Arrays | None = None
+    """Left by the run for this figure, as its map does not tell them."""
+    unit: str = "world units"
+    """Of lengths."""
+    is_recorded: bool = False
+    """Whether the run saw the real world; by default it is then seen from behind the camera."""
+    asked_view: str = "default"
+
+    @property
+    def mapped(self) -> Reconstruction[Any]:
+        """The run's map and what belongs to it.
+
+        Raises
+        ------
+        InputError
+            Where the run left none.
+        """
+        if self.run is None:
+            raise InputError("the run holds no map.npz, but this kind of figure shows the map")
+        return self.run
+
+    @property
+    def arrays(self) -> Arrays:
+        """What the run kept for this figure.
+
+        Raises
+        ------
+        InputError
+            Where it kept nothing.
+        """
+        if self.kept is None:
+            raise InputError("the run kept no arrays for this kind of figure")
+        return self.kept
+
+    @property
+    def view(self) -> str:
+        """Where a figure in space is seen from."""
+        is_seen = self.is_recorded and self.run is not None and len(self.run.trajectory) > 0
+        return "ego" if self.asked_view == "default" and is_seen else self.asked_view
+
+    @property
+    def first(self) -> NDArray[np.float64] | None:
+        """(4, 4) pose of the first camera."""
+        poses: NDArray[np.float64] = self.mapped.trajectory.T_world_left
+        return poses[0] if len(poses) else None
+
+    @property
+    def states(self) -> GroundGrid | None:
+        """Free, occupied and unknown floor cells; None of a map that keeps no rays."""
+        from recon.voxelmap.ground import navigation
+
+        voxel_map = self.mapped.map
+        if "rays" not in getattr(voxel_map, "channels", ()):
+            return None
+        return navigation(self.mapped.voxels, voxel_map.sightings())
+
+
+def _drawable(subject: Subject) -> str | None:
+    return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """One kind of figure.
+
+    A plug-in of the group `recon.figures` is one of these.
+    """
+
+    draw: Callable[[Subject, "Sheet"], Any]
+    """Draws a subject on a sheet; returns the matplotlib Figure."""
+    data: Callable[[Subject], Arrays]
+    """The arrays that are drawn, by name."""
+    size: tuple[int, int] = (1200, 900)
+    """Pixels where nobody says."""
+    has_view: bool = False
+    """Whether it is seen from somewhere."""
+    is_kept: bool = False
+    """Whether it is drawn from arrays that the run kept, not from its map."""
+    lack: Callable[[Subject], str | None] = _drawable
+    """What a run with a map lacks for it; None where it can be drawn."""

@@ -1,0 +1,74 @@
+"""Scales of colour that people with any colour vision can read, and their ends."""
+
+import functools
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.floating]
+
+COUNT = "cividis"
+SIGMA = "cividis"
+ERROR = "plasma"
+ORDER = "plasma"
+# Their lightness rises from end to end, so that it alone tells values apart; a test holds it.
+
+STRAY_PERCENT = 0.5
+"""Of the values, at either end, that may lie beyond a scale: false matches are rare but far out."""
+DARKEST_SHARE = 0.22
+"""Of viridis, left out where it would vanish in a dimmed image."""
+
+
+@functools.cache
+def disparity() -> Any:
+    """The scale of disparities, all of it visible on a dimmed image."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colormaps["viridis"](np.linspace(DARKEST_SHARE, 1.0, 256)))
+
+
+def ends(values: Array) -> tuple[float, float]:
+    """Smallest and largest value of a scale; strays lie beyond, and (0, 1) where there is none."""
+    known = np.asarray(values)[np.isfinite(values)]
+    if not len(known):
+        return 0.0, 1.0
+    low, high = np.percentile(known, (STRAY_PERCENT, 100.0 - STRAY_PERCENT))
+    return (float(low), float(high)) if high > low else (float(low), float(low) + 1.0)
+
+
+def coloured(values: Array, cmap: Any, *, is_log: bool = False) -> Any:
+    """The scale of values as matplotlib's mappable, for `to_rgba` and colour bars."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm, Normalize
+
+    low, high = ends(values)
+    norm = LogNorm(max(low, 1e-300), max(high, 1e-299)) if is_log else Normalize(low, high)
+    scale = ScalarMappable(norm=norm, cmap=cmap)
+    scale.set_array(np.asarray(values))
+    return scale
+
+
+def rgb(scale: Any, values: Array) -> NDArray[np.uint8]:
+    """Colours (K, 3) of values (K,)."""
+    colours: NDArray[np.uint8] = scale.to_rgba(np.asarray(values), bytes=True)[..., :3]
+    return colours
+
+
+def beyond(values: Array, low: float, high: float) -> str:
+    """Ends of a colour bar that need an arrow: values lie beyond them."""
+    known = np.asarray(values)[np.isfinite(values)]
+    under, over = bool((known < low).any()), bool((known > high).any())
+    if under and over:
+        return "both"
+    return "min" if under else "max" if over else "neither"
+
+
+def plain_numbers(bar: Any) -> None:
+    """Number a logarithmic colour bar as people count: 1, 2, 5, 10, ..."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    bar.ax.yaxis.set_minor_locator(NullLocator())

@@ -1,0 +1,98 @@
+"""What stands in a figure in space: cells, solids and the grid under them, as pyvista's Plotter."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.figures.canvas import FAINT, Image, Size
+from recon.figures.partition import part_colour
+from recon.figures.solids import mesh as solid_mesh
+from recon.figures.viewpoint import Box, Viewpoint
+from recon.libraries import load_pyvista
+from recon.records import FoundObject, Voxels
+from recon.voxelmap.faces import exposed_faces
+
+STRAY = 0.005
+"""Share of the cells, on each side, that may lie outside the image."""
+STRAY_REACH = 1.3
+"""Strays are shown as well where they make the box no longer than so many times."""
+
+
+class Scene:
+    """A pyvista Plotter that is filled piece by piece; `plotter` is what notebooks show."""
+
+    def __init__(self, size: Size) -> None:
+        self.plotter = load_pyvista().Plotter(off_screen=True, window_size=list(size))
+        self.plotter.set_background("white")
+
+    def add_cells(self, voxels: Voxels, opacity: float = 1.0) -> None:
+        """The exposed faces of cells in their colours."""
+        faces = exposed_faces(voxels)
+        quads = np.arange(4 * len(faces.vertices)).reshape(-1, 4)
+        cells = np.column_stack([np.full(len(quads), 4), quads]).ravel()
+        mesh = load_pyvista().PolyData(faces.vertices.reshape(-1, 3), faces=cells)
+        mesh.cell_data["colour"] = faces.colours
+        self.plotter.add_mesh(
+            mesh, scalars="colour", rgb=True, ambient=0.45, diffuse=0.6, specular=0.0,
+            show_edges=False, opacity=opacity,
+        )  # fmt: skip
+
+    def add_means(self, voxels: Voxels, pixels: float) -> None:
+        """A dot at the mean of every cell's points."""
+        cloud = load_pyvista().PolyData(voxels.means)
+        cloud["colour"] = voxels.colours
+        self.plotter.add_mesh(
+            cloud, scalars="colour", rgb=True, point_size=pixels, lighting=False,
+            render_points_as_spheres=False,
+        )  # fmt: skip
+
+    def add_solids(self, objects: Sequence[FoundObject], voxels: Voxels) -> None:
+        """The closed solids of objects in the colours of their cells."""
+        for found in objects:
+            for number, part in enumerate(found.parts):
+                self.plotter.add_mesh(
+                    solid_mesh(part.solid), color=part_colour(voxels, found, number),
+                    ambient=0.4, diffuse=0.65, specular=0.0, smooth_shading=False,
+                )  # fmt: skip
+
+    def add_lines(self, lines: NDArray[np.float64], width: float = 1.0) -> None:
+        """Straight lines (L, 2, 3) in a quiet colour."""
+        self.plotter.add_mesh(
+            load_pyvista().line_segments_from_points(lines.reshape(-1, 3)), color=FAINT,
+            line_width=width, lighting=False,
+        )  # fmt: skip
+
+    def image(self, view: Viewpoint, *, is_clear: bool = False) -> Image:
+        """The pixels (H, W, 3), or (H, W, 4) over nothing, seen from a viewpoint; closes it."""
+        aim(self.plotter, view)
+        try:
+            self.plotter.render()
+            shot: Any = self.plotter.screenshot(return_img=True, transparent_background=is_clear)
+            return np.asarray(shot, dtype=np.uint8)
+        finally:
+            self.plotter.close()
+
+
+def aim(plotter: Any, view: Viewpoint) -> None:
+    """Put a plotter's camera where a viewpoint is."""
+    T = view.T_world_cam
+    camera = plotter.camera
+    camera.position = tuple(T[:3, 3])
+    camera.focal_point = tuple(T[:3, 3] + T[:3, 2])
+    camera.up = tuple(-T[:3, 1])
+    camera.view_angle = view.angle_deg
+    if view.half_height is not None:
+        camera.parallel_projection = True
+        camera.parallel_scale = view.half_height
+    plotter.renderer.reset_camera_clipping_range()
+
+
+def box_of(voxels: Voxels) -> Box:
+    """The box of the cells; stray ones far out must not make the rest small."""
+    low, high = np.quantile(voxels.centres, (STRAY, 1.0 - STRAY), axis=0)
+    ends = voxels.centres.min(axis=0), voxels.centres.max(axis=0)
+    is_near = ends[1] - ends[0] < STRAY_REACH * (high - low) + 2.0 * voxels.cell_size
+    low, high = np.where(is_near, ends[0], low), np.where(is_near, ends[1], high)
+    return low - voxels.cell_size, high + voxels.cell_size

@@ -1,0 +1,42 @@
+"""Figures of runs without a map are drawn again from what the run kept."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.cli import main
+
+PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("again") / "pair"
+    argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png"), "--max-disparity", "70"]
+    assert main([*argv, "-o", str(folder), "-q"]) == 0
+    return folder
+
+
+def test_a_pairs_figures_are_drawn_again(run, capsys):
+    before = (run / "figures" / "disparity.png").read_bytes()
+    (run / "figures" / "disparity.png").unlink()
+    assert main(["figure", str(run), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["figures"] == [
+        str(run / "figures" / "disparity.png")
+    ]
+    assert (run / "figures" / "disparity.png").read_bytes() == before
+
+
+def test_what_a_run_does_not_tell_is_one_line(run, capsys):
+    for kind, said in (("map3d", "no map.npz"), ("errors", "kept nothing"), ("overview", "kept")):
+        assert main(["figure", str(run), "--kind", kind]) == 2
+        assert said in capsys.readouterr().err
+
+
+def test_arrays_that_lack_something_are_one_line(run, capsys):
+    np.savez(run / "figures" / "other_errors.npz", kind=np.array("errors"), left=np.zeros((4, 5)))
+    assert main(["figure", str(run), "--kind", "errors"]) == 2
+    assert "points_px" in capsys.readouterr().err
+    (run / "figures" / "other_errors.npz").unlink()
