@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.app.layers import Layer, layer_of
+from recon.app.layers import Data, Layer, layer_of
 from recon.errors import InputError
-from recon.exports.formats import read
+from recon.exports.formats import holds_mesh, read, read_mesh
 from recon.exports.ply import read_cloud_chunks
 from recon.figures.partition import cells_of_mask
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
@@ -54,10 +54,15 @@ def open_exhibit(path: Path) -> Exhibit:
         return _open_run(path)
     if path.is_dir() and path.suffix != ".zarr":
         raise InputError(f"{path} is not a run folder: it has no {MANIFEST}")
+    return Exhibit(path=path, layers={path.name: layer_of(_read(path))})
+
+
+def _read(path: Path) -> Data:
+    """Triangles where a file holds some; else its cells or points."""
+    if holds_mesh(path):
+        return read_mesh(path)
     data = read(path)
-    if isinstance(data, VoxelMap):
-        data = data.occupied(min_count=1)
-    return Exhibit(path=path, layers={path.name: layer_of(data)})
+    return data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
 
 
 def _open_run(path: Path) -> Exhibit:
@@ -73,9 +78,7 @@ def _open_run(path: Path) -> Exhibit:
         layers["cloud"] = _run_cloud(path / "cloud.ply")
     for name, file in CLOUDS.items():
         if (path / file).exists():
-            data = read(path / file)
-            assert not isinstance(data, VoxelMap)
-            layers[name] = layer_of(data)
+            layers[name] = layer_of(_read(path / file))
     unit = "m" if manifest["command"] == "reconstruct" else "world units"
     return Exhibit(
         path=path, layers=layers, objects=objects, trajectory=trajectory, is_run=True, unit=unit

@@ -8,7 +8,7 @@ from pathlib import Path
 from recon.app.layers import Data
 from recon.exports.formats import FORMATS, write
 
-ENDINGS = tuple(FORMATS)
+ENDINGS = tuple(FORMATS.names())
 
 
 def packed(data: Data, stem: str, ending: str) -> tuple[str, bytes]:
@@ -21,8 +21,7 @@ def packed(data: Data, stem: str, ending: str) -> tuple[str, bytes]:
     """
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"{stem}{ending}"
-        # A mesh is refused by formats for cells and points, in their words.
-        write(data, target)  # type: ignore[arg-type]
+        write(data, target)
         files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
         if files == [target]:
             return target.name, target.read_bytes()

@@ -26,7 +26,9 @@ def disparity(
     return sheet.figure
 
 
-def dense(left: NDArray[np.uint8], disparity_px: NDArray[np.floating], *, sheet: Sheet | None = None) -> Any:
+def dense(
+    left: NDArray[np.uint8], disparity_px: NDArray[np.floating], *, sheet: Sheet | None = None
+) -> Any:
     """Every pixel (H, W) in the colour of its disparity; the left image where it is unknown."""
     sheet = sheet or Sheet.of(SIZE)
     known = np.isfinite(disparity_px)
