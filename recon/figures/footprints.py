@@ -25,11 +25,14 @@ AROUND = 48
 
 
 def of_object(found: FoundObject, voxels: Voxels) -> Array:
-    """Outline (N, 2) in x, z: round the solids, else the least rectangle round the cells."""
+    """Outline (N, 2) in x, z: round the solids, else the box, else the cells."""
     outlines = [of_solid(part.solid) for part in found.parts]
     corners = [outline for outline in outlines if len(outline)]
     if corners:
         return _hull(np.vstack(corners))
+    if found.box is not None:
+        box = found.box
+        return of_solid(Box(centre=box.centre, axes=box.axes, sizes=box.sizes))
     cells = cells_of(voxels, found)
     if len(cells) < 3:
         return rectangle(found.centre[[0, 2]], np.eye(2), found.size[[0, 2]])

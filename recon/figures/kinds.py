@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.records import GroundGrid, Reconstruction
+from recon.records import GroundGrid, Mesh, Reconstruction
 
 if TYPE_CHECKING:
     from recon.figures.canvas import Sheet
@@ -24,6 +24,9 @@ class Subject:
     run: Reconstruction[Any] | None = None
     kept: Arrays | None = None
     """Left by the run for this figure, as its map does not tell them."""
+    mesh: Mesh | None = None
+    cameras: NDArray[np.float64] | None = None
+    """(N, 3) where the cameras stood that saw the mesh."""
     unit: str = "world units"
     """Of lengths."""
     is_recorded: bool = False
@@ -100,5 +103,7 @@ class Kind:
     """Whether it is seen from somewhere."""
     is_kept: bool = False
     """Whether it is drawn from arrays that the run kept, not from its map."""
+    needs_mesh: bool = False
+    """Whether it shows the run's mesh."""
     lack: Callable[[Subject], str | None] = _drawable
     """What a run with a map lacks for it; None where it can be drawn."""

@@ -92,7 +92,7 @@ def map3d(
     """
     standpoint = standpoint or Standpoint()
     sheet = sheet or Sheet.of(SIZE)
-    axes = _axes(
+    axes = space_axes(
         sheet, heading(voxels, standpoint.unit) if title is None else title, with_bar=False
     )
     if not len(voxels):
@@ -123,7 +123,7 @@ def valued(
     """The occupied cells in the colours of a number each (K,), with its scale beside."""
     standpoint = standpoint or Standpoint()
     sheet = sheet or Sheet.of(SIZE)
-    axes = _axes(sheet, f"Map: {label}", with_bar=True)
+    axes = space_axes(sheet, f"Map: {label}", with_bar=True)
     if not len(voxels):
         return sheet.figure
     scale = scales.coloured(values, scales.COUNT, is_log=is_log)
@@ -150,7 +150,7 @@ def whole_box(voxels: Voxels, objects: Sequence[FoundObject]) -> Box:
     return low, high
 
 
-def _axes(sheet: Sheet, title: str, *, with_bar: bool) -> Any:
+def space_axes(sheet: Sheet, title: str, *, with_bar: bool) -> Any:
     """Axes that leave room for a title above and, where wanted, a scale to the right."""
     width, height = sheet.size
     sheet.place_by_hand()

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures import map3d, occupancy, parts, slices, trajectory
+from recon.errors import InputError
+from recon.figures import map3d, mesh, occupancy, parts, slices, trajectory
 from recon.figures.canvas import Sheet
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.map3d import Standpoint
@@ -109,6 +110,22 @@ def draw_labels(subject: Subject, sheet: Sheet, *, with_legend: bool = True) -> 
     )  # fmt: skip
 
 
+def _mesh(subject: Subject, sheet: Sheet) -> Any:
+    if subject.mesh is None:
+        raise InputError("the run holds no mesh.ply, but this kind of figure shows it")
+    cameras = np.empty((0, 3)) if subject.cameras is None else subject.cameras
+    return mesh.mesh(subject.mesh, cameras, sheet=sheet)
+
+
+def _mesh_arrays(subject: Subject) -> Arrays:
+    assert subject.mesh is not None
+    vertices, triangles = subject.mesh.vertices, subject.mesh.triangles
+    arrays: dict[str, NDArray[Any]] = {"vertices": vertices, "triangles": triangles}
+    colours = subject.mesh.colours
+    return arrays if colours is None else {**arrays, "colours": colours}
+
+
+MESH = Kind(draw=_mesh, data=_mesh_arrays, size=mesh.SIZE, needs_mesh=True)
 MAP3D = Kind(draw=_map3d, data=_objects, size=map3d.SIZE, has_view=True)
 SOLIDS = Kind(draw=_solids, data=_objects, size=map3d.SIZE, has_view=True)
 COUNTS = Kind(draw=_counts, data=_cells, size=map3d.SIZE, has_view=True)

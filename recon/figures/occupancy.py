@@ -175,4 +175,6 @@ def _write_names(
 
 
 def _name(found: FoundObject) -> str:
+    if found.probability is None:
+        return found.label
     return f"{found.label} {found.probability:.0%}"

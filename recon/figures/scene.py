@@ -11,9 +11,11 @@ from recon.figures.partition import part_colour
 from recon.figures.solids import mesh as solid_mesh
 from recon.figures.viewpoint import Box, Viewpoint
 from recon.libraries import load_pyvista
-from recon.records import FoundObject, Voxels
+from recon.records import FoundObject, Mesh, Voxels
 from recon.voxelmap.faces import exposed_faces
 
+BARE = "#cfcabd"
+"""Of a surface without colours."""
 STRAY = 0.005
 """Share of the cells, on each side, that may lie outside the image."""
 STRAY_REACH = 1.3
@@ -56,6 +58,15 @@ class Scene:
                     solid_mesh(part.solid), color=part_colour(voxels, found, number),
                     ambient=0.4, diffuse=0.65, specular=0.0, smooth_shading=False,
                 )  # fmt: skip
+
+    def add_surface(self, surface: Mesh, *, is_bare: bool = False) -> None:
+        """Triangles in their colours, or in one where they are bare or have none."""
+        faces = np.column_stack([np.full(len(surface), 3), surface.triangles]).ravel()
+        shape = load_pyvista().PolyData(surface.vertices, faces=faces)
+        look: dict[str, Any] = {"color": BARE, "ambient": 0.35}
+        if surface.colours is not None and not is_bare:
+            look = {"scalars": surface.colours, "rgb": True, "ambient": 0.7}
+        self.plotter.add_mesh(shape, diffuse=0.6, specular=0.0, **look)
 
     def add_lines(self, lines: NDArray[np.float64], width: float = 1.0) -> None:
         """Straight lines (L, 2, 3) in a quiet colour."""

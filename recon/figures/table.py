@@ -21,6 +21,7 @@ KINDS: "Registry[Kind]" = Registry(
         "occupancy": f"{_MAPPED}:OCCUPANCY",
         "labels": f"{_MAPPED}:LABELS",
         "trajectory": f"{_MAPPED}:TRAJECTORY",
+        "mesh": f"{_MAPPED}:MESH",
         "overview": f"{_KEPT}:OVERVIEW",
         "disparity": f"{_KEPT}:DISPARITY",
         "dense": f"{_KEPT}:DENSE",

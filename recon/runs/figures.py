@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.exports.formats import read_mesh
 from recon.figures.canvas import Sheet, Size, Style, save
 from recon.figures.kept import kept_pair
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.table import KINDS
 from recon.files import atomic_path
 from recon.mapping.mapper import Step
-from recon.records import Reconstruction
+from recon.records import Mesh, Reconstruction
 from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
 from recon.runs.reading import read_reconstruction
@@ -60,6 +62,12 @@ def leave_figure(run_path: Path, kind: str, arrays: Arrays, name: str | None = N
     _write(run_path, name, KINDS.load(kind), Subject(kept=arrays), Wish())
 
 
+def leave_mesh_figure(run_path: Path, surface: Mesh, cameras: NDArray[np.float64]) -> None:
+    """Draw a run's mesh, seen from its cameras (N, 3)."""
+    subject = Subject(mesh=surface, cameras=cameras)
+    _write(run_path, "mesh", KINDS.load("mesh"), subject, Wish())
+
+
 def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
     """Draw one kind of figure of a run, or all that it tells, into its folder.
 
@@ -93,10 +101,20 @@ def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tup
     """What of a run figures of one kind are drawn from, by the name of the file."""
     if kind.is_kept:
         found = list(_kept_subjects(run_path, name, wish))
-        if wish.kind and not found:
-            raise InputError(f"{run_path} kept nothing that {name} could be drawn from")
-        yield from found
-        return
+        lack = f"kept nothing that {name} could be drawn from"
+    elif kind.needs_mesh:
+        found = [(name, _with_mesh(run_path))] if (run_path / "mesh.ply").exists() else []
+        lack = f"holds no mesh.ply, which {name} shows"
+    else:
+        return (yield from _mapped_subjects(run_path, name, kind, wish))
+    if wish.kind and not found:
+        raise InputError(f"{run_path} {lack}")
+    yield from found
+
+
+def _mapped_subjects(
+    run_path: Path, name: str, kind: Kind, wish: Wish
+) -> Iterator[tuple[str, Subject]]:
     if wish.kind is None and not (run_path / "map.npz").exists():
         return
     subject = _subject(run_path, _read(run_path), wish.view)
@@ -105,6 +123,12 @@ def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tup
         yield name, subject
     elif wish.kind:
         raise InputError(f"{run_path}: {lack}")
+
+
+def _with_mesh(run_path: Path) -> Subject:
+    has_map = (run_path / "map.npz").exists()
+    cameras = _read(run_path).trajectory.positions if has_map else None
+    return Subject(mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
 
 
 def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str, Subject]]:

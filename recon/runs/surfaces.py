@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from recon.exports.formats import write
-from recon.figures.mesh import mesh as draw_mesh
 from recon.records import StereoPair
-from recon.runs.figures import write_figures
+from recon.runs.figures import leave_mesh_figure
 from recon.runs.work import Work
 from recon.sequences.depth_images import write_depth
 from recon.settings import Settings
@@ -51,7 +50,7 @@ class SurfaceWork:
                 write(surface.mesh, folder / "mesh.ply")
         if surface.mesh is not None:
             with self.work.stage("figures"):
-                write_figures(folder, {"mesh": draw_mesh(surface.mesh, np.array(self._places))})
+                leave_mesh_figure(folder, surface.mesh, np.array(self._places))
         return surface.metrics
 
 

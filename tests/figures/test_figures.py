@@ -9,11 +9,12 @@ from recon.figures.confusion import confusion_matrix
 from recon.figures.disparity import dense, disparity
 from recon.figures.map3d import Standpoint, map3d, valued
 from recon.figures.matching import Drawn, error_map
+from recon.figures.mesh import mesh
 from recon.figures.mixture import mixture
 from recon.figures.occupancy import labels, occupancy
 from recon.figures.overview import overview
 from recon.figures.trajectory import trajectory
-from recon.records import Voxels
+from recon.records import Mesh, Voxels
 
 
 def small(width=400, height=320, **style):
@@ -182,3 +183,15 @@ def test_a_model_is_drawn_beside_what_was_measured():
     assert (image != shifted).any(axis=2).mean() > 0.01
     empty = mixture(phases, [[wide]], [np.zeros(0)], ["nothing"])
     assert pixels(empty).shape == (420, 1300, 3)
+
+
+def test_a_mesh_is_seen_from_its_cameras():
+    vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
+    colours = np.array([[200, 20, 20], [20, 20, 200], [20, 20, 200], [200, 20, 20]], np.uint8)
+    surface = Mesh(
+        vertices=vertices, triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32), colours=colours
+    )
+    for side, sign in ((5.0, 1), (-5.0, -1)):
+        image = pixels(mesh(surface, np.array([[0.0, 0.0, side]]), sheet=small(600, 300)))
+        red, blue = (columns_of(image[:, :300], channel).mean() for channel in (0, 2))
+        assert sign * (blue - red) > 30
