@@ -82,10 +82,13 @@ class Registry(Generic[Part]):
         self.check(name)
         return self._part(name, self._entries())
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._own or name in self._entries()
+
     def check(self, name: str) -> None:
         """Raise `InputError` for a name that is not there, with the nearest one."""
-        entries = self._entries()
-        if name not in entries:
+        if name not in self:
+            entries = self._entries()
             known = ", ".join(sorted(entries))
             near = difflib.get_close_matches(name, entries, n=1, cutoff=0.0)
             nearest = f" (nearest: {near[0]})" if near else ""

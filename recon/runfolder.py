@@ -14,6 +14,7 @@ from typing import Any, Self
 
 from recon.errors import InputError
 from recon.files import atomic_path, remove_temporaries
+from recon.files.documents import read_json
 from recon.locks import locked
 
 MANIFEST = "manifest.json"
@@ -213,8 +214,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
         Where `path` is not a run folder.
     """
     try:
-        document = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        document = read_json(path / MANIFEST)
+    except (OSError, InputError) as error:
         raise InputError(f"{path} is not a run folder: its {MANIFEST} cannot be read") from error
     if not isinstance(document, dict) or not document.keys() >= KEYS:
         raise InputError(f"{path} is not a run folder: its {MANIFEST} is not one of recon's")

@@ -50,7 +50,7 @@ def format_of(path: PathLike) -> Format:
         For an ending that none has.
     """
     ending = Path(path).suffix.lower()
-    if ending not in FORMATS.names():
+    if ending not in FORMATS:
         known = " ".join(FORMATS.names())
         raise InputError(f"{path}: the ending {ending!r} is unknown; known are {known}")
     return FORMATS.load(ending)

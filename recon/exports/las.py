@@ -10,9 +10,8 @@ from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
 from recon.exports.lasheader import check_header
 from recon.exports.numbers import drop_columns, held_columns
-from recon.exports.silence import silent
 from recon.files import atomic_path
-from recon.libraries import load_extra
+from recon.libraries import load_extra, silent
 from recon.records import Crs
 
 # LAS keeps places as whole steps in 32 bits: as fine as the extent allows, by powers of ten.

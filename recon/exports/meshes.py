@@ -1,6 +1,7 @@
 """Triangles as STL, OFF and GLB, and written as OBJ, by trimesh."""
 
 import io
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -53,6 +54,8 @@ def read(path: Path) -> PointCloud:
 def _parts(path: Path) -> list[Any]:
     """The geometries of a file, each moved to its place."""
     trimesh = load_extra("trimesh", "mesh")
+    # It logs what goes wrong, with tracebacks, before it raises.
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     content = path.read_bytes()
     check_memory(path, _COPIES * len(content))
     ending = path.suffix.lower().removeprefix(".")

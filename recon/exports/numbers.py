@@ -1,6 +1,7 @@
 """Numbers out of text, and numbers brought into the types that a format has."""
 
 import re
+import warnings
 from collections.abc import Collection, Sequence
 from typing import Any
 
@@ -29,8 +30,10 @@ def parsed(
     if not lines:
         return np.zeros((0, num_columns or 0))
     try:
-        table = np.loadtxt(lines, np.float64, delimiter=separator, ndmin=2, comments=None)
-    except ValueError:
+        # It only warns where there is nothing.
+        with warnings.catch_warnings(action="error"):
+            table = np.loadtxt(lines, np.float64, delimiter=separator, ndmin=2, comments=None)
+    except (ValueError, UserWarning):
         table = _parsed_slowly(lines, separator)
     if num_columns is not None and table.shape[1] != num_columns:
         raise InputError(f"a row has {table.shape[1]} values, but {num_columns} are needed")

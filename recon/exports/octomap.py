@@ -11,7 +11,7 @@ from recon.exports.format import Format
 from recon.exports.octomapfile import Header, check_whole
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned_index
 from recon.files import atomic_path, check_memory
-from recon.libraries import load_extra
+from recon.libraries import load_extra, silent
 from recon.records import Voxels
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.rays import log_odds
@@ -43,7 +43,7 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     if isinstance(data, VoxelMap) and "rays" in data.channels:
         sightings = data.sightings()
         index, values = sightings.index, log_odds(sightings.hits, sightings.passes)
-    has_colour = path.suffix == ".ot"
+    has_colour = path.suffix.lower() == ".ot"
     tree = (octomap.ColorOcTree if has_colour else octomap.OcTree)(voxels.cell_size)
     for place, value in zip(_centres(index, voxels), values.clip(_LOWEST, _HIGHEST), strict=True):
         tree.updateNode(place, float(value), lazy_eval=True)
@@ -102,10 +102,14 @@ def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[flo
     """Middle, side and colour of each: x, y, z, side, red, green, blue."""
     has_colour = header.kind == "ColorOcTree"
     tree = (octomap.ColorOcTree if has_colour else octomap.OcTree)(header.cell_size)
-    if path.suffix == ".bt":
-        tree.readBinary(str(path))
-    else:
-        tree = tree.read(str(path))
+    with silent():
+        if path.suffix.lower() == ".bt":
+            is_read = bool(tree.readBinary(str(path)))
+        else:
+            tree = tree.read(str(path))
+            is_read = tree is not None
+    if not is_read:
+        raise InputError("not a whole OctoMap file (OctoMap cannot read it)")
     return [
         (
             *leaf.getCoordinate(),

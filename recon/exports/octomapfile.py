@@ -42,7 +42,7 @@ def check_whole(path: Path) -> Header:
     content = path.read_bytes()
     try:
         header, start = _header(content[:_MAX_HEADER_BYTES])
-        inner, found = _children(content[start:], header.kind, path.suffix == ".bt")
+        inner, found = _children(content[start:], header.kind, path.suffix.lower() == ".bt")
     except (ValueError, KeyError, IndexError) as error:
         raise InputError(f"{path}: not a whole OctoMap file ({error})") from error
     # Nodes still to come after each node: none only after the last.

@@ -96,7 +96,7 @@ def read_header(file: BinaryIO, path: PathLike) -> Header:
     """
     try:
         found = _parsed(_header_lines(file))
-    except (ValueError, KeyError, IndexError) as error:
+    except (ValueError, KeyError, IndexError, StopIteration) as error:
         raise InputError(f"{path}: not a PLY file of vertices ({error})") from error
     return found
 
@@ -116,7 +116,7 @@ def _header_lines(file: BinaryIO) -> list[list[str]]:
 
 
 def _parsed(lines: Sequence[list[str]]) -> Header:
-    form = next(words[1] for words in lines if words[:1] == ["format"])
+    form = next((words[1] for words in lines if words[:1] == ["format"]), "none")
     starts = [row for row, words in enumerate(lines) if words[:1] == ["element"]]
     ends = [*starts[1:], len(lines)]
     elements = tuple(
@@ -136,6 +136,9 @@ def _element(lines: Sequence[list[str]], order: str) -> Element:
     properties = tuple(_property(words, order) for words in rest if words[:1] == ["property"])
     if not properties and int(count):
         raise ValueError(f"its {name} has no properties")
+    names = [one.name for one in properties]
+    if len(set(names)) < len(names):
+        raise ValueError(f"two properties of its {name} have one name")
     return Element(name=name, count=int(count), properties=properties)
 
 

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from recon.errors import InputError, ReconError
 from recon.exports import vtk
 from recon.exports.format import Format
-from recon.exports.silence import silent
 from recon.exports.vtk import read_dataset
 from recon.files import atomic_path
-from recon.libraries import load_pyvista
+from recon.libraries import load_pyvista, silent
 from recon.records import PointCloud, Voxels
 from recon.voxelmap.table import order_of
 

@@ -11,9 +11,8 @@ from recon.errors import InputError
 from recon.exports.arrays import columns_in
 from recon.exports.columns import RGB, Columns, from_columns
 from recon.exports.format import Format, table
-from recon.exports.silence import silent
 from recon.files import check_memory
-from recon.libraries import load_pyvista
+from recon.libraries import load_pyvista, silent
 from recon.records import PointCloud, Voxels
 
 _COPIES = 10.0
@@ -41,7 +40,9 @@ def read(path: Path) -> Columns:
     has_cells = not mesh.point_data.keys() and bool(mesh.cell_data.keys())
     points = mesh.cell_centers().points if has_cells else mesh.points
     values = mesh.cell_data if has_cells else mesh.point_data
-    arrays = {_name(name, values[name]): np.asarray(values[name]) for name in values}
+    # Scalars may come without a name.
+    names = list(filter(None, values.keys()))
+    arrays = {_name(name, values[name]): np.asarray(values[name]) for name in names}
     columns = columns_in({"points": np.asarray(points)} | arrays)
     return _with_value(columns) if load_pyvista().ImageData is type(mesh) else columns
 

@@ -55,7 +55,11 @@ def read_json(path: PathLike) -> Any:
     InputError
         Where it is not JSON, or nested too deeply.
     """
-    text = read_text(path)
+    return parse_json(read_text(path), path)
+
+
+def parse_json(text: str, path: PathLike) -> Any:
+    """What a JSON text of `path` says."""
     try:
         return json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -1,11 +1,11 @@
 """What a job gave, just now or as its run folder has it."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
+from recon.files import documents
 from recon.notices import Notice
 from recon.records import FoundObject
 from recon.records.objects import from_json
@@ -54,11 +54,9 @@ def read_json(path: Path) -> Any:
         Where it is not there or is not JSON.
     """
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return documents.read_json(path)
     except FileNotFoundError as error:
         raise InputError(f"{path} is missing; is {path.parent} a finished run?") from error
-    except ValueError as error:
-        raise InputError(f"{path}: {error}, but JSON is needed") from error
 
 
 def read_report(kind: str, run_path: Path) -> Report:

@@ -5,6 +5,7 @@ import struct
 import warnings
 import zlib
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.libraries import silent
 from recon.notices import notify
 from recon.sequences.jpeg import has_all_parts, may_be_cut, probed
 from recon.sequences.text import read_bytes
@@ -154,7 +156,9 @@ def _loaded(data: bytes, name: str) -> Any:
         try:
             image = PIL.Image.open(io.BytesIO(data), formats=_FORMATS)
             _check_claim(image.size, name)
-            image.load()
+            # libtiff prints what it thinks of a damaged file.
+            with silent() if data.startswith(_TIFF_STARTS) else nullcontext():
+                image.load()
         except PIL.UnidentifiedImageError as error:
             raise InputError(f"{name} is no image that can be read") from error
         except PIL.Image.DecompressionBombError as error:

@@ -1,6 +1,7 @@
 """Poses by the names of images, as COLMAP and nerfstudio keep them."""
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -52,7 +53,7 @@ def read_colmap(path: Path, lines: Sequence[str]) -> GivenPoses:
         if len(fields) < COLMAP_COLUMNS or not all(is_finite(field) for field in fields[:9]):
             raise InputError(f"{path}, line {number}: {line[:60]!r} is no image of COLMAP")
         w, x, y, z, *step = (float(field) for field in fields[1:8])
-        if not 0.9 < np.linalg.norm([w, x, y, z]) < 1.1:
+        if not 0.9 < math.hypot(w, x, y, z) < 1.1:
             raise InputError(f"{path}, line {number}: its quaternion has not length 1")
         poses.append(invert(pose(Rotation.from_quat([x, y, z, w]).as_matrix(), step)))
         names.append(fields[9].strip())

@@ -63,7 +63,9 @@ def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTr
     whole = np.issubdtype(stored.dtype, np.integer)
     if truth_scale is None:
         truth_scale = _scale_beside(path, stored.dtype) if whole else 1.0
-    disparity = stored.astype(np.float64) / truth_scale
+    # Some NaNs of 32 bits signal when they are cast.
+    with np.errstate(invalid="ignore"):
+        disparity = stored.astype(np.float64) / truth_scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
     return DisparityTruth(disparity, _step_px(disparity, truth_scale) if whole else 0.0)
 

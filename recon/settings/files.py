@@ -11,6 +11,7 @@ import tomli_w
 from pydantic import ValidationError
 
 from recon.errors import InputError
+from recon.files import documents
 from recon.settings.settings import Settings
 from recon.settings.stage import first_fault, given
 from recon.settings.world import FOLLOWERS
@@ -38,10 +39,7 @@ def to_toml(settings: Settings) -> str:
 
 def read_toml(path: Path) -> Tree:
     """The tables of a settings file; its values are checked by `updated`."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: {error}, but a TOML file is needed") from error
+    return documents.read_toml(path)
 
 
 def parse_overrides(overrides: Iterable[str]) -> Tree:

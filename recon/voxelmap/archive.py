@@ -5,6 +5,7 @@ Any numpy reads it: `numpy.load(path)` gives the columns by name. Nothing in it 
 
 import os
 import sys
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -30,7 +31,7 @@ _COPIES = 3.0
 # What the zip and npy readers say of a file that is cut or changed.
 _BROKEN = (
     zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, OSError, RuntimeError,
-    OverflowError, SyntaxError, NotImplementedError, TypeError,
+    OverflowError, SyntaxError, NotImplementedError, TypeError, tokenize.TokenError,
 )  # fmt: skip
 
 

@@ -95,3 +95,97 @@ def test_a_tree_is_named_and_the_catalogue_is_the_users(tmp_path, capsys):
     )
     _, report = run_json(capsys, "recognise", path, "--catalogue", catalogue)
     assert report["objects"][0]["label"] == "lollipop"
+
+
+def test_a_cylinder_bears_a_quarter_of_outliers_and_says_so(tmp_path, capsys):
+    rng = np.random.default_rng(3)
+    angle, height = rng.uniform(0, 2 * np.pi, 1540), rng.uniform(0, 8, 1540)
+    rod = np.column_stack([2 * np.cos(angle), height, 2 * np.sin(angle)])
+    rod += rng.normal(0, 0.01, rod.shape)
+    blob = rng.uniform([2, 0, 2], [6, 8, 6], (460, 3))
+    write(as_cloud(np.vstack([rod, blob])), tmp_path / "rod.ply")
+    code, report = run_json(capsys, "fit", tmp_path / "rod.ply")
+    assert code == 0
+    assert report["shape"] == "cylinder"
+    assert report["parameters"]["radius"] == pytest.approx(2.0, abs=0.01)
+    assert report["explained"] == pytest.approx(0.77, abs=0.02)
+    assert 0.008 < report["rms"] < 0.012
+    assert [one["code"] for one in report["warnings"]] == ["points-unexplained"]
+
+
+def test_a_sound_fit_explains_all_and_warns_of_nothing(ball, capsys):
+    _, report = run_json(capsys, "fit", ball)
+    assert 0.98 < report["explained"] <= 1.0
+    assert report["warnings"] == []
+
+
+def test_an_empty_box_is_said(ball, tmp_path, capsys):
+    code, report = run_json(
+        capsys, "export", ball, tmp_path / "none.ply", "--box", "50,50,50,51,51,51"
+    )
+    assert code == 0
+    assert [one["code"] for one in report["warnings"]] == ["box-empty"]
+    assert len(read(tmp_path / "none.ply")) == 0
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "up", "turn", "codes"),
+    [
+        ("a.las", "b.ply", [], lambda p: p[:, [0, 2, 1]] * [1, 1, -1], ["turned-to-y-up"]),
+        ("a.las", "b.ply", ["--up", "z"], lambda p: p, []),
+        ("a.las", "b.las", [], lambda p: p, []),
+        ("a.ply", "b.las", [], lambda p: p[:, [0, 2, 1]] * [1, -1, 1], []),
+        ("a.ply", "b.las", ["--up", "y"], lambda p: p, []),
+        ("a.ply", "b.ply", ["--up", "z"], lambda p: p[:, [0, 2, 1]] * [1, -1, 1], []),
+    ],
+)
+def test_the_axis_that_is_up_is_chosen(tmp_path, capsys, source, target, up, turn, codes):
+    points = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+    # The files hold the points as they are, whatever is up.
+    write(PointCloud(points=points), tmp_path / source, up="y" if source == "a.ply" else None)
+    if source == "a.las":
+        write(PointCloud(points=points), tmp_path / source, up="y")
+    box = ["--box", "0,0,0,3,3,4"]
+    code, report = run_json(capsys, "export", tmp_path / source, tmp_path / target, *up, *box)
+    assert code == 0
+    assert [one["code"] for one in report["warnings"]] == codes
+    assert np.allclose(in_file(tmp_path / target), turn(points)[:1])
+
+
+def in_file(path):
+    """Places as the file has them."""
+    if path.suffix == ".ply":
+        return read(path).points
+    laspy = pytest.importorskip("laspy")
+    return laspy.read(path).xyz
+
+
+def test_a_mesh_stays_a_mesh_and_becomes_points_where_asked(tmp_path, capsys):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    code, report = run_json(capsys, "export", tmp_path / "a.obj", tmp_path / "b.ply")
+    assert (code, report["num_triangles"]) == (0, 1)
+    code, report = run_json(capsys, "export", tmp_path / "b.ply", tmp_path / "c.pcd")
+    assert (code, report["num_points"]) == (0, 3)
+    code, report = run_json(
+        capsys, "export", tmp_path / "b.ply", tmp_path / "d.pcd", "--sample", "50"
+    )
+    assert (code, report["num_points"]) == (0, 50)
+
+
+def test_columns_are_named_by_the_user(tmp_path, capsys):
+    (tmp_path / "a.txt").write_text("1 2 3 4\n5 6 7 8\n")
+    code, _ = run_json(
+        capsys, "export", tmp_path / "a.txt", tmp_path / "b.ply", "--columns", "time,x,y,z"
+    )
+    assert code == 0
+    assert read(tmp_path / "b.ply").points.tolist() == [[2, 3, 4], [6, 7, 8]]
+    assert read(tmp_path / "b.ply").attributes["time"].tolist() == [1, 5]
+
+
+def test_memory_is_bounded_by_the_user(ball, tmp_path, capsys):
+    argv = ["export", str(ball), str(tmp_path / "b.ply"), "--max-memory"]
+    assert main([*argv, "1kB"]) == 2
+    assert "give --max-memory" in capsys.readouterr().err
+    assert main([*argv, "1GB"]) == 0
+    assert main([*argv, "much"]) == 2
+    assert main(["fit", str(ball), "-q"]) == 0

@@ -60,7 +60,7 @@ def _described(path: Path) -> Facts:
         return _BY_ENDING[ending](path)
     if ending in ENDINGS and not _is_map(path):
         return of_image(path)
-    if ending in FORMATS.names():
+    if ending in FORMATS:
         return of_points(path)
     raise InputError(f"{path}: the ending {ending!r} is not one that recon reads or writes")
 

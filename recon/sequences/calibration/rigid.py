@@ -34,7 +34,9 @@ def rigid(name: str, T: Array) -> Array:
 def made_rigid(name: str, T: Array) -> tuple[Array, float]:
     """The motion with its rotation made exact, and how far R R^T was from the identity."""
     rotation = T[:3, :3]
-    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    # Huge numbers overflow, and are then off by infinity.
+    with np.errstate(over="ignore", invalid="ignore"):
+        error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if not error <= MAX_ROTATION_ERROR or np.linalg.det(rotation) < 0:
         raise InputError(f"{name} is not a rotation and step (R R^T is off by {error:.2g})")
     if error < EXACT:

@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import i0e
 
-from recon.errors import InputError
+from recon.errors import InputError, check_finite, check_shape
 
 Array = NDArray[np.float64]
 
 _LARGEST_KAPPA = 500.0
 _TURN = 2.0 * np.pi
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -24,6 +25,16 @@ class Mixture:
     """(W,)"""
     kappas: Array
     """(W,) concentrations."""
+
+    def __post_init__(self) -> None:
+        for name in ("weights", "means_rad", "kappas"):
+            values = getattr(self, name)
+            check_shape(name, values, (len(self.weights),))
+            check_finite(name, values)
+        if (self.weights < 0).any() or self.weights.sum() > 1 + _ROUNDING:
+            raise InputError(f"weights are {self.weights}, but shares of 1 are needed")
+        if (self.kappas < 0).any():
+            raise InputError(f"kappas hold {self.kappas.min()}, but 0 or more is needed")
 
     def components(self, phases_rad: Array) -> Array:
         """(W + 1, N) weighted densities of the components, the uniform one last (Eq 24)."""

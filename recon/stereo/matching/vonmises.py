@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_shape
+from recon.files.documents import parse_json, read_text
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
 from recon.stereo.kernels.simd import Floats
@@ -48,6 +48,18 @@ class Model:
     """(S, B) of the right pairs whose c lies in the bin."""
     share_wrong: Array
     """(S, B) the same of wrong pairs."""
+
+    def __post_init__(self) -> None:
+        shape = (len(self.widths_px), len(self.mixtures[0]) if self.mixtures else 0)
+        if not all(shape) or not (np.array(self.widths_px) > 0).all():
+            raise InputError(f"widths_px are {self.widths_px}, but numbers over 0 are needed")
+        if [len(row) for row in self.mixtures] != [shape[1]] * shape[0]:
+            raise InputError(f"mixtures are not {shape[0]} rows of {shape[1]}")
+        for name in ("share_right", "share_wrong"):
+            share = getattr(self, name)
+            check_shape(name, share, shape)
+            if not ((share > 0).all() and np.isfinite(share).all()):
+                raise InputError(f"{name} holds {share.min()}, but numbers over 0 are needed")
 
     def densities(self, phases_rad: Array) -> Array:
         """(S, B, N) density of right pairs' phase differences."""
@@ -87,7 +99,7 @@ class Model:
             Where the text is no such file.
         """
         try:
-            document = json.loads(text)
+            document = parse_json(text, source)
             if document["format"] != _FORMAT:
                 raise ValueError(f"format is {document['format']!r}")
             return cls(
@@ -124,10 +136,9 @@ def load_model(path: str | None) -> Model:
     if path is None:
         return _parsed(files("recon.stereo").joinpath(_SHIPPED).read_text("utf-8"), _SHIPPED)
     try:
-        text = Path(path).read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"model {path} cannot be read ({error})") from error
-    return _parsed(text, path)
+        return _parsed(read_text(path), path)
+    except OSError as error:
+        raise InputError(f"model {path} cannot be read ({error.strerror})") from error
 
 
 @cache

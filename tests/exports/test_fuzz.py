@@ -1,0 +1,46 @@
+"""Every reader takes mutations of sound files: read, or refused in one line, never a traceback."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.fuzzing import fault, mutated, readers
+
+NUM_MUTATIONS = 100
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("sound")
+
+
+@pytest.fixture(scope="module")
+def sound(folder):
+    return readers(folder)
+
+
+def test_sound_files_are_read(sound, folder):
+    for one in sound.values():
+        path = folder / f"whole{one.name}"
+        path.write_bytes(one.content)
+        one.read(path)
+
+
+def test_mutated_files_are_read_or_refused_in_one_line(sound, folder, capfd):
+    faults = {}
+    for number, (name, one) in enumerate(sound.items()):
+        for seed in range(NUM_MUTATIONS):
+            content = mutated(one.content, np.random.default_rng([number, seed]))
+            wrong = fault(one, content, folder)
+            if wrong:
+                faults[name, seed] = wrong
+        assert capfd.readouterr() == ("", ""), name
+    assert faults == {}
+
+
+def test_the_fuzz_finds_a_fault(sound, folder):
+    weak = replace(sound[".ply"], read=lambda path: path.read_bytes().decode("ascii"))
+    rngs = [np.random.default_rng(seed) for seed in range(9)]
+    found = [fault(weak, mutated(weak.content, rng), folder) for rng in rngs]
+    assert any(wrong and wrong.startswith("UnicodeDecodeError") for wrong in found)

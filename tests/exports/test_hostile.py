@@ -1,0 +1,228 @@
+"""What a file claims is held against what it holds: one line, at once, in little memory."""
+
+import io
+import os
+import re
+import resource
+import struct
+import zipfile
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError, ReconError
+from recon.exports import FORMATS, read, write
+from recon.exports.formats import Format
+from recon.files import memory_limit
+from recon.voxelmap import VoxelMap
+from tests.exports.maps import a_cloud, a_map
+
+
+def refused(path, message):
+    with pytest.raises(InputError, match=message) as error:
+        read(path)
+    assert "\n" not in str(error.value)
+    assert str(path) in str(error.value)
+
+
+@pytest.fixture
+def las(tmp_path):
+    write(a_cloud(num=50), tmp_path / "a.las")
+    return tmp_path / "a.las"
+
+
+@pytest.mark.parametrize(
+    ("offset", "form", "value", "message"),
+    [
+        (100, "<I", 2**31, "variable records are claimed"),
+        (100, "<I", 3, "variable records"),
+        (247, "<Q", 2**40, "1099511627776 points are claimed"),
+        (247, "<Q", 51, "51 points are claimed"),
+        (96, "<I", 2**31, "its points begin at byte 2147483648"),
+        (105, "<H", 1, "points of format 7 have 1 bytes"),
+        (104, "<B", 63, "not a whole LAS file"),
+        (131, "<d", 0.0, "its scales are"),
+        (131, "<d", float("nan"), "its scales are"),
+        (155, "<d", float("inf"), "its scales are"),
+        (243, "<I", 2**20, "extended records are claimed"),
+    ],
+)
+def test_a_las_header_that_lies(las, offset, form, value, message):
+    content = bytearray(las.read_bytes())
+    struct.pack_into(form, content, offset, value)
+    las.write_bytes(content)
+    refused(las, message)
+
+
+@pytest.mark.parametrize("cut", [0.5, 0.9, 0.99])
+def test_a_laz_without_its_table_of_chunks(tmp_path, cut, capfd):
+    pytest.importorskip("lazrs")
+    write(a_cloud(num=500), tmp_path / "a.laz")
+    content = (tmp_path / "a.laz").read_bytes()
+    (tmp_path / "a.laz").write_bytes(content[: int(cut * len(content))])
+    refused(tmp_path / "a.laz", "not a whole LAZ file")
+    assert capfd.readouterr() == ("", "")
+
+
+def bomb(path, name, shape, packing):
+    """An npz of zeros, small as a file."""
+    with zipfile.ZipFile(path, "w", packing) as archive, archive.open(f"{name}.npy", "w") as file:
+        np.lib.format.write_array_header_1_0(
+            file, {"descr": "<f8", "fortran_order": False, "shape": shape}
+        )
+        zeros = bytes(1 << 20)
+        for _ in range(8 * int(np.prod(shape)) >> 20):
+            file.write(zeros)
+
+
+@pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2])
+def test_an_archive_that_unpacks_to_too_much(tmp_path, packing):
+    bomb(tmp_path / "a.npz", "points", (1 << 20, 4), packing)
+    with memory_limit(64 << 20):
+        refused(tmp_path / "a.npz", "GB are allowed; give --max-memory")
+
+
+def test_an_archive_whose_header_lies_takes_no_memory(tmp_path):
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 40, 3)}
+    )
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("points.npy", header.getvalue() + b"\0" * 24)
+    refused(tmp_path / "a.npz", "claims 26388279066624 bytes, but holds 24")
+
+
+def test_parquet_of_one_value_a_million_times_over(tmp_path):
+    arrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    columns = {name: np.zeros(1 << 21) for name in "xyz"}
+    parquet.write_table(arrow.table(columns), tmp_path / "a.parquet")
+    assert (tmp_path / "a.parquet").stat().st_size < 1 << 20
+    with memory_limit(16 << 20):
+        refused(tmp_path / "a.parquet", "GB are allowed; give --max-memory")
+
+
+def octomap(path, size, res, nodes):
+    head = f"# Octomap OcTree binary file\nid OcTree\nsize {size}\nres {res}\ndata\n"
+    path.write_bytes(head.encode() + nodes)
+
+
+@pytest.mark.parametrize("levels", [0, 1, 2])
+def test_a_leaf_that_stands_for_a_sea_of_cells(tmp_path, levels):
+    """Few bytes of a `.bt`, each node one inner child, at last eight occupied leaves."""
+    pytest.importorskip("pyoctomap")
+    nodes = struct.pack("<H", 3) * levels + struct.pack("<H", 0xAAAA)
+    octomap(tmp_path / "a.bt", 9 + levels, 0.1, nodes)
+    refused(tmp_path / "a.bt", "GB are allowed; give --max-memory")
+
+
+@pytest.mark.parametrize("res", ["1e-300", "0", "-1", "nan", "1e300"])
+def test_cells_that_are_none(tmp_path, res):
+    octomap(tmp_path / "a.bt", 1, res, struct.pack("<H", 0))
+    refused(tmp_path / "a.bt", "its cells have size")
+
+
+@pytest.mark.parametrize("missing", ["x", "count"])
+def test_a_zarr_that_lost_a_chunk(tmp_path, missing):
+    pytest.importorskip("zarr")
+    write(a_map(()), tmp_path / "a.zarr")
+    for chunk in (tmp_path / "a.zarr" / missing / "c").iterdir():
+        chunk.unlink()
+    refused(tmp_path / "a.zarr", f"{missing} has 0 of 1 chunks")
+
+
+@pytest.mark.parametrize("length", [10**12, -1])
+def test_a_zarr_that_claims_another_shape(tmp_path, length):
+    pytest.importorskip("zarr")
+    write(a_cloud(), tmp_path / "a.zarr")
+    for about in (tmp_path / "a.zarr").rglob("zarr.json"):
+        claim = re.sub(r'("shape": \[\s*)300', rf"\g<1>{length}", about.read_text())
+        about.write_text(claim)
+    refused(tmp_path / "a.zarr", "GB are allowed|not a whole Zarr group")
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("count", -5), ("cell_size", -1.0), ("cell_size", np.nan), ("cell_size", 0.0)],
+)
+def test_cells_of_a_table_that_cannot_be(tmp_path, name, values):
+    pytest.importorskip("pyarrow")
+    from recon.exports.columns import columns_of
+    from recon.exports.parquet import write as write_columns
+
+    columns = columns_of(a_map(()).occupied(1))
+    columns[name] = np.full(len(columns[name]), values)
+    write_columns(tmp_path / "a.parquet", columns)
+    refused(tmp_path / "a.parquet", "count|cell_size")
+
+
+def test_cells_of_a_table_that_differ_in_size(tmp_path):
+    pytest.importorskip("pyarrow")
+    from recon.exports.columns import columns_of
+    from recon.exports.parquet import write as write_columns
+
+    columns = columns_of(a_map(()).occupied(1))
+    columns["cell_size"] = np.arange(1.0, 1.0 + len(columns["x"]))
+    write_columns(tmp_path / "a.parquet", columns)
+    refused(tmp_path / "a.parquet", "differ in cell_size")
+
+
+@pytest.mark.parametrize("ending", sorted({*FORMATS.names()} - {".zarr"}))
+def test_a_pipe_and_a_device_are_no_files(tmp_path, ending):
+    os.mkfifo(tmp_path / f"pipe{ending}")
+    refused(tmp_path / f"pipe{ending}", "is a pipe or device, but a file is needed")
+    (tmp_path / f"zero{ending}").symlink_to("/dev/zero")
+    refused(tmp_path / f"zero{ending}", "is a pipe or device, but a file is needed")
+    (tmp_path / f"folder{ending}").mkdir()
+    refused(tmp_path / f"folder{ending}", "is a folder, but a file is needed")
+
+
+def test_a_hole_of_a_terabyte_is_not_read(tmp_path):
+    head = b"ply\nformat binary_little_endian 1.0\nelement vertex 80000000000\n"
+    head += b"property float x\nproperty float y\nproperty float z\nend_header\n"
+    with (tmp_path / "a.ply").open("wb") as file:
+        file.write(head)
+        file.truncate(1 << 40)
+    refused(tmp_path / "a.ply", "GB are allowed; give --max-memory")
+
+
+def test_a_name_that_is_not_utf8(tmp_path):
+    path = os.fsdecode(os.fsencode(tmp_path) + b"/\xff.ply")
+    with pytest.raises(InputError, match=r"\\xff\.ply: its name is not UTF-8"):
+        read(path)
+    with pytest.raises(InputError, match="its name is not UTF-8"):
+        write(a_cloud(), path)
+
+
+WRITTEN = [".ply", ".npz", ".parquet", ".las", ".csv", ".ot", ".vti", ".glb"]
+
+
+@pytest.mark.parametrize("ending", WRITTEN)
+def test_a_full_disk_is_said_and_leaves_what_was_there(tmp_path, ending):
+    """A limit of the file's size stands for a full disk; VTK and OctoMap report neither."""
+    path = tmp_path / f"map{ending}"
+    path.write_bytes(b"before")
+    voxels = a_map(()).occupied(1)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1024, hard))
+    try:
+        with pytest.raises((ReconError, OSError), match=r"map\.") as error:
+            write(voxels, path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert f"map{ending}" in str(error.value)
+    assert path.read_bytes() == b"before"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_formats_are_all_there():
+    assert all(isinstance(form, Format) for _, form in FORMATS.parts())
+    assert len(list(FORMATS.parts())) == len(FORMATS.names())
+
+
+def test_a_map_that_claims_more_than_it_holds(tmp_path):
+    VoxelMap(0.5).save(tmp_path / "a.npz")
+    content = (tmp_path / "a.npz").read_bytes()
+    (tmp_path / "a.npz").write_bytes(content[:-10])
+    refused(tmp_path / "a.npz", "not a whole npz archive")

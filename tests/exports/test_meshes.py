@@ -1,0 +1,129 @@
+"""Triangles of others: their vertices, points on them, and what is written."""
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.exports import read, read_mesh, write
+from recon.records import Mesh
+
+SQUARE = Mesh(
+    vertices=np.array([[0.0, 0, 0], [2, 0, 0], [2, 3, 0], [0, 3, 0]]),
+    triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32),
+    colours=np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [9, 9, 9]], np.uint8),
+)
+
+
+@pytest.mark.parametrize("ending", [".ply", ".obj", ".glb", ".stl", ".off"])
+def test_a_mesh_comes_back(tmp_path, ending):
+    write(SQUARE, tmp_path / f"mesh{ending}")
+    again = read_mesh(tmp_path / f"mesh{ending}")
+    assert again.area == pytest.approx(6.0)
+    assert len(again.vertices) == 4
+    assert np.array_equal(again.corners, SQUARE.corners)
+    if ending in (".ply", ".obj", ".glb"):
+        assert np.array_equal(again.colours, SQUARE.colours)
+
+
+@pytest.mark.parametrize("ending", [".ply", ".obj", ".glb", ".stl", ".off"])
+def test_its_vertices_are_a_cloud(tmp_path, ending):
+    write(SQUARE, tmp_path / f"mesh{ending}")
+    cloud = read(tmp_path / f"mesh{ending}")
+    assert sorted(cloud.points.tolist()) == sorted(SQUARE.vertices.tolist())
+
+
+@pytest.mark.parametrize("ending", [".ply", ".obj"])
+def test_points_are_even_over_the_surface(tmp_path, ending):
+    write(SQUARE, tmp_path / f"mesh{ending}")
+    cloud = read(tmp_path / f"mesh{ending}", sample=4000)
+    assert len(cloud) == 4000
+    quarters = np.floor(cloud.points[:, :2] / [1.0, 1.5]).astype(int)
+    counts = np.bincount(2 * quarters[:, 0] + quarters[:, 1], minlength=4)
+    assert 900 < counts.min() <= counts.max() < 1100
+    assert np.array_equal(cloud.points, read(tmp_path / f"mesh{ending}", sample=4000).points)
+    assert not np.array_equal(
+        cloud.points, read(tmp_path / f"mesh{ending}", sample=4000, seed=1).points
+    )
+    near = np.linalg.norm(cloud.points - [0, 0, 0], axis=1) < 0.1
+    assert cloud.colours[near, 0].min() > 200
+
+
+@pytest.mark.parametrize(
+    ("text", "triangles"),
+    [
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", [[0, 1, 2]]),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n", [[0, 1, 2]]),
+        ("mtllib no.mtl\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl b\n"
+         "f 1/1/1 2/1/1 3/1/1\n", [[0, 1, 2]]),
+        ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1//1 2//1 3//1 4//1\n", [[0, 1, 2], [0, 2, 3]]),
+        ("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 \\\n3\n", [[0, 1, 2]]),
+    ],
+)  # fmt: skip
+def test_obj_of_others(tmp_path, text, triangles):
+    (tmp_path / "a.obj").write_text(text)
+    assert read_mesh(tmp_path / "a.obj").triangles.tolist() == triangles
+    assert len(read(tmp_path / "a.obj")) == sum(line[:2] == "v " for line in text.splitlines())
+
+
+def test_an_obj_with_colours_behind_its_places(tmp_path):
+    (tmp_path / "a.obj").write_text("v 1 2 3 1.0 0.5 0.0\nv 4 5 6 0 0 1\n")
+    cloud = read(tmp_path / "a.obj")
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.colours.tolist() == [[255, 128, 0], [0, 0, 255]]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.obj", b"v 0 0 0\nf 1 2 3\n", "names vertex [12], but there are 1"),
+        ("a.obj", b"v 0 0 0\nf 0 1 1\n", "numbers begin at 1"),
+        ("a.obj", b"v 0 0 zero\n", "'zero' is not a number"),
+        ("a.obj", b"v 0 0\n", "a vertex has 2 numbers"),
+        ("a.obj", b"f 1 2 x\n", "a face is '1 2 x'"),
+        ("a.obj", b"", "it holds no vertices"),
+        ("a.stl", b"\0" * 80 + (10**9).to_bytes(4, "little"), "1000000000 triangles are claimed"),
+        ("a.stl", b"solid a\nfacet normal 0 0 1\n", "its text has no end"),
+        ("a.off", b"OFF\n1000000 5 0\n0 0 0\n", "vertices and faces are claimed"),
+        ("a.off", b"no\n", "not an OFF file"),
+        ("a.glb", b"glTF\2\0\0\0\xff\xff\xff\xff", "bytes are claimed"),
+    ],
+)
+def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=message) as error:
+        read(tmp_path / name)
+    assert str(error.value).startswith(str(tmp_path / name))
+    assert "\n" not in str(error.value)
+
+
+def test_an_stl_too_coarse_for_its_places_is_refused(tmp_path):
+    far = Mesh(vertices=SQUARE.vertices + 5e7, triangles=SQUARE.triangles)
+    with pytest.raises(InputError, match="32-bit places would move vertices"):
+        write(far, tmp_path / "a.stl")
+    write(far, tmp_path / "a.glb")
+    assert np.abs(read_mesh(tmp_path / "a.glb").vertices - far.vertices).max() == 0.0
+
+
+@pytest.mark.parametrize("ending", [".las", ".xyz", ".vti"])
+def test_a_format_without_triangles_takes_no_mesh(tmp_path, ending):
+    with pytest.raises(InputError, match="holds no triangles; give --sample N"):
+        write(SQUARE, tmp_path / f"a{ending}")
+
+
+def test_vtk_of_others(tmp_path):
+    import pyvista
+
+    points = np.array([[1.0, 2, 3], [4, 5, 6]], np.float32)
+    cloud = pyvista.PolyData(points)
+    cloud["heat"] = [1.5, 2.5]
+    for ending in (".vtk", ".vtp"):
+        cloud.save(tmp_path / f"a{ending}")
+        again = read(tmp_path / f"a{ending}")
+        assert again.points.tolist() == points.tolist()
+        assert again.attributes["heat"].tolist() == [1.5, 2.5]
+    block = pyvista.ImageData(dimensions=(3, 2, 2), spacing=(0.5, 0.5, 0.5))
+    block.cell_data["density"] = [0.0, 7.0]
+    block.save(tmp_path / "a.vti")
+    again = read(tmp_path / "a.vti")
+    assert again.points.tolist() == [[0.75, 0.25, 0.25]]
+    assert again.attributes["density"].tolist() == [7.0]
