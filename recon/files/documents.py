@@ -80,7 +80,7 @@ def read_toml(path: PathLike) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: not a TOML file ({_reason(error)})") from error
+        raise InputError(f"{path}: {_reason(error)}, but a TOML file is needed") from error
 
 
 def read_yaml(path: PathLike) -> Any:
