@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from recon.errors import InputError as InputError
     from recon.errors import MissingLibraryError as MissingLibraryError
     from recon.errors import ReconError as ReconError
+    from recon.exploration.controllers import Controller as Controller
+    from recon.exploration.explorable import Explorable as Explorable
     from recon.exploration.outcome import Exploration as Exploration
+    from recon.exploration.state import State as State
     from recon.exports.formats import read as read
     from recon.exports.formats import write as write
     from recon.mapping.mapper import Mapper as Mapper
@@ -88,7 +91,10 @@ else:
 _HOMES = {
     "camera": "StereoRig",
     "errors": "InputError MissingLibraryError ReconError",
+    "exploration.controllers": "Controller",
+    "exploration.explorable": "Explorable",
     "exploration.outcome": "Exploration",
+    "exploration.state": "State",
     "exports.formats": "read write",
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",

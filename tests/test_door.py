@@ -60,6 +60,7 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: recon.Job(kind="explore", seed=-1), "seed is -1"),
         (lambda: recon.reconstruct(None), "path is None"),
         (lambda: recon.reconstruct("nowhere"), "nowhere does not exist"),
+        (lambda: recon.explore("village"), "source is 'village', but something with start"),
         (lambda: recon.open_sequence(PAIR, evry=2), "evry is unknown; .*every"),
         (lambda: recon.recognise("map.npz"), "data is a str"),
         (lambda: recon.recognise(CLOUD, up="x"), "up is 'x'"),

@@ -59,6 +59,12 @@ def test_a_recording_is_reconstructed_by_a_matcher_of_ones_own(tmp_path):
     assert int(out.split("Reconstruction(")[1].split()[0]) > 1000
 
 
+def test_a_place_of_ones_own_is_explored(tmp_path):
+    out = run("own_source.py", "three_apples", 2, cwd=tmp_path)
+    assert "2 poses" in out
+    assert out.split()[-1] == "limit"
+
+
 def test_a_live_camera_gives_points(tmp_path):
     both = np.hstack([cv2.imread(str(PAIR / f"{side}.png")) for side in ("left", "right")])
     height, width = both.shape[:2]
@@ -75,7 +81,7 @@ def test_a_live_camera_gives_points(tmp_path):
 
 def test_every_example_is_short():
     files = sorted(EXAMPLES.glob("*.py"))
-    assert len(files) >= 6
+    assert len(files) == 7
     for file in files:
         lines = [line for line in file.read_text().splitlines() if line.strip()]
         assert len(lines) <= MAX_LINES, file.name

@@ -7,6 +7,8 @@ from typing import Any
 
 from recon.errors import InputError
 from recon.exploration.agent import explore as lead
+from recon.exploration.controllers import Controller
+from recon.exploration.explorable import Explorable
 from recon.exploration.outcome import Exploration, Step
 from recon.mapping.mapper import Mapper
 from recon.recognition import recognise as name_objects
@@ -23,7 +25,6 @@ from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
 from recon.settings.keywords import by_keyword
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.occupancy import occupied
-from recon.world.world import World
 
 
 def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
@@ -89,23 +90,24 @@ def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
 
 
 def explore(
-    source: World,
+    source: Explorable,
     settings: Settings | None = None,
-    controller: str | None = None,
+    controller: str | Controller = "",
     *,
     observe: Callable[[Step], None] | None = None,
     **values: Any,
 ) -> Exploration:
-    """Let a controller explore a world by itself.
+    """Let a controller explore a world, or anything that pairs can be taken in, by itself.
 
     Parameters
     ----------
-    source : World
+    source : World, or any object with ``start()`` and ``take(view)``
         What is explored.
     settings : Settings, optional
         What is not given is the explorer's own: fast matching of disparities round zero.
-    controller : str, optional
-        "frontier", "thesis" or the name of a plug-in; that of the settings where not given.
+    controller : str or Controller, optional
+        "frontier", "thesis", the name of a plug-in or a controller itself; that of the settings
+        where not given.
     observe : callable, optional
         Called with every `Step`.
     values
@@ -116,10 +118,14 @@ def explore(
     Exploration
         Its `reconstruction` holds map, objects and trajectory; whole, whatever ended it.
     """
+    for method in ("start", "take"):
+        if not callable(getattr(source, method, None)):
+            raise InputError(f"source is {source!r}, but something with start and take is needed")
     chosen = by_keyword(settings, **values)
-    if controller is not None:
+    if controller and isinstance(controller, str):
         chosen = updated(chosen, {"exploration": {"controller": controller}})
-    return lead(source, explorers(chosen), observe)
+    own = None if isinstance(controller, str) else controller
+    return lead(source, explorers(chosen), observe, controller=own)
 
 
 def explorers(settings: Settings) -> Settings:

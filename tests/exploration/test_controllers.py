@@ -27,7 +27,8 @@ def plugged_in(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(target))
     importlib.invalidate_caches()
     yield
-    sys.modules.pop("recon_carousel", None)
+    for name in [name for name in sys.modules if name.startswith("recon_example")]:
+        del sys.modules[name]
 
 
 @pytest.mark.parametrize("name", CONTROLLERS.names())
