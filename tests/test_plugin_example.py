@@ -81,3 +81,6 @@ def test_its_controller_renderer_and_recogniser_explore(tmp_path, capsys):
     settings = (tmp_path / "run" / "settings.toml").read_text()
     assert 'renderer = "night"' in settings
     assert 'recogniser = "height"' in settings
+    assert main(["figure", str(tmp_path / "run"), "--kind", "heights", "--data", "--json"]) == 0
+    files = [Path(path) for path in json.loads(capsys.readouterr().out)["figures"]]
+    assert {file.name for file in files} == {"heights.png", "heights.npz"}

@@ -31,7 +31,12 @@ def in_units(settings, scale):
     return updated(
         settings,
         {
-            stage: {name: scale * getattr(getattr(settings, stage), name) for name in names}
+            stage: {
+                name: scale * length
+                for name in names
+                # What is None follows from the lengths that are scaled.
+                if (length := getattr(getattr(settings, stage), name)) is not None
+            }
             for stage, names in LENGTHS.items()
         },
     )
