@@ -41,12 +41,21 @@ COLUMNS = {
     "--keep", "matching__keep", type=click.IntRange(min=1), help="Keep the K most confident pairs."
 )
 @click.option("--truth-scale", type=PositiveNumber())
+@click.option("--trajectory", type=PATH, help="Judge the path of a run, or of a file of poses.")
+@click.option("--truth", type=PATH, help="The true poses of that path.")
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers on pairs whose disparity is known, or labels in random worlds.
+    """Judge matchers on pairs whose disparity is known, labels in random worlds, or a path.
 
-    -o leaves figures.
+    -o leaves figures. ATE is the root mean square distance of positions after rigid alignment
+    (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
+    if given["trajectory"] or given["truth"]:
+        if not (given["trajectory"] and given["truth"]) or pair_dirs or given["worlds"]:
+            raise click.UsageError("--trajectory RUN and --truth FILE are needed, and nothing else")
+        path = (given["trajectory"],)
+        do_job("trajectory", path, given, say=_say_numbers, truth=given["truth"])
+        return
     if bool(pair_dirs) == bool(given["worlds"]):
         raise click.UsageError("PAIR_DIRS or --worlds N is needed, and not both")
     if given["worlds"]:
@@ -54,6 +63,11 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     else:
         named = {name: given[name] for name in ("matchers", "truth_scale")}
         do_job("evaluate", pair_dirs, given, say=_say_pairs, **named)
+
+
+def _say_numbers(report: "Report") -> None:
+    for name, value in report.numbers.items():
+        click.echo(f"{name:24} {value}")
 
 
 def _say_worlds(report: "Report") -> None:

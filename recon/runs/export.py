@@ -14,6 +14,7 @@ from recon.exports.turning import R_YUP_ZUP, turned_points
 from recon.notices import collected_notices, notify
 from recon.records import Mesh, PointCloud
 from recon.runfolder import MANIFEST
+from recon.runs.posed import POSED, export_poses
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 _NAV2 = (".pgm", ".yaml", ".yml")
@@ -44,7 +45,8 @@ def export_run(
     Parameters
     ----------
     source : Path
-        A file, or a run folder, of which the map is taken.
+        A file, a run folder, of which the map is taken, or a recording, whose cameras are written
+        to images.txt (COLMAP) or transforms.json (nerfstudio).
     up : "y" or "z", optional
         The axis that is up in `target`; the format's own where not given.
 
@@ -53,6 +55,8 @@ def export_run(
     dict
         The document of `recon export --json`.
     """
+    if target.name in POSED:
+        return export_poses(source, target, overwrite=overwrite)
     source = source / "map.npz" if (source / MANIFEST).is_file() else source
     form = format_of(target)
     files = _files(target)

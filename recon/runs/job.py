@@ -103,6 +103,7 @@ KINDS: Registry[Kind] = Registry(
         "reconstruct": "recon.runs.reconstruct:RECONSTRUCT",
         "disparity": "recon.runs.disparity:DISPARITY",
         "evaluate": "recon.runs.evaluate:EVALUATE",
+        "trajectory": "recon.runs.trajectory:TRAJECTORY",
         "worlds": "recon.runs.worlds:WORLDS",
         "recognise": "recon.runs.recognise:RECOGNISE",
         "learn": "recon.runs.learn:LEARN",

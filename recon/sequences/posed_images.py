@@ -13,10 +13,11 @@ from scipy.spatial.transform import Rotation
 from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.files import atomic_path
+from recon.files.documents import read_json
 from recon.geometry import invert, pose
 from recon.sequences.calibration.rigid import made_rigid, say_rigid
 from recon.sequences.poses import GivenPoses
-from recon.sequences.text import is_finite, read_json
+from recon.sequences.text import is_finite
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.files.documents import read_json
 from recon.sequences.images import ENDINGS as IMAGE_ENDINGS
 from recon.sequences.images import MAX_BYTES, decode_pixels
 from recon.sequences.pfm import decode_pfm, is_pfm, write_pfm
-from recon.sequences.text import read_bytes, read_json
+from recon.sequences.text import read_bytes
 
 NAMES = ("disp_left", "disp0GT", "disp0", "disp1", "disp2", "disp_occ_0", "disp_occ", "disp_noc_0")
 """recon's; Middlebury's of 2014, of 2005 and 2006 (view1), of 2001 and 2003 (im2); KITTI's."""
@@ -119,7 +120,7 @@ def _scale_beside(path: Path, stored: np.dtype[np.generic]) -> float:
         return KITTI_SCALE
     try:
         scale = float(read_json(meta)["truth_scale"])
-    except (InputError, ValueError, KeyError, TypeError) as error:
+    except (InputError, OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{path} holds whole numbers, but {meta} tells no truth_scale: give --truth-scale"
         ) from error

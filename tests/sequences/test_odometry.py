@@ -5,6 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
 from recon.errors import InputError
@@ -12,8 +13,10 @@ from recon.geometry import pose
 from recon.records import StereoPair
 from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
 from recon.sequences.frames import Frame, Recording
-from recon.sequences.odometry.odometry import EstimatedPoses, drift_percent
+from recon.sequences.odometry.errors import drift_percent, paired_poses, trajectory_errors
+from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.sequences.odometry.tracking import sight
+from recon.sequences.poses import GivenPoses
 
 RIG = StereoRig(
     width=320, height=160, focal_px=200.0, cx_left_px=160.0, cx_right_px=160.0, cy_px=80.0,
@@ -162,3 +165,31 @@ def test_drift_is_the_share_of_the_path_after_alignment():
     assert drift_percent(longer, true) == pytest.approx(0.632, abs=1e-3)
     with pytest.raises(InputError, match="the true path has no length"):
         drift_percent(true, true[:1].repeat(11, axis=0))
+
+
+def test_errors_of_a_path_are_those_that_were_put_in():
+    rng = np.random.default_rng(6)
+    turns = Rotation.from_rotvec(rng.normal(0, 0.1, (200, 3))).as_matrix()
+    true = np.stack([pose(R, [n, np.sin(n), 0.0]) for n, R in enumerate(turns)])
+    world = pose(Rotation.from_rotvec([0.3, 0.2, 1.0]).as_matrix(), [5.0, -3.0, 2.0])
+    same = trajectory_errors(world @ true, true)
+    assert same.ate_rmse == pytest.approx(0, abs=1e-9)
+    assert same.rpe_rmse == pytest.approx(0, abs=1e-9)
+    shaken = true.copy()
+    shaken[:, :3, 3] += rng.normal(0, 0.1, (200, 3))
+    errors = trajectory_errors(world @ shaken, true)
+    # Three axes of noise; a step has it at both of its ends.
+    assert errors.ate_rmse == pytest.approx(0.1 * np.sqrt(3), rel=0.1)
+    assert errors.rpe_rmse == pytest.approx(0.1 * np.sqrt(6), rel=0.1)
+    assert errors.rpe_rotation_rmse_deg == pytest.approx(0, abs=1e-5)
+    assert errors.drift_percent == pytest.approx(100 * errors.ate_rmse / errors.length)
+
+
+def test_paths_are_paired_by_time_or_by_row():
+    poses = np.stack([pose(np.eye(3), [n, 0, 0]) for n in range(6)])
+    true = GivenPoses(poses=poses, stamps_s=10.0 + 0.1 * np.arange(6))
+    some = GivenPoses(poses=poses[1:4], stamps_s=10.1 + 0.1 * np.arange(3))
+    found, wanted = paired_poses(some, true)
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
+    with pytest.raises(InputError, match="6 true poses without times for 3"):
+        paired_poses(some, GivenPoses(poses=poses))

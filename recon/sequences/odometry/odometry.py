@@ -5,15 +5,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from recon.errors import InputError
 from recon.geometry import invert
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import StraightenedPairs, full_residual
 from recon.sequences.calibration.row_error import Residual
 from recon.sequences.frames import DerivedSource, Metrics, PartOf
+from recon.sequences.odometry.errors import drift_percent
 from recon.sequences.odometry.motion import estimate_motion
 from recon.sequences.odometry.tracking import track
 from recon.sequences.poses import T_up_recorded
@@ -85,27 +85,3 @@ class EstimatedPoses(DerivedSource):
         log.info("frame %s could not be tracked: the last motion goes on", second.name)
         self.carried.append(second.name)
         return usual
-
-
-def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:
-    """Root mean square distance of rigidly aligned positions, percent of the true path's length.
-
-    Parameters
-    ----------
-    estimated, true : (N, 4, 4) array_like
-        Poses of the same frames, each in a world of its own.
-
-    Raises
-    ------
-    InputError
-        Where the true path has no length.
-    """
-    path, reference = (np.asarray(poses, dtype=np.float64)[:, :3, 3] for poses in (estimated, true))
-    length = float(np.linalg.norm(np.diff(reference, axis=0), axis=1).sum())
-    if not length > 0:
-        raise InputError("the true path has no length, but drift is a share of it")
-    path, reference = path - path.mean(axis=0), reference - reference.mean(axis=0)
-    # Kabsch's rotation; unlike evo's it also aligns a straight path, about which it may turn.
-    u, _, vt = np.linalg.svd(reference.T @ path)
-    aligned = path @ (u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt).T
-    return 100.0 * float(np.sqrt(((aligned - reference) ** 2).sum(axis=1).mean())) / length
