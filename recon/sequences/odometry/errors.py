@@ -125,5 +125,5 @@ def paired_poses(estimated: GivenPoses, true: GivenPoses) -> tuple[Array, Array]
     return found, known
 
 
-def _rms(errors: Array) -> float:
-    return float(np.sqrt((errors**2).mean()))
+def _rms(errors: ArrayLike) -> float:
+    return float(np.sqrt(np.mean(np.square(errors))))
