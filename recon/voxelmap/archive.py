@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, check_number
 from recon.files import atomic_path, check_memory
 from recon.voxelmap import hits
 from recon.voxelmap.table import Rows
@@ -153,11 +153,13 @@ def _content(columns: Columns) -> Content:
     version = int(columns["version"])
     if version != VERSION:
         raise InputError(f"version {version}, but {VERSION} is needed")
+    cell_size = float(columns["cell_size"])
+    check_number("cell_size", cell_size, above=0)
     return Content(
-        cell_size=float(columns["cell_size"]),
+        cell_size=cell_size,
         ray_margin=float(columns["ray_margin"]),
         channels=tuple(columns["channels"].tolist()),
-        rows=_rows(columns),
+        rows=rows_of(columns),
         columns=columns,
     )
 
@@ -178,7 +180,8 @@ def _check_cells(columns: Columns) -> None:
         raise InputError("its cells are not in order, or not all different")
 
 
-def _rows(columns: Columns) -> Rows:
+def rows_of(columns: Columns) -> Rows:
+    """Hits, places and colours of cells, from the arrays that `hit_columns` gave."""
     _check_cells(columns)
     count, colour = columns["count"].astype(np.uint64), columns["colour"]
     position = columns.get("position")

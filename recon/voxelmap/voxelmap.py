@@ -12,6 +12,7 @@ from recon.errors import InputError, as_numbers, check_finite, check_number, che
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan
+from recon.voxelmap.coarse import CoarseMaps
 from recon.voxelmap.hues import Hues
 from recon.voxelmap.rays import Rays, Sightings
 from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, order_of
@@ -50,6 +51,7 @@ class VoxelMap:
         self.ray_margin = float(ray_margin)
         self._hits = CellTable(hits.NARROW)
         self._channels = {name: self._channel(name) for name in sorted(set(channels))}
+        self._coarse = CoarseMaps(self.cell_size, type(self))
 
     def __repr__(self) -> str:
         kept = f", keeps {', '.join(self.channels)}" if self.channels else ""
@@ -112,6 +114,22 @@ class VoxelMap:
         for channel in self._channels.values():
             channel.add(scan, rows)
 
+    def insert_doubtful(self, cloud: PointCloud) -> int:
+        """Count points, given in the world, in coarser cells, each as large as its sigma at least.
+
+        Returns
+        -------
+        int
+            How many points were counted; those without a sigma, or with one over 64 cells, are not.
+        """
+        check_type("cloud", cloud, PointCloud)
+        return self._coarse.insert(cloud)
+
+    @property
+    def coarse(self) -> tuple["VoxelMap", ...]:
+        """Maps of the points too uncertain for this one, finer cells first."""
+        return tuple(one for _, one in sorted(self._coarse.levels.items()))
+
     def merge(self, other: "VoxelMap") -> None:
         """Add all that another map of the same cells and channels holds; it stays as it is."""
         check_type("other", other, VoxelMap)
@@ -120,7 +138,8 @@ class VoxelMap:
             if theirs != ours:
                 raise InputError(f"the other map's {name} is {theirs}, but {ours} is needed")
         # A copy, as a map may be merged with itself.
-        rows = self._add_rows(other._hits.used.copy())
+        rows = self.add_rows(other._hits.used.copy())
+        self._coarse.merge(other._coarse)
         for name, channel in self._channels.items():
             channel.merge(other._channels[name], rows)
 
@@ -170,9 +189,14 @@ class VoxelMap:
 
         part = VoxelMap(self.cell_size, channels=self.channels, ray_margin=self.ray_margin)
         rows = np.flatnonzero(is_inside(self._hits.used["index"]))
-        part._add_rows(self._hits.rows[rows])
+        part.add_rows(self._hits.rows[rows])
         part._channels = {n: c.cropped(rows, is_inside) for n, c in self._channels.items()}
+        part._coarse.crop_from(self._coarse, *corners)
         return part
+
+    def ordered_rows(self) -> Rows:
+        """The sums of all cells, ordered by x, then y, then z."""
+        return self._hits.used[order_of(self._hits.used["index"])]
 
     def save(self, path: str | os.PathLike[str], *, lean: bool = False) -> None:
         """Write the map, whole or not at all; the same map gives the same bytes.
@@ -195,6 +219,8 @@ class VoxelMap:
         columns |= archive.hit_columns(self._hits.used[order], lean=lean)
         for channel in channels.values():
             columns |= channel.columns(order)
+        if not lean:
+            columns |= self._coarse.columns()
         archive.save(path, columns)
 
     @classmethod
@@ -215,9 +241,10 @@ class VoxelMap:
     @classmethod
     def _of(cls, content: archive.Content) -> Self:
         loaded = cls(content.cell_size, channels=content.channels, ray_margin=content.ray_margin)
-        loaded._add_rows(content.rows)
+        loaded.add_rows(content.rows)
         for channel in loaded._channels.values():
             channel.restore(content.columns, len(content.rows))
+        loaded._coarse.restore(content.columns)
         return loaded
 
     def _check_reach(self, points: NDArray[np.float64]) -> None:
@@ -229,7 +256,8 @@ class VoxelMap:
                 f"{MAX_INDEX * self.cell_size:g} are needed"
             )
 
-    def _add_rows(self, rows: Rows) -> NDArray[np.int64]:
+    def add_rows(self, rows: Rows) -> NDArray[np.int64]:
+        """Add the sums of cells, as a file or another map holds them; the row of each."""
         if rows.dtype == hits.WIDE and self._hits.rows.dtype != hits.WIDE:
             self._widen()
         return self._add(hits.merge, rows, len(rows))
