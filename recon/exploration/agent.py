@@ -193,6 +193,7 @@ class Agent:
 
     def exploration(self) -> Exploration:
         """All that there is, whatever ended it."""
+        self.mapper.reached.say()
         voxels = self.mapper.voxels()
         recognition = self.mapper.recognise(voxels)
         floor = self.model.floor
@@ -224,6 +225,7 @@ class Agent:
             "pairs_until_objects": pairs_until_objects(timeline, recognition.objects),
             "stop_reason": self.stop_reason,
             "curve": [list(point) for point in self.curve],
+            **self.mapper.reached.metrics,
         } | (self.referee.metrics(self.start) if self.referee else true)
 
 

@@ -22,7 +22,6 @@ MAX_COORDINATE = 1e15
 
 # Names of single columns and of the fields of Voxels that they hold.
 _KEPT = {"weight": "weights", "num_views": "num_views", "hits": "hits", "passes": "passes"}
-_HUES = tuple(f"hue_{number:02d}" for number in range(13))
 
 
 def columns_of(data: PointCloud | Voxels) -> Columns:
@@ -48,8 +47,6 @@ def _of_voxels(voxels: Voxels) -> Columns:
         values = getattr(voxels, field)
         if values is not None:
             columns[name] = values if name == "weight" else values.astype(np.int32)
-    if voxels.hues is not None:
-        columns |= _split(_HUES, voxels.hues.astype(np.int32))
     return columns | {"cell_size": np.full(len(voxels), voxels.cell_size)}
 
 
@@ -125,8 +122,6 @@ def _as_voxels(columns: Mapping[str, NDArray[Any]]) -> Voxels:
         for name, field in _KEPT.items()
         if name in columns
     }
-    if set(_HUES) <= columns.keys():
-        kept["hues"] = _joined(columns, _HUES).astype(np.int64)
     means = _joined(columns, XYZ).astype(np.float64)
     colours = colour_names(columns)
     return Voxels(

@@ -12,6 +12,7 @@ from recon.errors import check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.mapping.consistency import Consistency, Witness
 from recon.mapping.pair import PairResult, insert, match_points
+from recon.mapping.reached import Reached
 from recon.mapping.views import CellCounts, count_cells, with_views
 from recon.recognition import recognise
 from recon.records import (
@@ -39,6 +40,8 @@ class Step:
     matches: Matches
     cloud: PointCloud
     """World; what went on to the map."""
+    doubtful: PointCloud
+    """World; what went on to its coarser cells."""
 
     def __repr__(self) -> str:
         return (
@@ -77,6 +80,7 @@ class Mapper:
         self.clearest: Step | None = None
         """The step with most matches."""
         self.num_points = 0
+        self.reached = Reached()
         self._stopwatch = stopwatch or Stopwatch()
         self._compares = compares
         self._seen: list[CellCounts] | None = [] if counts_views else None
@@ -110,6 +114,7 @@ class Mapper:
             "num_points": self.num_points,
             "confirmed_share": self.consistency.share if self.num_pairs > 1 else None,
             "confirmed_distance_median": self.consistency.median_distance,
+            **self.reached.metrics,
         }
 
     def process(self, pair: StereoPair, result: PairResult | None = None) -> list[Step]:
@@ -124,7 +129,14 @@ class Mapper:
         if result is None:
             with self._stopwatch.stage("stereo"):
                 result = match_points(pair, self.settings)
-        step = Step(number=self.num_pairs, pair=pair, matches=result.matches, cloud=result.cloud)
+        step = Step(
+            number=self.num_pairs,
+            pair=pair,
+            matches=result.matches,
+            cloud=result.cloud,
+            doubtful=result.doubtful,
+        )
+        self.reached.see(result)
         self._stamps_s.append(pair.stamp_s)
         self._poses.append(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
         if self.clearest is None or len(step.matches) > len(self.clearest.matches):
@@ -184,10 +196,16 @@ class Mapper:
         if self.num_pairs == 1:
             return [self._insert(step) for step, _ in steps]
         chosen = ((step, step.cloud.select(seen.is_confirmed)) for step, seen in steps)
-        return [self._insert(replace(step, cloud=cloud)) for step, cloud in chosen]
+        nothing = slice(0, 0)
+        return [
+            self._insert(replace(step, cloud=cloud, doubtful=step.doubtful.select(nothing)))
+            for step, cloud in chosen
+        ]
 
     def _insert(self, step: Step) -> Step:
-        insert(step.cloud, step.pair, self.settings, self.voxel_map, step.number)
+        self.reached.num_mapped += insert(
+            step.cloud, step.doubtful, step.pair, self.settings, self.voxel_map, step.number
+        )
         self.num_points += len(step.cloud)
         if self._seen is not None:
             self._seen.append(count_cells(step.cloud, step.number, self.settings.map.cell_size))

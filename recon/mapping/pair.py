@@ -9,10 +9,11 @@ from recon.errors import InputError, check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
-from recon.stereo.features import detect
+from recon.stereo.features import detect, to_grey
 from recon.stereo.matching.matching import match, match_whole_images
+from recon.stereo.noise import noise_level
 from recon.stereo.subpixel import refine
-from recon.stereo.triangulation import triangulate
+from recon.stereo.triangulation import triangulate_all
 from recon.voxelmap import VoxelMap
 
 
@@ -22,7 +23,11 @@ class PairResult:
 
     matches: Matches
     cloud: PointCloud
-    """In the world; in the left camera's frame where the pair has no pose."""
+    """Sure points, in the world."""
+    doubtful: PointCloud
+    """Points of unlikely pairs and of edges along the row, in the world."""
+    image_noise: tuple[float, float]
+    """Standard deviation of the noise of the left and the right image, grey levels."""
 
     def __repr__(self) -> str:
         return f"PairResult({len(self.matches)} matches, {len(self.cloud)} points)"
@@ -75,14 +80,25 @@ def match_images(
     stated_range : (min, max), optional
         Search range in pixels that holds where the settings were not given one.
     """
+    return _match(left, right, settings, stated_range)[0]
+
+
+def _match(
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    settings: Settings,
+    stated_range: tuple[int, int] | None,
+) -> tuple[Matches, tuple[float, float]]:
+    """The matches of two images, and the noise of each."""
     search = settings.matching.searching(stated_range)
     whole = match_whole_images(left, right, search)
     if whole is not None:
-        return whole
+        return whole, (noise_level(to_grey(left)), noise_level(to_grey(right)))
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features_left = detect(left, settings.features)
     features_right = detect(right, settings.features)
-    return match_features(features_left, features_right, settings, stated_range)
+    matches = match_features(features_left, features_right, settings, stated_range)
+    return matches, (features_left.noise.level, features_right.noise.level)
 
 
 def match_features(
@@ -103,9 +119,9 @@ def process_pair(
 ) -> PairResult:
     """One pair into the map.
 
-    All points with a depth are returned, so that far things are seen; the map takes only those
-    that are sure enough for its cells. The search range is the one that the settings were given,
-    else what the pair states.
+    All points with a depth are returned, so that far things are seen; the map counts in its cells
+    those that are sure enough, the others in coarser ones. The search range is the one that the
+    settings were given, else what the pair states.
 
     Parameters
     ----------
@@ -116,7 +132,7 @@ def process_pair(
     check_type("settings", settings, Settings)
     check_type("voxel_map", voxel_map, VoxelMap)
     result = match_points(pair, settings)
-    insert(result.cloud, pair, settings, voxel_map, view)
+    insert(result.cloud, result.doubtful, pair, settings, voxel_map, view)
     return result
 
 
@@ -125,22 +141,34 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
 
     A pair without a pose is level at the world's origin, so that y is up there too.
     """
-    matches = match_images(pair.left, pair.right, settings, pair.disparity_range)
+    matches, image_noise = _match(pair.left, pair.right, settings, pair.disparity_range)
     # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
-    cloud = triangulate(matches, pair, settings.triangulation)
-    T_world_left = LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left
-    return PairResult(matches=matches, cloud=cloud.transformed(T_world_left))
+    points = triangulate_all(matches, pair, settings.triangulation)
+    points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
+    return PairResult(
+        matches=matches, cloud=points.sure, doubtful=points.doubtful, image_noise=image_noise
+    )
 
 
 def insert(
     cloud: PointCloud,
+    doubtful: PointCloud,
     pair: StereoPair,
     settings: Settings,
     voxel_map: VoxelMap,
     view: int | None = None,
-) -> None:
-    """Count every point that is sure enough in its cell (section 4.4)."""
+) -> int:
+    """Count every sure point in its cell (section 4.4), all others in coarser cells.
+
+    Returns
+    -------
+    int
+        How many points were counted.
+    """
     origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
+    fits = np.ones(len(cloud), np.bool_)
     if settings.map.max_sigma is not None and cloud.sigma is not None:
-        cloud = cloud.select(cloud.sigma <= settings.map.max_sigma * settings.map.cell_size)
-    voxel_map.insert(cloud, origin, view)
+        fits = cloud.sigma <= settings.map.max_sigma * settings.map.cell_size
+    voxel_map.insert(cloud.select(fits), origin, view)
+    coarse = voxel_map.insert_doubtful(cloud.select(~fits))
+    return int(fits.sum()) + coarse + voxel_map.insert_doubtful(doubtful)

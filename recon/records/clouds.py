@@ -119,8 +119,6 @@ class Voxels:
     """(K,) sum of the points' weights by sigma; this and what follows None where not kept."""
     num_views: NDArray[np.int64] | None = None
     """(K,) number of distinct views with a point in the cell."""
-    hues: NDArray[np.int64] | None = None
-    """(K, 13) points by hue: 12 bins of 30 degrees from red on, then the grey ones."""
     hits: NDArray[np.int64] | None = None
     """(K,) scans with a point in the cell."""
     passes: NDArray[np.int64] | None = None

@@ -85,6 +85,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
     num_voxels = _write(mapper, work)
+    mapper.reached.say()
     return (
         mapper.metrics
         | {"num_voxels": num_voxels, "num_skipped": len(source.skipped)}

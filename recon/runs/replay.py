@@ -11,6 +11,8 @@ from recon.files import atomic_path
 from recon.mapping.pair import PairResult
 from recon.records import Matches, PointCloud, StereoPair
 
+_PARTS = "matches", "cloud", "doubtful"
+"""Of a result, kept field by field."""
 RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
 
 
@@ -65,19 +67,26 @@ class SavedResults:
         """Keep one result, whole; the same."""
         arrays = {
             f"{part}.{field.name}": array
-            for part in ("matches", "cloud")
+            for part in _PARTS
             for field in fields(getattr(result, part))
             if isinstance(array := getattr(getattr(result, part), field.name), np.ndarray)
         }
         with atomic_path(self.path(number)) as path, path.open("wb") as stream:
-            np.savez(stream, allow_pickle=False, **arrays)
+            np.savez(stream, allow_pickle=False, image_noise=result.image_noise, **arrays)
         return result
 
     def load(self, number: int) -> PairResult:
         """The result of pair `number`."""
-        parts: dict[str, dict[str, Any]] = {"matches": {}, "cloud": {}}
+        parts: dict[str, dict[str, Any]] = {part: {} for part in _PARTS}
         with np.load(self.path(number), allow_pickle=False) as saved:
+            left, right = saved["image_noise"].tolist()
             for name in saved.files:
                 part, _, field = name.partition(".")
-                parts[part][field] = saved[name]
-        return PairResult(matches=Matches(**parts["matches"]), cloud=PointCloud(**parts["cloud"]))
+                if part in parts:
+                    parts[part][field] = saved[name]
+        return PairResult(
+            matches=Matches(**parts["matches"]),
+            cloud=PointCloud(**parts["cloud"]),
+            doubtful=PointCloud(**parts["doubtful"]),
+            image_noise=(left, right),
+        )

@@ -46,10 +46,7 @@ def estimate(grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ..
         See `Features.planes`.
     widths_px : (S,) widths of the filters
     """
-    means, energies = _block_energies(grey, _BLOCK_PX)
-    usable = (means >= _DARKEST) & (means <= _BRIGHTEST)
-    if usable.any():
-        means, energies = means[usable], energies[usable]
+    means, energies = _usable_blocks(grey)
     variance = _calm(energies)
     by_scale = np.array([
         _calm(_scale_energies(planes, s, grey.shape[1], _BLOCK_PX)) / gain(width)
@@ -60,6 +57,20 @@ def estimate(grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ..
         by_grey=np.sqrt(_by_grey(means, energies)).astype(np.float32),
         by_scale=np.sqrt(np.maximum(by_scale, variance)).astype(np.float32),
     )
+
+
+def noise_level(grey: NDArray[np.uint8]) -> float:
+    """Standard deviation of the noise of an image (H, W), in grey levels."""
+    return float(np.sqrt(_calm(_usable_blocks(grey)[1])))
+
+
+def _usable_blocks(
+    grey: NDArray[np.uint8],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean grey level and energy of the blocks that are not saturated; of all where none is not."""
+    means, energies = _block_energies(grey, _BLOCK_PX)
+    usable = (means >= _DARKEST) & (means <= _BRIGHTEST)
+    return (means[usable], energies[usable]) if usable.any() else (means, energies)
 
 
 @cache

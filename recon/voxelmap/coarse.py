@@ -76,7 +76,7 @@ class CoarseMaps:
         """The arrays of a file."""
         found: dict[str, NDArray[Any]] = {}
         for level, one in sorted(self.levels.items()):
-            for name, column in archive.hit_columns(one.ordered_rows(), lean=False).items():
+            for name, column in one.hit_columns().items():
                 found[f"coarse{level}_{name}"] = column
         return found
 
@@ -87,4 +87,3 @@ class CoarseMaps:
             own = {n.removeprefix(prefix): c for n, c in columns.items() if n.startswith(prefix)}
             if own:
                 self._at(level).add_rows(archive.rows_of(own))
-

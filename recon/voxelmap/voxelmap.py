@@ -13,13 +13,12 @@ from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan
 from recon.voxelmap.coarse import CoarseMaps
-from recon.voxelmap.hues import Hues
 from recon.voxelmap.rays import Rays, Sightings
-from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, order_of
+from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, in_order, order_of
 from recon.voxelmap.views import ViewSets
 from recon.voxelmap.weights import Weights
 
-CHANNELS = ("weight", "views", "hues", "rays")
+CHANNELS = ("weight", "views", "rays")
 """What a map keeps besides hits, place and colour, where asked to."""
 
 
@@ -34,9 +33,9 @@ class VoxelMap:
     ----------
     cell_size : float
         Side of a cell, world units.
-    channels : iterable of {"weight", "views", "hues", "rays"}
-        What cells keep besides: the sum of weights by sigma; which views saw them; a histogram of
-        hue; how many scans hit and passed them. A scan is one call of `insert`.
+    channels : iterable of {"weight", "views", "rays"}
+        What cells keep besides: the sum of weights by sigma; which views saw them; how many scans
+        hit and passed them. A scan is one call of `insert`.
     ray_margin : float
         Free space ends so many cells, or two sigma if that is more, before a point; at 0 it goes
         up to the point's own cell, as in OctoMap.
@@ -63,8 +62,6 @@ class VoxelMap:
                 return Weights(self.cell_size)
             case "views":
                 return ViewSets()
-            case "hues":
-                return Hues()
             case "rays":
                 return Rays(self.cell_size, self.ray_margin)
         raise InputError(f"channel is {name!r}, but one of {', '.join(CHANNELS)} is needed")
@@ -194,10 +191,6 @@ class VoxelMap:
         part._coarse.crop_from(self._coarse, *corners)
         return part
 
-    def ordered_rows(self) -> Rows:
-        """The sums of all cells, ordered by x, then y, then z."""
-        return self._hits.used[order_of(self._hits.used["index"])]
-
     def save(self, path: str | os.PathLike[str], *, lean: bool = False) -> None:
         """Write the map, whole or not at all; the same map gives the same bytes.
 
@@ -216,12 +209,15 @@ class VoxelMap:
             "ray_margin": np.array(self.ray_margin),
             "channels": np.array(list(channels), dtype="U16"),
         }
-        columns |= archive.hit_columns(self._hits.used[order], lean=lean)
+        columns |= self.hit_columns(lean=lean)
         for channel in channels.values():
             columns |= channel.columns(order)
-        if not lean:
-            columns |= self._coarse.columns()
+        columns |= {} if lean else self._coarse.columns()
         archive.save(path, columns)
+
+    def hit_columns(self, *, lean: bool = False) -> dict[str, NDArray[Any]]:
+        """The arrays of a file that hold hits, places and colours, in the order of the cells."""
+        return archive.hit_columns(in_order(self._hits.used), lean=lean)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "VoxelMap":

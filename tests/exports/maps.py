@@ -5,7 +5,7 @@ import numpy as np
 from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
 
-CHANNELS = ("weight", "views", "hues", "rays")
+CHANNELS = ("weight", "views", "rays")
 
 
 def a_cloud(seed=0, num=300, with_sigma=True):

@@ -5,7 +5,7 @@ import numpy as np
 from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
 
-ALL_CHANNELS = ("weight", "views", "hues", "rays")
+ALL_CHANNELS = ("weight", "views", "rays")
 
 
 def cloud(points, colours=None, sigma=None):

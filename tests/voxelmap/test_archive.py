@@ -107,7 +107,6 @@ def test_a_missing_column_is_refused(path):
         ("cell_size", np.array(-1.0), "cell_size is -1.0"),
         ("channels", np.array(["pickle"]), "channel is 'pickle'"),
         ("view_cell", np.array([10**6]), "view_cell"),
-        ("hue", np.zeros((3, 13), np.uint64), "hue has shape"),
         ("version", np.array("one"), "not a voxel map"),
         ("count", np.zeros(4, np.uint32), "not a voxel map"),
     ],

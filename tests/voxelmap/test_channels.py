@@ -1,6 +1,5 @@
 """What a map keeps besides: right in value, and free of order, chunks and merging."""
 
-import colorsys
 import dataclasses
 import pickle
 
@@ -11,7 +10,6 @@ from hypothesis import strategies as st
 
 from recon.errors import InputError
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.hues import Hues, dominant_hue_deg
 from tests.voxelmap.clouds import ALL_CHANNELS, cloud, observed, random_scans, saved_bytes
 
 
@@ -29,7 +27,7 @@ def test_order_and_merging_do_not_change_a_bit(seed, margin, tmp_path_factory):
 
 
 def test_chunks_of_one_view_do_not_change_what_is_kept_of_its_points(tmp_path):
-    channels = ("weight", "views", "hues")
+    channels = ("weight", "views")
     scans = random_scans(1)
     chunks = [
         (points.select(part), origin, view)
@@ -63,7 +61,7 @@ def test_a_map_merged_with_itself_doubles_its_sums_and_not_its_views():
     before = voxel_map.occupied(1)
     voxel_map.merge(voxel_map)
     after = voxel_map.occupied(1)
-    for name in ("counts", "hues", "hits", "passes", "weights"):
+    for name in ("counts", "hits", "passes", "weights"):
         assert np.array_equal(getattr(after, name), 2 * getattr(before, name)), name
     assert np.array_equal(after.num_views, before.num_views)
 
@@ -90,38 +88,6 @@ def test_many_chunks_of_one_view_stay_small():
     sets = voxel_map._channels["views"]
     assert len(sets._pairs) + sets._num_new < 4 * voxel_map.num_cells + (1 << 17)
     assert (voxel_map.occupied(1).num_views == 1).all()
-
-
-@pytest.mark.parametrize("hue_deg", range(3, 360, 17))
-def test_the_hue_of_a_cell_is_that_of_most_points(hue_deg):
-    rng = np.random.default_rng(hue_deg)
-    hues = np.mod(hue_deg + rng.normal(scale=8, size=200), 360) / 360
-    sky = [colorsys.hsv_to_rgb((hue_deg / 360 + 0.5) % 1, 0.6, 0.9)] * 60
-    leaf = [colorsys.hsv_to_rgb(hue, 0.7, 0.5) for hue in hues]
-    colours = np.rint(255 * np.array(leaf + sky)).astype(np.uint8)
-    points = cloud(np.full((260, 3), 0.5), colours)
-    voxels = observed([(points, None, None)], channels=["hues"]).occupied(1)
-    error = np.mod(dominant_hue_deg(voxels.hues) - hue_deg + 180, 360) - 180
-    assert np.abs(error).max() < 6
-
-
-def test_grey_has_no_hue():
-    colours = np.array([[90, 90, 92], [5, 0, 0], [200, 190, 195], [255, 0, 0]], np.uint8)
-    assert Hues.bins(colours).tolist() == [12, 12, 12, 0]
-    histogram = np.zeros((1, 13), np.int64)
-    histogram[0, [0, 12]] = 1, 3
-    assert np.isnan(dominant_hue_deg(histogram)).all()
-
-
-def test_hue_bins_are_those_of_colorsys():
-    colours = np.random.default_rng(5).integers(0, 256, (2000, 3)).astype(np.uint8)
-    bins = Hues.bins(colours)
-    for colour, found in zip(colours, bins, strict=True):
-        hue, saturation, value = colorsys.rgb_to_hsv(*(colour / 255.0))
-        if found == 12:
-            assert saturation < 0.15 + 1e-9 or value < 0.1 + 1e-9
-        else:
-            assert abs((hue * 12 - found - 0.5 + 6) % 12 - 6) <= 0.5 + 1e-9
 
 
 @pytest.mark.parametrize(

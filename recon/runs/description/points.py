@@ -12,7 +12,7 @@ from recon.runs.description.facts import Facts, extent, spread
 from recon.voxelmap import VoxelMap, archive
 
 _MATCHES = ("points_px", "disparity_px", "sigma_px", "score")
-_FIELDS = ("weights", "num_views", "hues", "hits", "passes")
+_FIELDS = ("weights", "num_views", "hits", "passes")
 
 
 def of_points(path: Path) -> Facts:
