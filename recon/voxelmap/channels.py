@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import check_shape
+from recon.errors import as_numbers, check_finite, check_shape
 from recon.records import PointCloud
 
 Columns = Mapping[str, NDArray[Any]]
@@ -26,6 +26,16 @@ class Scan:
     """(3,) where the points were seen from, world."""
     view: int | None
     """Number of the view."""
+
+
+def eye_of(origin: ArrayLike | None) -> NDArray[np.float64] | None:
+    """The place (3,) that points were seen from, checked."""
+    if origin is None:
+        return None
+    eye = as_numbers("origin", origin)
+    check_shape("origin", eye, (3,))
+    check_finite("origin", eye)
+    return eye
 
 
 class Channel(Protocol):

@@ -8,10 +8,10 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, as_numbers, check_finite, check_number, check_shape, check_type
+from recon.errors import InputError, check_number, check_type
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits, viewers
-from recon.voxelmap.channels import Channel, Scan
+from recon.voxelmap.channels import Channel, Scan, eye_of
 from recon.voxelmap.coarse import CoarseMaps
 from recon.voxelmap.rays import Rays, Sightings
 from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, in_order, order_of
@@ -103,7 +103,7 @@ class VoxelMap:
         check_type("cloud", cloud, PointCloud)
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
         self._check_reach(points)
-        scan = Scan(cloud=replace(cloud, points=points), origin=_eye(origin), view=view)
+        scan = Scan(cloud=replace(cloud, points=points), origin=eye_of(origin), view=view)
         for channel in self._channels.values():
             channel.check(scan)
         inside = (points, np.ascontiguousarray(cloud.shown_colours), self.cell_size)
@@ -295,12 +295,3 @@ class VoxelMap:
             cell_size=self.cell_size,
             **kept,
         )
-
-
-def _eye(origin: ArrayLike | None) -> NDArray[np.float64] | None:
-    if origin is None:
-        return None
-    eye = as_numbers("origin", origin)
-    check_shape("origin", eye, (3,))
-    check_finite("origin", eye)
-    return eye
