@@ -66,6 +66,12 @@ def test_a_range_that_leaves_out_what_is_there(images):
     assert codes(*images, search=(8, 20)) == ["search-range-too-small"]
 
 
+def test_images_that_have_nothing_in_common(images):
+    left, right = images
+    assert codes(left, right[::-1, ::-1].copy()) == ["images-unrelated"]
+    assert codes(left, textured(np.random.default_rng(9))[:, :400].copy()) == ["images-unrelated"]
+
+
 def test_one_image_on_both_sides(images):
     assert codes(images[0], images[0].copy()) == ["same-image"]
 

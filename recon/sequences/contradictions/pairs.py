@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 MIN_SIGHTINGS = 25
 """Fewer tell nothing."""
+MIN_CORNERS, UNRELATED_SHARE = 60, 0.06
+"""Of so many corners, fewer than this share are found again by chance; sound pairs give a fifth."""
 MAX_ROW_OFFSET_PX = 0.75
 """Median of the row offsets. Real rigs stay below (KITTI 0.3): what lenses leave is not said."""
 INLIER_PX = 1.0
@@ -72,14 +74,27 @@ def findings(
     """
     if left.shape == right.shape and np.array_equal(left, right):
         return [Finding(code="same-image", text="left and right are the same image")]
-    seen = survey(left, right)
+    seen, num_wanted = survey(left, right)
     if len(seen) < MIN_SIGHTINGS:
-        return []
+        return _unrelated(len(seen), num_wanted)
     lowest = nearest_px if search is None else min(nearest_px, search[0])
     found = [_moment(seen) or _rows(seen), _sides(seen, lowest)]
     if search is not None and found[1] is None:
         found.append(_range(seen, search))
     return [finding for finding in found if finding is not None]
+
+
+def _unrelated(num_seen: int, num_wanted: int) -> list[Finding]:
+    """Images full of corners of which the other shows next to none."""
+    if num_wanted < MIN_CORNERS or num_seen > UNRELATED_SHARE * num_wanted:
+        return []
+    return [
+        Finding(
+            code="images-unrelated",
+            text=f"left and right show next to nothing in common: {num_seen} of {num_wanted} "
+            "corners are found again; is one of them turned, or of another place?",
+        )
+    ]
 
 
 def _sides(seen: Sightings, lowest: float) -> Finding | None:

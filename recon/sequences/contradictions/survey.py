@@ -22,8 +22,8 @@ MIN_LEAD = 0.05
 """Over the next best place elsewhere: patches that repeat tell nothing."""
 
 
-def survey(left: Image, right: Image) -> Sightings:
-    """Corners of the left image wherever they are in the right one.
+def survey(left: Image, right: Image) -> tuple[Sightings, int]:
+    """Corners of the left image wherever they are in the right one, and how many were looked for.
 
     Patches are looked for along whole rows and some rows above and below, in small images; those
     that are found once only are followed at full size.
@@ -31,7 +31,8 @@ def survey(left: Image, right: Image) -> Sightings:
     one, other = grey(left), grey(right)
     factor = max(1.0, one.shape[1] / MAX_WIDTH_PX)
     small, small_other = (_shrunk(image, factor) for image in (one, other))
-    starts, ends = _found(small, small_other, _spread(corners(small)))
+    wanted = _spread(corners(small))
+    starts, ends = _found(small, small_other, wanted)
     points = ((starts + 0.5) * factor - 0.5).astype(np.float32)
     guess = ((ends + 0.5) * factor - 0.5).astype(np.float32)
     moved, is_found = follow(one, other, points, guess)
@@ -39,7 +40,7 @@ def survey(left: Image, right: Image) -> Sightings:
     seen = Sightings(
         points_px=points.astype(np.float64), disparity_px=offset[:, 0], row_offset_px=-offset[:, 1]
     )
-    return seen.select(is_found)
+    return seen.select(is_found), len(wanted)
 
 
 def _shrunk(image: Image, factor: float) -> Image:
