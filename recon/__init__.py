@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from recon.mapping.pair import match_pair as match_pair
     from recon.mapping.pair import process_pair as process_pair
     from recon.plugins import register as register
-    from recon.recognition.fitting.shapes import fit as fit
+    from recon.recognition.fitting.outliers import fit as fit
     from recon.records import Box as Box
     from recon.records import Cone as Cone
     from recon.records import Cylinder as Cylinder
@@ -98,7 +98,7 @@ _HOMES = {
     "exports.formats": "read write",
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",
-    "recognition.fitting.shapes": "fit",
+    "recognition.fitting.outliers": "fit",
     "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Image "
     "Matches Mesh Part Plane PointCloud Recognition Reconstruction Sphere StereoPair Trajectory "
     "TruncatedCone View Voxels",

@@ -5,7 +5,6 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError, check_shape
 from recon.geometry import pose
@@ -48,6 +47,9 @@ class Trajectory:
 
     def as_tum(self) -> str:
         """The text of `trajectory.txt`: stamp tx ty tz qx qy qz qw."""
+        # Late, as records are loaded by every command and this by few.
+        from scipy.spatial.transform import Rotation
+
         quaternions = Rotation.from_matrix(self.T_world_left[:, :3, :3]).as_quat()
         rows = np.column_stack([self.stamps_s, self.positions, quaternions])
         return "".join(" ".join(f"{value:.9f}" for value in row) + "\n" for row in rows)
@@ -61,6 +63,8 @@ class Trajectory:
         InputError
             For a row without its eight numbers; `name` is what the message calls the text.
         """
+        from scipy.spatial.transform import Rotation
+
         try:
             rows = np.loadtxt(text.splitlines(), ndmin=2) if text.strip() else np.empty((0, 8))
         except ValueError as error:

@@ -7,7 +7,7 @@ vote for is hit by half of them or more, and far more tightly, it is what the cl
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import INLIER_SIGMAS, Candidate, candidates
@@ -38,9 +38,9 @@ class Explained:
     """Of all points, those within 3 rms of the best."""
 
 
-def fit(points: Array) -> Solid | FitFailure:
-    """The solid that most of the points (N, 3) lie on."""
-    found = explain(points)
+def fit(points: ArrayLike) -> Solid | FitFailure:
+    """The solid that most of the points (N, 3) lie on; a falsy reason where they show none."""
+    found = explain(np.asarray(points, dtype=np.float64))
     return found if isinstance(found, FitFailure) else found.candidates[0].solid
 
 

@@ -1,5 +1,7 @@
 """A file or folder recognised by its ending and content, and described."""
 
+import importlib
+from collections.abc import Callable
 from pathlib import Path
 
 from recon.errors import InputError
@@ -7,26 +9,24 @@ from recon.exports.formats import FORMATS
 from recon.files import check_regular
 from recon.notices import collected_notices
 from recon.runfolder import MANIFEST
-from recon.runs.description.documents import of_json, of_text, of_toml, of_yaml
 from recon.runs.description.facts import Facts
-from recon.runs.description.points import of_npz, of_points
-from recon.runs.description.recordings import (
-    of_calibration,
-    of_disparity,
-    of_image,
-    of_recording,
-    of_scene,
-)  # fmt: skip
-from recon.runs.description.runs import of_run
-from recon.sequences.images import ENDINGS
-from recon.sequences.readers.bag import is_bag
-from recon.sequences.readers.video import ENDINGS as VIDEO_ENDINGS
 
+# Where each kind is described, loaded only for a file of its kind: some read much to know it.
+_RUN, _RECORDING, _POINTS = "runs:of_run", "recordings:of_recording", "points:of_points"
+_IMAGE = "recordings:of_image"
 _BY_ENDING = {
-    ".scene": of_scene, ".pfm": of_disparity, ".json": of_json, ".toml": of_toml,
-    ".yaml": of_yaml, ".yml": of_yaml, ".xml": of_calibration, ".npz": of_npz, ".txt": of_text,
-    ".csv": of_text,
-}  # fmt: skip
+    ".scene": "recordings:of_scene",
+    ".pfm": "recordings:of_disparity",
+    ".xml": "recordings:of_calibration",
+    ".json": "documents:of_json",
+    ".toml": "documents:of_toml",
+    ".yaml": "documents:of_yaml",
+    ".yml": "documents:of_yaml",
+    ".txt": "documents:of_text",
+    ".csv": "documents:of_text",
+    ".npz": "points:of_npz",
+}
+_IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp")
 
 
 def describe(path: Path) -> Facts:
@@ -39,30 +39,45 @@ def describe(path: Path) -> Facts:
     """
     with collected_notices() as notices:
         try:
-            facts = _described(path)
+            facts = _describer(path)(path)
         except InputError as error:
             raise error if str(path) in str(error) else InputError(f"{path}: {error}") from error
     return facts | {"warnings": [notice.as_json() for notice in notices]}
 
 
-def _described(path: Path) -> Facts:
+def _describer(path: Path) -> Callable[[Path], Facts]:
+    """The function that describes what is at `path`."""
+    place = _place(path)
+    module, _, name = place.partition(":")
+    found: Callable[[Path], Facts] = getattr(
+        importlib.import_module(f"recon.runs.description.{module}"), name
+    )
+    return found
+
+
+def _place(path: Path) -> str:
     if not path.exists():
         raise InputError(f"{path} does not exist")
     ending = path.suffix.lower()
-    if path.is_dir() and ending != ".zarr":
-        return of_run(path) if (path / MANIFEST).exists() else of_recording(path)
     if path.is_dir():
-        return of_points(path)
+        folder = _RUN if (path / MANIFEST).exists() else _RECORDING
+        return _POINTS if ending == ".zarr" else folder
     check_regular(path)
-    if is_bag(path) or ending in VIDEO_ENDINGS:
-        return of_recording(path)
     if ending in _BY_ENDING:
-        return _BY_ENDING[ending](path)
-    if ending in ENDINGS and not _is_map(path):
-        return of_image(path)
+        return _BY_ENDING[ending]
+    if ending in _IMAGES and not _is_map(path):
+        return _IMAGE
     if ending in FORMATS:
-        return of_points(path)
+        return _POINTS
+    if _is_recording(path):
+        return _RECORDING
     raise InputError(f"{path}: the ending {ending!r} is not one that recon reads or writes")
+
+
+def _is_recording(path: Path) -> bool:
+    from recon.sequences.open import find_recording
+
+    return find_recording(path) is not None
 
 
 def _is_map(path: Path) -> bool:
