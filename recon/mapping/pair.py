@@ -9,7 +9,7 @@ from recon.errors import InputError, check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
-from recon.stereo.features import detect, to_grey
+from recon.stereo.features import detect_both, to_grey
 from recon.stereo.matching.matching import match, match_whole_images
 from recon.stereo.noise import noise_level
 from recon.stereo.subpixel import refine
@@ -95,8 +95,7 @@ def _match(
     if whole is not None:
         return whole, (noise_level(to_grey(left)), noise_level(to_grey(right)))
     # Oriented features of both images at several scales (Eqs 11 to 14).
-    features_left = detect(left, settings.features)
-    features_right = detect(right, settings.features)
+    features_left, features_right = detect_both(left, right, settings.features)
     matches = match_features(features_left, features_right, settings, stated_range)
     return matches, (features_left.noise.level, features_right.noise.level)
 

@@ -1,5 +1,7 @@
 """Feature points: where the response of the steerable filters has a ridge (thesis 3.3)."""
 
+from functools import partial
+
 import cv2
 import numpy as np
 from numba import njit
@@ -11,6 +13,7 @@ from recon.settings import FeatureSettings
 from recon.stereo import filters, population
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import Floats, kernel
+from recon.stereo.kernels.threads import run
 from recon.stereo.noise import estimate, floor_modulus
 
 _CANDIDATE_SHARE = 0.5
@@ -64,6 +67,14 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     )
 
 
+def detect_both(
+    left: NDArray[np.uint8], right: NDArray[np.uint8], settings: FeatureSettings
+) -> tuple[Features, Features]:
+    """The feature points of two images, side by side where threads are allowed."""
+    first, second = run([partial(detect, image, settings) for image in (left, right)])
+    return first, second
+
+
 def _orientation(cosine: Floats, sine: Floats) -> Floats:
     """Angles in [0, pi) from vectors at twice the angle."""
     double = np.empty_like(cosine)
@@ -96,7 +107,7 @@ def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -
     return max(lowest, by_number)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
     """Where the modulus is the largest along the normal of the edge."""
     height, width = modulus.shape

@@ -171,7 +171,7 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
     return responses
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
 def _filter(lattices: tuple[_Lattice, ...], sums: Floats, responses: Responses) -> None:
     height, width = responses.modulus.shape
     energy = np.empty((3, responses.planes.shape[4]), np.float32)

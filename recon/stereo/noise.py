@@ -129,7 +129,7 @@ def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArr
     return between
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _block_energies(
     grey: NDArray[np.uint8], side: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -156,7 +156,7 @@ def _block_energies(
     return means.reshape(-1), energies.reshape(-1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArray[np.float64]:
     """Mean energy of one scale's responses in each block, all directions together."""
     height, _, directions, _, _ = planes.shape

@@ -1,6 +1,7 @@
 """Sub-pixel refinement of the disparity, from phase differences (Eqs 20, 21)."""
 
 import dataclasses
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from recon.stereo.filters import WAVELENGTH_OF_WIDTH
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
 from recon.stereo.kernels.sorting import order
+from recon.stereo.kernels.threads import bands, run
 from recon.stereo.uncertainty import (
     calm_ratios,
     solve,
@@ -27,6 +29,8 @@ _FINEST_WIDTH_PX = 2.0
 _LEAST_COSINE = np.float32(np.cos(2.2))
 """Of a phase difference; a larger one has wrapped round, or belongs to nothing."""
 
+_LEAST_BAND = 4096
+"""Pairs that a thread is worth."""
 _CHUNK = 64
 """Pairs that are tuned at once, so that what is known of them stays in the fastest memory."""
 
@@ -52,7 +56,15 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     scales = np.flatnonzero(widths >= _FINEST_WIDTH_PX)
     nominal = np.float32(2 * np.pi / WAVELENGTH_OF_WIDTH) / widths
     last = left.grey.shape[1] - 1
-    sums = _sum(left.planes, right.planes, scales, nominal, (u, v, u - delta), last)
+    pixels = u, v, u - delta
+
+    def sums_of(pairs: tuple[int, int]) -> Floats:
+        some = tuple(column[slice(*pairs)] for column in pixels)
+        found: Floats = _sum(left.planes, right.planes, scales, nominal, some, last)
+        return found
+
+    parts = run([partial(sums_of, pairs) for pairs in bands(len(rows), _LEAST_BAND)])
+    sums = np.concatenate(parts, axis=1)
     white = white_energies(left, right, scales, left.grey[v, u])
     tuning = solve(sums, white, calm_ratios(left, right, scales), rows <= len(matches) // 2)
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
@@ -92,7 +104,7 @@ class _Channels(NamedTuple):
     """1, or 0 where the weight is."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", nogil=True)
 def _sum(
     left: Floats,
     right: Floats,

@@ -107,7 +107,7 @@ def test_sigma_and_probability_under_noise(quality, sigma, rng):
     spread = np.sqrt(np.mean((error[right_ones] / matches.sigma_px[right_ones]) ** 2))
     assert 0.15 < spread < 1.1
     # Such an easy wall is right more often than pairs of its score and noise are elsewhere.
-    assert -0.25 < matches.probability.mean() - right_ones.mean() < 0.05
+    assert -0.35 < matches.probability.mean() - right_ones.mean() < 0.05
     sure = (matches.probability >= 0.5) & (matches.sigma_px < UNTUNED_SIGMA_PX)
     assert right_ones[sure].mean() > 0.97
     in_the_calm = matches.points_px[:, 1] < 60

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from benchmarks import Measurement
+from recon.libraries import limit_threads
 from recon.records import Matches
 from recon.settings import Quality, Settings, updated, with_quality
 from recon.stereo.evaluation import coverage, evaluate
@@ -30,7 +31,7 @@ Images = tuple[np.ndarray, np.ndarray]
 
 def measure(quick: bool) -> list[Measurement]:
     """Times as ratios, stage times, growth with the image, and how right the matches are."""
-    cv2.setNumThreads(1)
+    limit_threads(1)
     repeats = 3 if quick else 15
     found = []
     for quality in QUALITIES:

@@ -1,6 +1,7 @@
 """The best supported shift of each point, its rivals, and its side of an edge."""
 
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -9,10 +10,13 @@ from numpy.typing import NDArray
 
 from recon.stereo.kernels.memory import aligned_zeros
 from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, kernel
+from recon.stereo.kernels.threads import bands, run
 from recon.stereo.matching.cost import Responses, Ring, Search, fill_row, line_start, make_ring
 from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
 from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
 
+_LEAST_BAND = 96
+"""Rows of a band at least, as twice the radius of its windows is computed beside it."""
 _RIVAL_GAP = 3
 """From so many shifts away another maximum is a rival: repetition, or an edge along a row."""
 
@@ -91,10 +95,15 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
     )
     ring = make_ring(base, search)
     task = _Task(base, other, points, search, *_windows(base, ring))
-    _aggregate(
-        task, ring, _make_room(task, ring),
-        (support.shift, support.score, support.rival, support.side),
-    )  # fmt: skip
+    claims = _make_claims(task, ring)
+    result = support.shift, support.score, support.rival, support.side
+
+    def work_on(rows: tuple[int, int]) -> None:
+        # Each band has a ring of its own; no row of the results depends on where bands end.
+        own = make_ring(base, search)
+        _aggregate(task, own, _make_room(task, own, claims), rows, result)
+
+    run([partial(work_on, rows) for rows in bands(base.mask.shape[0], _LEAST_BAND)])
     return support
 
 
@@ -103,10 +112,14 @@ def _windows(base: Responses, ring: Ring) -> tuple[Window, Window, Window]:
     return windows(ring.every, ring.lanes, to_slack, base.mask.shape[1] + 2 * SIDE_RADIUS)
 
 
-def _make_room(task: _Task, ring: Ring) -> _Room:
+def _make_claims(task: _Task, ring: Ring) -> Floats:
     height, width = task.base.mask.shape
-    num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
     reach = width + abs(task.search.first) + ring.lanes
+    return np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED)
+
+
+def _make_room(task: _Task, ring: Ring, claims: Floats) -> _Room:
+    num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
     return _Room(
         lines=np.zeros(2 * SIDE_RADIUS + 1, np.int64),
         disc=np.zeros((2, num_disc), np.int64),
@@ -114,7 +127,7 @@ def _make_room(task: _Task, ring: Ring) -> _Room:
         weights=aligned_zeros(num_disc),
         support=aligned_zeros(ring.lanes),
         closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
-        claims=np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED),
+        claims=claims,
     )
 
 
@@ -131,17 +144,20 @@ def aggregate_rows(
     return best
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def _aggregate(task: _Task, ring: Ring, room: _Room, result: _Result) -> None:
+@njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
+def _aggregate(
+    task: _Task, ring: Ring, room: _Room, rows: tuple[int, int], result: _Result
+) -> None:
+    """Find support for the points of a band of rows, from the first to the end."""
     points, search = task.points, task.search
     height, width = task.base.mask.shape
     begin = points.starts[:-1].copy()
     end = begin.copy()
     for first in range(0, width, ring.width):
         # Above the image, too: the ring still holds the last rows of the strip before.
-        for v in range(-SIDE_RADIUS, SIDE_RADIUS):
+        for v in range(rows[0] - SIDE_RADIUS, rows[0] + SIDE_RADIUS):
             fill_row(ring, v, first, task.base, task.other, search)
-        for v in range(height):
+        for v in range(rows[0], rows[1]):
             fill_row(ring, v + SIDE_RADIUS, first, task.base, task.other, search)
             while end[v] < points.starts[v + 1] and points.u[end[v]] < first + ring.width:
                 end[v] += 1
@@ -149,7 +165,7 @@ def _aggregate(task: _Task, ring: Ring, room: _Room, result: _Result) -> None:
                 _judge(task, ring, room, (v, first, begin[v], end[v]), result)
             begin[v] = end[v]
     if search.is_unique:
-        _reject(points, search, room.claims, result)
+        _reject(points, search, room.claims, rows, result)
 
 
 @kernel
@@ -206,11 +222,13 @@ def _choose(
 
 
 @kernel
-def _reject(points: Points, search: Search, claims: Floats, result: _Result) -> None:
+def _reject(
+    points: Points, search: Search, claims: Floats, rows: tuple[int, int], result: _Result
+) -> None:
     """Forget points whose partner supports another point of the row more."""
     shift, score, _, _ = result
     margin = max(0, -search.first)
-    for v in range(claims.shape[0]):
+    for v in range(rows[0], rows[1]):
         for i in range(points.starts[v], points.starts[v + 1]):
             if score[i] < claims[v, margin + points.u[i] + shift[i]]:
                 score[i] = -np.inf

@@ -1,0 +1,52 @@
+"""Threads: the same bytes for any number of them, and no more than were allowed."""
+
+import numpy as np
+import pytest
+
+from recon.libraries import THREAD_VARIABLES
+from recon.mapping.pair import match_pair
+from recon.stereo.kernels.threads import bands, num_threads, run
+from scenes import textured_pair
+
+
+@pytest.mark.parametrize("quality", ["best", "fast"])
+def test_the_bytes_do_not_depend_on_the_number_of_threads(quality, monkeypatch):
+    left, right, _ = textured_pair()
+    tall = [np.concatenate([image] * 4) for image in (left, right)]
+    found = {}
+    for number in (1, 2, 5):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", str(number))
+        assert len(bands(len(tall[0]), 96)) == number
+        found[number] = match_pair(*tall, quality=quality)
+    assert len(found[1]) > 1000
+    for other in (found[2], found[5]):
+        for name in ("points_px", "disparity_px", "sigma_px", "score", "probability"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(found[1], name))
+
+
+def test_the_allowance_is_that_of_the_environment(monkeypatch):
+    assert "NUMBA_NUM_THREADS" in THREAD_VARIABLES
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
+    assert num_threads() == 3
+    for nonsense in ("", "0", "many"):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", nonsense)
+        assert num_threads() >= 1
+
+
+def test_bands_cover_every_row_once(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "4")
+    for size in (0, 1, 95, 200, 1001):
+        rows = [v for first, end in bands(size, 96) for v in range(first, end)]
+        assert rows == list(range(size))
+    assert len(bands(95, 96)) == 1
+
+
+def test_a_failure_in_a_thread_is_raised(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+
+    def fail():
+        raise ValueError("lost")
+
+    assert run([lambda: 1, lambda: 2, lambda: 3]) == [1, 2, 3]
+    with pytest.raises(ValueError, match="lost"):
+        run([lambda: 1, fail])
