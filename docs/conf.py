@@ -1,14 +1,13 @@
-"""The site: Sphinx with the PyData theme, Markdown by MyST, examples by sphinx-gallery.
+"""The site: Sphinx with the PyData theme, Markdown by MyST, commands by sphinx-click.
 
 Chosen before MkDocs Material: docstrings are numpydoc, which Sphinx reads as the rest of the
-scientific Python world writes it; commands come from click by sphinx-click, and examples run when
-the site is made. Nothing is fetched when it is built or looked at.
+scientific Python world writes it, and commands come from click by sphinx-click. Nothing is fetched
+when the site is built or looked at.
 """
 
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
 
 project = "recon"
@@ -20,7 +19,6 @@ extensions = [
     "sphinx.ext.mathjax",
     "numpydoc",
     "sphinx_click",
-    "sphinx_gallery.gen_gallery",
     "settings_table",
 ]
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -32,14 +30,6 @@ autosummary_generate = True
 numpydoc_show_class_members = False
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
-sphinx_gallery_conf = {
-    "examples_dirs": str(ROOT / "examples"),
-    "gallery_dirs": "gallery",
-    "filename_pattern": r"\.py$",
-    "download_all_examples": False,
-    "show_memory": False,
-    "remove_config_comments": True,
-}
 html_theme = "pydata_sphinx_theme"
 html_title = "recon"
 html_theme_options = {
