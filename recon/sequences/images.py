@@ -116,7 +116,7 @@ def _opencv(data: bytes, name: str) -> Pixels:
     except cv2.error as error:
         raise InputError(f"{name} has a size that cannot be read") from error
     if stored is None or stored.dtype not in (np.uint8, np.uint16):
-        raise InputError(f"{name} is no image that can be read")
+        raise InputError(f"{name} is not an image that can be read")
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
     channels = 1 if stored.ndim == 2 else stored.shape[2]
     rgb: Pixels = cv2.cvtColor(stored, order[channels]) if channels in order else stored
@@ -160,7 +160,7 @@ def _loaded(data: bytes, name: str) -> Any:
             with silent() if data.startswith(_TIFF_STARTS) else nullcontext():
                 image.load()
         except PIL.UnidentifiedImageError as error:
-            raise InputError(f"{name} is no image that can be read") from error
+            raise InputError(f"{name} is not an image that can be read") from error
         except PIL.Image.DecompressionBombError as error:
             raise InputError(f"{name} claims more pixels than are read") from error
         except InputError:

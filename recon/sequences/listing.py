@@ -54,7 +54,7 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
 def gaps(listed: Sequence[Listed]) -> list[str]:
     """Names that are missing on both sides, where names are numbers that count by a fixed step.
 
-    Times in nanoseconds jitter and are no count: all but a few steps must be the smallest one.
+    Times in nanoseconds jitter and are not a count: all but a few steps must be the smallest one.
     """
     if len(listed) < 3 or not all(entry.name.isdigit() for entry in listed):
         return []

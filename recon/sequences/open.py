@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.geometry import LEVEL_CAMERA
 from recon.plugins import Registry
 from recon.records import PairSource, StereoPair
-from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
+from recon.sequences.calibration.refinement import RefinedPairs, row_residual
 from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.frames import DerivedSource
 from recon.sequences.odometry.odometry import EstimatedPoses
@@ -56,7 +56,7 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
     if settings.poses == "estimated":
         source = EstimatedPoses(recording)
     else:
-        source = StraightenedPairs(recording, row_residual)
+        source = RefinedPairs(recording, row_residual)
     if settings.poses == "given":
         source = PosedPairs(source)
     elif settings.poses == "none":

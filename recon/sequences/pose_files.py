@@ -53,7 +53,7 @@ def read_poses(path: Path) -> GivenPoses:
     Raises
     ------
     InputError
-        With the line that is no pose, or whose time goes back.
+        With the line that is not a pose, or whose time goes back.
     """
     if path.suffix.lower() == ".json":
         return read_nerfstudio(path)

@@ -52,7 +52,7 @@ def read_colmap(path: Path, lines: Sequence[str]) -> GivenPoses:
         if not fields:
             continue
         if len(fields) < COLMAP_COLUMNS or not all(is_finite(field) for field in fields[:9]):
-            raise InputError(f"{path}, line {number}: {line[:60]!r} is no image of COLMAP")
+            raise InputError(f"{path}, line {number}: {line[:60]!r} is not an image of COLMAP")
         w, x, y, z, *step = (float(field) for field in fields[1:8])
         if not 0.9 < math.hypot(w, x, y, z) < 1.1:
             raise InputError(f"{path}, line {number}: its quaternion has not length 1")

@@ -35,7 +35,7 @@ def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
     Raises
     ------
     InputError
-        Where it cannot be read or is no text.
+        Where it cannot be read or is not text.
     """
     try:
         return documents.read_text(path, max_bytes)

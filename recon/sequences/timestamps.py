@@ -21,7 +21,7 @@ MIN_STAMP = 10**9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Moment:
+class FramePose:
     """One frame's time and pose."""
 
     stamp_s: float
@@ -31,19 +31,20 @@ class Moment:
     """Why the frame cannot be used."""
 
 
-def list_moments(
+def list_frame_poses(
     names: Sequence[str],
     times: Array | None,
     given: GivenPoses | None,
     *,
     needs_pose: bool = True,
-) -> list[Moment]:
-    """The moment of each named frame; where nothing is timed, the number of its row is its time.
+) -> list[FramePose]:
+    """The time and pose of each named frame.
 
-    Rows that are as many as names go in order. Otherwise the numbers in the names count the rows,
-    so that a frame that is missing does not shift the rest: from the first frame where the
-    numbers span as many rows as there are, else from frame 0. Poses with times are joined by
-    time, where the frames have times too: in a file, or as their names.
+    Where nothing is timed, the number of its row is its time. Rows that are as many as names go
+    in order. Otherwise the numbers in the names count the rows, so that a frame that is missing
+    does not shift the rest: from the first frame where the numbers span as many rows as there
+    are, else from frame 0. Poses with times are joined by time, where the frames have times too:
+    in a file, or as their names.
 
     Parameters
     ----------
@@ -65,15 +66,15 @@ def list_moments(
         times = _times_of_names(names, given)
     stamps = _stamps(names, times, given)
     if given is None:
-        return [Moment(stamp_s=stamp) for stamp in stamps]
+        return [FramePose(stamp_s=stamp) for stamp in stamps]
     try:
         poses = _poses(names, stamps, given, is_timed=times is not None)
     except InputError:
         if needs_pose:
             raise
-        return [Moment(stamp_s=stamp) for stamp in stamps]
+        return [FramePose(stamp_s=stamp) for stamp in stamps]
     return [
-        Moment(
+        FramePose(
             stamp_s=stamp,
             T_world_left=T,
             fault="there is no pose for it" if needs_pose and T is None else None,
@@ -172,7 +173,7 @@ def read_times(path: Path) -> Array | None:
         try:
             times += [_time(bare)] if bare else []
         except ValueError as error:
-            raise InputError(f"{path}, line {number}: {line[:40]!r} is no time") from error
+            raise InputError(f"{path}, line {number}: {line[:40]!r} is not a time") from error
     check_finite(str(path), np.array(times))
     return in_seconds(np.array(times))
 

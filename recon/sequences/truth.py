@@ -111,7 +111,7 @@ def _decode(data: bytes, path: Path) -> NDArray[np.generic]:
     try:
         return decode_pixels(data, str(path))
     except InputError as error:
-        raise InputError(f"{path} is no image of disparities ({error})") from error
+        raise InputError(f"{path} is not an image of disparities ({error})") from error
 
 
 def _scale_beside(path: Path, stored: np.dtype[np.generic]) -> float:

@@ -206,7 +206,7 @@ def test_a_video_that_is_cut_is_read_as_far_as_it_goes(tmp_path):
 def test_a_video_that_is_none_is_refused(tmp_path):
     path = write_video(tmp_path / "recording")
     (path / "left.avi").write_bytes(b"no video")
-    with pytest.raises(InputError, match="is no video that OpenCV can read"):
+    with pytest.raises(InputError, match="is not a video that OpenCV can read"):
         read(path)
 
 
@@ -266,5 +266,5 @@ def test_times_that_are_no_numbers_are_refused(folder):
     with pytest.raises(InputError, match=r"times\.txt holds nan"):
         read(folder)
     (folder / "times.txt").write_text("0\nsoon\n2\n3\n")
-    with pytest.raises(InputError, match=r"times\.txt, line 2: 'soon' is no time"):
+    with pytest.raises(InputError, match=r"times\.txt, line 2: 'soon' is not a time"):
         read(folder)

@@ -148,14 +148,14 @@ def test_middlebury_millimetres_become_metres(tmp_path):
         ("cam0=[1 0 1; 0 1 1; 0 0 1]\n", "cam1 is 'missing', but 9 numbers are needed"),
         (opencv(OPENCV_5).replace("M2:", "W2:"), "lacks K2 or M2"),
         (opencv(OPENCV_5).replace("T:", "t:"), "lacks T"),
-        (opencv(OPENCV_5).replace("rows: 3", "rows: 4", 1), "no calibration in YAML"),
+        (opencv(OPENCV_5).replace("rows: 3", "rows: 4", 1), "not a calibration in YAML"),
         (kalibr().replace("radtan", "rational"), "camera model pinhole with rational is not known"),
         (kalibr().replace("cam1:", "cam7:"), "lacks cam1"),
         ("focal length: seven\n", "lacks K1 or M1"),
         ("just words", "holds no keys"),
-        ("a: [1, 2\nb: 3", r"line 2: this is no calibration in YAML"),
+        ("a: [1, 2\nb: 3", r"line 2: this is not a calibration in YAML"),
         (opencv(OPENCV_4).replace("458.654", "-458.654"), "focal lengths are -458.654"),
-        ("M1: !!python/object/apply:os.system [ls]\n", "no calibration in YAML"),
+        ("M1: !!python/object/apply:os.system [ls]\n", "not a calibration in YAML"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_named(tmp_path, text, message):

@@ -162,9 +162,9 @@ def test_kittis_colour_cameras_have_another_baseline(tmp_path, text):
         ("1.0 0 0 0 0 0 0 1\n2.0 0 0 1 0 0 0 1\n", "holds no keys"),
         ("cam0: hello\ncam1: {T_cn_cnm1: 3}\n", "cam0 is a str, but keys are needed"),
         (ros("left"), "no file of the other side"),
-        (XML.replace("<data>450.0", "<data>45x"), "no calibration in XML"),
+        (XML.replace("<data>450.0", "<data>45x"), "not a calibration in XML"),
         ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "XML entities"),
-        ("<a>" * 5000, "no calibration in XML"),
+        ("<a>" * 5000, "not a calibration in XML"),
         ("a: " + "[" * 5000, "beyond what a calibration holds"),
         ("a: &a [1,1,1,1,1,1,1,1,1,1]\n"
          + "".join(f"{chr(98 + n)}: &{chr(98 + n)} [{','.join([f'*{chr(97 + n)}'] * 10)}]\n"

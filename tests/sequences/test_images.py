@@ -62,5 +62,5 @@ def test_what_is_missing_empty_or_no_image_is_refused(tmp_path):
     with pytest.raises(InputError, match="is empty"):
         read_image(tmp_path / "empty.png")
     (tmp_path / "words.png").write_text("words")
-    with pytest.raises(InputError, match="is no image"):
+    with pytest.raises(InputError, match="is not an image"):
         read_image(tmp_path / "words.png")

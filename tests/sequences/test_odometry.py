@@ -11,7 +11,7 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import StereoPair
-from recon.sequences.calibration.refinement import StraightenedPairs, row_residual
+from recon.sequences.calibration.refinement import RefinedPairs, row_residual
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.odometry.errors import drift_percent, paired_poses, trajectory_errors
 from recon.sequences.odometry.odometry import EstimatedPoses
@@ -103,7 +103,7 @@ def test_a_row_offset_is_found_and_taken_out_of_the_images(drive):
 
 
 def test_rows_of_given_poses_are_straightened_too_and_disparities_stay(drive):
-    source = StraightenedPairs(recording([lowered(pair) for pair in drive]), row_residual)
+    source = RefinedPairs(recording([lowered(pair) for pair in drive]), row_residual)
     straight = list(source)
     assert source.residual.row.coefficients[0] == pytest.approx(0.6, abs=0.1)
     assert not source.residual.disparity.coefficients.any()
@@ -111,12 +111,10 @@ def test_rows_of_given_poses_are_straightened_too_and_disparities_stay(drive):
 
 
 def test_a_straight_rig_is_left_alone_and_so_are_pairs_of_many_rigs(drive):
-    for pair, straight in zip(
-        drive, StraightenedPairs(recording(drive), row_residual), strict=True
-    ):
+    for pair, straight in zip(drive, RefinedPairs(recording(drive), row_residual), strict=True):
         assert straight is pair
     rigs = [replace(p, rig=replace(RIG, baseline=0.5 + 0.01 * n)) for n, p in enumerate(drive)]
-    source = StraightenedPairs(recording([lowered(pair) for pair in rigs]), row_residual)
+    source = RefinedPairs(recording([lowered(pair) for pair in rigs]), row_residual)
     assert not source.residual.row.coefficients.any()
     assert len(list(source)) == len(drive)
 

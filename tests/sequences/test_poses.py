@@ -10,7 +10,7 @@ from recon.errors import InputError
 from recon.geometry import pose
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses, T_up_recorded
-from recon.sequences.timestamps import list_moments
+from recon.sequences.timestamps import list_frame_poses
 
 rotations = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda v: Rotation.from_rotvec(v).as_matrix())
 
@@ -122,5 +122,5 @@ def test_over_a_long_gap_nothing_is_made_up():
 )
 def test_which_row_belongs_to_a_frame(names, num_rows, rows):
     times = 10.0 * np.arange(num_rows)
-    moments = list_moments(names, times, None)
-    assert [moment.stamp_s for moment in moments] == [10.0 * row for row in rows]
+    frame_poses = list_frame_poses(names, times, None)
+    assert [frame_pose.stamp_s for frame_pose in frame_poses] == [10.0 * row for row in rows]

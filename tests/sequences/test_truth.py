@@ -49,7 +49,7 @@ def test_a_missing_or_broken_truth_is_refused(tmp_path):
     with pytest.raises(InputError, match="holds no disp_left"):
         read_truth(tmp_path)
     (tmp_path / "disp_left.png").write_bytes(b"")
-    with pytest.raises(InputError, match="no image of disparities"):
+    with pytest.raises(InputError, match="not an image of disparities"):
         read_truth(tmp_path)
 
 

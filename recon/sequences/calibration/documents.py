@@ -69,7 +69,7 @@ def _yaml(path: Path, text: str) -> Any:
     except (yaml.YAMLError, KeyError, ValueError, TypeError, AttributeError) as error:
         mark = getattr(error, "problem_mark", None)
         line = f", line {mark.line + 1}" if mark else ""
-        raise InputError(f"{path}{line}: this is no calibration in YAML") from error
+        raise InputError(f"{path}{line}: this is not a calibration in YAML") from error
 
 
 def _check_extent(text: str) -> None:
@@ -99,7 +99,7 @@ def _xml(path: Path, text: str) -> Any:
         return _xml_value(ET.fromstring(text))
     except (ET.ParseError, KeyError, ValueError, TypeError) as error:
         reason = str(error).partition("\n")[0]
-        raise InputError(f"{path} is no calibration in XML ({reason:.80})") from error
+        raise InputError(f"{path} is not a calibration in XML ({reason:.80})") from error
 
 
 def _xml_value(element: ET.Element, depth: int = 0) -> Any:

@@ -95,7 +95,7 @@ def _with_partner(path: Path, document: Document) -> Document:
             return {**read_document(partner), **document}
     if not has_cameras and not has_step:
         raise KeyError(
-            "K1 or M1: it is no calibration that is known (OpenCV, ROS, Kalibr, OKVIS, "
+            "K1 or M1: it is not a calibration that is known (OpenCV, ROS, Kalibr, OKVIS, "
             "VINS-Fusion, ORB-SLAM, KITTI, Middlebury)"
         )
     return document

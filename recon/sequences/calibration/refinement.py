@@ -26,7 +26,7 @@ MAX_TRACKED_PAIRS = 30
 """From which disparities are estimated, evenly spread over the recording."""
 
 
-class StraightenedPairs(DerivedSource):
+class RefinedPairs(DerivedSource):
     """The pairs of a source with their right images resampled where the images ask for it."""
 
     def __init__(self, source: PairSource, estimate: Callable[[PairSource], Residual]) -> None:

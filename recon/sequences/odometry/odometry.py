@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from recon.geometry import invert
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
-from recon.sequences.calibration.refinement import StraightenedPairs, full_residual
+from recon.sequences.calibration.refinement import RefinedPairs, full_residual
 from recon.sequences.calibration.row_error import Residual
 from recon.sequences.frames import DerivedSource, Metrics, PartOf
 from recon.sequences.odometry.errors import drift_percent
@@ -31,7 +31,7 @@ class EstimatedPoses(DerivedSource):
     """
 
     def __init__(self, source: PairSource) -> None:
-        self._straight = StraightenedPairs(source, full_residual)
+        self._straight = RefinedPairs(source, full_residual)
         super().__init__(self._straight)
         self.carried: list[str] = []
         """Names of the frames, so far, that could not be tracked: they got the last motion."""

@@ -12,7 +12,7 @@ from recon.sequences.listing import Listed
 from recon.sequences.readers.folder import file_recording, given_poses
 from recon.sequences.readers.reader import Reader
 from recon.sequences.text import read_lines
-from recon.sequences.timestamps import list_moments
+from recon.sequences.timestamps import list_frame_poses
 from recon.settings import SequenceSettings
 
 NANOSECONDS = 1e-9
@@ -33,13 +33,13 @@ def open_euroc(path: Path, settings: SequenceSettings) -> Recording:
     stamps = sorted(lefts.keys() | rights.keys())
     listed = [Listed(name=str(t), left=lefts.get(t), right=rights.get(t)) for t in stamps]
     truth = given_poses(root / "state_groundtruth_estimate0", settings, ("data.csv",))
-    moments = list_moments(
+    poses = list_frame_poses(
         [entry.name for entry in listed],
         NANOSECONDS * np.array(stamps),
         truth and truth.of(T_body_left),
         needs_pose=settings.poses == "given",
     )
-    return file_recording(listed, moments, calibration, settings)
+    return file_recording(listed, poses, calibration, settings)
 
 
 def _root(path: Path) -> Path:
@@ -58,7 +58,7 @@ def _stamped(camera: Path) -> dict[int, Path]:
         if not stamp.strip():
             continue
         if not stamp.strip().isdigit() or not name.strip():
-            raise InputError(f"{table}, line {number}: {line[:60]!r} is no time and file name")
+            raise InputError(f"{table}, line {number}: {line[:60]!r} is not a time and file name")
         found[int(stamp)] = camera / "data" / name.strip()
     return found
 

@@ -21,7 +21,7 @@ from recon.sequences.listing import Listed, gaps, list_pairs
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses
 from recon.sequences.readers.reader import Reader
-from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.sequences.timestamps import FramePose, list_frame_poses, read_times
 from recon.settings import SequenceSettings
 
 log = logging.getLogger(__name__)
@@ -41,13 +41,13 @@ def is_folder(path: Path) -> bool:
 def open_folder(path: Path, settings: SequenceSettings) -> Recording:
     """The recording in `path`."""
     listed = list_pairs(path / "left", path / "right")
-    moments = list_moments(
+    poses = list_frame_poses(
         [entry.name for entry in listed],
         find_times(path),
         given_poses(path, settings),
         needs_pose=settings.poses == "given",
     )
-    return file_recording(listed, moments, read_calibration(find_calibration(path)), settings)
+    return file_recording(listed, poses, read_calibration(find_calibration(path)), settings)
 
 
 def find_times(path: Path) -> NDArray[np.float64] | None:
@@ -82,22 +82,22 @@ def given_poses(
 
 def file_recording(
     listed: Sequence[Listed],
-    moments: Sequence[Moment],
+    poses: Sequence[FramePose],
     calibration: Calibration,
     settings: SequenceSettings,
 ) -> Recording:
-    """Images in files, each with its moment."""
+    """Images in files, each with its time and pose."""
     rectify = rectifier(calibration, first_size(listed))
     eight_bits = first_stretch(listed)
     skipped = [Skipped(name, "it is in neither folder") for name in gaps(listed)]
     frames = []
-    for entry, moment in islice(zip(listed, moments, strict=True), 0, None, settings.every):
-        fault = _fault(entry) or moment.fault
+    for entry, at in islice(zip(listed, poses, strict=True), 0, None, settings.every):
+        fault = _fault(entry) or at.fault
         if fault:
             skipped.append(Skipped(entry.name, fault))
             continue
-        load = partial(load_pair, entry, moment, rectify, eight_bits)
-        frames.append(Frame(name=entry.name, stamp_s=moment.stamp_s, load=load))
+        load = partial(load_pair, entry, at, rectify, eight_bits)
+        frames.append(Frame(name=entry.name, stamp_s=at.stamp_s, load=load))
     return Recording(frames, skipped=skipped, disparity_range=calibration.disparity_range)
 
 
@@ -140,12 +140,12 @@ def _fault(entry: Listed) -> str | None:
     return None
 
 
-def load_pair(entry: Listed, moment: Moment, rectify: Rectifier, eight_bits: Stretch) -> StereoPair:
+def load_pair(entry: Listed, at: FramePose, rectify: Rectifier, eight_bits: Stretch) -> StereoPair:
     """The rectified pair of two files."""
     assert entry.left is not None
     assert entry.right is not None
     left, right = read_image(entry.left, eight_bits), read_image(entry.right, eight_bits)
-    return rectify.pair(left, right, moment.T_world_left, moment.stamp_s, entry.name)
+    return rectify.pair(left, right, at.T_world_left, at.stamp_s, entry.name)
 
 
 READER = Reader(fits=is_folder, open=open_folder)

@@ -30,7 +30,7 @@ from recon.sequences.readers.folder import (
     load_pair,
 )
 from recon.sequences.readers.reader import Reader
-from recon.sequences.timestamps import Moment, list_moments, read_times
+from recon.sequences.timestamps import FramePose, list_frame_poses, read_times
 from recon.settings import SequenceSettings
 
 Array = NDArray[np.float64]
@@ -76,13 +76,13 @@ def open_kitti(path: Path, settings: SequenceSettings) -> Recording:
     given = given_poses(path, settings) or _archived_poses(path, settings)
     if given is not None and sides.cameras is not None:
         given = given.of(T_camera0_left(calib, sides.cameras))
-    moments = list_moments(
+    poses = list_frame_poses(
         [entry.name for entry in listed],
         _times(path, sides),
         given,
         needs_pose=settings.poses == "given" and given is not None,
     )
-    return file_recording(listed, moments, read_calibration(calib, sides.cameras), settings)
+    return file_recording(listed, poses, read_calibration(calib, sides.cameras), settings)
 
 
 def _sides(path: Path) -> _Sides | None:
@@ -143,7 +143,7 @@ def _load_scene(
     assert entry.left is not None
     height, width = read_pixels(entry.left).shape[:2]
     rectify = rectifier(read_calibration(calib, sides.cameras), (width, height))
-    return load_pair(entry, Moment(stamp_s=stamp_s), rectify, eight_bits)
+    return load_pair(entry, FramePose(stamp_s=stamp_s), rectify, eight_bits)
 
 
 READER = Reader(fits=is_kitti, open=open_kitti)

@@ -10,7 +10,7 @@ from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
 from recon.sequences.readers.folder import file_recording
 from recon.sequences.readers.reader import Reader
-from recon.sequences.timestamps import Moment
+from recon.sequences.timestamps import FramePose
 from recon.settings import SequenceSettings
 
 NAMES = {
@@ -30,9 +30,9 @@ def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
     pair = Listed(
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
-    moment = Moment(stamp_s=0.0, T_world_left=LEVEL_CAMERA)
+    at = FramePose(stamp_s=0.0, T_world_left=LEVEL_CAMERA)
     calibration = read_calibration(find_calibration(path))
-    return file_recording([pair], [moment], calibration, settings)
+    return file_recording([pair], [at], calibration, settings)
 
 
 def find_image(path: Path, side: str) -> Path:

@@ -16,7 +16,7 @@ from recon.sequences.listing import natural
 from recon.sequences.readers.folder import find_times, given_poses
 from recon.sequences.readers.pair_dir import is_pair_dir, open_pair_dir
 from recon.sequences.readers.reader import Reader
-from recon.sequences.timestamps import Moment, list_moments
+from recon.sequences.timestamps import FramePose, list_frame_poses
 from recon.settings import SequenceSettings
 
 
@@ -30,25 +30,25 @@ def open_simulated(path: Path, settings: SequenceSettings) -> Recording:
     folders = _pair_dirs(path)
     if not folders:
         raise InputError(f"{path} holds no folders with left.* and right.*")
-    moments = list_moments(
+    poses = list_frame_poses(
         [folder.name for folder in folders],
         find_times(path),
         given_poses(path, settings),
         needs_pose=settings.poses == "given",
     )
     frames, skipped = [], []
-    for folder, moment in islice(zip(folders, moments, strict=True), 0, None, settings.every):
-        if moment.fault:
-            skipped.append(Skipped(folder.name, moment.fault))
+    for folder, at in islice(zip(folders, poses, strict=True), 0, None, settings.every):
+        if at.fault:
+            skipped.append(Skipped(folder.name, at.fault))
             continue
-        load = partial(_load, folder, moment, settings)
-        frames.append(Frame(name=folder.name, stamp_s=moment.stamp_s, load=load))
+        load = partial(_load, folder, at, settings)
+        frames.append(Frame(name=folder.name, stamp_s=at.stamp_s, load=load))
     return Recording(frames, skipped=skipped)
 
 
-def _load(folder: Path, moment: Moment, settings: SequenceSettings) -> StereoPair:
+def _load(folder: Path, at: FramePose, settings: SequenceSettings) -> StereoPair:
     pair = next(iter(open_pair_dir(folder, settings)))
-    return replace(pair, T_world_left=moment.T_world_left, stamp_s=moment.stamp_s)
+    return replace(pair, T_world_left=at.T_world_left, stamp_s=at.stamp_s)
 
 
 def _pair_dirs(path: Path) -> list[Path]:

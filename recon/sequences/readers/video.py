@@ -16,7 +16,7 @@ from recon.sequences.frames import Frame, Recording, Skipped
 from recon.sequences.images import Image
 from recon.sequences.readers.folder import find_times, given_poses
 from recon.sequences.readers.reader import Reader
-from recon.sequences.timestamps import Moment, list_moments
+from recon.sequences.timestamps import FramePose, list_frame_poses
 from recon.settings import SequenceSettings
 
 ENDINGS = {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"}
@@ -42,14 +42,14 @@ def open_video(path: Path, settings: SequenceSettings) -> Recording:
     size = (width // 2, height) if len(clips) == 1 else clips[0].size
     num_frames = min(clip.num_frames for clip in clips)
     times = find_times(folder)
-    moments = list_moments(
+    poses = list_frame_poses(
         [f"{number:06d}" for number in range(num_frames)],
         np.arange(num_frames) / clips[0].rate_hz if times is None else times,
         given_poses(folder, settings),
         needs_pose=settings.poses == "given",
     )
     wanted = range(0, num_frames, settings.every)
-    frames = _VideoFrames(files, moments, rectifier(calibration, size), wanted)
+    frames = _VideoFrames(files, poses, rectifier(calibration, size), wanted)
     return Recording(
         frames, skipped=_surplus(clips, num_frames), disparity_range=calibration.disparity_range
     )
@@ -93,18 +93,18 @@ class _VideoFrames:
     def __init__(
         self,
         files: Sequence[Path],
-        moments: Sequence[Moment],
+        poses: Sequence[FramePose],
         rectify: Rectifier,
         wanted: Sequence[int],
     ) -> None:
-        self._files, self._moments = files, moments
+        self._files, self._frame_poses = files, poses
         self._rectify, self._wanted = rectify, wanted
 
     def __len__(self) -> int:
         return len(self._wanted)
 
     def __getitem__(self, part: slice) -> "_VideoFrames":
-        return _VideoFrames(self._files, self._moments, self._rectify, self._wanted[part])
+        return _VideoFrames(self._files, self._frame_poses, self._rectify, self._wanted[part])
 
     def __iter__(self) -> Iterator[Frame]:
         videos = [_opened(file) for file in self._files]
@@ -116,20 +116,18 @@ class _VideoFrames:
                     video.grab()
             grabbed = [video for video in videos if video.grab()]
             next_number = number + 1
-            moment, name = self._moments[number], f"{number:06d}"
-            load = partial(self._load, grabbed, moment, name)
-            yield Frame(name=name, stamp_s=moment.stamp_s, load=load)
+            at, name = self._frame_poses[number], f"{number:06d}"
+            load = partial(self._load, grabbed, at, name)
+            yield Frame(name=name, stamp_s=at.stamp_s, load=load)
 
-    def _load(self, videos: list[cv2.VideoCapture], moment: Moment, name: str) -> StereoPair:
-        if moment.fault:
-            raise InputError(moment.fault)
+    def _load(self, videos: list[cv2.VideoCapture], at: FramePose, name: str) -> StereoPair:
+        if at.fault:
+            raise InputError(at.fault)
         images = [image for found, image in (v.retrieve() for v in videos) if found]
         if len(images) < len(self._files):
             raise InputError("it cannot be decoded: the video is cut short or damaged")
         left, right = images if len(images) == 2 else _halves(images[0])
-        return self._rectify.pair(
-            _rgb(left), _rgb(right), moment.T_world_left, moment.stamp_s, name
-        )
+        return self._rectify.pair(_rgb(left), _rgb(right), at.T_world_left, at.stamp_s, name)
 
 
 def _halves(image: Image) -> tuple[Image, Image]:
@@ -161,7 +159,7 @@ def _two_files(path: Path) -> list[Path]:
 def _opened(path: Path) -> cv2.VideoCapture:
     video = cv2.VideoCapture(str(path))
     if not video.isOpened():
-        raise InputError(f"{path} is no video that OpenCV can read")
+        raise InputError(f"{path} is not a video that OpenCV can read")
     return video
 
 
