@@ -64,6 +64,13 @@ def _deviance(residuals: Array, sigma: float, share: Array) -> float:
     return (DEGREES_OF_FREEDOM + 1.0) * tails + 2.0 * len(residuals) * float(np.log(sigma))
 
 
+def student_deviance(residuals: Array, floor: float) -> float:
+    """Deviance of distances (N,) at their likeliest scale, `floor` or more."""
+    share = np.ones(len(residuals))
+    start = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
+    return _deviance(residuals, _rescaled(residuals, start, share, floor), share)
+
+
 def _weights(residuals: Array, sigma: float, share: Array) -> Array:
     """Weight of each residual in a step: its share, less the further off it is."""
     tails = DEGREES_OF_FREEDOM + (residuals / sigma) ** 2

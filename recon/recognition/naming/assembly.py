@@ -1,14 +1,23 @@
 """Assemblies: kinds of planes and other pieces that lie on, beside and under each other."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.naming.kinds import Kind
-from recon.records import Solid, Voxels
+from recon.recognition.fitting.least_squares import student_deviance
+from recon.recognition.naming.kinds import Kind, PartRule
+from recon.recognition.naming.probability import EXPLAINED
+from recon.recognition.segments.flat_pieces import FlatPiece, flat_pieces
+from recon.records import Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
+
+TOUCH_CELLS = 2.0
+"""Pieces of one object are nearer to each other than so many cells."""
+NUMBERS_OF_PIECE = 3
+"""Of a plane; a bar counts as much."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -16,13 +25,74 @@ class Assembly:
     """Pieces that make up one kind."""
 
     kind: Kind
-    criterion: float
-    probability: float
+    bic: float
+    explained: float
+    """Chance that so many of the cells on its pieces are enough."""
     seen: float
+    """Share of the cells that lie on its pieces."""
     solids: tuple[Solid, ...]
     roles: tuple[str, ...]
 
 
-def assemblies(cells: Voxels, ground: float, kinds: list[Kind]) -> list[Assembly]:
+def assemblies(cells: Voxels, kinds: Sequence[Kind]) -> list[Assembly]:
     """Every kind whose parts are all found among the pieces of an object."""
-    return []
+    pieces = flat_pieces(cells)
+    found = [_assembled(cells, pieces, kind) for kind in kinds]
+    return [one for one in found if one is not None]
+
+
+def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly | None:
+    """The kind's parts among the pieces; None where one of them is missing."""
+    waiting, before = list(pieces), list[FlatPiece]()
+    parts: list[tuple[str, FlatPiece]] = []
+    for rule in kind.parts:
+        fitting = [one for one in waiting if _fits(rule, one, before, cells)]
+        fitting.sort(key=lambda one: -len(one.rows))
+        before = fitting[: rule.count[1]]
+        if len(before) < rule.count[0] or not _is_share(rule, before, cells):
+            return None
+        waiting = [one for one in waiting if not any(one is taken for taken in before)]
+        parts += [(rule.role, one) for one in before]
+    own = [one for _, one in parts]
+    share = sum(len(one.rows) for one in own) / len(cells)
+    return Assembly(
+        kind=kind,
+        bic=_bic(cells, own),
+        explained=float(EXPLAINED.chance(share)),
+        seen=share,
+        solids=tuple(one.solid for one in own),
+        roles=tuple(role for role, _ in parts),
+    )
+
+
+def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
+    """Whether a piece has the shape and the place of a part."""
+    if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
+        return False
+    tilt = piece.tilt_deg
+    if rule.tilt_deg and tilt is not None and not rule.tilt_deg[0] <= tilt <= rule.tilt_deg[1]:
+        return False
+    return not before or _is_placed(rule, piece, before, TOUCH_CELLS * cells.cell_size)
+
+
+def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch: float) -> bool:
+    """Whether a piece lies on, beside or under the part before it, and is near it."""
+    low = np.min([one.low for one in before], axis=0)
+    high = np.max([one.high for one in before], axis=0)
+    gap = np.maximum(piece.low - high, low - piece.high)
+    if gap.max() > touch:
+        return False
+    above = (piece.low + piece.high)[1] - (low + high)[1]
+    return {"on": above > 0, "under": above < 0, "beside": True}[rule.place]
+
+
+def _is_share(rule: PartRule, own: list[FlatPiece], cells: Voxels) -> bool:
+    low, high = rule.share or (0.0, 1.0)
+    return low <= sum(len(one.rows) for one in own) / len(cells) <= high
+
+
+def _bic(cells: Voxels, pieces: list[FlatPiece]) -> float:
+    """Of the distances of all cells to the nearest piece."""
+    away = np.min([one.solid.distances(cells.means) for one in pieces], axis=0)
+    numbers = NUMBERS_OF_PIECE * len(pieces)
+    return student_deviance(away, 0.05 * cells.cell_size) + numbers * float(np.log(len(cells)))

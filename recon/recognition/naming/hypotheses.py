@@ -13,7 +13,7 @@ from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import RATIO_SPREAD, log_within, size_chance
-from recon.recognition.naming.probability import NEARNESS, Evidence
+from recon.recognition.naming.probability import FORM, NEARNESS, ORDERED, Evidence
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
 from recon.records import FitFailure, Solid, Voxels
 
@@ -179,6 +179,7 @@ def _evidence(case: Case, composite: Composite, criterion: float, seen: Array) -
         lead=rival - criterion,
         seen=seen,
         widths=narrowest / case.cells.cell_size,
+        num_cells=len(case.cells),
     )
 
 
@@ -234,7 +235,11 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
             seen = coverage([one.solid], case.cells)
             width = float(np.ptp(case.cells.means, axis=0).min()) / case.cells.cell_size
             evidence = Evidence(
-                criterion=criterion, lead=rival - criterion, seen=seen, widths=np.array([width])
+                criterion=criterion,
+                lead=rival - criterion,
+                seen=seen,
+                widths=np.array([width]),
+                num_cells=len(case.cells),
             )
             found = Hypothesis(
                 kind=None,
@@ -248,15 +253,18 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
 def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
     """Kinds of parts beside and under each other."""
     wanted = [kind for kind in kinds if len(kind.parts) > 1 and not kind.is_upright]
-    found: list[Assembly] = assemblies(case.cells, case.ground, wanted) if wanted else []
+    found: list[Assembly] = assemblies(case.cells, wanted) if wanted else []
+    rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
     for one in found:
+        criterion = case.criterion(one.bic)
+        chance = FORM.chance(-criterion) * ORDERED.chance(rival - criterion) * one.explained
         sizes = size_chance(one.kind, one.solids, case.cells) if case.is_metric else 1.0
         seen = one.seen
         yield Hypothesis(
             kind=one.kind,
-            evidence=case.evidence(one.criterion) + float(np.log(max(sizes, 1e-9))),
-            criterion=one.criterion,
-            whole=one.probability * sizes if seen >= one.kind.min_seen else 0.0,
+            evidence=case.evidence(criterion) + float(np.log(max(sizes, 1e-9))),
+            criterion=criterion,
+            whole=float(chance) * sizes if seen >= one.kind.min_seen else 0.0,
             seen=seen,
             solids=one.solids,
             roles=one.roles,

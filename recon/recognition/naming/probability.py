@@ -34,9 +34,15 @@ LEAD = Logistic(middle=0.3, steepness=7.0)
 """Deviance a cell under that of the best lone solid: a box is not a tree because one fits it."""
 SEEN = Logistic(middle=float(np.log(0.03)), steepness=2.5)
 """Log of the share of a part's surface that is seen."""
-RESOLVED = Logistic(middle=float(np.log(0.3)), steepness=4.0)
+RESOLVED = Logistic(middle=float(np.log(0.6)), steepness=4.0)
 """Log of the least width of a part in cells."""
 
+ORDERED = Logistic(middle=-0.3, steepness=7.0)
+"""The same of an assembly, whose parts in their places say more than how near the cells lie."""
+ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
+"""Log of the count of cells: a handful of them lies on anything."""
+EXPLAINED = Logistic(middle=0.6, steepness=14.0)
+"""Share of the cells on the parts of an assembly."""
 NEARNESS = Logistic(middle=0.0, steepness=6.0)
 """Log of the distance to a learned kind's examples, below its threshold."""
 
@@ -53,10 +59,12 @@ class Evidence:
     """(parts,) share of each part's surface with a cell near it."""
     widths: Array
     """(parts,) least width of each part in cells."""
+    num_cells: int
 
     @property
     def probability(self) -> float:
         """That a thing is what the fit says, whole, and seen enough."""
         seen = SEEN.chance(np.log(np.maximum(self.seen, 1e-3))).prod()
         resolved = RESOLVED.chance(np.log(np.maximum(self.widths, 1e-3))).prod()
-        return float(FORM.chance(-self.criterion) * LEAD.chance(self.lead) * seen * resolved)
+        fitting = FORM.chance(-self.criterion) * LEAD.chance(self.lead)
+        return float(fitting * ENOUGH.chance(np.log(self.num_cells)) * seen * resolved)

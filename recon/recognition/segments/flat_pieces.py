@@ -1,0 +1,136 @@
+"""Flat pieces of an object and what is left between them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from recon.recognition.segments.components import joined
+from recon.records import Cylinder, Plane, Solid, Voxels
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+NUM_DRAWS = 60
+NEAR_CELLS = 5.0
+"""A plane is drawn through cells that lie nearer together than so many cells."""
+ON_PLANE_CELLS = 0.5
+"""Cells nearer to a plane lie on it."""
+LINK_CELLS = 2.0
+LEAST_PLANE, LEAST_SHARE = 10, 0.05
+"""Cells that a plane needs, and their share of the object's."""
+LEAST_WIDTH_CELLS = 1.8
+"""Narrower strips are not planes but bars."""
+LEAST_BAR = 3
+MOST_PLANES = 10
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlatPiece:
+    """A plane patch, or an upright bar."""
+
+    rows: Rows
+    """Cells of the object."""
+    solid: Solid
+    low: Array
+    """(3,) corner of its box along the axes."""
+    high: Array
+
+    @property
+    def tilt_deg(self) -> float | None:
+        """Angle of a plane's normal to the vertical; None of a bar."""
+        if not isinstance(self.solid, Plane):
+            return None
+        return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
+
+
+def flat_pieces(cells: Voxels) -> list[FlatPiece]:
+    """Planes of an object, the largest first, then the bars between them."""
+    rng = np.random.default_rng(0)
+    rest = np.arange(len(cells))
+    pieces: list[FlatPiece] = []
+    least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
+    while len(rest) >= least and len(pieces) < MOST_PLANES:
+        found = _largest_plane(cells.means[rest], cells.cell_size, least, rng)
+        if found is None:
+            break
+        plane, own = found
+        pieces.append(_piece(cells, rest[own], plane))
+        rest = np.delete(rest, own)
+    return [*pieces, *_bars(cells, rest)]
+
+
+def _largest_plane(
+    points: Array, cell_size: float, least: int, rng: np.random.Generator
+) -> tuple[Plane, Rows] | None:
+    """The plane with most connected points on it, and these."""
+    tree = cKDTree(points)
+    best: Rows = np.empty(0, dtype=np.intp)
+    for first in rng.integers(len(points), size=NUM_DRAWS):
+        near = tree.query_ball_point(points[first], NEAR_CELLS * cell_size)
+        if len(near) < 3:
+            continue
+        plane = _through(points[rng.choice(near, 3, replace=False)])
+        on_it = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
+        if len(on_it) > len(best):
+            best = on_it
+    if len(best) < least:
+        return None
+    plane = _through(points[best])
+    best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
+    if len(best) < least:
+        return None
+    best = best[_largest_group(points[best], LINK_CELLS * cell_size)]
+    if len(best) < least or _width(points[best]) < LEAST_WIDTH_CELLS * cell_size:
+        return None
+    return _through(points[best]), best
+
+
+def _width(points: Array) -> float:
+    """Width of an even strip: its standard deviation times the root of 12."""
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return float(spread[1] / np.sqrt(len(points)) * np.sqrt(12.0))
+
+
+def _largest_group(points: Array, reach: float) -> NDArray[np.bool_]:
+    """Points (N,) of the largest group that hangs together over steps up to `reach`."""
+    label = joined(cKDTree(points).query_pairs(reach, output_type="ndarray"), len(points))
+    largest: NDArray[np.bool_] = label == np.argmax(np.bincount(label))
+    return largest
+
+
+def _through(points: Array) -> Plane:
+    middle = points.mean(axis=0)
+    normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1]
+    return Plane(point=middle, normal=normal)
+
+
+def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
+    """What is left: upright bars, each the cells that hang together."""
+    if not len(rest):
+        return []
+    pairs = cKDTree(cells.means[rest]).query_pairs(
+        LINK_CELLS * cells.cell_size, output_type="ndarray"
+    )
+    label = joined(pairs, len(rest))
+    groups = [rest[label == number] for number in range(int(label.max()) + 1)]
+    return [_piece(cells, rows, _bar(cells, rows)) for rows in groups if len(rows) >= LEAST_BAR]
+
+
+def _bar(cells: Voxels, rows: Rows) -> Cylinder:
+    points = cells.means[rows]
+    middle = points.mean(axis=0)
+    radius = float(np.median(np.hypot(*(points - middle)[:, ::2].T)))
+    low, high = points[:, 1].min(), points[:, 1].max()
+    return Cylinder(
+        point=np.array([middle[0], low, middle[2]]),
+        axis=np.array([0.0, 1.0, 0.0]),
+        radius=radius,
+        height=float(high - low),
+    )
+
+
+def _piece(cells: Voxels, rows: Rows, solid: Solid) -> FlatPiece:
+    points = cells.means[rows]
+    return FlatPiece(rows=rows, solid=solid, low=points.min(axis=0), high=points.max(axis=0))
