@@ -10,6 +10,7 @@ import numpy as np
 from recon.errors import InputError
 from recon.exploration.agent import explore
 from recon.recognition import recognise
+from recon.recognition.reliability import calibration_error
 from recon.records import FoundObject
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
@@ -109,6 +110,9 @@ def tally(named: list[Naming]) -> dict[str, Any]:
         "num_objects": len(named),
         "num_right": right,
         "success": 100.0 * right / len(named),
+        "calibration_error": calibration_error(
+            [one.probability for one in named], [one.true == one.found for one in named]
+        ),
         "confusion": {true: dict(sorted(row.items())) for true, row in sorted(confusion.items())},
     }
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.geometry import Array
+from recon.world.furniture import TEXTURES, bench, house, lamp_post, table
 from recon.world.visuals import (
     CylinderVisual,
     EllipsoidVisual,
@@ -17,7 +18,6 @@ from recon.world.visuals import (
     Visual,
 )
 
-TEXTURES = ("grass", "leaves", "wood", "bubinga", "earth", "brick", "marble", "roof", "cobra")
 CROWNS, TRUNKS = ("grass", "leaves"), ("wood", "bubinga", "earth")
 WALLS, ROOFS = ("brick", "marble", "earth"), ("roof", "cobra")
 
@@ -34,7 +34,12 @@ _TRIES = 2000
 
 
 def random_scene(
-    rng: np.random.Generator, num_objects: int, gap: float, *, floor_size: float = 200.0
+    rng: np.random.Generator,
+    num_objects: int,
+    gap: float,
+    *,
+    floor_size: float = 200.0,
+    kinds: "Sequence[Kind] | None" = None,
 ) -> Scene:
     """A world of objects that stand at least `gap` apart, on plain ground.
 
@@ -44,16 +49,18 @@ def random_scene(
     num_objects : how many objects
     gap : least free ground between two objects, and to the floor's border, world units
     floor_size : side of the floor round the origin, world units
+    kinds : what grows, by default the thesis's three (`KINDS`)
 
     Raises
     ------
     InputError
         Where so many objects do not fit so far apart.
     """
+    chosen = KINDS if kinds is None else kinds
     circles = [np.array([0.0, 0.0, START_ROOM - gap])]
     visuals: list[Visual] = []
     for _ in range(num_objects):
-        grow, least, most = KINDS[int(rng.integers(len(KINDS)))]
+        grow, least, most = chosen[int(rng.integers(len(chosen)))]
         radius = rng.uniform(least, most)
         reach = floor_size / 2.0 - radius - gap
         place = _free_place(rng, np.array(circles), radius + gap, reach)
@@ -148,9 +155,19 @@ def _pick(rng: np.random.Generator, names: Sequence[str]) -> int:
 
 Grow = Callable[[np.random.Generator, float, float, float], tuple[Visual, ...]]
 
-KINDS: tuple[tuple[Grow, float, float], ...] = (
+Kind = tuple[Grow, float, float]
+
+KINDS: tuple[Kind, ...] = (
     (_apple_tree, 3.0, 6.0),
     (_pine_tree, 4.0, 8.0),
     (_cottage, 4.0, 8.0),
 )
 """What grows, and its least and greatest radius, world units."""
+
+COMPOSITES: tuple[Kind, ...] = (
+    (house, 6.0, 9.0),
+    (table, 4.5, 6.5),
+    (bench, 4.0, 5.5),
+    (lamp_post, 1.4, 2.0),
+)
+"""The same of composite objects."""

@@ -22,6 +22,9 @@ TOUCH = 0.1
 COTTAGE_SHARE = 0.6
 """A body at least this share as wide as the cone on it makes a cottage, a thinner one a pine."""
 
+LAMP_POST = 13.0
+"""A body more than so many times as high as its radius carries a lamp, not a crown."""
+
 MAX_LEAN = 0.1
 """Sine of the angle that an upright part may lean."""
 
@@ -49,6 +52,7 @@ class _Part:
     number: int
     low: Array
     high: Array
+    is_plane: bool
 
     @property
     def middle(self) -> Array:
@@ -68,7 +72,7 @@ def true_objects(
 ) -> tuple[TrueObject, ...]:
     """Objects in the order of their first visual, without the ground."""
     parts = [
-        _part(number, part)
+        _part(number, part, isinstance(visual, PolygonVisual))
         for number, (visual, part) in enumerate(zip(visuals, triangles, strict=True))
         if len(part.corners) and not is_ground(visual, part, eye_height)
     ]
@@ -76,9 +80,10 @@ def true_objects(
     return tuple(_object(number, group, visuals) for number, group in enumerate(groups))
 
 
-def _part(number: int, part: Triangles) -> _Part:
+def _part(number: int, part: Triangles, is_plane: bool) -> _Part:
     points = part.corners.reshape(-1, 3)
-    return _Part(number=number, low=points.min(axis=0), high=points.max(axis=0))
+    low, high = points.min(axis=0), points.max(axis=0)
+    return _Part(number=number, low=low, high=high, is_plane=is_plane)
 
 
 def _groups(parts: list[_Part], touch: float) -> list[list[_Part]]:
@@ -94,6 +99,8 @@ def _groups(parts: list[_Part], touch: float) -> list[list[_Part]]:
 
 
 def _belong(a: _Part, b: _Part, touch: float) -> bool:
+    if a.is_plane or b.is_plane:
+        return bool(np.maximum(a.low - b.high, b.low - a.high).max() <= touch)
     apart = np.hypot(*(a.middle - b.middle)[[0, 2]])
     gap = max(a.low[1], b.low[1]) - min(a.high[1], b.high[1])
     return bool(apart <= touch and gap <= touch)
@@ -113,18 +120,41 @@ def _object(number: int, group: list[_Part], visuals: tuple[Visual, ...]) -> Tru
 
 
 def _label(visuals: list[Visual]) -> str:
-    """The name of a crown on a body (thesis 4.5)."""
+    """The name of a crown on a body (thesis 4.5), or of planes and bars."""
+    if any(isinstance(visual, PolygonVisual) for visual in visuals):
+        return _label_of_planes(visuals)
     if len(visuals) != 2:
         return UNKNOWN
     body, crown = visuals
     if not isinstance(body, CylinderVisual) or not _is_upright(body) or _is_cone(body):
         return UNKNOWN
     if isinstance(crown, SphereVisual | EllipsoidVisual):
-        return "apple tree"
+        return "lamp post" if body.height > LAMP_POST * body.radius_base else "apple tree"
     if isinstance(crown, CylinderVisual) and _is_upright(crown) and _is_cone(crown):
         widest = max(crown.radius_base, crown.radius_top)
         return "cottage" if body.radius_base >= COTTAGE_SHARE * widest else "pine tree"
     return UNKNOWN
+
+
+def _label_of_planes(visuals: list[Visual]) -> str:
+    """The name by how many planes lie, slope and stand, and on how many legs."""
+    rises = [_rise(visual) for visual in visuals if isinstance(visual, PolygonVisual)]
+    num_level = sum(rise < MAX_LEAN for rise in rises)
+    num_upright = sum(rise > 1.0 - MAX_LEAN for rise in rises)
+    num_sloping = len(rises) - num_level - num_upright
+    num_legs = len(visuals) - len(rises)
+    if num_sloping and num_upright >= 2:
+        return "house"
+    if num_level == 1 and num_legs >= 2:
+        return "bench" if num_upright else "table"
+    return UNKNOWN
+
+
+def _rise(polygon: PolygonVisual) -> float:
+    """How steep a polygon is: 0 level, 1 upright."""
+    points = np.array([vertex.position for vertex in polygon.vertices])
+    normal = np.linalg.svd(points - points.mean(axis=0))[2][-1]
+    return float(np.hypot(normal[0], normal[2]))
 
 
 def _is_cone(visual: CylinderVisual) -> bool:

@@ -82,7 +82,7 @@ def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch:
     gap = np.maximum(piece.low - high, low - piece.high)
     if gap.max() > touch:
         return False
-    above = (piece.low + piece.high)[1] - (low + high)[1]
+    above = float((piece.low + piece.high)[1] - (low + high)[1])
     return {"on": above > 0, "under": above < 0, "beside": True}[rule.place]
 
 

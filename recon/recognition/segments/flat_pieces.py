@@ -12,8 +12,8 @@ from recon.records import Cylinder, Plane, Solid, Voxels
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-NUM_DRAWS = 60
-NEAR_CELLS = 5.0
+NUM_DRAWS = 90
+NEAR_CELLS = 4.0
 """A plane is drawn through cells that lie nearer together than so many cells."""
 ON_PLANE_CELLS = 0.5
 """Cells nearer to a plane lie on it."""
@@ -66,15 +66,26 @@ def _largest_plane(
 ) -> tuple[Plane, Rows] | None:
     """The plane with most connected points on it, and these."""
     tree = cKDTree(points)
-    best: Rows = np.empty(0, dtype=np.intp)
+    most, best = 0.0, None
     for first in rng.integers(len(points), size=NUM_DRAWS):
         near = tree.query_ball_point(points[first], NEAR_CELLS * cell_size)
         if len(near) < 3:
             continue
         plane = _through(points[rng.choice(near, 3, replace=False)])
-        on_it = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
-        if len(on_it) > len(best):
-            best = on_it
+        # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
+        share = np.clip(1.0 - (plane.distances(points) / (ON_PLANE_CELLS * cell_size)) ** 2, 0, 1)
+        if share.sum() > most:
+            most, best = float(share.sum()), plane
+    if best is None:
+        return None
+    return _refined(points, best, cell_size, least)
+
+
+def _refined(
+    points: Array, plane: Plane, cell_size: float, least: int
+) -> tuple[Plane, Rows] | None:
+    """The plane through the connected points on one; None where they are too few or a strip."""
+    best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
     plane = _through(points[best])

@@ -1,0 +1,32 @@
+"""Reliability of probabilities: how often what is said with a probability is right."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+NUM_BINS = 10
+
+
+def calibration_error(
+    probability: ArrayLike, is_right: ArrayLike, num_bins: int = NUM_BINS
+) -> float:
+    """Expected calibration error: mean gap of probability and share of right ones, by bins.
+
+    Parameters
+    ----------
+    probability : (N,) array_like
+        0 to 1.
+    is_right : (N,) array_like of bool
+    num_bins : int
+        Bins of equal width.
+
+    Returns
+    -------
+    error : float
+        0 where probabilities come true; NaN where there are none.
+    """
+    chance, right = np.asarray(probability, dtype=np.float64), np.asarray(is_right, dtype=bool)
+    if not len(chance):
+        return float("nan")
+    own = np.minimum((chance * num_bins).astype(int), num_bins - 1)
+    gaps = np.bincount(own, chance, num_bins) - np.bincount(own, right, num_bins)
+    return float(np.abs(gaps).sum() / len(chance))

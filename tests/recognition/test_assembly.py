@@ -1,0 +1,84 @@
+"""Composite kinds of planes and bars are named from what an orbit of stereo pairs sees."""
+
+import numpy as np
+import pytest
+
+from recon.recognition import recognise
+from recon.recognition.naming.acceptance import accepted
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.synthetic import Orbit, observe, voxelise
+from recon.records import Box, Cylinder, Sphere
+from recon.settings import RecognitionSettings
+
+SETTINGS = RecognitionSettings()
+UP = np.array([0.0, 1.0, 0.0])
+
+
+def box(centre, sizes, axes=None):
+    axes = np.eye(3) if axes is None else axes
+    return Box(centre=np.array(centre), axes=axes, sizes=np.array(sizes))
+
+
+def leg(x, z, height):
+    return Cylinder(point=np.array([x, 0.0, z]), axis=UP, radius=0.5, height=height)
+
+
+def house(u):
+    width, depth, height, rise = u(9, 13), u(7, 10), u(5, 8), u(3, 5)
+    slope = np.hypot(depth / 2, rise)
+    roof = []
+    for side in (-1, 1):
+        normal = np.array([0, depth / 2, side * rise]) / slope
+        down = np.array([0, -rise * side, depth / 2]) / slope
+        axes = np.stack([np.array([1.0, 0, 0]), normal, down])
+        roof.append(box([0, height + rise / 2, side * depth / 4], [width, 0.2, slope], axes))
+    return [box([0, height / 2, 0], [width, height, depth]), *roof]
+
+
+def table(u):
+    width, depth, height = u(8, 12), u(5, 8), u(3.2, 4.2)
+    feet = [leg(i * (width / 2 - 1), j * (depth / 2 - 1), height) for i in (-1, 1) for j in (-1, 1)]
+    return [box([0, height, 0], [width, 0.6, depth]), *feet]
+
+
+def bench(u):
+    width, depth, height, rise = u(7, 10), u(2.5, 3.5), u(2.2, 2.8), u(2.5, 3.5)
+    sides = [box([i * (width / 2 - 0.8), height / 2, 0], [0.8, height, 2.4]) for i in (-1, 1)]
+    back = box([0, height + rise / 2, -depth / 2], [width, rise, 0.5])
+    return [box([0, height, 0], [width, 0.5, depth]), back, *sides]
+
+
+def lamp_post(u):
+    height, radius = u(9, 12), u(1.4, 2.0)
+    post = Cylinder(point=np.zeros(3), axis=UP, radius=0.5, height=height)
+    return [post, Sphere(centre=np.array([0, height + radius, 0]), radius=radius)]
+
+
+def label_of(parts, rng):
+    voxels = voxelise(observe(parts, rng.uniform(40, 200, (len(parts), 3)), Orbit(), rng))
+    found = recognise(voxels, SETTINGS).objects
+    return max(found, key=lambda one: one.num_voxels).label if found else "none"
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(
+    ("make", "kind"),
+    [(house, "house"), (table, "table"), (bench, "bench"), (lamp_post, "lamp post")],
+)
+def test_a_composite_kind_is_named(make, kind, seed):
+    rng = np.random.default_rng(seed)
+    assert label_of(make(rng.uniform), rng) == kind
+
+
+def test_a_board_without_legs_and_a_plain_box_are_no_table():
+    rng = np.random.default_rng(3)
+    assert label_of([box([0, 3.5, 0], [9, 0.6, 6])], rng) != "table"
+    assert label_of([box([0, 2.5, 0], [9, 5.0, 6])], rng) not in ("table", "house", "bench")
+
+
+@pytest.mark.parametrize("name", ["village", "household"])
+def test_what_an_entry_accepts_is_said(name):
+    for kind in read_catalogues([name]):
+        lines = accepted(kind)
+        assert len(lines) >= len(kind.parts)
+        assert all(part.role in " ".join(lines) for part in kind.parts)

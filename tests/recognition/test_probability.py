@@ -1,0 +1,122 @@
+"""Probabilities of names are probabilities: over simulated objects and clumps of recorded maps."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.naming import name_object
+from recon.recognition.naming.probability import Evidence
+from recon.recognition.reliability import calibration_error
+from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
+from recon.records import Box, Cylinder, Sphere, Voxels
+
+KINDS = read_catalogues(["village"])[:3]
+NAMES = ("apple tree", "pine tree", "cottage")
+COLOURS = np.full((2, 3), 120.0)
+UP = np.array([0.0, 1.0, 0.0])
+CLUMPS = Path(__file__).with_name("data") / "recorded_clumps.npz"
+SURE = Evidence(
+    criterion=-4.0, lead=2.0, seen=np.array([0.8, 0.8]), widths=np.array([4.0, 9.0]), num_cells=200
+)
+
+
+def recorded_clumps():
+    """Clumps of maps that recon made of recordings, in cells, ground at 0; none is of a kind."""
+    with np.load(CLUMPS) as archive:
+        pieces = np.split(archive["cells"] / 64.0, archive["ends"][:-1])
+        counts = np.split(archive["counts"].astype(np.int64), archive["ends"][:-1])
+    for means, number in zip(pieces, counts, strict=True):
+        index = np.floor(means).astype(np.int64)
+        colours = np.full(means.shape, 120, np.uint8)
+        yield Voxels(
+            index=index,
+            centres=index + 0.5,
+            means=means,
+            counts=number,
+            colours=colours,
+            cell_size=1.0,
+        )
+
+
+def partly_seen(seed):
+    """An object of a kind after few views from one side."""
+    rng = np.random.default_rng([31, seed])
+    orbit = Orbit(
+        num_views=int(rng.integers(2, 6)),
+        arc_rad=float(rng.uniform(1.0, 5.0)),
+        start_rad=float(rng.uniform(0.0, 6.0)),
+        sigma_px=float(rng.uniform(0.03, 0.15)),
+    )
+    kind = NAMES[seed % 3]
+    voxels = voxelise(observe(random_composite(kind, rng), COLOURS, orbit, rng))
+    return kind, voxels.select(voxels.centres[:, 1] >= 1.0)
+
+
+def foreign(seed):
+    """A box, a ball or a pillar: things of no kind."""
+    rng = np.random.default_rng([32, seed])
+    width, height = rng.uniform(4.0, 9.0), rng.uniform(5.0, 12.0)
+    sizes = np.array([width, height, width])
+    solid = (
+        Box(centre=np.array([0.0, height / 2.0, 0.0]), axes=np.eye(3), sizes=sizes),
+        Sphere(centre=np.array([0.0, 0.8 * width, 0.0]), radius=width),
+        Cylinder(point=np.zeros(3), axis=UP, radius=width / 2.0, height=height),
+    )[seed % 3]
+    voxels = voxelise(observe([solid], COLOURS[:1], Orbit(), rng))
+    return "unknown", voxels.select(voxels.centres[:, 1] >= 1.0)
+
+
+def test_recorded_clumps_have_no_village_names():
+    found = [name_object(clump, 0.0, KINDS) for clump in list(recorded_clumps())[::4]]
+    named = [one for one in found if one.label != "unknown" and one.probability >= 0.5]
+    assert len(found) > 15
+    assert len(named) <= 1
+
+
+def test_partly_seen_objects_keep_their_names_and_chances_come_true():
+    chances, rights, kept = [], [], []
+    for truth, voxels in [*map(partly_seen, range(18)), *map(foreign, range(9))]:
+        found = name_object(voxels, 0.0, KINDS)
+        chances.append(found.probability)
+        rights.append(found.label == truth)
+        if truth != "unknown":
+            kept.append(found.label == truth and found.probability >= 0.5)
+    assert np.mean(kept) >= 0.75
+    assert calibration_error(chances, rights) < 0.15
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [
+        {"criterion": 0.5},
+        {"lead": -0.5},
+        {"seen": np.array([0.01, 0.9])},
+        {"widths": np.array([0.2, 30.0])},
+        {"num_cells": 8},
+    ],
+    ids=lambda missing: next(iter(missing)),
+)
+def test_nothing_that_is_missing_is_made_up_for_by_something_else(missing):
+    better = dataclasses.replace(
+        SURE, criterion=-9.0, lead=9.0, seen=np.ones(2), widths=np.full(2, 99.0), num_cells=9999
+    )
+    assert SURE.probability > 0.9
+    assert dataclasses.replace(better, **missing).probability < 0.2
+
+
+def test_without_a_catalogue_nothing_is_asked_and_nothing_is_sure():
+    _, voxels = partly_seen(0)
+    found = name_object(voxels, 0.0, ())
+    assert (found.label, found.probability) == ("unknown", None)
+    assert found.failures == ["no catalogue was asked"]
+
+
+def test_the_calibration_error_is_that_of_a_die():
+    rng = np.random.default_rng(0)
+    chances = rng.uniform(size=20_000)
+    assert calibration_error(chances, rng.uniform(size=20_000) < chances) < 0.02
+    assert calibration_error(chances, rng.uniform(size=20_000) < chances**4) > 0.2
+    assert np.isnan(calibration_error([], []))

@@ -1,0 +1,152 @@
+"""Segments: planes, components by density, convex pieces, the place that all views look at."""
+
+import numpy as np
+import pytest
+
+from recon.geometry import look_at, pose
+from recon.recognition import recognise, recognise_cloud
+from recon.recognition.cells import gather
+from recon.recognition.fitting.surface_points import surface
+from recon.recognition.segments.components import linked, overhanging
+from recon.recognition.segments.convexity import convex_pieces
+from recon.recognition.segments.focus import find_focus
+from recon.records import Box, Cylinder, PointCloud, Sphere
+from recon.settings import RecognitionSettings
+
+SETTINGS = RecognitionSettings(ground=None, catalogue="none")
+UP = np.array([0.0, 1.0, 0.0])
+
+
+def box(centre, sizes):
+    return Box(centre=np.array(centre), axes=np.eye(3), sizes=np.array(sizes))
+
+
+def cloud_of(*points):
+    points = np.concatenate(points)
+    return PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8))
+
+
+def table_top(rng, scale=1.0, wall=False):
+    """A box that touches a can, and another can on a table, seen from above and before."""
+    parts = [
+        box([0.0, 0.1, 0.0], [0.2, 0.2, 0.15]),
+        Cylinder(point=np.array([0.06, 0.0, 0.13]), axis=UP, radius=0.06, height=0.12),
+        Cylinder(point=np.array([-0.4, 0.0, 0.2]), axis=UP, radius=0.05, height=0.15),
+    ]
+    eye = np.array([0.0, 0.7, 1.0])
+    own = []
+    for part in parts:
+        whole = surface([part], 9000, rng)
+        seen = np.einsum("ij,ij->i", whole.normals, eye - whole.points) > 0
+        own.append(whole.points[seen & (whole.points[:, 1] > 0.005)])
+    table = rng.uniform([-0.9, 0.0, -0.45], [0.9, 0.0, 0.45], (30_000, 3))
+    backs = [rng.uniform([-0.9, 0.0, -0.45], [0.9, 0.8, -0.45], (20_000, 3))] if wall else []
+    clean = [*own, table, *backs]
+    return [scale * (points + 0.001 * rng.normal(size=points.shape)) for points in clean], eye
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_touching_things_on_a_table_are_told_in_any_unit(scale):
+    pieces, eye = table_top(np.random.default_rng(0), scale)
+    views = np.broadcast_to(pose(np.eye(3), scale * eye), (1, 4, 4))
+    found = recognise_cloud(cloud_of(*pieces), SETTINGS, T_cloud_left=views)
+    truth = np.repeat(np.arange(len(pieces)), list(map(len, pieces)))
+    for number in range(3):
+        own = truth == number
+        overlap = max(
+            ((found.label == one.id) & own).sum() / ((found.label == one.id) | own).sum()
+            for one in found.objects
+        )
+        assert overlap > 0.7
+    assert [plane.role for plane in found.planes] == ["ground"]
+    assert {one.support for one in found.objects} == {0}
+    assert found.planes[0].area == pytest.approx(scale**2 * 1.8 * 0.9, rel=0.4)
+
+
+def test_a_wall_is_a_plane_of_its_own_and_the_side_of_a_box_is_not():
+    with_wall, _ = table_top(np.random.default_rng(0), wall=True)
+    found = recognise_cloud(cloud_of(*with_wall), SETTINGS)
+    assert [plane.role for plane in found.planes] == ["ground", "wall"]
+    assert found.planes[1].normal == pytest.approx([0.0, 0.0, 1.0], abs=0.05)
+
+
+def test_what_is_said_of_an_unknown_object():
+    rng = np.random.default_rng(1)
+    ball = surface([Sphere(centre=np.array([0.0, 0.1, 0.0]), radius=0.1)], 3000, rng).points
+    table = rng.uniform([-0.5, 0.0, -0.5], [0.5, 0.0, 0.5], (9000, 3))
+    settings = RecognitionSettings(ground=None, catalogue="none", unit="m")
+    (one,) = recognise_cloud(cloud_of(ball, table), settings).objects
+    assert (one.label, one.probability, one.reason) == ("unknown", None, "no catalogue was asked")
+    assert one.solid.solid.kind == "sphere"
+    assert one.solid.solid.radius == pytest.approx(0.1, rel=0.03)
+    assert one.solid.explained > 0.9
+    assert one.box.sizes == pytest.approx([0.2, 0.2, 0.2], abs=0.03)
+    assert one.box.unit == "m"
+    assert one.colour == (120, 120, 120)
+    assert one.seen > 0.7
+
+
+def test_links_reach_as_far_as_points_are_sparse():
+    rng = np.random.default_rng(2)
+    sphere = rng.normal(size=(400, 3))
+    sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
+    other = np.add(sphere, [3.0, 0.0, 0.0])
+    # A sparse sphere hangs together over gaps that part two dense ones.
+    assert np.bincount(linked(np.concatenate([10 * sphere, [[60.0, 0, 0]]]), 1e-9)).max() > 390
+    label = linked(np.concatenate([sphere, other]), 1e-9)
+    assert label[0] != label[-1]
+
+
+def test_a_box_on_a_box_is_two_pieces_and_a_ball_is_one():
+    rng = np.random.default_rng(3)
+    eye = np.array([2.0, 3.0, 4.0])
+
+    def seen(solid):
+        whole = surface([solid], 6000, rng)
+        return whole.points[np.einsum("ij,ij->i", whole.normals, eye - whole.points) > 0]
+
+    stacked = [seen(box([0, 0.5, 0], [1.4, 1.0, 1.4])), seen(box([0, 1.3, 0], [0.7, 0.6, 0.7]))]
+    cells = gather(cloud_of(*stacked), 0.06)
+    piece = convex_pieces(cells, eye, 12)
+    lower = cells.means[:, 1] < 0.95
+    assert np.bincount(piece[lower]).max() > 0.9 * lower.sum()
+    assert (
+        np.bincount(piece[lower]).argmax() != np.bincount(piece[cells.means[:, 1] > 1.1]).argmax()
+    )
+    ball = gather(cloud_of(seen(Sphere(centre=np.zeros(3), radius=0.8))), 0.06)
+    assert convex_pieces(ball, eye, 12).max() == 0
+
+
+def test_a_crown_overhangs_its_trunk_and_a_box_on_a_box_does_not():
+    rng = np.random.default_rng(4)
+    trunk, crown = (
+        rng.uniform([-1, 0, -1], [1, 5, 1], (90, 3)),
+        np.add(rng.normal(size=(90, 3)), [0, 8, 0]),
+    )
+    label = np.repeat([0, 1], 90).astype(np.int32)
+    assert overhanging(np.concatenate([trunk, 3 * crown - [0, 16, 0]]), label).max() == 0
+    assert overhanging(np.concatenate([4 * trunk, np.add(crown, [0, 12, 0])]), label).max() == 1
+
+
+def ring(num_views, reach):
+    turns = np.linspace(0.0, 2.0 * np.pi * reach, num_views, endpoint=False)
+    eyes = np.column_stack([3.0 * np.sin(turns), np.full(num_views, 1.0), 3.0 * np.cos(turns)])
+    return np.stack([look_at(eye, [0.1, 0.2, 0.0]) for eye in eyes])
+
+
+def test_a_ring_of_views_has_a_focus_and_a_drive_has_none():
+    focus = find_focus(ring(16, 1.0))
+    assert focus.centre == pytest.approx([0.1, 0.2, 0.0], abs=0.01)
+    drive = np.stack([look_at([0.0, 1.0, -z], [0.0, 1.0, -z - 9.0]) for z in range(12)])
+    assert find_focus(drive) is None
+    assert find_focus(ring(2, 1.0)) is None
+
+
+def test_what_all_views_look_at_is_one_object():
+    rng = np.random.default_rng(5)
+    parts = [box([-0.3, 0.5, 0.0], [0.2, 1.0, 0.2]), box([0.4, 0.5, 0.0], [0.2, 1.0, 0.2])]
+    cells = gather(cloud_of(surface(parts, 9000, rng).points), 0.05)
+    alone = recognise(cells, SETTINGS)
+    ringed = recognise(cells, SETTINGS, ring(16, 1.0))
+    assert len(alone.objects) == 2
+    assert [one.num_voxels for one in ringed.objects] == [len(cells)]
