@@ -28,7 +28,7 @@ INSET = 0.9
 def house(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
     """Four walls under a gabled roof, within a radius."""
     half = radius * np.array([np.cos(0.65), np.sin(0.65)])
-    height, rise = rng.uniform(5.0, 8.0), rng.uniform(3.0, 5.0)
+    height, rise = rng.uniform(4.0, 6.0), rng.uniform(3.5, 5.5)
     T = _Frame(rng, x, z)
     walls, roof = _one_of(rng, WALLS), _one_of(rng, ROOFS)
     a, b = half

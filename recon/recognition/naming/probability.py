@@ -37,7 +37,7 @@ SEEN = Logistic(middle=float(np.log(0.03)), steepness=2.5)
 RESOLVED = Logistic(middle=float(np.log(0.6)), steepness=4.0)
 """Log of the least width of a part in cells."""
 
-ORDERED = Logistic(middle=-0.5, steepness=6.0)
+ORDERED = Logistic(middle=-0.9, steepness=4.0)
 """The same of an assembly, whose parts in their places say more than how near the cells lie."""
 ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
 """Log of the count of cells: a handful of them lies on anything."""

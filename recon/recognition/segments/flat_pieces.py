@@ -18,7 +18,7 @@ NEAR_CELLS = 4.0
 ON_PLANE_CELLS = 0.5
 """Cells nearer to a plane lie on it."""
 LINK_CELLS = 2.0
-LEAST_PLANE, LEAST_SHARE = 10, 0.05
+LEAST_PLANE, LEAST_SHARE = 8, 0.03
 """Cells that a plane needs, and their share of the object's."""
 LEAST_WIDTH_CELLS = 1.8
 """Narrower strips are not planes but bars."""
