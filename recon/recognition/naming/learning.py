@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 LEFT_OUT_SHARE = 0.9
 """Share of the left-out examples that the threshold accepts."""
-ROOM = 1.15
+ROOM = 1.3
 """The next example is a little further from the others than these are from each other."""
 ALONE = 1.5
 """Threshold where one example says nothing of how examples differ, in usual distances."""

@@ -1,0 +1,90 @@
+"""`recon recognise`, `learn` and `catalogue` through the command line."""
+
+import json
+
+import numpy as np
+import pytest
+
+from recon.cli.main import main
+from recon.exports import ply
+from recon.exports.formats import write
+from recon.records import PointCloud
+
+BALL, CAN = (0.1, 0.1), (0.03, 0.12)
+
+
+def things(rng, *, table=True):
+    """A ball and a can on a table, y up, metres."""
+    unit = rng.normal(size=(4000, 3))
+    ball = 0.1 * unit / np.linalg.norm(unit, axis=1, keepdims=True) + [0.2, 0.1, 0.0]
+    turn, height = rng.uniform(0, 2 * np.pi, 4000), rng.uniform(0, 0.12, 4000)
+    can = np.column_stack([0.04 * np.cos(turn) - 0.2, height, 0.04 * np.sin(turn)])
+    board = rng.uniform([-0.5, 0, -0.4], [0.5, 0, 0.4], (20_000, 3))
+    return (ball, can, board) if table else (ball, can)
+
+
+def as_cloud(points):
+    return PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8))
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    path = tmp_path_factory.mktemp("desk") / "desk.ply"
+    write(as_cloud(np.concatenate(things(np.random.default_rng(0)))), path)
+    return path
+
+
+def run_json(capsys, *words):
+    assert main([*map(str, words), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
+    target = tmp_path / "out.ply"
+    report = run_json(capsys, "recognise", desk, "-o", target)
+    assert len(report["objects"]) == 2
+    assert {one["label"] for one in report["objects"]} == {"unknown"}
+    assert all(one["probability"] is None for one in report["objects"])
+    assert [plane["role"] for plane in report["planes"]] == ["ground"]
+    columns = ply.read(target)
+    assert set(np.unique(columns["object"])) == {-1, 0, 1}
+    assert (columns["object"][-20_000:] == -1).mean() > 0.95
+    assert main(["recognise", str(desk), "-o", str(target)]) == 2
+
+
+def test_names_with_sizes_need_a_scale(desk, capsys):
+    named = run_json(capsys, "recognise", desk, "--catalogue", "household", "--unit", "m")
+    assert sorted(one["label"] for one in named["objects"]) == ["ball", "mug"]
+    assert {one["box"]["unit"] for one in named["objects"]} == {"m"}
+    assert named["warnings"] == []
+    without = run_json(capsys, "recognise", desk, "--catalogue", "household")
+    assert [one["code"] for one in without["warnings"]] == ["names-need-scale"]
+    assert {one["box"]["unit"] for one in without["objects"]} == {None}
+
+
+def test_a_catalogue_is_checked_with_the_line_that_is_wrong(tmp_path, capsys):
+    assert main(["catalogue", "check", "household"]) == 0
+    assert "body: sphere, radius 0.02 to 0.15 m" in capsys.readouterr().out
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(
+        '[[object]]\nname = "ball"\nparts = [\n    { role = "body", shapes = ["sphere"] },\n]\n\n'
+        '[[object]]\nname = "egg"\nmin_seen = 2.0\nparts = [{ role = "body", shapes = ["cone"] }]\n'
+    )
+    assert main(["catalogue", "check", str(wrong)]) == 2
+    assert f"{wrong}:9: object.1.min_seen" in capsys.readouterr().err
+
+
+def test_a_kind_is_learned_into_a_catalogue_and_found(desk, tmp_path, capsys):
+    kinds = tmp_path / "kinds.toml"
+    examples = []
+    for seed in range(1, 4):
+        path = tmp_path / f"ball_{seed}.ply"
+        write(as_cloud(things(np.random.default_rng(seed), table=False)[0]), path)
+        examples.append(path)
+    report = run_json(capsys, "learn", *examples, "--name", "globe", "-o", kinds)
+    assert report["num_examples"] == 3
+    assert any(group["used"] for group in report["descriptors"])
+    found = run_json(capsys, "recognise", desk, "--catalogue", kinds)
+    assert sorted(one["label"] for one in found["objects"]) == ["globe", "unknown"]
+    assert main(["learn", str(examples[0]), "--name", "orb", "-o", str(kinds)]) == 2
+    assert "orb cannot be told from globe" in capsys.readouterr().err
