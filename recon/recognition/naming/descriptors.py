@@ -25,6 +25,8 @@ NORMAL_REACH, HISTOGRAM_REACH = 3.0, 6.0
 NEIGHBOURS_OF_NORMAL, NEIGHBOURS_OF_HISTOGRAM = 20, 60
 ON_SOLID = 0.03
 """A point nearer than this share of the thing's size lies on a solid."""
+NUM_DESCRIBED = 600
+"""Cells that describe an object."""
 NUM_FITTED = 300
 """Points that solids are fitted to."""
 
@@ -61,6 +63,10 @@ class Learned:
 
 def describe(voxels: Voxels) -> dict[str, Array]:
     """Every group of descriptors of an object's cells, y up."""
+    if len(voxels) > NUM_DESCRIBED:
+        # Histograms know how densely cells lie: all objects are described by as many at most.
+        rows = np.random.default_rng(0).choice(len(voxels), NUM_DESCRIBED, replace=False)
+        voxels = voxels.select(np.sort(rows))
     return {name: descriptor(voxels) for name, descriptor in DESCRIPTORS.items()}
 
 

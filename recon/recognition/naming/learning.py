@@ -16,6 +16,8 @@ LEFT_OUT_SHARE = 0.9
 """Share of the left-out examples that the threshold accepts."""
 ROOM = 1.3
 """The next example is a little further from the others than these are from each other."""
+LEAST = 1.3
+"""Threshold of examples that are all but copies: the next one is seen from elsewhere."""
 ALONE = 1.5
 """Threshold where one example says nothing of how examples differ, in usual distances."""
 PRIOR_EXAMPLES = 2.0
@@ -136,7 +138,7 @@ def _threshold(rows: Mapping[str, Array]) -> float:
         return ALONE
     squares = [(_distances(own) / _scale(name, own)) ** 2 for name, own in rows.items()]
     left_out = np.sqrt(np.mean(squares, axis=0).min(axis=1))
-    return max(ROOM * float(np.quantile(left_out, LEFT_OUT_SHARE)), 1.0)
+    return max(ROOM * float(np.quantile(left_out, LEFT_OUT_SHARE)), LEAST)
 
 
 def _check_told(
