@@ -15,6 +15,7 @@ from recon.files import atomic_path
 from recon.mapping.pair import match_features
 from recon.records import DisparityMap, Matches, check_images
 from recon.runfolder import RunFolder
+from recon.runs.arguments import path, positive
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
@@ -140,4 +141,6 @@ def write_matches(path: Path, matches: Matches) -> None:
         np.savez_compressed(part, **{name: getattr(matches, name) for name in names})
 
 
-DISPARITY = Kind(run=_match, base=_base)
+DISPARITY = Kind(
+    run=_match, base=_base, takes={"truth": path, "truth_scale": positive, "calib": path}
+)

@@ -13,6 +13,7 @@ from recon.figures.kept import kept_matches, kept_pair
 from recon.figures.kinds import Arrays
 from recon.mapping.pair import match_images
 from recon.records import Features, Matches
+from recon.runs.arguments import positive, texts
 from recon.runs.disparity import match_files, measure
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
@@ -164,4 +165,8 @@ def model_arrays(left: Features, right: Features, matches: Matches, settings: Se
     }
 
 
-EVALUATE = Kind(run=_evaluate, stages=("reading", "stereo", "figures"))
+EVALUATE = Kind(
+    run=_evaluate,
+    takes={"matchers": texts, "truth_scale": positive},
+    stages=("reading", "stereo", "figures"),
+)

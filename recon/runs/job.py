@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 from recon.errors import check_number, check_type
 from recon.plugins import Registry
 from recon.runfolder import RunPlan
+from recon.runs.arguments import Argument, checked
 from recon.settings import Settings, given_tree, merged, to_toml, updated
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class Job:
     inputs : tuple of Path
         What is read.
     arguments : mapping
-        What the command asks besides; a path is an input, too.
+        What the command asks besides, by the names in `Kind.takes`; a path is an input, too.
     settings : Settings
         Values that were not given follow from the kind and its inputs.
     """
@@ -44,12 +45,17 @@ class Job:
         KINDS.check(self.kind)
         check_type("settings", self.settings, Settings)
         check_number("seed", self.seed, low=0)
-        object.__setattr__(self, "inputs", tuple(Path(path) for path in self.inputs))
+        inputs = (self.inputs,) if isinstance(self.inputs, str | Path) else self.inputs
+        object.__setattr__(self, "inputs", tuple(Path(path) for path in inputs))
 
     def resolved(self) -> Self:
         """The same job with every default filled in, so that its settings say all."""
-        find = KINDS.load(self.kind).find
-        found = replace(self, inputs=tuple(find(path) for path in self.inputs))
+        kind = KINDS.load(self.kind)
+        found = replace(
+            self,
+            inputs=tuple(kind.find(path) for path in self.inputs),
+            arguments=checked(self.kind, self.arguments, kind.takes),
+        )
         return replace(found, settings=resolve(found))
 
     def files(self) -> tuple[Path, ...]:
@@ -87,6 +93,8 @@ class Kind:
     """The settings that the kind and its inputs suggest, by stage and name."""
     find: Callable[[Path], Path] = lambda path: path
     """The file that an input names; it may be something that ships with recon."""
+    takes: Mapping[str, Argument] = field(default_factory=dict)
+    """What it may be asked besides inputs and settings, by name."""
     reads: Callable[[Job], tuple[Path, ...]] = lambda job: ()
     """Files that are read besides the inputs."""
     folder: Callable[[Job], Path | None] = lambda job: None

@@ -15,6 +15,7 @@ from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
 from recon.records import PointCloud, Recognition, Voxels
 from recon.records.objects import as_json
+from recon.runs.arguments import flag, one_of, text
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.reading import read_reconstruction, read_settings
 from recon.runs.work import Work
@@ -102,4 +103,8 @@ def _target(arguments: Mapping[str, object]) -> Path | None:
     return target
 
 
-RECOGNISE = Kind(run=_recognise, base=_base)
+RECOGNISE = Kind(
+    run=_recognise,
+    base=_base,
+    takes={"up": one_of("y", "-y", "z", "-z"), "cloud": text, "overwrite": flag},
+)

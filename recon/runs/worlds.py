@@ -12,6 +12,7 @@ from recon.exploration.agent import explore
 from recon.recognition import recognise
 from recon.recognition.reliability import calibration_error
 from recon.records import FoundObject
+from recon.runs.arguments import count
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
@@ -37,7 +38,7 @@ class Naming:
 
 def _worlds(job: Job, work: Work) -> Numbers:
     """Explore random worlds and count labels, by the settings' recogniser and the thesis's."""
-    num_worlds: int = job.arguments["worlds"]
+    num_worlds: int = job.arguments.get("worlds", 1)
     own: list[Naming] = []
     thesis: list[Naming] = []
     for number in range(num_worlds):
@@ -120,5 +121,6 @@ def tally(named: list[Naming]) -> dict[str, Any]:
 WORLDS = Kind(
     run=_worlds,
     base=lambda job: EXPLORER_BASE,
+    takes={"worlds": count},
     stages=("render", "stereo", "map", "plan", "recognise", "figures"),
 )

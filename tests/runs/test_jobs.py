@@ -141,3 +141,23 @@ def test_one_pair_is_not_some_pairs(tmp_path, capsys):
     argv = ["reconstruct", str(PAIR), "--quality", "fast", "-o", str(tmp_path / "run")]
     assert main([*argv, "--keep", "500"]) == 0
     assert "1 pair, " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"matcher": "sgbm"}, "argument matcher is unknown to evaluate; the nearest .* matchers"),
+        ({"matchers": 3}, "evaluate: matchers is 3, but a list of texts is needed"),
+        ({"truth_scale": "much"}, "truth_scale is 'much', but a number over 0"),
+        ({"truth_scale": float("nan")}, "truth_scale is nan"),
+    ],
+)
+def test_arguments_that_a_kind_does_not_take_are_named(arguments, message):
+    with pytest.raises(recon.InputError, match=message):
+        recon.Job(kind="evaluate", inputs=PAIR, arguments=arguments).resolved()
+
+
+def test_arguments_come_as_the_kind_takes_them():
+    job = recon.Job(kind="evaluate", inputs=str(PAIR), arguments={"matchers": "sgbm"}).resolved()
+    assert job.inputs == (PAIR,)
+    assert job.arguments == {"matchers": ("sgbm",)}

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks import Measurement
-from recon.exploration.agent import Exploration, explore
+from recon.exploration.agent import explore
+from recon.exploration.outcome import Exploration
 from recon.settings import Settings, updated, with_quality
 from recon.world.generator import random_scene
 from recon.world.world import World

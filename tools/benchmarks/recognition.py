@@ -12,7 +12,7 @@ from benchmarks import Measurement
 from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.shapes import fit
-from recon.recognition.naming.catalogue import read_catalogue
+from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import Voxels
@@ -100,7 +100,7 @@ def costs() -> Iterator[Measurement]:
     peer = seconds(lambda: np.linalg.svd(np.random.default_rng(0).normal(size=(300, 300))))
     _, voxels = an_object(0, 0.1)
     objects = voxels.select(voxels.centres[:, 1] > 1.0)
-    kinds = read_catalogue()
+    kinds = read_catalogues(["village"])
     for name, work in (
         ("part", lambda: fit(objects.means)),
         ("object", lambda: name_object(objects, 0.0, kinds)),

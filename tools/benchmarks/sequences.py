@@ -13,12 +13,13 @@ import numpy as np
 
 from benchmarks import Measurement
 from recon.mapping.consistency import Consistency, Witness
-from recon.mapping.pair import points_of
+from recon.mapping.pair import match_points
 from recon.records import PairSource, StereoPair
 from recon.sequences import open_sequence
 from recon.sequences.calibration.boards import calibrate
 from recon.sequences.calibration.cameras import Calibration, Camera
 from recon.sequences.calibration.rectification import rectifier
+from recon.sequences.calibration.targets import Chessboard
 from recon.sequences.images import read_image
 from recon.settings import SequenceSettings, Settings, updated, with_quality
 
@@ -71,7 +72,7 @@ def confirmation(num_pairs: int | None) -> list[Measurement]:
     settings = updated(Settings(), search)
     fast = updated(with_quality(Settings(), "fast"), search)
     pairs = [*islice(open_sequence(DRIVE, SequenceSettings()), num_pairs)]
-    points_of(pairs[0], settings)  # compiles
+    match_points(pairs[0], settings)  # compiles
     consistency, times = run_through(pairs, settings)
     _, fast_times = run_through(pairs[:6], fast)
     peer = sgbm_seconds(pairs)
@@ -87,7 +88,7 @@ def run_through(source: PairSource, settings: Settings) -> tuple[Consistency, li
     consistency, times = Consistency(), []
     for pair in source:
         began = time.thread_time()
-        consistency.add(pair, points_of(pair, settings)[1])
+        consistency.add(pair, match_points(pair, settings).cloud)
         times.append(time.thread_time() - began)
     consistency.finish()
     return consistency, times
@@ -112,7 +113,7 @@ def boards() -> list[Measurement]:
             side.mkdir()
             for file in (DATA / "chessboard_stereo" / "opencv").glob(f"{side.name}*.jpg"):
                 (side / file.name).symlink_to(file)
-        found = calibrate(*sides, (9, 6), 0.025)
+        found = calibrate(sides[0], sides[1], Chessboard(columns=9, rows=6, square=0.025))
     return [number("chessboard_rms", found.rms_px, "px", 0.05)]
 
 
@@ -152,7 +153,7 @@ def temple() -> list[Measurement]:
     settings, consistency = updated(Settings(), search), Consistency()
     witnesses: list[Witness] = []
     for pair in source:
-        witnesses += consistency.add(pair, points_of(pair, settings)[1])
+        witnesses += consistency.add(pair, match_points(pair, settings).cloud)
     witnesses += consistency.finish()
     points = np.concatenate([w.cloud.points for w in witnesses])
     agreed = np.concatenate([w.cloud.points[w.is_confirmed] for w in witnesses])

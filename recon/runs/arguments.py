@@ -1,0 +1,89 @@
+"""What a kind of job asks besides its inputs and its settings, each by a name and a type."""
+
+import difflib
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+
+Argument = Callable[[Any], Any]
+"""Gives the value as the kind takes it; ValueError says what is needed instead."""
+
+
+def path(value: Any) -> Path:
+    """A file or folder that is read."""
+    if not isinstance(value, str | Path):
+        raise ValueError("a path")
+    return Path(value)
+
+
+def text(value: Any) -> str:
+    """A word."""
+    if not isinstance(value, str | Path):
+        raise ValueError("text")
+    return str(value)
+
+
+def texts(value: Any) -> tuple[str, ...]:
+    """One word or several."""
+    if isinstance(value, str):
+        return (value,)
+    if not isinstance(value, list | tuple):
+        raise ValueError("a list of texts")
+    return tuple(text(one) for one in value)
+
+
+def flag(value: Any) -> bool:
+    """Yes or no."""
+    if not isinstance(value, bool):
+        raise ValueError("true or false")
+    return value
+
+
+def positive(value: Any) -> float:
+    """A finite number over 0."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (is_number and math.isfinite(value) and value > 0):
+        raise ValueError("a number over 0")
+    return float(value)
+
+
+def count(value: Any) -> int:
+    """A whole number from 1 on."""
+    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        raise ValueError("a whole number of 1 or more")
+    return value
+
+
+def one_of(*choices: str) -> Argument:
+    """One of some words."""
+
+    def choice(value: Any) -> str:
+        if value not in choices:
+            raise ValueError(f"one of {', '.join(choices)}")
+        return str(value)
+
+    return choice
+
+
+def checked(kind: str, given: Mapping[str, Any], takes: Mapping[str, Argument]) -> dict[str, Any]:
+    """The arguments of a job as its kind takes them.
+
+    Raises
+    ------
+    InputError
+        For a name that the kind does not know, with the nearest one, and for a wrong value.
+    """
+    found = {}
+    for name, value in given.items():
+        if name not in takes:
+            near = difflib.get_close_matches(name, takes, n=1, cutoff=0.0)
+            known = f"; the nearest known argument is {near[0]}" if near else ", which takes none"
+            raise InputError(f"argument {name} is unknown to {kind}{known}")
+        try:
+            found[name] = takes[name](value)
+        except ValueError as error:
+            raise InputError(f"{kind}: {name} is {value!r}, but {error} is needed") from error
+    return found
