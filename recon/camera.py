@@ -26,7 +26,7 @@ class StereoRig:
     cx_right_px: float
     cy_px: float
     baseline: float
-    """Distance of the two eyes, in world units."""
+    """Distance of the two cameras, in world units."""
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "focal_px", "baseline"):

@@ -1,4 +1,4 @@
-"""What can go wrong by the user's hand, said in one line."""
+"""Errors that a user can mend, said in one line."""
 
 from collections.abc import Sequence
 

@@ -65,7 +65,7 @@ def check_rigid(name: str, T: ArrayLike) -> None:
     error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if error > 1e-6 or np.linalg.det(rotation) < 0 or (matrix[3] != (0, 0, 0, 1)).any():
         raise InputError(
-            f"{name} is no rigid motion (R R^T is off by {error:.2g}, det R = "
+            f"{name} is not a rigid motion (R R^T is off by {error:.2g}, det R = "
             f"{np.linalg.det(rotation):.3g}), but a rotation and a translation are needed"
         )
 

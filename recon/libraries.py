@@ -47,7 +47,7 @@ def load_pyvista() -> ModuleType:
 
 
 def _has_screen() -> bool:
-    """Whether somebody answers at DISPLAY; VTK would write to stderr that nobody does."""
+    """True where somebody answers at DISPLAY; VTK would write to stderr that nobody does."""
     import socket
 
     host, colon, screen = os.environ.get("DISPLAY", "").rpartition(":")

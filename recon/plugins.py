@@ -15,7 +15,7 @@ Part = TypeVar("Part")
 GROUPS = (
     "controllers", "matchers", "sequences", "formats", "figures", "recognisers", "renderers",
 )  # fmt: skip
-"""What plug-ins may bring: each is the entry-point group `recon.NAME`."""
+"""Kinds of parts that plug-ins may bring: each is the entry-point group `recon.NAME`."""
 
 _registered: dict[str, dict[str, Any]] = {}
 """Parts that this process registered, by entry-point group and name."""

@@ -20,17 +20,17 @@ from recon.locks import locked
 MANIFEST = "manifest.json"
 PARTIAL = "partial"
 KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
-"""What every manifest of recon has."""
+"""Keys that every manifest of recon has."""
 LIBRARIES = ("recon-stereo", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunPlan:
-    """What makes a run what it is: the same plan gives the same bytes."""
+    """Everything that decides a run: the same plan gives the same bytes."""
 
     command: str
     arguments: dict[str, Any] = field(default_factory=dict)
-    """What the command asks besides its inputs and its settings, as JSON has it."""
+    """Arguments of the command besides its inputs and its settings, as JSON has them."""
     settings_toml: str
     seed: int
     inputs: tuple[Path, ...]
@@ -59,9 +59,9 @@ class RunFolder:
     """Wall time by stage, for the manifest."""
     state: str = "running"
     is_finished: bool = False
-    """Whether an earlier call had finished the very same run: nothing is left to do."""
+    """True where an earlier call has finished the very same run: nothing is left to do."""
     replaces: bool = False
-    """Whether another run stands here that goes when this one begins."""
+    """True where another run stands here that goes when this one begins."""
 
     @classmethod
     def prepare(cls, path: Path, plan: RunPlan, *, overwrite: bool, resume: bool) -> Self:
@@ -144,7 +144,7 @@ class RunFolder:
 
     @property
     def _before(self) -> Path:
-        """Where a run that is replaced waits."""
+        """Folder in which a run that is replaced waits."""
         return self.path.with_name(f".{self.path.name}.before")
 
     def _put_aside(self) -> None:
@@ -174,7 +174,7 @@ class RunFolder:
 
     @property
     def partial(self) -> Path:
-        """What a cut run needs to go on; gone once it is finished."""
+        """Folder of what a cut run needs to go on; gone once it is finished."""
         folder = self.path / PARTIAL
         folder.mkdir(exist_ok=True)
         return folder

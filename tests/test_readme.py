@@ -1,6 +1,7 @@
 """The README's commands, run as written, and what the village's run must show."""
 
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -55,3 +56,16 @@ def test_the_images_of_the_readme_are_there():
     assert text.startswith("![")
     image = text[text.index("(") + 1 : text.index(")")]
     assert (ROOT / image).stat().st_size > 10_000
+
+
+def test_the_python_of_the_readme_works(readme):
+    folder, _ = readme
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
+    names: dict[str, object] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        exec(compile(code, "README.md", "exec"), names)
+    assert len(names["matches"]) > 5000
+    assert (folder / "runs" / "motorcycle.npz").exists()
+    assert names["done"].map.num_cells > 1000
+    assert not re.search(r"from recon|import recon\.", code)

@@ -27,7 +27,7 @@ def learn(examples: tuple[str, ...], catalogue: Path, name: str, **given: Any) -
 
 
 def _inputs(examples: tuple[str, ...]) -> tuple[Path, ...]:
-    """What is read: of RUN#ID the run."""
+    """Files that are read: of RUN#ID the run."""
     names = (text if Path(text).exists() else text.rpartition("#")[0] for text in examples)
     return tuple(map(Path, names))
 

@@ -29,7 +29,7 @@ class PositiveNumber(click.FloatRange):
         """The number that `value` says."""
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
-            self.fail(f"{value!r} is no finite number.", param, ctx)
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
         return number
 
 
@@ -72,7 +72,7 @@ OUTPUT = [
 def _given(
     _context: click.Context, _option: click.Parameter, names: tuple[str, ...]
 ) -> tuple[str, ...] | None:
-    """What an option that may be repeated holds; None where it was not given."""
+    """Values of an option that may be repeated; None where it was not given."""
     return names or None
 
 

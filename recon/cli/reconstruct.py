@@ -21,7 +21,7 @@ def parse_roi(
         return None
     words = text.split(",")
     if len(words) != 4 or not all(word.strip().isdecimal() for word in words):
-        raise click.BadParameter(f"{text!r} is no region, but x,y,width,height are needed")
+        raise click.BadParameter(f"{text!r} is not a region, but x,y,width,height are needed")
     return [int(word) for word in words]
 
 

@@ -1,4 +1,4 @@
-"""How well the clouds of different pairs agree, with no truth: points that another pair confirms.
+"""Agreement between the clouds of different pairs, without truth: points that another confirms.
 
 What moves, and what was matched wrongly, is seen by one pair only.
 """
@@ -41,7 +41,7 @@ class Witness:
         self.depth = self._points_left(cloud.points)[:, 2]
         """(N,) of its own points."""
         self.is_confirmed = np.zeros(len(cloud), np.bool_)
-        """(N,) whether another pair agreed."""
+        """(N,) true where another pair agreed."""
         self.sample = np.arange(0, len(cloud), SAMPLE_STEP)
         """(S,) some of the points."""
         self.distance = np.full(len(self.sample), np.inf)

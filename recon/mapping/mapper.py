@@ -32,7 +32,7 @@ from recon.voxelmap.occupancy import new_map, occupied
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Step:
-    """One pair and what it gave."""
+    """One pair with its matches and points."""
 
     number: int
     """0, 1, ..."""

@@ -19,7 +19,7 @@ from recon.voxelmap import VoxelMap
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PairResult:
-    """What one pair gave."""
+    """Matches and points of one pair."""
 
     matches: Matches
     cloud: PointCloud
@@ -118,7 +118,7 @@ def process_pair(
 ) -> PairResult:
     """One pair into the map.
 
-    All points with a depth are returned, so that far things are seen; the map counts in its cells
+    All points with a depth are returned, so that far objects are seen; the map counts in its cells
     those that are sure enough, the others in coarser ones. The search range is the one that the
     settings were given, else what the pair states.
 

@@ -1,4 +1,4 @@
-"""How many pairs saw each object."""
+"""Number of pairs that saw each object."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace

@@ -174,5 +174,5 @@ class Segments:
 
     @property
     def num_segments(self) -> int:
-        """How many parts there are."""
+        """Number of parts."""
         return int(self.label.max(initial=-1)) + 1

@@ -61,7 +61,7 @@ class Matches:
     disparity_px: NDArray[np.float64]
     """(M,) u_left - u_right."""
     sigma_px: NDArray[np.float64]
-    """(M,) standard deviation of the disparity; NaN before fine tuning."""
+    """(M,) standard deviation of the disparity; NaN before sub-pixel refinement."""
     score: NDArray[np.float64]
     """(M,) confidence, falling."""
     index_left: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))

@@ -1,4 +1,4 @@
-"""What the eyes saw, and from where."""
+"""Views, and the pairs of images taken from them."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class View:
     """
 
     position: NDArray[np.float64]
-    """(3,) the point midway between the eyes."""
+    """(3,) the point midway between the cameras."""
     target: NDArray[np.float64]
-    """(3,) the point both eyes look at."""
+    """(3,) the point both cameras look at."""
     focal_length: float | None = None
     """World units."""
     fov_deg: float | None = None
@@ -52,7 +52,7 @@ class View:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StereoPair:
-    """Two rectified images taken at one moment."""
+    """Two rectified images taken at one time."""
 
     left: NDArray[np.uint8]
     """(H, W, 3) RGB or (H, W) grey."""
@@ -63,7 +63,7 @@ class StereoPair:
     """(4, 4) pose of the left camera, None where it is not known."""
     stamp_s: float = 0.0
     name: str = "pair"
-    """What messages call it: a file or a number."""
+    """A file or a number, for messages."""
     disparity_range: tuple[int, int] | None = None
     """(min, max) in pixels, both included, where the recording states it."""
 

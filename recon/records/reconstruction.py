@@ -1,4 +1,4 @@
-"""What comes of all pairs together."""
+"""The result of all pairs together."""
 
 from dataclasses import dataclass
 from typing import Any, Generic

@@ -189,7 +189,7 @@ def from_parameters(kind: str, numbers: Parameters) -> Solid:
             for name in solid.__slots__
         }
     except (StopIteration, KeyError) as error:
-        raise InputError(f"{kind} with {sorted(numbers)} is no solid that recon knows") from error
+        raise InputError(f"{kind} with {sorted(numbers)} is not a known solid") from error
     arrays = {
         name: np.asarray(value) if np.ndim(value) else value for name, value in values.items()
     }

@@ -1,4 +1,4 @@
-"""Where the left camera was, pair by pair."""
+"""The way of the left camera, pose by pose."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""What a kind of job asks besides its inputs and its settings, each by a name and a type."""
+"""Arguments of a kind of job besides its inputs and its settings, by name and type."""
 
 import difflib
 import math

@@ -41,7 +41,7 @@ class MatchedPair:
     num_features: int
     seconds: float
     dense: DisparityMap | None
-    """What every pixel shows, where the settings want it."""
+    """Disparity of every pixel, where the settings want it."""
 
 
 def match_files(

@@ -1,4 +1,4 @@
-"""What this machine has of the things recon needs."""
+"""A check of this machine: libraries, rendering, caches."""
 
 import importlib.metadata
 import importlib.util
@@ -21,7 +21,7 @@ EXTRAS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One thing that was looked at."""
+    """Result of one check."""
 
     name: str
     is_well: bool
@@ -52,7 +52,7 @@ def examine() -> list[Finding]:
 
 
 def _kernels() -> Finding:
-    """Where compiled kernels are kept: where nowhere, every command compiles for half a minute."""
+    """Folder of compiled kernels; without one, every command compiles for half a minute."""
     folder = kernel_folder()
     cure = "no writable place: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
     return _optional("kernels", None if folder else cure, f"kept in {folder}")

@@ -46,7 +46,7 @@ def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
 
 
 def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
-    """What makes rectified pairs of the raw images of a rig.
+    """A rectifier: it makes pairs of the raw images of a rig.
 
     Parameters
     ----------

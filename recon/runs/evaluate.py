@@ -44,7 +44,7 @@ class Trial:
 
     @property
     def name(self) -> str:
-        """What tables call the pair."""
+        """Name of the pair in tables."""
         return self.pair_dir.resolve().name
 
     def image(self, side: str) -> Path:
@@ -120,9 +120,9 @@ def _leave_figures(run_path: Path, trial: Trial) -> None:
 
 
 def trial_arrays(trial: Trial) -> dict[str, Arrays]:
-    """What is drawn of a trial, by the kind of figure.
+    """Arrays to draw of a trial, by the kind of figure.
 
-    Error map, one scale against all (thesis figure 16), fine tuning (10, 15), model (17).
+    Error map, one scale against all (thesis figure 16), sub-pixel refinement (10, 15), model (17).
     """
     settings, truth = trial.settings, trial.truth.disparity_px
     left, right = read_pair(trial.image("left"), trial.image("right"))
@@ -151,7 +151,7 @@ def trial_arrays(trial: Trial) -> dict[str, Arrays]:
 
 
 def model_arrays(left: Features, right: Features, matches: Matches, settings: Settings) -> Arrays:
-    """What the model expects of right pairs, beside what these pairs are (thesis figure 17)."""
+    """Densities of the model beside those of these pairs (thesis figure 17)."""
     model = vonmises.load_model(settings.matching.model)
     phases = np.linspace(-np.pi, np.pi, 361)
     measured = vonmises.phase_differences(left, right, matches)

@@ -1,4 +1,4 @@
-"""What a caller is told while a job runs, and how the caller ends it."""
+"""Events of a running job, and the caller's way to end it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -22,7 +22,7 @@ _NAV2 = (".pgm", ".yaml", ".yml")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Selection:
-    """What of a file is exported, and how it is read."""
+    """Selection of what is exported, and options of reading."""
 
     box: Box | None = None
     """Low and high corner, in the axes of the source."""
@@ -97,7 +97,7 @@ def _in_world(box: Box, up: Up) -> Box:
 
 
 def _files(target: Path) -> list[Path]:
-    """What is written: an image and its description together, otherwise one file."""
+    """Files that are written: an image and its description together, otherwise one."""
     if target.suffix.lower() not in _NAV2:
         return [target]
     is_image = target.suffix.lower() == ".pgm"

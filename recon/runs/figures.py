@@ -23,7 +23,7 @@ from recon.runs.labels import write_labels
 from recon.runs.reading import read_reconstruction
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
-"""What every run with a map leaves without being asked."""
+"""Figures that every run with a map leaves without being asked."""
 RECORDED = "reconstruct"
 """The command whose runs saw the real world, in metres."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
@@ -31,7 +31,7 @@ DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wish:
-    """What somebody wants drawn, and how."""
+    """A wish: which figures, and how they are drawn."""
 
     kind: str | None = None
     """None = all that the run tells."""
@@ -98,7 +98,7 @@ def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
 
 
 def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tuple[str, Subject]]:
-    """What of a run figures of one kind are drawn from, by the name of the file."""
+    """Subjects of a run for figures of one kind, by the name of the file."""
     if kind.is_kept:
         found = list(_kept_subjects(run_path, name, wish))
         lack = f"kept nothing that {name} could be drawn from"
@@ -200,4 +200,4 @@ def read_arrays(path: Path) -> Arrays:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except DAMAGE as error:
-        raise InputError(f"{path} cannot be read ({error}); it is no table of arrays") from error
+        raise InputError(f"{path} cannot be read ({error}); it is not a table of arrays") from error

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Tree = Mapping[str, Mapping[str, Any]]
 Numbers = dict[str, Any]
-"""What a job found, by the names of its JSON document."""
+"""Results of a job by the names of its JSON document."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +66,7 @@ class Job:
         return (*self.inputs, *named, *KINDS.load(self.kind).reads(self), *models)
 
     def plan(self) -> RunPlan:
-        """What the job's run folder has to agree with."""
+        """The plan that the job's run folder has to agree with."""
         return RunPlan(
             command=self.kind,
             arguments={
@@ -94,13 +94,13 @@ class Kind:
     find: Callable[[Path], Path] = lambda path: path
     """The file that an input names; it may be something that ships with recon."""
     takes: Mapping[str, Argument] = field(default_factory=dict)
-    """What it may be asked besides inputs and settings, by name."""
+    """Arguments besides inputs and settings, by name."""
     reads: Callable[[Job], tuple[Path, ...]] = lambda job: ()
     """Files that are read besides the inputs."""
     folder: Callable[[Job], Path | None] = lambda job: None
     """The run folder where nobody names one; None = none is left."""
     stages: tuple[str, ...] = ()
-    """What `seconds` of metrics.json always names, whether it took time or not."""
+    """Stages that `seconds` of metrics.json always names."""
 
 
 KINDS: Registry[Kind] = Registry(

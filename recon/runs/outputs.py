@@ -1,4 +1,4 @@
-"""What every run with a map leaves besides its figures."""
+"""Files that every run with a map leaves besides its figures."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -26,7 +26,7 @@ from recon.voxelmap.occupancy import occupied
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
-    """What is recognised: points or occupied cells."""
+    """Points or occupied cells that are recognised."""
 
     data: PointCloud | Voxels
     T_world_left: NDArray[np.float64] | None = None
@@ -34,7 +34,7 @@ class Scene:
 
 
 def run_of(path: Path) -> Path | None:
-    """The run folder that a path is, or that a map lies in; None where it is no run's."""
+    """The run folder that a path is, or that a map lies in; None where it is not a run's."""
     folder = path if path.is_dir() else path.parent
     is_run = (folder / "settings.toml").is_file() and (folder / "map.npz").is_file()
     return folder if is_run and path in (folder, folder / "map.npz") else None

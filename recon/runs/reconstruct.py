@@ -34,7 +34,7 @@ DISPARITY_RANGE = (0, 127)
 
 
 def _base(job: Job) -> Tree:
-    """What a recording itself suggests: its search range, and a cell size for its depths."""
+    """Settings that a recording suggests: its search range, and a cell size for its depths."""
     (path,) = job.inputs
     # The images tell: no pose is needed, and none estimated.
     read = replace(job.settings.sequence, poses="none", roi=None)

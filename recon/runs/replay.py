@@ -23,7 +23,7 @@ class SavedPairs:
     folder: Path
 
     def path(self, number: int) -> Path:
-        """Where pair `number` is kept."""
+        """File of pair `number`."""
         return self.folder / f"{number:06d}.npz"
 
     def save(self, number: int, pair: StereoPair) -> None:
@@ -57,7 +57,7 @@ class SavedResults:
     folder: Path
 
     def path(self, number: int) -> Path:
-        """Where the result of pair `number` is kept."""
+        """File of the result of pair `number`."""
         return self.folder / f"{number:06d}.npz"
 
     def __contains__(self, number: int) -> bool:

@@ -1,4 +1,4 @@
-"""What a job gave, just now or as its run folder has it."""
+"""The report of a job, just done or read again from its run folder."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,14 +15,14 @@ Numbers = dict[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Report:
-    """What a job gave."""
+    """Results of a job."""
 
     kind: str
     """Of the job."""
     numbers: Numbers = field(repr=False)
-    """What it found, by the names of its JSON document."""
+    """Results by the names of the JSON document."""
     warnings: tuple[Notice, ...] = ()
-    """What was measured and found contradictory."""
+    """Findings that contradict each other."""
     run: Path | None = None
     """The run folder it left."""
 
@@ -36,7 +36,7 @@ class Report:
 
     @property
     def is_interrupted(self) -> bool:
-        """Whether it ended early on purpose, and can be resumed."""
+        """True where the job was interrupted and can be resumed."""
         return bool(self.numbers.get("stop_reason") == "interrupted")
 
     def as_json(self) -> dict[str, Any]:

@@ -55,6 +55,6 @@ class SurfaceWork:
 
 
 def wants_surface(settings: Settings) -> bool:
-    """Whether a run leaves more than its sparse cloud."""
+    """True where a run leaves more than its sparse cloud."""
     asked = settings.surface
     return settings.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps

@@ -11,7 +11,7 @@ from recon.stopwatch import Stopwatch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Work:
-    """What the function of a `Kind` is handed besides its job."""
+    """Everything that the function of a `Kind` is handed besides its job."""
 
     events: Events
     stopwatch: Stopwatch

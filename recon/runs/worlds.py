@@ -29,7 +29,7 @@ GAP = 8.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Naming:
-    """What one true object was taken for."""
+    """One true object and the name it was given."""
 
     true: str
     found: str
@@ -46,7 +46,7 @@ def _worlds(job: Job, work: Work) -> Numbers:
         own += by_settings
         thesis += by_thesis
         work.progress(number + 1, num_worlds)
-    report: Numbers = {"worlds": num_worlds, "robust": tally(own), "thesis": tally(thesis)}
+    report: Numbers = {"worlds": num_worlds, "robust": summary(own), "thesis": summary(thesis)}
     if work.folder:
         with work.stage("figures"):
             _leave_figures(work.folder.path, own, thesis)
@@ -54,7 +54,7 @@ def _worlds(job: Job, work: Work) -> Numbers:
 
 
 def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[Naming]]:
-    """What the settings' recogniser and the thesis's call the objects of one world."""
+    """Names that the settings' recogniser and the thesis's give the objects of one world."""
     settings = job.settings
     scene = random_scene(np.random.default_rng([job.seed, number]), NUM_OBJECTS, GAP)
     world = World(scene, settings.eyes, settings.render, settings.world)
@@ -99,7 +99,7 @@ def _naming(true: TrueObject, found_objects: tuple[FoundObject, ...]) -> Naming:
     return Naming(true=true.label, found=nearest.label, probability=nearest.probability or 0.0)
 
 
-def tally(named: list[Naming]) -> dict[str, Any]:
+def summary(named: list[Naming]) -> dict[str, Any]:
     """Counts of right labels and the confusion, true by found."""
     if not named:
         raise InputError("no object was there to be named; ask for at least one world")

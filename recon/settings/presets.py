@@ -53,6 +53,6 @@ EXPLORER_BASE = merged(
     QUALITIES["fast"],
     {"matching": {"min_disparity": -10, "max_disparity": 20, "cross_check": "exact"}},
 )
-"""What an explorer takes where nobody says otherwise. With both eyes on the target, disparities
+"""Values of an explorer where nobody says otherwise. With both cameras on the target, disparities
 lie round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against
-its whole row: a phantom before the eyes walls the agent in."""
+its whole row: a phantom before the cameras walls the agent in."""

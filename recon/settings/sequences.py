@@ -7,7 +7,7 @@ from recon.settings.stage import Count, Positive, table
 
 @table
 class SequenceSettings:
-    """Which pairs of a recording are read, and where their poses come from."""
+    """Selection of the pairs of a recording, and the source of their poses."""
 
     format: str = "auto"
     """auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in's name."""

@@ -9,10 +9,10 @@ from recon.settings.stage import Count, NonNegative, Positive, Share, given, tab
 
 @table
 class FeatureSettings:
-    """Which points of an image are features (thesis 3.2, 3.3)."""
+    """Selection of the feature points of an image (thesis 3.2, 3.3)."""
 
     method: Literal["steerable", "population"] = "steerable"
-    """How strong and how oriented a pixel is: steerable filters, or population coding (3.2)."""
+    """Source of strength and orientation: steerable filters, or population coding (3.2)."""
     share: Share = 0.10
     """Wanted number of features, as a share of the pixels; sets the threshold of the modulus."""
     threshold: NonNegative = 0.5
@@ -25,7 +25,7 @@ class FeatureSettings:
 
 @table
 class MatchingSettings:
-    """How features of two images become pairs (thesis 3.4)."""
+    """Matching of the features of two images (thesis 3.4)."""
 
     matcher: str = "phase"
     """phase, vonmises, sgbm, or a plug-in's name."""
@@ -35,16 +35,16 @@ class MatchingSettings:
     max_row_offset_px: int = Field(default=0, ge=0)
     """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
     cross_check: Literal["exact", "row"] = "exact"
-    """How a pair is confirmed: by the choice of its right pixel among all left ones, or only
+    """Confirmation of a pair: by the choice of its right pixel among all left ones, or only
     against the other features of its row, which takes half the time."""
     support_sampling: Literal["half", "quarter"] = "half"
-    """Which share of the pixels round a point supports its disparities."""
+    """Share of the pixels round a point that supports its disparities."""
     model: str | None = None
     """File of the von Mises matcher's model; None = the one recon ships."""
     per_block: Count | None = None
     """At most so many pairs of each block of 32 x 32 pixels, so that they spread; None = all."""
     keep: Count | None = None
-    """How many of the most confident pairs to keep; None = all."""
+    """Number of the most confident pairs that are kept; None = all."""
 
     def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
         """The same, over the search range that a recording states, but for what was given."""
@@ -64,7 +64,7 @@ class MatchingSettings:
 
 @table
 class TriangulationSettings:
-    """How pairs become coloured points (thesis 3.5, 4.5)."""
+    """Triangulation of pairs to coloured points (thesis 3.5, 4.5)."""
 
     colour_window_px: int = Field(default=3, ge=1)
     """Side of the square whose mean is the colour of a point."""

@@ -17,7 +17,7 @@ PixelCount = Annotated[int, Field(ge=1, le=4096)]
 """More than 4096 x 4096 rays at a time do not fit into the memory of most machines."""
 
 FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
-"""What follows where a setting is changed, unless it is given too."""
+"""Settings that follow where another is changed, unless they are given too."""
 
 
 @table

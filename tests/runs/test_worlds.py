@@ -8,7 +8,7 @@ import pytest
 from recon.cli import main
 from recon.errors import InputError
 from recon.records import FoundObject
-from recon.runs.worlds import NOT_FOUND, namings, tally
+from recon.runs.worlds import NOT_FOUND, namings, summary
 from recon.world.objects import TrueObject
 
 
@@ -27,13 +27,13 @@ def test_true_objects_are_named_by_the_nearest_within_their_width():
     true = (true_object(0.0), true_object(20.0), true_object(40.0, "cottage"))
     found = (found_object(1.0, "pine tree"), found_object(18.0, "apple tree"))
     assert [one.found for one in namings(true, found)] == ["pine tree", "apple tree", NOT_FOUND]
-    counts = tally(namings(true, found))
+    counts = summary(namings(true, found))
     assert (counts["num_right"], counts["num_objects"]) == (1, 3)
     assert counts["confusion"] == {
         "cottage": {NOT_FOUND: 1}, "pine tree": {"apple tree": 1, "pine tree": 1},
     }  # fmt: skip
     with pytest.raises(InputError, match="at least one world"):
-        tally([])
+        summary([])
 
 
 def test_one_world_from_the_command_line(tmp_path, capsys):

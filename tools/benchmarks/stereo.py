@@ -58,7 +58,7 @@ def settings(quality: Quality, num_disparities: int) -> Settings:
 
 
 def run(pair: Images, s: Settings) -> tuple[Matches, list[float]]:
-    """Match a pair; also the CPU seconds of features, matching and fine tuning."""
+    """Match a pair; also the CPU seconds of features, matching and sub-pixel refinement."""
     clock = [time.thread_time()]
     left, right = (detect(image, s.features) for image in pair)
     clock.append(time.thread_time())

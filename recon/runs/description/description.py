@@ -81,6 +81,6 @@ def _is_recording(path: Path) -> bool:
 
 
 def _is_map(path: Path) -> bool:
-    """Whether an image is that of a nav2 map, described beside it."""
+    """Test for an image of a nav2 map, described beside it."""
     beside = (path.with_suffix(ending) for ending in (".yaml", ".yml"))
     return path.suffix.lower() == ".pgm" and any(one.is_file() for one in beside)

@@ -43,7 +43,7 @@ def of_json(path: Path) -> Facts:
 
 
 def of_objects(document: Mapping[str, Any]) -> Facts:
-    """What was found, a row for each object."""
+    """The objects found, a row for each."""
     objects = document["objects"]
     if not isinstance(objects, list) or not all(isinstance(one, dict) for one in objects):
         raise InputError("objects are not a list of objects of recon")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Facts = dict[str, Any]
-"""What is known, by name: words, numbers, lists of them, and tables as lists of mappings."""
+"""Facts by name: words, numbers, lists of them, and tables as lists of mappings."""
 
 
 def extent(points: NDArray[Any]) -> Facts:

@@ -86,7 +86,7 @@ def of_npz(path: Path) -> Facts:
 
 
 def of_matches(arrays: dict[str, Any]) -> Facts:
-    """How many matches there are, and the range of their values."""
+    """Number of matches, and the range of their values."""
     facts: Facts = {"kind": "matches", "num_matches": len(arrays["disparity_px"])}
     for name in ("disparity_px", "sigma_px", "score"):
         if name in arrays:

@@ -12,7 +12,7 @@ _OF_MANIFEST = ("command", "state", "error", "seed", "inputs", "versions")
 
 
 def of_run(path: Path) -> Facts:
-    """How a run came to be, what it found, and its files."""
+    """The origin of a run, its findings and its files."""
     manifest = read_manifest(path)
     facts: Facts = {"kind": "run"} | {name: manifest.get(name) for name in _OF_MANIFEST}
     for name, described in (("metrics.json", of_metrics), ("objects.json", of_objects)):
