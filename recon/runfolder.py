@@ -192,6 +192,7 @@ class RunFolder:
         outputs = sorted(p for p in self.path.rglob("*") if p.is_file() and p.name != MANIFEST)
         document = self.identity | {
             "state": self.state,
+            "sources": [str(path.resolve()) for path in self.plan.inputs],
             "error": error,
             "input_paths": [str(path.resolve()) for path in self.plan.inputs],
             "versions": versions(),

@@ -31,9 +31,23 @@ COLUMNS = {
     "seconds": ".2f",
 }
 
+DENSE_COLUMNS = {
+    "covered": ".2f",
+    "right": ".2f",
+    "right_nonocc": ".2f",
+    "wrong": ".2f",
+    "median_px": ".3f",
+    "within_1_sigma": ".1f",
+    "within_2_sigma": ".1f",
+    "seconds": ".2f",
+}
+
 
 @click.command(epilog="Example: recon evaluate data/motorcycle --matcher phase --matcher sgbm")
 @click.argument("pair_dirs", nargs=-1, type=PATH)
+@click.option("--dense", is_flag=True, help="Judge every pixel, beside OpenCV's matchers.")
+@click.option("--surface", type=PATH, help="Judge the surface of a run; needs --truth.")
+@click.option("--distance", "distances", type=PositiveNumber(), multiple=True, help="Repeatable.")
 @click.option("--worlds", type=click.IntRange(min=1), help="Judge labels in N random worlds.")
 @click.option("--matcher", "matchers", multiple=True, help="May be repeated.")
 @click.option("--quality", type=click.Choice(["best", "fast"]))
@@ -42,32 +56,65 @@ COLUMNS = {
 )
 @click.option("--truth-scale", type=PositiveNumber())
 @click.option("--trajectory", type=PATH, help="Judge the path of a run, or of a file of poses.")
-@click.option("--truth", type=PATH, help="The true poses of that path.")
+@click.option(
+    "--truth",
+    type=PATH,
+    help="Its true poses, or the true surface: a mesh, a cloud, a rendered recording.",
+)
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers on pairs whose disparity is known, labels in random worlds, or a path.
+    """Judge matchers on pairs whose disparity is known, labels in random worlds, a path or a surface.
 
     -o leaves figures. ATE is the root mean square distance of positions after rigid alignment
     (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
-    if given["trajectory"] or given["truth"]:
-        if not (given["trajectory"] and given["truth"]) or pair_dirs or given["worlds"]:
-            raise click.UsageError("--trajectory RUN and --truth FILE are needed, and nothing else")
+    _check_one(pair_dirs, given)
+    if given["surface"]:
+        asked: dict[str, Any] = {n: given[n] or None for n in ("surface", "truth", "distances")}
+        do_job("surface", (), given, say=_say_surface, **asked)
+    elif given["trajectory"]:
         path = (given["trajectory"],)
         do_job("trajectory", path, given, say=_say_numbers, truth=given["truth"])
-        return
-    if bool(pair_dirs) == bool(given["worlds"]):
-        raise click.UsageError("PAIR_DIRS or --worlds N is needed, and not both")
-    if given["worlds"]:
+    elif given["worlds"]:
         do_job("worlds", (), given, say=_say_worlds, unit="worlds", worlds=given["worlds"])
+    elif given["dense"]:
+        do_job("dense", pair_dirs, given, say=_say_dense, truth_scale=given["truth_scale"])
     else:
         named = {name: given[name] for name in ("matchers", "truth_scale")}
         do_job("evaluate", pair_dirs, given, say=_say_pairs, **named)
 
 
+def _check_one(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> None:
+    """Raise unless one thing is to be judged, with its truth where that is a file."""
+    with_truth = [name for name in ("trajectory", "surface") if given[name]]
+    if with_truth or given["truth"]:
+        others = bool(pair_dirs) or bool(given["worlds"])
+        if len(with_truth) != 1 or not given["truth"] or others:
+            name = "surface" if "surface" in with_truth else "trajectory"
+            raise click.UsageError(f"--{name} RUN and --truth FILE are needed, and nothing else")
+    elif bool(pair_dirs) == bool(given["worlds"]):
+        raise click.UsageError("PAIR_DIRS or --worlds N is needed, and not both")
+
+
 def _say_numbers(report: "Report") -> None:
     for name, value in report.numbers.items():
         click.echo(f"{name:24} {value}")
+
+
+def _say_surface(report: "Report") -> None:
+    click.echo(f"nine of ten points within {report['accuracy_90']:.4g} of the truth")
+    for distance, value in report["fscore"].items():
+        precision, recall = report["precision"][distance], report["recall"][distance]
+        click.echo(
+            f"at {distance:8}  precision {precision:.4f}  recall {recall:.4f}  F {value:.4f}"
+        )
+
+
+def _say_dense(report: "Report") -> None:
+    click.echo(f"{'pair':14}{'matcher':10}" + "".join(f"{name:>15}" for name in DENSE_COLUMNS))
+    for row in report["pairs"]:
+        cells = ("-" if row[n] is None else f"{row[n]:{how}}" for n, how in DENSE_COLUMNS.items())
+        click.echo(f"{row['name']:14}{row['matcher']:10}" + "".join(f"{c:>15}" for c in cells))
 
 
 def _say_worlds(report: "Report") -> None:

@@ -24,10 +24,12 @@ from recon.cli.fit import fit
 from recon.cli.info import info
 from recon.cli.inspect import inspect
 from recon.cli.learn import learn
+from recon.cli.mesh import mesh
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
 from recon.cli.rectify import rectify
+from recon.cli.render import render
 from recon.cli.settings import settings
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
@@ -46,8 +48,8 @@ def program() -> None:
 
 
 for command in (
-    explore, reconstruct, disparity, evaluate, train, calibrate, rectify, recognise, learn,
-    catalogue, fit, figure, export, info, inspect, doctor, batch, settings, demo, fetch,
+    explore, reconstruct, mesh, render, disparity, evaluate, train, calibrate, rectify, recognise,
+    learn, catalogue, fit, figure, export, info, inspect, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
+from recon.cli.mesh import say_surface
 from recon.cli.objects import say_objects
 from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, SURFACE, with_options
 
@@ -38,16 +39,6 @@ def parse_roi(
 def reconstruct(sequence: Path, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
     do_job("reconstruct", (sequence,), given, say=_say)
-
-
-def say_surface(report: "Report") -> None:
-    """Tell what there is of a surface."""
-    if "num_dense_points" in report.numbers:
-        click.echo(f"{counted(report['num_dense_points'], 'dense point')}")
-    if "num_triangles" in report.numbers:
-        click.echo(
-            f"{counted(report['num_triangles'], 'triangle')}, area {report['mesh_area']:.6g}"
-        )
 
 
 def _say(report: "Report") -> None:

@@ -12,6 +12,7 @@ from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs
 from recon.runs.replay import SavedPairs
+from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
 from recon.settings import EXPLORER_BASE, merged
 from recon.world.library import find_scene
@@ -39,7 +40,7 @@ def _explore(job: Job, work: Work) -> Numbers:
     if done.stop_reason == "interrupted":
         work.run.interrupt()
     _write(done, work)
-    return done.metrics
+    return done.metrics | recorder.surface.finish()
 
 
 class Recorder:
@@ -53,6 +54,7 @@ class Recorder:
         self.work = work
         self.max_pairs = job.settings.exploration.max_pairs
         self.num_taken = 0
+        self.surface = SurfaceWork(job.settings, work)
 
     def take(self, view: View) -> StereoPair:
         """The pair of the next view: replayed where a cut run had it, else taken and kept."""
@@ -67,6 +69,7 @@ class Recorder:
         """Put the points of one step on disk, and say that it is done."""
         with self.work.stage("write"):
             self.cloud.append(step.cloud, step.number)
+        self.surface.take(step.pair)
         self.work.events.on_step(step)
         self.work.progress(step.number + 1, self.max_pairs)
 

@@ -115,6 +115,10 @@ KINDS: Registry[Kind] = Registry(
         "worlds": "recon.runs.worlds:WORLDS",
         "recognise": "recon.runs.recognise:RECOGNISE",
         "learn": "recon.runs.learn:LEARN",
+        "render": "recon.runs.render:RENDER",
+        "mesh": "recon.runs.mesh:MESH",
+        "dense": "recon.runs.judged_dense:DENSE",
+        "surface": "recon.runs.judged_surfaces:SURFACE",
     },
 )
 """Every kind by name; a kind is its file and a line here."""

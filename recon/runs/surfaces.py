@@ -8,7 +8,7 @@ from recon.exports.formats import write
 from recon.records import StereoPair
 from recon.runs.figures import leave_mesh_figure
 from recon.runs.work import Work
-from recon.sequences.depth_images import write_depth
+from recon.sequences.writing import write_depth
 from recon.settings import Settings
 from recon.stereo.dense.dense import match_every_pixel
 from recon.surface.fusion import Fusion

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from recon.camera import StereoRig
 from recon.errors import InputError, check_finite, check_shape
 from recon.geometry import Array
-from recon.records import StereoPair, View
+from recon.records import Mesh, StereoPair, View
 from recon.settings.settings import Settings
 from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
 from recon.world.body import BodyRoom
@@ -87,6 +87,7 @@ class World:
         }
         solid = list(self._parts.values())
         self._solids, self._surfaces = RayScene(solid), RayScene(parts)
+        self._corners = np.concatenate([np.empty((0, 3, 3)), *(part.corners for part in parts)])
         self._closed = RayScene([*solid, *lids(scene)])
         self._rooms: dict[float, BodyRoom] = {}
         self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts, eyes.eye_height)
@@ -151,6 +152,19 @@ class World:
         image = self._renderer.look(at.camera)
         taken = exposed(image, at.camera.frame, self.render, gain=gain, offset=offset)
         return rectified(taken, at.H_rectified_camera)
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Lowest and highest corner (3,) of what stands in the world; of everything if nothing."""
+        standing = [part.corners.reshape(-1, 3) for part in self._parts.values()]
+        points = np.concatenate(standing) if standing else self._corners.reshape(-1, 3)
+        return points.min(axis=0), points.max(axis=0)
+
+    @property
+    def mesh(self) -> Mesh:
+        """Every surface of the world, ground included."""
+        vertices, number = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
+        return Mesh(vertices=vertices, triangles=number.reshape(-1, 3).astype(np.int32))
 
     def top_view(self, size: int = 512) -> NDArray[np.uint8]:
         """The floor from above (H, W, 3): x to the right, z down, the longer side `size` pixels."""

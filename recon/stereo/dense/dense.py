@@ -90,7 +90,7 @@ def match_every_pixel(
         For unlike images, or a search that lies outside of them.
     """
     check_images(left, right)
-    greys = _grey(left), _grey(right)
+    greys = grey_of(left), grey_of(right)
     search = _search(settings.matching.searching(stated_range), left.shape[1])
     found = _METHODS[settings.dense.method](*greys, search, settings.dense)
     disparity = filled_behind(found.disparity_px, settings.dense.fill_px)
@@ -99,7 +99,8 @@ def match_every_pixel(
     return DisparityMap(disparity_px=disparity, sigma_px=sigma)
 
 
-def _grey(image: NDArray[np.uint8]) -> Grey:
+def grey_of(image: NDArray[np.uint8]) -> Grey:
+    """The brightness (H, W) of an image, grey or RGB."""
     if image.ndim == 2:
         return np.ascontiguousarray(image)
     grey: Grey = cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_RGB2GRAY)

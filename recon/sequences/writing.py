@@ -1,4 +1,4 @@
-"""Depth maps as files: exact as floats, and as 16-bit images in thousandths for other programs."""
+"""Images and depth maps as files."""
 
 from pathlib import Path
 
@@ -22,6 +22,14 @@ def write_depth(folder: Path, name: str, depth: NDArray[np.floating]) -> None:
     folder.mkdir(exist_ok=True)
     write_pfm(folder / f"{name}.pfm", depth)
     steps = np.rint(np.nan_to_num(depth.astype(np.float64), nan=0.0) * _PER_UNIT)
-    image = np.where(steps <= _HIGHEST, steps, 0).astype(np.uint16)
-    with atomic_path(folder / f"{name}.png") as part:
-        part.write_bytes(cv2.imencode(".png", image)[1].tobytes())
+    _write_png(folder / f"{name}.png", np.where(steps <= _HIGHEST, steps, 0).astype(np.uint16))
+
+
+def write_image(path: Path, image: NDArray[np.uint8]) -> None:
+    """Write an image (H, W) or (H, W, 3) RGB as PNG."""
+    _write_png(path, image if image.ndim == 2 else image[..., ::-1])
+
+
+def _write_png(path: Path, pixels: NDArray[np.generic]) -> None:
+    with atomic_path(path) as part:
+        part.write_bytes(cv2.imencode(".png", pixels)[1].tobytes())

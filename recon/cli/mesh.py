@@ -1,0 +1,36 @@
+"""`recon mesh`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from recon.cli.jobs import counted, do_job
+from recon.cli.options import FOLDER, OUTPUT, PATH, SETTINGS, SURFACE, with_options
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
+
+
+@click.command(epilog="Example: recon mesh runs/motorcycle -o runs/motorcycle_mesh")
+@click.argument("run", type=PATH)
+@click.option("--recording", type=PATH, help="Where the run's recording is now.")
+@click.option("--quality", type=click.Choice(["best", "fast"]))
+@with_options(SURFACE, SETTINGS, FOLDER, OUTPUT)
+def mesh(run: Path, **given: Any) -> None:
+    """Make a mesh of a finished run of `recon reconstruct`, with the poses it found."""
+    do_job("mesh", (run,), given, say=_say, recording=given["recording"])
+
+
+def _say(report: "Report") -> None:
+    say_surface(report)
+    click.echo(report.run)
+
+
+def say_surface(report: "Report") -> None:
+    """Tell what there is of a surface."""
+    if "num_dense_points" in report.numbers:
+        click.echo(counted(report["num_dense_points"], "dense point"))
+    if "num_triangles" in report.numbers:
+        triangles = counted(report["num_triangles"], "triangle")
+        click.echo(f"{triangles}, area {report['mesh_area']:.6g}")

@@ -1,0 +1,98 @@
+"""Every pixel of pairs with known truth, judged beside OpenCV's matchers."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.figures.dense import dense_errors, dense_sigmas
+from recon.records import DisparityMap
+from recon.runs.evaluate import check_names, own_range
+from recon.runs.figures import write_figures
+from recon.runs.job import Job, Kind, Numbers
+from recon.runs.work import Work
+from recon.sequences.images import read_image
+from recon.sequences.readers.pair_dir import find_image
+from recon.sequences.truth import DisparityTruth, read_truth, read_truth_file
+from recon.settings import Settings, updated
+from recon.stereo.dense.cost import Search
+from recon.stereo.dense.dense import grey_of, match_every_pixel
+from recon.stereo.dense.evaluation import judge
+from recon.stereo.dense.peers import PEERS, SIGMA_PX
+
+Found = dict[str, tuple[DisparityMap, float]]
+"""Disparities and the seconds they took, by the name of the matcher."""
+
+OWN = "recon"
+
+
+def _judge(job: Job, work: Work) -> Numbers:
+    """Match every pixel of every pair in several ways, and hold all against the truth."""
+    check_names(job.inputs)
+    rows: list[dict[str, Any]] = []
+    for number, path in enumerate(job.inputs, start=1):
+        truth = read_truth(path, job.arguments.get("truth_scale"))
+        left, right = (read_image(find_image(path, side)) for side in ("left", "right"))
+        settings = updated(job.settings, {"matching": own_range(path, truth)})
+        with work.stage("stereo"):
+            found = _matched(left, right, settings)
+        rows += _rows(path, found, truth, job.arguments.get("truth_scale"))
+        if work.folder:
+            with work.stage("figures"):
+                maps = {name: one for name, (one, _) in found.items()}
+                name = path.resolve().name
+                images = {
+                    f"{name}_errors": dense_errors(left, maps, truth.disparity_px),
+                    f"{name}_sigma": dense_sigmas(maps, truth.disparity_px),
+                }
+                write_figures(work.folder.path, images)
+        work.progress(number, len(job.inputs))
+    return {"pairs": rows, "mean": _means(rows)}
+
+
+def _matched(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings) -> Found:
+    began = time.perf_counter()
+    found = {OWN: (match_every_pixel(left, right, settings), time.perf_counter() - began)}
+    asked = settings.matching
+    search = Search(asked.min_disparity, asked.max_disparity - asked.min_disparity + 1)
+    greys = grey_of(left), grey_of(right)
+    for name, match in PEERS.items():
+        began = time.perf_counter()
+        disparity = match(*greys, search)
+        seconds = time.perf_counter() - began
+        sigma = np.where(np.isfinite(disparity), SIGMA_PX, np.float32(np.nan))
+        found[name] = DisparityMap(disparity_px=disparity, sigma_px=sigma), seconds
+    return found
+
+
+def _rows(
+    path: Path, found: Found, truth: DisparityTruth, scale: float | None
+) -> list[dict[str, Any]]:
+    right = sorted(path.glob("disp_right.*"))
+    right_px = read_truth_file(right[0], scale).disparity_px if right else None
+    rows = []
+    for name, (one, seconds) in found.items():
+        numbers: dict[str, Any] = judge(
+            one, truth.disparity_px, truth.quantisation_px, right_px
+        ).as_metrics()
+        if name != OWN:
+            # OpenCV says nothing of its own doubt.
+            numbers |= {"within_1_sigma": None, "within_2_sigma": None}
+        rows.append({"name": path.resolve().name, "matcher": name} | numbers | {"seconds": seconds})
+    return rows
+
+
+def _means(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Mean over the pairs of each number, by matcher."""
+    means = {}
+    for matcher in dict.fromkeys(row["matcher"] for row in rows):
+        own = [row for row in rows if row["matcher"] == matcher]
+        names = [name for name, value in own[0].items() if isinstance(value, float)]
+        means[matcher] = {name: float(np.mean([row[name] for row in own])) for name in names}
+    return means
+
+
+DENSE = Kind(run=_judge, stages=("stereo", "figures"))
+"""`recon evaluate --dense`."""

@@ -1,0 +1,73 @@
+"""How right a disparity of every pixel is, and whether its sigma says so."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import check_shape
+from recon.records import DisparityMap
+from recon.stereo.evaluation import MISMATCH_PX, seen_by_both
+
+Array = NDArray[np.floating]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DenseEvaluation:
+    """Percent of the pixels whose truth is known, and errors in pixels; NaN = nothing to count."""
+
+    covered: float
+    right: float
+    """Within a pixel of the truth, of all."""
+    right_nonocc: float
+    """The same of those that the right camera sees too."""
+    wrong: float
+    median_px: float
+    """Of the error of all covered pixels."""
+    within_1_sigma: float
+    within_2_sigma: float
+
+    def as_metrics(self) -> dict[str, float]:
+        """The numbers by name."""
+        return asdict(self)
+
+
+def judge(
+    found: DisparityMap,
+    truth_px: Array,
+    quantisation_px: float = 0.0,
+    right_px: Array | None = None,
+) -> DenseEvaluation:
+    """Hold every pixel against the true disparity of the left image.
+
+    Parameters
+    ----------
+    truth_px : (H, W)
+        NaN = unknown.
+    quantisation_px : float
+        Step of the truth; where it is a whole pixel, disparities are rounded before they are
+        called right or wrong, as the truth was.
+    right_px : (H, W), optional
+        True disparity of the right image's pixels, for occlusion.
+    """
+    check_shape("truth_px", truth_px, found.disparity_px.shape)
+    known = np.isfinite(truth_px)
+    covered = known & found.valid_mask
+    whole = np.rint(found.disparity_px) if quantisation_px >= 1 else found.disparity_px
+    right = covered & (np.abs(whole - truth_px) <= MISMATCH_PX)
+    seen = seen_by_both(truth_px, right_px) & known
+    error = np.abs(found.disparity_px - truth_px)[covered]
+    sigma = found.sigma_px[covered]
+    return DenseEvaluation(
+        covered=_percent(covered[known]),
+        right=_percent(right[known]),
+        right_nonocc=_percent(right[seen]),
+        wrong=_percent((covered & ~right)[known]),
+        median_px=float(np.median(error)) if error.size else float("nan"),
+        within_1_sigma=_percent(error <= sigma),
+        within_2_sigma=_percent(error <= 2 * sigma),
+    )
+
+
+def _percent(mask: NDArray[np.bool_]) -> float:
+    return 100 * float(mask.mean()) if mask.size else float("nan")

@@ -1,0 +1,83 @@
+"""Views round or past what stands in a world, for recordings that are rendered."""
+
+from pathlib import Path
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.geometry import Array
+from recon.records import View
+
+MAX_VIEWS = 10_000
+_ELEVATION_DEG = 25.0
+"""Height of a ring's cameras, seen from the middle."""
+_ROOM = 1.15
+"""Room round what is to be seen."""
+_PARALLEL = 1e6
+"""Distances to the middle at which the axes of both cameras meet: as good as never."""
+
+
+def planned_views(text: str, low: Array, high: Array, fov_deg: float) -> list[View]:
+    """Views of what stands in a box, as a text asks for them.
+
+    Parameters
+    ----------
+    text : str
+        ``ring:N``, a circle round the middle; ``drive:N``, a straight line past it; or a file
+        whose rows are the position and the target of a view, six numbers.
+    low, high : (3,)
+        Corners of the box, world.
+    fov_deg : float
+        The narrower field of view of the cameras.
+
+    Raises
+    ------
+    InputError
+        For any other text.
+    """
+    kind, _, number = text.partition(":")
+    if kind not in _PLANS:
+        return _read(Path(text))
+    if not number.isdecimal() or not 0 < int(number) <= MAX_VIEWS:
+        raise InputError(f"views are {text!r}, but {kind}:N with N from 1 to {MAX_VIEWS} is needed")
+    middle, half = (low + high) / 2, np.linalg.norm(high - low) / 2
+    distance = _ROOM * float(half) / np.sin(np.radians(fov_deg) / 2)
+    return _PLANS[kind](int(number), middle, distance)
+
+
+def _ring(count: int, middle: Array, distance: float) -> list[View]:
+    elevation = np.radians(_ELEVATION_DEG)
+    views = []
+    for angle in 2 * np.pi * np.arange(count) / count:
+        flat = np.array([np.sin(angle), 0.0, np.cos(angle)])
+        side = np.cos(elevation) * flat + np.array([0.0, np.sin(elevation), 0.0])
+        views.append(_parallel(middle + distance * side, middle))
+    return views
+
+
+def _drive(count: int, middle: Array, distance: float) -> list[View]:
+    steps = np.linspace(-distance / 2, distance / 2, count) if count > 1 else np.zeros(1)
+    before = middle + np.array([0.0, 0.0, distance])
+    across = np.array([1.0, 0.0, 0.0])
+    return [_parallel(before + x * across, middle + x * across) for x in steps]
+
+
+_PLANS = {"ring": _ring, "drive": _drive}
+
+
+def _parallel(position: Array, target: Array) -> View:
+    """A view whose cameras look straight ahead, side by side."""
+    return View(position=position, target=position + _PARALLEL * (target - position))
+
+
+def _read(path: Path) -> list[View]:
+    if not path.is_file():
+        raise InputError(f"views are {str(path)!r}, but ring:N, drive:N or a file is needed")
+    try:
+        rows = np.loadtxt(path, ndmin=2)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
+    if rows.shape[1] != 6 or not 0 < len(rows) <= MAX_VIEWS or not np.isfinite(rows).all():
+        raise InputError(f"{path} has rows of {rows.shape[1]} numbers, but x y z of position and "
+                         "target are needed")  # fmt: skip
+    return [_parallel(row[:3], row[3:]) for row in rows]

@@ -1,0 +1,165 @@
+"""Recordings with truth: rendered, rebuilt, and judged through the command line."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from recon.cli import main
+from recon.exports.ply import read_mesh, write_mesh
+from recon.records import Mesh
+from recon.sequences.open import open_sequence
+from recon.sequences.pfm import decode_pfm
+from recon.settings import SequenceSettings
+
+SMALL = ["eyes.width=120", "eyes.height=96", "eyes.fov_deg=40", "render.noise=1.5"]
+
+
+def argv_of(settings):
+    return [word for setting in settings for word in ("--set", setting)]
+
+
+def call(capsys, *argv):
+    assert main([*map(str, argv), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory):
+    """A mesh of a wall of many colours, a grid of small squares."""
+    folder = tmp_path_factory.mktemp("mesh")
+    side = 24
+    v, u = np.mgrid[: side + 1, : side + 1]
+    vertices = np.stack([u.ravel() / 8 - 1.5, v.ravel() / 8, 0.0 * u.ravel()], axis=1)
+    a = (v[:-1, :-1] * (side + 1) + u[:-1, :-1]).ravel()
+    across, along = a + 1, a + side + 1
+    opposite = along + 1
+    halves = [(a, across, opposite), (a, opposite, along)]
+    triangles = np.concatenate([np.stack(half, axis=1) for half in halves]).astype(np.int32)
+    colours = np.random.default_rng(4).integers(30, 226, (len(vertices), 3)).astype(np.uint8)
+    write_mesh(folder / "wall.ply", Mesh(vertices=vertices, triangles=triangles, colours=colours))
+    return folder / "wall.ply"
+
+
+@pytest.fixture(scope="module")
+def drive(boxes, tmp_path_factory):
+    """Three views past the wall."""
+    folder = tmp_path_factory.mktemp("recording") / "drive"
+    settings = argv_of([*SMALL, "eyes.baseline=0.4"])
+    assert main(["render", str(boxes), "--views", "drive:3", *settings, "-o", str(folder)]) == 0
+    return folder
+
+
+def test_a_rendered_recording_is_read_with_its_poses_and_truth(drive):
+    source = open_sequence(drive, SequenceSettings())
+    pairs = list(source)
+    assert len(pairs) == 3
+    low, high = source.disparity_range
+    depth = decode_pfm((drive / "depth" / "000001.pfm").read_bytes(), "depth")
+    disparity = decode_pfm((drive / "disparity" / "000001.pfm").read_bytes(), "disparity")
+    known = np.isfinite(depth)
+    assert known.mean() > 0.3
+    np.testing.assert_allclose(disparity[known], pairs[1].rig.disparity(depth[known]), atol=1e-3)
+    assert low == 0
+    assert np.nanmax(disparity) < high
+    # The wall is the plane z = 0 of the world.
+    v, u = np.nonzero(known)
+    points = pairs[1].rig.rays(np.column_stack([u, v])) * depth[v, u, None]
+    T = pairs[1].T_world_left
+    np.testing.assert_allclose((points @ T[:3, :3].T + T[:3, 3])[:, 2], 0, atol=1e-4)
+
+
+def test_the_same_seed_gives_the_same_images_and_another_does_not(boxes, tmp_path):
+    for name, seed in (("a", 1), ("b", 1), ("c", 2)):
+        argv = ["render", str(boxes), "--views", "ring:2", "-o", str(tmp_path / name)]
+        assert main([*argv, "--seed", str(seed), *argv_of(SMALL)]) == 0
+    first, again, other = ((tmp_path / name / "left" / "000000.png").read_bytes() for name in "abc")
+    assert first == again
+    assert first != other
+
+
+def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, capsys):
+    run = tmp_path / "run"
+    report = call(capsys, "reconstruct", drive, "--mesh", "--voxel", "0.05", "-o", run)
+    assert report["num_triangles"] > 500
+    judged = call(capsys, "evaluate", "--surface", run, "--truth", drive)
+    assert list(judged["fscore"]) == ["0.025", "0.05", "0.125"]
+    assert judged["fscore"]["0.125"] > 0.9
+    assert judged["accuracy_90"] < 0.1
+    assert 0.8 < judged["completeness"] <= 1
+    by_mesh = call(
+        capsys, "evaluate", "--surface", run, "--truth", drive / "scene.ply", "--distance", "0.1"
+    )
+    assert by_mesh["precision"]["0.1"] > 0.85
+    # A negative control: another surface is not near.
+    moved = read_mesh(run / "mesh.ply").transformed(
+        np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.5], [0, 0, 0, 1]])
+    )
+    write_mesh(tmp_path / "moved.ply", moved)
+    wrong = call(
+        capsys, "evaluate", "--surface", tmp_path / "moved.ply", "--truth", drive,
+        "--distance", "0.1",
+    )  # fmt: skip
+    assert wrong["fscore"]["0.1"] < 0.2
+    again = call(capsys, "mesh", run, "--voxel", "0.1", "-o", tmp_path / "coarse")
+    assert 0 < again["num_triangles"] < report["num_triangles"]
+    assert again["mesh_area"] == pytest.approx(report["mesh_area"], rel=0.3)
+
+
+def test_a_run_without_its_recording_cannot_be_meshed(drive, tmp_path, capsys):
+    assert main(["mesh", str(drive), "-o", str(tmp_path / "out")]) == 2
+    assert "one of reconstruct is needed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("views", ["ring:0", "ring:x", "spiral:3", "drive:"])
+def test_views_that_are_none_are_refused(boxes, tmp_path, capsys, views):
+    assert main(["render", str(boxes), "--views", views, "-o", str(tmp_path / "out")]) == 2
+    assert "is needed" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_views_are_read_from_a_file(boxes, tmp_path, capsys):
+    (tmp_path / "views.txt").write_text("0 1.5 6 0 1.5 0\n1 1.5 6 1 1.5 0\n")
+    report = call(
+        capsys, "render", boxes, "--views", tmp_path / "views.txt", "-o", tmp_path / "out",
+        *argv_of(SMALL),
+    )  # fmt: skip
+    assert report["num_pairs"] == 2
+
+
+def test_surface_and_truth_belong_together(tmp_path, capsys):
+    assert main(["evaluate", "--surface", str(tmp_path)]) == 2
+    assert "and nothing else" in capsys.readouterr().err
+    assert main(["evaluate", "--surface", str(tmp_path), "--truth", str(tmp_path)]) == 2
+    assert "neither mesh.ply nor dense.ply" in capsys.readouterr().err
+
+
+@pytest.fixture
+def pair_dir(tmp_path):
+    """A level plane, 6 px off, with its truth."""
+    rng = np.random.default_rng(1)
+    texture = cv2.GaussianBlur(rng.normal(size=(60, 120)), (0, 0), 1.0)
+    texture = (128 + 45 * texture / texture.std()).clip(0, 255).astype(np.uint8)
+    folder = tmp_path / "plane"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "left.png"), texture[:, :90])
+    cv2.imwrite(str(folder / "right.png"), texture[:, 6:96])
+    cv2.imwrite(str(folder / "disp_left.png"), np.full((60, 90), 24, np.uint8))
+    (folder / "meta.json").write_text('{"truth_scale": 4}')
+    return folder
+
+
+def test_every_pixel_is_judged_beside_the_peers(pair_dir, tmp_path, capsys):
+    report = call(capsys, "evaluate", pair_dir, "--dense", "-o", tmp_path / "out")
+    rows = {row["matcher"]: row for row in report["pairs"]}
+    assert list(rows) == ["recon", "hh", "sgbm", "bm"]
+    own = rows["recon"]
+    assert own["right_nonocc"] > 98
+    assert own["covered"] == pytest.approx(own["right"] + own["wrong"])
+    assert own["median_px"] < 0.1
+    assert own["within_2_sigma"] > 80
+    assert rows["hh"]["within_1_sigma"] is None
+    assert report["mean"]["recon"]["right"] == own["right"]
+    for name in ("plane_errors", "plane_sigma"):
+        assert (tmp_path / "out" / "figures" / f"{name}.png").stat().st_size > 5000
