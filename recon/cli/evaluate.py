@@ -63,7 +63,7 @@ DENSE_COLUMNS = {
 )
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers on pairs whose disparity is known, labels in random worlds, a path or a surface.
+    """Judge matchers where disparity is known, labels in random worlds, a path or a surface.
 
     -o leaves figures. ATE is the root mean square distance of positions after rigid alignment
     (Umeyama, no scale), RPE that of the steps from frame to frame.

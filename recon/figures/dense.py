@@ -1,61 +1,96 @@
 """Every pixel judged: where it errs, what its sigma is worth, and what can be had for it."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.canvas import ACCENT, INK, Image, Size, new_axes, new_figure, to_image
-from recon.figures.matching import image
+from recon.figures import scales
+from recon.figures.canvas import ACCENT, Sheet, Size
+from recon.figures.kinds import Arrays, Kind, Subject
+from recon.figures.matching import MAX_ERROR_PX
+from recon.figures.photo import add_bar, photo
 from recon.records import DisparityMap
 
-SIZE: Size = (1400, 480)
-_LARGEST_PX = 2.0
-"""Errors as large as this have the last colour."""
+SIZE: Size = (1500, 460)
 _NUM_BINS = 12
+_ONE_SIGMA = 0.683
+_LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 
 
-def dense_errors(
-    left: NDArray[np.uint8],
-    found: Mapping[str, DisparityMap],
-    truth_px: NDArray[np.floating],
-    size: Size = SIZE,
-) -> Image:
-    """The error of every pixel, method by method; the pale image where nothing was found."""
-    figure = new_figure(size)
-    for number, (name, one) in enumerate(found.items(), start=1):
-        axes = image(figure, (1, len(found), number), left, f"Errors of {name}")
-        error = np.abs(one.disparity_px - truth_px)
-        shown = axes.imshow(np.ma.masked_invalid(error), cmap="magma_r", vmin=0.0, vmax=_LARGEST_PX)
-    bar = figure.colorbar(shown, ax=figure.axes, shrink=0.75, pad=0.01)
-    bar.set_label("error [px]", color=INK, fontsize=9)
-    return to_image(figure)
-
-
-def dense_sigmas(
-    found: Mapping[str, DisparityMap], truth_px: NDArray[np.floating], size: Size = SIZE
-) -> Image:
-    """Error against sigma, and the share of right pixels as the least sure ones are cut."""
-    figure = new_figure(size)
-    law = new_axes(figure, "Errors of pixels of one sigma", "sigma [px]", "68 % error [px]", 121)
-    cut = new_axes(figure, "Right, as sigma is cut", "covered [%]", "right, of covered [%]", 122)
+def kept_dense(
+    left: NDArray[np.uint8], found: Mapping[str, DisparityMap], truth_px: NDArray[np.floating]
+) -> dict[str, NDArray[Any]]:
+    """What `dense_errors` and `dense_sigmas` are drawn from: disparities by matcher."""
+    kept: dict[str, NDArray[Any]] = {"left": left, "truth_px": truth_px.astype(np.float32)}
     for name, one in found.items():
-        covered = np.isfinite(truth_px) & one.valid_mask
-        error = np.abs(one.disparity_px - truth_px)[covered]
-        sigma = one.sigma_px[covered]
-        if not error.size:
-            continue
-        order = np.argsort(sigma, kind="stable")
-        right = np.cumsum(error[order] <= 1) / np.arange(1, error.size + 1)
-        share = np.arange(1, error.size + 1) / np.isfinite(truth_px).sum()
-        some = np.unique(np.linspace(error.size // 20, error.size - 1, 200).astype(int))
-        cut.plot(100 * share[some], 100 * right[some], label=name)
-        if np.ptp(sigma) > 0:
-            parts = np.array_split(order, _NUM_BINS)
-            x = [np.median(sigma[part]) for part in parts if len(part)]
-            law.loglog(x, [np.quantile(error[p], 0.683) for p in parts if len(p)], "o-", label=name)
-    low, high = 0.03, 8.0
-    law.plot([low, high], [low, high], color=ACCENT, linewidth=1, label="honest")
+        kept |= {f"{name}/disparity_px": one.disparity_px, f"{name}/sigma_px": one.sigma_px}
+    return kept
+
+
+def _maps(kept: Arrays) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
+    """Disparity and sigma by matcher, as `kept_dense` kept them."""
+    names = [key.removesuffix("/sigma_px") for key in kept if key.endswith("/sigma_px")]
+    return {name: (kept[f"{name}/disparity_px"], kept[f"{name}/sigma_px"]) for name in names}
+
+
+def _errors(subject: Subject, sheet: Sheet) -> Any:
+    """The error of every pixel, matcher by matcher; the image where nothing was found."""
+    kept = subject.arrays
+    maps = _maps(kept)
+    for number, (name, (disparity, _)) in enumerate(maps.items(), start=1):
+        error = np.abs(disparity - kept["truth_px"])
+        known = np.isfinite(error)
+        axes = photo(sheet, kept["left"], f"Errors of {name}", (1, len(maps), number))
+        shown = axes.imshow(
+            np.ma.masked_where(~known, error), cmap=scales.ERROR, vmin=0.0, vmax=MAX_ERROR_PX,
+            interpolation="none",
+        )  # fmt: skip
+        if number == len(maps):
+            add_bar(sheet, axes, shown, "|error| [px]", error[known])
+    return sheet.figure
+
+
+def _sigmas(subject: Subject, sheet: Sheet) -> Any:
+    """Error against sigma, and the share of right pixels as the least sure ones are cut."""
+    truth = subject.arrays["truth_px"]
+    law = sheet.axes("Errors of pixels of one sigma", "sigma [px]", "68 % of errors [px]", 121)
+    cut = sheet.axes("Right, as sigma is cut", "covered [%]", "right, of the covered [%]", 122)
+    for name, (disparity, sigma) in _maps(subject.arrays).items():
+        covered = np.isfinite(truth) & np.isfinite(disparity)
+        if covered.any():
+            error = np.abs(disparity - truth)[covered]
+            _add_curve(cut, name, error, sigma[covered], int(np.isfinite(truth).sum()))
+            _add_law(law, name, error, sigma[covered])
+    ends = [_LOWEST_PX, _HIGHEST_PX]
+    law.loglog(ends, ends, color=ACCENT, linewidth=1, label="honest")
     for axes in (law, cut):
-        axes.legend(frameon=False, fontsize=8)
-    return to_image(figure)
+        axes.legend(frameon=False, fontsize=0.9 * sheet.font_size)
+    return sheet.figure
+
+
+def _add_curve(
+    axes: Any, name: str, error: NDArray[Any], sigma: NDArray[Any], num_known: int
+) -> None:
+    order = np.argsort(sigma, kind="stable")
+    count = np.arange(1, error.size + 1)
+    right = np.cumsum(error[order] <= 1) / count
+    some = np.unique(np.linspace(error.size // 20, error.size - 1, 200).astype(np.int64))
+    if np.ptp(sigma) > 0:
+        axes.plot(100 * count[some] / num_known, 100 * right[some], label=name)
+    else:  # nothing tells which pixels to cut
+        axes.plot(100 * count[-1] / num_known, 100 * right[-1], "o", label=name)
+
+
+def _add_law(axes: Any, name: str, error: NDArray[Any], sigma: NDArray[Any]) -> None:
+    if not np.ptp(sigma) > 0:
+        return
+    parts = np.array_split(np.argsort(sigma, kind="stable"), _NUM_BINS)
+    bins = [part for part in parts if len(part)]
+    errors = [max(float(np.quantile(error[part], _ONE_SIGMA)), 1e-3) for part in bins]
+    axes.loglog([float(np.median(sigma[part])) for part in bins], errors, "o-", label=name)
+
+
+ERRORS = Kind(draw=_errors, data=lambda subject: subject.arrays, size=SIZE, is_kept=True)
+SIGMAS = Kind(draw=_sigmas, data=lambda subject: subject.arrays, size=SIZE, is_kept=True)

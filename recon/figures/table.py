@@ -25,6 +25,8 @@ KINDS: "Registry[Kind]" = Registry(
         "overview": f"{_KEPT}:OVERVIEW",
         "disparity": f"{_KEPT}:DISPARITY",
         "dense": f"{_KEPT}:DENSE",
+        "dense_errors": "recon.figures.dense:ERRORS",
+        "dense_sigmas": "recon.figures.dense:SIGMAS",
         "errors": f"{_KEPT}:ERRORS",
         "scales": f"{_KEPT}:SCALES",
         "tuning": f"{_KEPT}:TUNING",

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.dense import dense_errors, dense_sigmas
+from recon.figures.dense import kept_dense
 from recon.records import DisparityMap
 from recon.runs.evaluate import check_names, own_range
-from recon.runs.figures import write_figures
+from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.sequences.images import read_image
@@ -33,23 +33,25 @@ def _judge(job: Job, work: Work) -> Numbers:
     check_names(job.inputs)
     rows: list[dict[str, Any]] = []
     for number, path in enumerate(job.inputs, start=1):
-        truth = read_truth(path, job.arguments.get("truth_scale"))
-        left, right = (read_image(find_image(path, side)) for side in ("left", "right"))
-        settings = updated(job.settings, {"matching": own_range(path, truth)})
-        with work.stage("stereo"):
-            found = _matched(left, right, settings)
-        rows += _rows(path, found, truth, job.arguments.get("truth_scale"))
-        if work.folder:
-            with work.stage("figures"):
-                maps = {name: one for name, (one, _) in found.items()}
-                name = path.resolve().name
-                images = {
-                    f"{name}_errors": dense_errors(left, maps, truth.disparity_px),
-                    f"{name}_sigma": dense_sigmas(maps, truth.disparity_px),
-                }
-                write_figures(work.folder.path, images)
+        rows += _judge_pair(path, job, work)
         work.progress(number, len(job.inputs))
     return {"pairs": rows, "mean": _means(rows)}
+
+
+def _judge_pair(path: Path, job: Job, work: Work) -> list[dict[str, Any]]:
+    scale = job.arguments.get("truth_scale")
+    truth = read_truth(path, scale)
+    left, right = (read_image(find_image(path, side)) for side in ("left", "right"))
+    settings = updated(job.settings, {"matching": own_range(path, truth)})
+    with work.stage("stereo"):
+        found = _matched(left, right, settings)
+    if work.folder:
+        maps = {name: one for name, (one, _) in found.items()}
+        kept = kept_dense(left, maps, truth.disparity_px)
+        with work.stage("figures"):
+            for kind in ("dense_errors", "dense_sigmas"):
+                leave_figure(work.folder.path, kind, kept, f"{path.resolve().name}_{kind}")
+    return _rows(path, found, truth, scale)
 
 
 def _matched(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settings) -> Found:

@@ -17,12 +17,13 @@ from recon.settings import given_tree, merged, updated
 def _mesh(job: Job, work: Work) -> Numbers:
     """Fuse every pixel of the pairs of a run, which stand where the run found them."""
     (run,) = job.inputs
+    recording = _recording(job)
     path = run / "trajectory.txt"
     trajectory = Trajectory.from_tum(path.read_text("utf-8"), str(path))
     poses = trajectory.T_world_left
     # The run's poses are taken, however it came by them.
     unposed = updated(job.settings, {"sequence": {"poses": "given"}}).sequence
-    source = open_sequence(_recording(job), unposed)
+    source = open_sequence(recording, unposed)
     surface = SurfaceWork(job.settings, work)
     for number, pair in enumerate(source):
         if number >= len(poses):

