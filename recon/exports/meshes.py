@@ -14,6 +14,7 @@ from recon.exports.columns import measured
 from recon.exports.format import Format
 from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra
+from recon.notices import notify
 from recon.records import Mesh, PointCloud
 
 _STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
@@ -100,6 +101,8 @@ def _check_off(content: bytes) -> None:
     words = b" ".join(lines).split()
     if not words or words[0].upper() not in (b"OFF", b"COFF", b"NOFF", b"CNOFF"):
         raise InputError("not an OFF file (its first line is another)")
+    if words[0].upper().startswith(b"C"):
+        notify("colour-missing", "colours of an OFF file are not read; its vertices have none")
     counts = [int(word) for word in words[1:4] if word.isdigit()]
     if len(counts) < 2 or len(words) < 4 + 3 * counts[0] + 4 * counts[1]:
         raise InputError(f"not a whole OFF file ({counts[:2]} vertices and faces are claimed)")

@@ -40,8 +40,8 @@ def read(path: Path) -> Columns:
     has_cells = not mesh.point_data.keys() and bool(mesh.cell_data.keys())
     points = mesh.cell_centers().points if has_cells else mesh.points
     values = mesh.cell_data if has_cells else mesh.point_data
-    # Scalars may come without a name.
-    names = list(filter(None, values.keys()))
+    # Scalars may come without a name, or with one that is not text.
+    names = [name for name in list(values.keys()) if name and isinstance(name, str)]
     arrays = {_name(name, values[name]): np.asarray(values[name]) for name in names}
     columns = columns_in({"points": np.asarray(points)} | arrays)
     return _with_value(columns) if load_pyvista().ImageData is type(mesh) else columns

@@ -14,7 +14,8 @@ GREY = 128
 """The level shown where a colour is needed and none is known."""
 
 NORMALS = (
-    ("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"), ("NormalX", "NormalY", "NormalZ"),
+    ("nx", "ny", "nz"), ("Nx", "Ny", "Nz"), ("NX", "NY", "NZ"),
+    ("normal_x", "normal_y", "normal_z"), ("NormalX", "NormalY", "NormalZ"),
 )  # fmt: skip
 """Names of the attributes that turn with the points, as programs have them."""
 

@@ -272,7 +272,7 @@ def test_a_block_that_claims_too_much_is_refused(tmp_path):
 )
 def test_a_missing_library_is_named_with_its_extra(tmp_path, monkeypatch, ending, module, extra):
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(MissingLibraryError, match=rf"pip install 'recon\[{extra}\]'"):
+    with pytest.raises(MissingLibraryError, match=rf"pip install 'recon-stereo\[{extra}\]'"):
         write(a_map(()), tmp_path / f"map{ending}")
     assert list(tmp_path.iterdir()) == []
 

@@ -5,6 +5,7 @@ import pytest
 
 from recon.errors import InputError
 from recon.exports import read, read_mesh, write
+from recon.notices import collected_notices
 from recon.records import Mesh
 
 SQUARE = Mesh(
@@ -127,3 +128,10 @@ def test_vtk_of_others(tmp_path):
     again = read(tmp_path / "a.vti")
     assert again.points.tolist() == [[0.75, 0.25, 0.25]]
     assert again.attributes["density"].tolist() == [7.0]
+
+
+def test_colours_of_an_off_file_are_said_to_be_left_out(tmp_path):
+    (tmp_path / "a.off").write_text("COFF\n1 0 0\n1 2 3 255 0 0 255\n")
+    with collected_notices() as notices:
+        assert read(tmp_path / "a.off").points.tolist() == [[1, 2, 3]]
+    assert {one.code for one in notices} == {"colour-missing"}
