@@ -1,7 +1,7 @@
 """Lines and words over an image, as SVG: scales, names, the way, what was clicked."""
 
-from collections.abc import Sequence
 from html import escape
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,26 +87,28 @@ def _name(lens: Lens, found: FoundObject) -> str:
 
 
 def _scale(layer: Layer, look: Look) -> str:
-    """The colours of a column, with its ends and its middle."""
     if look.colour_by == COLOUR or look.colour_by not in layer.columns:
         return ""
-    scale = scales.coloured(layer.columns[look.colour_by], scales.COUNT)
-    low, high = scale.get_clim()
-    colours = scales.rgb(scale, np.linspace(high, low, STEPS))
-    height = BAR[1] / STEPS
+    return scale(layer.columns[look.colour_by], look.colour_by, scales.COUNT, BAR)
+
+
+def scale(values: Array, label: str, colours: Any, size: tuple[float, float] = (7.0, 90.0)) -> str:
+    """The colours of numbers (N,), with their ends and their middle."""
+    mapped = scales.coloured(values, colours)
+    low, high = mapped.get_clim()
+    width, tall = size
+    font = 6.5 + tall / 32.0
+    height = tall / STEPS
+    rows = scales.rgb(mapped, np.linspace(high, low, STEPS)).tolist()
     blocks = [
-        f'<rect x="16" y="{30 + height * number:.1f}" width="{BAR[0]}" height="{height + 0.6:.1f}" '
-        f'fill="rgb({red},{green},{blue})"/>'
-        for number, (red, green, blue) in enumerate(colours.tolist())
+        f'<rect x="{font:.1f}" y="{2 * font + height * number:.1f}" width="{width}" '
+        f'height="{height + 0.6:.1f}" fill="rgb({red},{green},{blue})"/>'
+        for number, (red, green, blue) in enumerate(rows)
     ]
-    ends = [(high, 36.0), ((low + high) / 2.0, 34.0 + BAR[1] / 2.0), (low, 30.0 + BAR[1])]
-    words = [text(36.0, v, f"{value:.4g}", 12.0, "start") for value, v in ends]
-    return "".join([*blocks, *words, text(16.0, 20.0, look.colour_by, 13.0, "start")])
-
-
-def frame_marks(at: Sequence[tuple[float, float]], colours: Sequence[str], radius: float) -> str:
-    """Dots at pixels, each in its colour."""
-    return "".join(
-        f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{radius:g}" fill="{colour}"/>'
-        for (u, v), colour in zip(at, colours, strict=True)
-    )
+    ends = [
+        (high, 2.4 * font),
+        ((low + high) / 2.0, 2.4 * font + tall / 2.0),
+        (low, 2.2 * font + tall),
+    ]
+    words = [text(1.6 * font + width, v, f"{value:.4g}", font, "start") for value, v in ends]
+    return "".join([*blocks, *words, text(font, 1.4 * font, label, font, "start")])

@@ -31,6 +31,7 @@ from recon.cli.reconstruct import reconstruct
 from recon.cli.rectify import rectify
 from recon.cli.render import render
 from recon.cli.settings import settings
+from recon.cli.simulate import simulate
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
 
@@ -49,7 +50,8 @@ def program() -> None:
 
 for command in (
     explore, reconstruct, mesh, render, disparity, evaluate, train, calibrate, rectify, recognise,
-    learn, catalogue, fit, figure, export, info, inspect, doctor, batch, settings, demo, fetch,
+    learn, catalogue, fit, figure, export, info, inspect,
+    simulate, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)
 

@@ -102,7 +102,7 @@ class Agent:
                     pair = self.take(view)
             except InputError as error:
                 return self.stop("controller failed", f"its view cannot be taken: {error}")
-            step = self._look(view, pair)
+            step = replace(self._look(view, pair), said=_result_of(controller))
             yield step
             if len(self.views) >= self.settings.exploration.max_pairs:
                 return self.stop("limit", f"{len(self.views)} pairs are taken")
@@ -136,7 +136,7 @@ class Agent:
         self.views.append(view)
         self.curve.append((len(self.views), self.path_length, self._coverage()))
         parts = {part.name: getattr(mapped, part.name) for part in fields(mapped)}
-        return Step(**parts, view=view)
+        return Step(**parts, view=view, objects=self.model.objects)
 
     def _stamped(self, pair: StereoPair) -> StereoPair:
         """The pair with a time after the one before; its number where it states none."""
@@ -240,6 +240,15 @@ def start_of(source: Explorable, settings: Settings) -> View:
         heading = math.radians(wanted.start_heading_deg)
         gaze = math.hypot(*gaze) * np.array([math.sin(heading), 0.0, -math.cos(heading)])
     return replace(start, position=position, target=position + gaze)
+
+
+def _result_of(controller: Controller) -> str:
+    """What a controller says came of it so far; a plug-in that fails at that says nothing."""
+    try:
+        return str(controller.result())
+    except Exception:
+        log.debug("the controller has no result", exc_info=True)
+        return ""
 
 
 def check_view(view: View) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 from recon.exploration.floor import Array
 from recon.mapping import mapper
-from recon.records import Recognition, Reconstruction, View
+from recon.records import FoundObject, Recognition, Reconstruction, View
 from recon.voxelmap import VoxelMap
 
 STOP_REASONS = (
@@ -23,6 +23,10 @@ class Step(mapper.Step):
     """One pair of an exploration."""
 
     view: View
+    objects: tuple[FoundObject, ...] = ()
+    """What is recognised so far."""
+    said: str = ""
+    """The controller's result so far."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,0 +1,50 @@
+"""Camera Settings: numbers that follow the drag and lead it."""
+
+from collections.abc import Callable
+from typing import Any
+
+from recon.app.simulation import Simulation
+from recon.app.widgets import card, nicegui, number_field
+from recon.errors import InputError
+
+FIELDS = {
+    "x": "camera x", "y": "camera y", "z": "camera z",
+    "target_x": "target x", "target_y": "target y", "target_z": "target z",
+    "focal_length": "focal length", "fov_deg": "field of view [deg]", "baseline": "baseline",
+    "near": "near", "far": "far", "width": "width [px]", "height": "height [px]",
+}  # fmt: skip
+NAMES = {"fov_deg": "fov"}
+
+
+class CameraCard:
+    """The fields of the cameras."""
+
+    def __init__(
+        self, simulation: Simulation, moved: Callable[[], Any], complain: Callable[[str], Any]
+    ) -> None:
+        self.simulation = simulation
+        self._moved, self._complain = moved, complain
+        self.fields: dict[str, Any] = {}
+        with card("Camera Settings"), nicegui().element("div").classes("recon-fields"):
+            for name, value in simulation.values().items():
+                testid = "field-" + NAMES.get(name, name).replace("_", "-")
+                self.fields[name] = number_field(
+                    testid, FIELDS[name], value, lambda _, name=name: self._change(name)
+                )
+
+    def show(self) -> None:
+        """Show what the cameras are now."""
+        for name, value in self.simulation.values().items():
+            self.fields[name].set_value(round(value, 6))
+
+    def _change(self, name: str) -> None:
+        wanted = self.fields[name].value
+        if wanted == round(self.simulation.values()[name], 6):
+            return
+        try:
+            self.simulation.change(name, wanted)
+        except InputError as error:
+            self.show()
+            self._complain(str(error))
+        else:
+            self._moved()

@@ -1,0 +1,100 @@
+"""The top and the front view: camera and target are dragged there, and the map grows."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app.drawing import as_source
+from recon.app.map_panes import MapPane, front_pane, top_pane
+from recon.app.painter import Painter
+from recon.app.simulation import MAP_PX
+from recon.app.widgets import pane
+from recon.errors import InputError
+
+if TYPE_CHECKING:
+    from recon.app.simulator import Visit
+
+EVENTS = ("mousedown", "mousemove", "mouseup")
+FRONT_HEIGHT = 288
+"""Of the front view in pixels; above the world there is sky."""
+
+Drawn = list[tuple[MapPane, NDArray[np.uint8]]]
+
+
+class MapViews:
+    """Both map panes of one visitor."""
+
+    def __init__(
+        self, visit: "Visit", moved: Callable[[], Any], complain: Callable[[str], Any]
+    ) -> None:
+        self.visit = visit
+        self.simulation = visit.simulation
+        self._moved, self._complain = moved, complain
+        self.painter: Painter[Drawn] = Painter(self._draw, self._show, complain)
+        self._bases: tuple[Any, Drawn] | None = None
+        self._grabbed: str | None = None
+        self.panes: dict[str, MapPane] = {}
+        self.images = {
+            name: pane(
+                f"pane-{name}", size, lambda event, name=name: self._on_mouse(name, event), EVENTS
+            )
+            for name, size in (("top", (MAP_PX, MAP_PX)), ("front", (MAP_PX, FRONT_HEIGHT)))
+        }
+
+    def mark(self) -> None:
+        """Put the symbols where camera and target are."""
+        simulation = self.simulation
+        walk = self.visit.walk
+        for name, shown in self.panes.items():
+            way = shown.way(walk.positions) if walk is not None else ""
+            symbols = shown.symbols(
+                simulation.position, simulation.target, simulation.settings.eyes.fov_deg
+            )
+            self.images[name].set_content(way + symbols)
+
+    def _base(self) -> Drawn:
+        """The panes without a map, drawn once a world."""
+        if self._bases is None or self._bases[0] is not self.simulation.world:
+            top, front = self.simulation.maps()
+            floor = self.simulation.settings.world
+            panes = [(top_pane(floor, top), top), front_pane(floor, front, FRONT_HEIGHT)]
+            self._bases = self.simulation.world, panes
+        return self._bases[1]
+
+    def _draw(self) -> Drawn:
+        walk = self.visit.walk
+        cells = {} if walk is None else dict(walk.cells)
+        size = self.simulation.settings.map.cell_size
+        return [(one, one.with_cells(image, cells, size)) for one, image in self._base()]
+
+    def _show(self, drawn: Drawn) -> None:
+        self.panes = {one.name: one for one, _ in drawn}
+        for one, image in drawn:
+            self.images[one.name].set_source(as_source(image))
+        self.mark()
+
+    def _on_mouse(self, name: str, event: Any) -> None:
+        if name not in self.panes:
+            return
+        shown, at = self.panes[name], (event.image_x, event.image_y)
+        simulation = self.simulation
+        if event.type == "mousedown":
+            self._grabbed = shown.grabbed(at, simulation.position, simulation.target)
+        elif event.type == "mouseup" or not event.buttons:
+            self._grabbed = None
+        elif self._grabbed is not None:
+            self._drag(shown, at)
+
+    def _drag(self, shown: MapPane, at: tuple[float, float]) -> None:
+        position, target = self.simulation.position, self.simulation.target
+        try:
+            if self._grabbed == "camera":
+                self.simulation.move(shown.moved(position, at), target)
+            else:
+                self.simulation.move(position, shown.moved(target, at))
+        except InputError as error:
+            self._complain(str(error))
+        else:
+            self._moved()

@@ -1,0 +1,118 @@
+"""The controller and its exploration: step, run, pause, stop; what it says, finds and leaves."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from recon.app.objects_table import ObjectsTable
+from recon.app.walk import Walk
+from recon.app.widgets import card, chooser, nicegui, note, testid
+from recon.errors import InputError, ReconError
+from recon.exploration.controllers import CONTROLLERS, make_controller
+from recon.records import FoundObject
+from recon.settings import updated
+
+if TYPE_CHECKING:
+    from recon.app.simulator import Visit
+
+RUNS = Path("runs")
+BUTTONS = ("step", "run", "pause", "stop")
+
+
+class RunCard:
+    """The exploration of one visitor."""
+
+    def __init__(self, visit: "Visit", complain: Callable[[str], Any]) -> None:
+        self.visit = visit
+        self._complain = complain
+        ui = nicegui()
+        first = visit.simulation.settings.exploration.controller
+        with card("Exploration"):
+            chooser("controller", "controller", CONTROLLERS.names(), first, self._choose)
+            with ui.row().classes("gap-2"):
+                for name in BUTTONS:
+                    button = ui.button(name, on_click=lambda name=name: self._press(name))
+                    testid(button.props("dense no-caps outline"), name)
+            self.info = note("controller-info", "")
+            self.result = note("controller-result", "no run yet")
+            with ui.row().classes("w-full items-end no-wrap gap-2"):
+                self.name = testid(ui.input("name", value=visit.simulation.scene.stem), "run-name")
+                self.name.props("dense")
+                button = ui.button("save run", on_click=self._save)
+                testid(button.props("dense no-caps outline"), "save-run")
+        with card("Objects"):
+            self.table = ObjectsTable("objects", None, lambda number: None)
+        self._introduce(first)
+        if visit.walk is not None:
+            self.show()
+            self.show_objects(visit.walk.objects)
+
+    def show(self) -> None:
+        """Show how far the exploration is."""
+        walk = self.visit.walk
+        if walk is None:
+            return
+        text = f"{walk.state}: {walk.number} pairs, {len(walk.objects)} objects"
+        if walk.stage and not walk.is_over:
+            text += f" ({walk.stage})"
+        said = walk.error or walk.said
+        if walk.report is not None:
+            said = f"ended: {walk.report['stop_reason']}. {walk.said}"
+        self.result.set_text(f"{text}\n{said}" if said else text)
+
+    def show_objects(self, objects: tuple[FoundObject, ...]) -> None:
+        """Show what is found."""
+        self.table.show(objects)
+
+    def _choose(self, name: str) -> None:
+        simulation = self.visit.simulation
+        try:
+            simulation.change_settings({"exploration": {"controller": name}})
+            self._introduce(name)
+        except ReconError as error:
+            self._complain(str(error))
+
+    def _introduce(self, name: str) -> None:
+        try:
+            self.info.set_text(str(make_controller(name).info()))
+        # A plug-in may raise anything.
+        except Exception as error:
+            self.info.set_text(f"{name}: {error}")
+
+    def _press(self, name: str) -> None:
+        self._complain("")
+        walk = self.visit.walk
+        if name in ("step", "run"):
+            if walk is not None and walk.state == "stopping":
+                return self._complain("the run is stopping; wait until it has ended")
+            if name == "run" and walk is not None and walk.state == "running":
+                return self._complain("it runs already")
+            if walk is None or walk.is_over:
+                walk = self._begin()
+        if walk is None or (walk.is_over and name in ("pause", "stop")):
+            return self._complain("no run is going on")
+        getattr(walk, name)()
+        self.show()
+        return None
+
+    def _begin(self) -> Walk:
+        if self.visit.walk is not None:
+            self.visit.walk.discard()
+        simulation = self.visit.simulation
+        settings = updated(simulation.settings, {})
+        self.visit.walk = Walk(simulation.scene, settings)
+        return self.visit.walk
+
+    def _save(self) -> None:
+        walk = self.visit.walk
+        name = str(self.name.value or "").strip()
+        try:
+            if not name or Path(name).name != name or name.startswith("."):
+                raise InputError(f"name is {name!r}, but a name without slashes is needed")
+            if walk is None:
+                raise InputError("no run yet")
+            walk.save(RUNS / name)
+        except (ReconError, OSError) as error:
+            self._complain(str(error))
+        else:
+            self._complain(f"run written to {RUNS / name}")

@@ -1,0 +1,68 @@
+"""All settings as text: shown, changed, taken along as TOML; the looks of the world as switches."""
+
+import tomllib
+from collections.abc import Callable
+from typing import Any
+
+from recon.app.simulation import Simulation
+from recon.app.widgets import card, chooser, nicegui, number_field, testid
+from recon.errors import InputError, ReconError
+from recon.settings import to_toml
+from recon.world.renderers import RENDERERS
+
+SWITCHES = {"shading": "sun and shade", "sky": "sky", "mipmaps": "mipmaps"}
+
+
+class SettingsCard:
+    """The settings of one visitor's world and run."""
+
+    def __init__(
+        self, simulation: Simulation, changed: Callable[[], Any], complain: Callable[[str], Any]
+    ) -> None:
+        self.simulation = simulation
+        self._changed, self._complain = changed, complain
+        ui = nicegui()
+        render = simulation.settings.render
+        with card("Light, noise and renderer"):
+            with ui.row().classes("items-center gap-3"):
+                for name, label in SWITCHES.items():
+                    box = ui.checkbox(label, value=getattr(render, name)).props("dense")
+                    testid(box, f"render-{name}").on_value_change(
+                        lambda event, name=name: self._change({"render": {name: event.value}})
+                    )
+            self.noise = number_field(
+                "render-noise", "noise [grey levels]", render.noise,
+                lambda _: self._change({"render": {"noise": self.noise.value}}),
+            )  # fmt: skip
+            names = ["raycast", *[name for name in RENDERERS.names() if name != "raycast"]]
+            chooser("renderer", "renderer", names, render.renderer,
+                    lambda name: self._change({"render": {"renderer": name}}))  # fmt: skip
+        with card("Settings"):
+            self.text = ui.textarea(value=to_toml(simulation.settings)).classes("w-full")
+            testid(self.text.props("dense autogrow input-style='font: 12px monospace'"), "settings")
+            with ui.row().classes("gap-2"):
+                for name, press in (("apply", self._apply), ("save as TOML", self._save)):
+                    button = ui.button(name, on_click=press).props("dense no-caps outline")
+                    testid(button, f"settings-{name.split()[0]}")
+
+    def _apply(self) -> None:
+        try:
+            tree = tomllib.loads(self.text.value or "")
+        except tomllib.TOMLDecodeError as error:
+            return self._complain(f"settings: {error}")
+        return self._change(tree)
+
+    def _change(self, tree: dict[str, Any]) -> None:
+        try:
+            if not all(isinstance(table, dict) for table in tree.values()):
+                raise InputError("settings: every value stands in a table, as [map] cell_size = 1")
+            self.simulation.change_settings(tree)
+        except (ReconError, OSError) as error:
+            self._complain(str(error))
+        else:
+            self._changed()
+        self.text.set_value(to_toml(self.simulation.settings))
+
+    def _save(self) -> None:
+        content = to_toml(self.simulation.settings).encode()
+        nicegui().download.content(content, "settings.toml")

@@ -1,0 +1,150 @@
+"""The simulated cameras of one visitor: where they stand, what they see, and what is matched."""
+
+import threading
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app.channels import Points, points_of
+from recon.errors import InputError
+from recon.mapping.pair import match_features
+from recon.records import FoundObject, StereoPair, View
+from recon.settings import EXPLORER_BASE, Settings, updated
+from recon.stereo.features import detect
+from recon.world.world import World
+
+Array = NDArray[np.float64]
+
+CAMERA = ("focal_length", "fov_deg", "baseline", "near", "far")
+PLACES = ("x", "y", "z", "target_x", "target_y", "target_z")
+MAP_PX = 512
+"""Longer side of the map panes."""
+ROUND = 4
+"""Digits of what is dragged."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sight:
+    """What both cameras see now."""
+
+    pair: StereoPair
+    points: Points | None
+    """Matched points, where they are wanted."""
+
+
+class Simulation:
+    """A world, and the cameras in it; values that cannot be are refused and change nothing."""
+
+    def __init__(self, scene: Path, settings: Settings | None = None) -> None:
+        self.scene = scene
+        self.settings = settings or updated(Settings(), EXPLORER_BASE)
+        self.world = World.from_file(scene, self.settings)
+        start = self.world.start()
+        self.position, self.target = start.position, start.target
+        self.objects: tuple[FoundObject, ...] = ()
+        self._lock = threading.Lock()
+
+    @property
+    def view(self) -> View:
+        """Where the cameras stand, what they look at, and what they are."""
+        eyes = self.settings.eyes
+        return View(
+            position=self.position, target=self.target, fov_deg=eyes.fov_deg,
+            baseline=eyes.baseline, near=eyes.near, far=eyes.far,
+        )  # fmt: skip
+
+    def values(self) -> dict[str, float]:
+        """All fields of the camera settings."""
+        places = dict(zip(PLACES, [*self.position, *self.target], strict=True))
+        eyes = self.settings.eyes
+        numbers = {name: float(getattr(eyes, name)) for name in CAMERA}
+        sizes = {"width": float(eyes.width), "height": float(eyes.height)}
+        return {name: float(value) for name, value in (places | numbers | sizes).items()}
+
+    def change(self, name: str, value: float | None) -> None:
+        """Take over one field of the camera settings.
+
+        Raises
+        ------
+        InputError
+            For a value that cannot be; everything stays as it was.
+        """
+        if value is None or not np.isfinite(value):
+            raise InputError(f"{name} is {value}, but a number is needed")
+        if name in PLACES:
+            at = PLACES.index(name)
+            place = np.array([*self.position, *self.target])
+            place[at] = value
+            self.move(place[:3], place[3:])
+        else:
+            whole = name in ("width", "height")
+            self.change_settings({"eyes": {name: int(value) if whole else value}})
+
+    def move(self, position: Array, target: Array) -> None:
+        """Stand and look elsewhere.
+
+        Raises
+        ------
+        InputError
+            Where that lies out of the world, or gives no direction.
+        """
+        floor = self.settings.world
+        half_x, half_z = floor.size_x / 2.0, floor.size_z / 2.0
+        low, high = np.array([-half_x, 0.0, -half_z]), np.array([half_x, floor.height, half_z])
+        for called, place in (("camera", position), ("target", target)):
+            for axis, number in enumerate(place.tolist()):
+                if not low[axis] <= number <= high[axis]:
+                    raise InputError(
+                        f"{called} {'xyz'[axis]} is {number:g}, but {low[axis]:g} to "
+                        f"{high[axis]:g} is needed: the world ends there"
+                    )
+        offset = target - position
+        if np.hypot(offset[0], offset[2]) < 1e-6:
+            raise InputError("the target is straight above or below the camera; move it aside")
+        self.position, self.target = np.round(position, ROUND), np.round(target, ROUND)
+
+    def change_settings(self, changes: dict[str, dict[str, Any]]) -> None:
+        """Take over settings; the world is made anew where its looks change.
+
+        Raises
+        ------
+        InputError
+            For a value that cannot be; everything stays as it was.
+        """
+        chosen = updated(self.settings, changes)
+        if _makes_anew(self.settings, chosen):
+            world = World.from_file(self.scene, chosen)
+            with self._lock:
+                self.world = world
+        self.settings = chosen
+
+    def look(self, *, with_points: bool) -> Sight:
+        """What both cameras see."""
+        with self._lock:
+            pair = self.world.take(self.view)
+        if not with_points:
+            return Sight(pair=pair, points=None)
+        settings = self.settings
+        left, right = (detect(side, settings.features) for side in (pair.left, pair.right))
+        matches = match_features(left, right, settings, pair.disparity_range)
+        return Sight(pair=pair, points=points_of(pair, matches, left, self.objects))
+
+    def maps(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        """The world from above and from the front."""
+        with self._lock:
+            return self.world.top_view(MAP_PX), self.world.front_view(MAP_PX)
+
+
+def _makes_anew(old: Settings, new: Settings) -> bool:
+    sizes = ("width", "height", "eye_height")
+    eyes = any(getattr(old.eyes, name) != getattr(new.eyes, name) for name in sizes)
+    render = any(
+        getattr(old.render, one.name) != getattr(new.render, one.name) for one in fields(old.render)
+    )
+    world = any(
+        getattr(old.world, one.name) != getattr(new.world, one.name) for one in fields(old.world)
+    )
+    return eyes or render or world

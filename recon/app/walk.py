@@ -1,0 +1,179 @@
+"""An exploration that a visitor leads: step, run, pause, stop; it goes on without a page."""
+
+import logging
+import shutil
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError, ReconError
+from recon.exploration.outcome import Step
+from recon.mapping.mapper import Step as MappedStep
+from recon.records import FoundObject
+from recon.runs.events import Events
+from recon.runs.execute import execute
+from recon.runs.job import Job
+from recon.runs.report import Report
+from recon.settings import Settings
+
+log = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+PATIENCE_S = 10.0
+"""Given to a controller that is to stop; then it is left behind."""
+
+
+class Walk:
+    """One exploration in a thread of its own."""
+
+    def __init__(self, scene: Path, settings: Settings, seed: int = 0) -> None:
+        self.job = Job(kind="explore", inputs=(scene,), settings=settings, seed=seed)
+        self.folder = Path(tempfile.mkdtemp(prefix="recon-")) / scene.stem
+        self.number = 0
+        """Pairs taken."""
+        self.objects: tuple[FoundObject, ...] = ()
+        self.positions: list[Array] = []
+        self.last: Step | None = None
+        self.cells: dict[tuple[int, int, int], tuple[int, int, int]] = {}
+        """Cells that hold points so far, with a colour each."""
+        self.said = ""
+        self.stage = ""
+        self.error = ""
+        self.report: Report | None = None
+        self._permits = 0
+        self._is_free = False
+        self._cancelled_at: float | None = None
+        self._is_left_behind = False
+        self._wakes = threading.Condition()
+        self._thread = threading.Thread(target=self._go, daemon=True, name="recon walk")
+
+    @property
+    def state(self) -> str:
+        """new, running, paused, stopping, failed or done."""
+        if self.error:
+            return "failed"
+        if self.report is not None:
+            return "done"
+        if self._cancelled_at is not None:
+            return "stopping"
+        if self._thread.ident is None:
+            return "new"
+        return "running" if self._is_free or self._permits > 0 else "paused"
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more will come."""
+        return self.state in ("failed", "done")
+
+    def step(self) -> None:
+        """Take one more pair."""
+        with self._wakes:
+            self._is_free = False
+            self._permits += 1
+            self._wakes.notify_all()
+        self._start()
+
+    def run(self) -> None:
+        """Go on until the end."""
+        with self._wakes:
+            self._is_free = True
+            self._wakes.notify_all()
+        self._start()
+
+    def pause(self) -> None:
+        """Wait after the pair that is being taken."""
+        with self._wakes:
+            self._is_free, self._permits = False, 0
+
+    def stop(self) -> None:
+        """End after the pair that is being taken; what was explored is kept."""
+        with self._wakes:
+            self._cancelled_at = self._cancelled_at or time.monotonic()
+            self._wakes.notify_all()
+        if self._thread.ident is None:
+            self.error = "stopped before the first pair"
+
+    def check(self) -> None:
+        """Leave a controller behind that does not answer."""
+        waited = 0.0 if self._cancelled_at is None else time.monotonic() - self._cancelled_at
+        if waited > PATIENCE_S and not self.is_over and self.stage in ("", "plan", "render"):
+            self._is_left_behind = True
+            self.error = f"the controller has not answered for {PATIENCE_S:g} s; it is left behind"
+
+    def save(self, target: Path) -> None:
+        """Copy the run folder.
+
+        Raises
+        ------
+        InputError
+            Where there is no finished run, or something stands at the target.
+        """
+        if self.report is None:
+            raise InputError("the run is not finished; stop it or let it end, then save it")
+        if target.exists():
+            raise InputError(f"{target} exists; give another name")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copytree(self.folder, target)
+
+    def discard(self) -> None:
+        """Delete what the run left in the temporary folder."""
+        shutil.rmtree(self.folder.parent, ignore_errors=True)
+
+    def _start(self) -> None:
+        if self._thread.ident is None:
+            self._thread.start()
+
+    def _go(self) -> None:
+        events = Events(
+            on_step=self._on_step, on_stage=self._on_stage,
+            is_cancelled=lambda: self._cancelled_at is not None,
+        )  # fmt: skip
+        try:
+            report = execute(self.job, self.folder, events)
+        except (ReconError, OSError) as error:
+            self._fail(str(error))
+        except KeyboardInterrupt:
+            self._fail("stopped")
+        # A plug-in may raise anything; the page stays.
+        except Exception as error:
+            log.exception("the exploration failed")
+            self._fail(f"{type(error).__name__}: {error}")
+        else:
+            if not self._is_left_behind:
+                self.objects = report.objects
+                self.report = report
+
+    def _fail(self, text: str) -> None:
+        if not self._is_left_behind:
+            self.error = text
+
+    def _on_stage(self, name: str) -> None:
+        self.stage = name
+
+    def _on_step(self, step: MappedStep) -> None:
+        assert isinstance(step, Step)
+        self.number = step.number + 1
+        self.last = step
+        self.objects = step.objects
+        self.said = step.said
+        self.positions.append(step.view.position)
+        self._grow(step)
+        with self._wakes:
+            self._permits = max(self._permits - 1, 0)
+            self._wakes.wait_for(
+                lambda: self._is_free or self._permits > 0 or self._cancelled_at is not None
+            )
+
+    def _grow(self, step: Step) -> None:
+        size = self.job.settings.map.cell_size
+        index = np.floor(step.cloud.points / size).astype(np.int64)
+        cells, rows = np.unique(index, axis=0, return_index=True)
+        colours = step.cloud.colours
+        chosen = np.full((len(rows), 3), 128) if colours is None else colours[rows]
+        for cell, colour in zip(cells.tolist(), chosen.tolist(), strict=True):
+            self.cells.setdefault(tuple(cell), tuple(colour))

@@ -1,0 +1,25 @@
+"""`recon simulate`."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from recon.cli.options import OUTPUT, PATH, SETTINGS, build_settings, start_logging, with_options
+from recon.cli.pages import SERVER, announced
+
+
+@click.command(epilog="Example: recon simulate scenes/village.scene")
+@click.argument("scene", type=PATH)
+@with_options(SERVER, SETTINGS, OUTPUT)
+def simulate(scene: Path, **given: Any) -> None:
+    """Look at a simulated world in a browser, and lead the agent through it."""
+    start_logging(given)
+    from recon.app.serving import listen
+    from recon.app.simulator import simulate as show
+    from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
+
+    chosen = merged(EXPLORER_BASE, given_tree(build_settings(given)))
+    settings = updated(Settings(), chosen)
+    address = listen(given["host"], given["port"])
+    show(scene, settings, address, announced(address.url, given))
