@@ -1,6 +1,7 @@
 """Camera Settings: numbers that follow the drag and lead it."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from recon.app.simulation import Simulation
@@ -28,16 +29,15 @@ class CameraCard:
         with card("Camera Settings"), nicegui().element("div").classes("recon-fields"):
             for name, value in simulation.values().items():
                 testid = "field-" + NAMES.get(name, name).replace("_", "-")
-                self.fields[name] = number_field(
-                    testid, FIELDS[name], value, lambda _, name=name: self._change(name)
-                )
+                change = partial(self._change, name)
+                self.fields[name] = number_field(testid, FIELDS[name], value, change)
 
     def show(self) -> None:
         """Show what the cameras are now."""
         for name, value in self.simulation.values().items():
             self.fields[name].set_value(round(value, 6))
 
-    def _change(self, name: str) -> None:
+    def _change(self, name: str, _: Any = None) -> None:
         wanted = self.fields[name].value
         if wanted == round(self.simulation.values()[name], 6):
             return

@@ -80,20 +80,12 @@ class RunCard:
             self.info.set_text(f"{name}: {error}")
 
     def _press(self, name: str) -> None:
-        self._complain("")
         walk = self.visit.walk
-        if name in ("step", "run"):
-            if walk is not None and walk.state == "stopping":
-                return self._complain("the run is stopping; wait until it has ended")
-            if name == "run" and walk is not None and walk.state == "running":
-                return self._complain("it runs already")
-            if walk is None or walk.is_over:
-                walk = self._begin()
-        if walk is None or (walk.is_over and name in ("pause", "stop")):
-            return self._complain("no run is going on")
-        getattr(walk, name)()
-        self.show()
-        return None
+        fault = _fault(walk, name)
+        self._complain(fault or "")
+        if fault is None:
+            getattr(walk if walk is not None and not walk.is_over else self._begin(), name)()
+            self.show()
 
     def _begin(self) -> Walk:
         if self.visit.walk is not None:
@@ -116,3 +108,15 @@ class RunCard:
             self._complain(str(error))
         else:
             self._complain(f"run written to {RUNS / name}")
+
+
+def _fault(walk: Walk | None, name: str) -> str | None:
+    """Why a button does nothing now."""
+    is_going_on = walk is not None and not walk.is_over
+    if name in ("pause", "stop") and not is_going_on:
+        return "no run is going on"
+    if walk is not None and walk.state == "stopping":
+        return "the run is stopping; wait until it has ended"
+    if name == "run" and walk is not None and walk.state == "running":
+        return "it runs already"
+    return None

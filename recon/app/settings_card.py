@@ -49,8 +49,9 @@ class SettingsCard:
         try:
             tree = tomllib.loads(self.text.value or "")
         except tomllib.TOMLDecodeError as error:
-            return self._complain(f"settings: {error}")
-        return self._change(tree)
+            self._complain(f"settings: {error}")
+        else:
+            self._change(tree)
 
     def _change(self, tree: dict[str, Any]) -> None:
         try:

@@ -41,9 +41,11 @@ def simulate(scene: Path, settings: Settings | None, address: Address, announce:
     path = find_scene(scene)
     read_scene(path)
     visitors = Visitors(lambda: Visit(path, settings))
-    serve(
-        lambda: SimulatorPage(visitors.current()), address, f"recon simulate {path.stem}", announce
-    )
+
+    def build() -> None:
+        SimulatorPage(visitors.current())
+
+    serve(build, address, f"recon simulate {path.stem}", announce)
 
 
 class SimulatorPage:
@@ -53,10 +55,10 @@ class SimulatorPage:
         self.visit = visit
         self.simulation = visit.simulation
         ui = nicegui()
-        header("recon simulate", str(self.simulation.scene))
+        header("recon simulate", self.simulation.scene.name)
         with ui.element("div").classes("recon-page"):
             with ui.element("div").classes("recon-main"):
-                with ui.element("div").classes("recon-panes"):
+                with ui.element("div").classes("recon-panes recon-four"):
                     self.eyes = EyePanes(self.simulation, self.say)
                     self.maps = MapViews(visit, self.moved, self.say)
                 self.message = note("message", "", "recon-message")
