@@ -101,14 +101,12 @@ def scale(values: Array, label: str, colours: Any, size: tuple[float, float] = (
     height = tall / STEPS
     rows = scales.rgb(mapped, np.linspace(high, low, STEPS)).tolist()
     blocks = [
-        f'<rect x="{font:.1f}" y="{2 * font + height * number:.1f}" width="{width}" '
+        f'<rect x="{font:.1f}" y="{2.4 * font + height * number:.1f}" width="{width}" '
         f'height="{height + 0.6:.1f}" fill="rgb({red},{green},{blue})"/>'
         for number, (red, green, blue) in enumerate(rows)
     ]
-    ends = [
-        (high, 2.4 * font),
-        ((low + high) / 2.0, 2.4 * font + tall / 2.0),
-        (low, 2.2 * font + tall),
+    words = [
+        text(1.6 * font + width, 2.8 * font + share * tall, f"{value:.4g}", font, "start")
+        for share, value in ((0.0, high), (0.5, (low + high) / 2.0), (1.0, low))
     ]
-    words = [text(1.6 * font + width, v, f"{value:.4g}", font, "start") for value, v in ends]
     return "".join([*blocks, *words, text(font, 1.4 * font, label, font, "start")])

@@ -170,10 +170,14 @@ class Walk:
             )
 
     def _grow(self, step: Step) -> None:
-        size = self.job.settings.map.cell_size
-        index = np.floor(step.cloud.points / size).astype(np.int64)
+        settings = self.job.settings.map
+        size, cloud = settings.cell_size, step.cloud
+        if settings.max_sigma is not None and cloud.sigma is not None:
+            # Only what is sure enough for the map.
+            cloud = cloud.select(cloud.sigma <= settings.max_sigma * size)
+        index = np.floor(cloud.points / size).astype(np.int64)
         cells, rows = np.unique(index, axis=0, return_index=True)
-        colours = step.cloud.colours
+        colours = cloud.colours
         chosen = np.full((len(rows), 3), 128) if colours is None else colours[rows]
         for cell, colour in zip(cells.tolist(), chosen.tolist(), strict=True):
             self.cells.setdefault(tuple(cell), tuple(colour))

@@ -1,0 +1,139 @@
+"""A real browser, and pages of recon served to it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from recon.cli import main
+
+ROOT = Path(__file__).parents[2]
+PROGRAM = "import sys; sys.argv[0] = 'recon'; from recon.cli import entry; sys.exit(entry())"
+FLAGS = [
+    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+PATIENCE_S = 120
+
+
+def missing():
+    """What a test in the browser lacks; None where nothing is."""
+    for module in ("playwright", "nicegui"):
+        try:
+            __import__(module)
+        except ImportError:
+            return module
+    return None if chromium() else "chromium"
+
+
+def chromium():
+    names = ("chromium", "chromium-browser", "google-chrome")
+    return next((path for name in names if (path := shutil.which(name))), None)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    lack = missing()
+    if lack:
+        if os.environ.get("RECON_REQUIRE_BROWSER") == "1":
+            pytest.fail(f"{lack} is missing, but RECON_REQUIRE_BROWSER=1 asks for it")
+        pytest.skip(f"{lack} is missing: pages are not tested")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
+        started = play.chromium.launch(executable_path=chromium(), args=FLAGS)
+        yield started
+        started.close()
+
+
+@contextmanager
+def served(*argv, folder):
+    """The address of a page that a process of its own serves."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *argv, "--port", "0", "--no-browser"], cwd=folder,
+        stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    try:
+        url = process.stdout.readline().strip()
+        assert url.startswith("http://"), url
+        wait_for(url)
+        yield url
+    finally:
+        process.terminate()
+        process.wait(30)
+        process.stdout.close()
+
+
+def wait_for(url):
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        try:
+            with urllib.request.urlopen(url, timeout=PATIENCE_S):
+                return
+        except (urllib.error.URLError, ConnectionError):
+            time.sleep(0.2)
+    raise AssertionError(f"{url} does not answer")
+
+
+def explored(folder):
+    """A small run of the explorer."""
+    argv = ["explore", "three_kinds", "--max-pairs", "4", "-o", str(folder), "-q"]
+    assert main(argv) == 0
+    return folder
+
+
+@pytest.fixture(scope="session")
+def run(tmp_path_factory):
+    return explored(tmp_path_factory.mktemp("app") / "walk")
+
+
+def page_of(browser, url, first):
+    """A page whose image `first` is drawn; what goes wrong in it is kept in `faults`."""
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
+    page = context.new_page()
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.set_default_timeout(60_000)
+    page.goto(url)
+    drawn(page, first)
+    return page
+
+
+def source(page, name):
+    return page.get_by_test_id(name).locator("img").get_attribute("src")
+
+
+def drawn(page, name, before=None):
+    """Wait until an image is drawn, or is another one than before."""
+    page.wait_for_function(
+        "([name, before]) => {"
+        "const image = document.querySelector(`[data-testid=${name}] img`);"
+        "return image && image.src.startsWith('data:') && image.complete && image.src !== before}",
+        arg=[name, before],
+    )
+    return source(page, name)
+
+
+def says(page, name, text):
+    """Wait until an element says something."""
+    page.wait_for_function(
+        "([name, text]) => document.querySelector(`[data-testid=${name}]`).innerText"
+        ".includes(text)",
+        arg=[name, text],
+    )
+
+
+def choose(page, name, option):
+    page.get_by_test_id(name).click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+def slide(page, name, value):
+    page.get_by_test_id(name).fill(str(value))

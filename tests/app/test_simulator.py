@@ -1,0 +1,185 @@
+"""The simulator in a real browser: cameras in hand, points, frames, and an exploration."""
+
+import json
+import zipfile
+
+import numpy as np
+import pytest
+
+from recon.runfolder import read_manifest
+from tests.app.conftest import choose, drawn, page_of, says, served, source
+
+PANES = ("pane-left", "pane-right", "pane-top", "pane-front")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("simulate")
+
+
+@pytest.fixture(scope="module")
+def page(browser, folder):
+    with served("simulate", "three_kinds", folder=folder) as url:
+        page = page_of(browser, url, "pane-left")
+        for name in PANES:
+            drawn(page, name)
+        page.url_of_server = url
+        yield page
+        assert page.faults == []
+
+
+def value(page, name):
+    return float(page.get_by_test_id(f"field-{name}").input_value())
+
+
+def enter(page, name, text):
+    page.get_by_test_id(f"field-{name}").fill(text)
+    page.get_by_test_id(f"field-{name}").press("Enter")
+
+
+def drag(page, pane, symbol, right, down):
+    box = page.get_by_test_id(pane).get_by_test_id(symbol).bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right, y + down, steps=3)
+    page.mouse.up()
+
+
+def test_everything_is_in_the_page_from_the_start(page):
+    fields = [
+        "focal-length", "fov", "baseline", "near", "far", "x", "y", "z", "target-x", "target-y",
+        "target-z",
+    ]  # fmt: skip
+    others = [
+        "toggle-features", "channel", "point-info", "export-frame", "controller", "run", "step",
+        "pause", "stop", "controller-info", "controller-result", "objects", "message",
+    ]  # fmt: skip
+    for name in [*PANES, *[f"field-{field}" for field in fields], *others]:
+        assert page.get_by_test_id(name).count() == 1, name
+    for name in ("camera-symbol", "target-symbol"):
+        assert page.get_by_test_id(name).count() == 2, name
+
+
+def test_a_dragged_camera_leads_the_numbers_and_both_eyes(page):
+    before = [source(page, name) for name in PANES[:2]]
+    drag(page, "pane-top", "camera-symbol", 30, 40)
+    for name, old in zip(PANES[:2], before, strict=True):
+        drawn(page, name, old)
+    page.wait_for_function("() => document.querySelector('[data-testid=field-x]').value > 5")
+    assert value(page, "z") > 5
+    assert value(page, "y") == 5
+    drag(page, "pane-front", "target-symbol", 20, -20)
+    page.wait_for_function("() => document.querySelector('[data-testid=field-target-y]').value > 6")
+    assert value(page, "target-x") > 2
+
+
+def test_focal_length_and_field_of_view_are_tied(page):
+    before = source(page, "pane-left")
+    enter(page, "focal-length", "0.2")
+    drawn(page, "pane-left", before)
+    wanted = np.degrees(2 * np.arctan(np.tan(np.radians(40)) * 0.1 / 0.2))
+    page.wait_for_function("() => document.querySelector('[data-testid=field-fov]').value < 60")
+    assert value(page, "fov") == pytest.approx(wanted, abs=1e-3)
+    enter(page, "fov", "80")
+    page.wait_for_function("() => document.querySelector('[data-testid=field-fov]').value > 79")
+    assert value(page, "focal-length") == pytest.approx(0.1, abs=1e-4)
+
+
+def test_values_that_cannot_be_are_said_and_change_nothing(page):
+    for name, text, said in (
+        ("focal-length", "0", "focal_length"), ("near", "200", "near"), ("x", "1000", "the world"),
+        ("fov", "190", "fov_deg"),
+    ):  # fmt: skip
+        before = value(page, name)
+        enter(page, name, text)
+        says(page, "message", said)
+        page.wait_for_function(
+            "([name, value]) => Number(document.querySelector(`[data-testid=field-${name}]`).value)"
+            " === value",
+            arg=[name, before],
+        )
+
+
+def test_points_are_coloured_and_a_click_marks_the_partner(page):
+    before = source(page, "pane-left")
+    page.get_by_test_id("toggle-features").click()
+    plain = drawn(page, "pane-left", before)
+    choose(page, "channel", "disparity")
+    drawn(page, "pane-left", plain)
+    left = page.get_by_test_id("pane-left")
+    left.locator("svg text", has_text="disparity").wait_for()
+    box = left.bounding_box()
+    info = page.get_by_test_id("point-info")
+    for share in np.linspace(0.05, 0.95, 40):
+        old = info.inner_text()
+        page.mouse.click(box["x"] + share * box["width"], box["y"] + 0.45 * box["height"])
+        page.wait_for_timeout(150)
+        if info.inner_text() != old and "disparity" in info.inner_text():
+            break
+    for channel in ("x:", "depth:", "sigma:", "orientation:", "score:", "label:"):
+        assert channel in info.inner_text()
+    for side in ("left", "right"):
+        assert page.get_by_test_id(f"mark-{side}").count() == 1
+    page.get_by_test_id("toggle-features").click()
+
+
+def test_a_frame_is_exported(page, folder, tmp_path):
+    with page.expect_download() as download:
+        page.get_by_test_id("export-frame").click()
+    download.value.save_as(tmp_path / "frame.zip")
+    with zipfile.ZipFile(tmp_path / "frame.zip") as archive:
+        assert sorted(archive.namelist()) == ["frame.json", "left.png", "right.png"]
+        about = json.loads(archive.read("frame.json"))
+    assert about["camera"]["x"] == pytest.approx(value(page, "x"), abs=1e-5)
+    assert (folder / "frames" / "three_kinds-001" / "left.png").stat().st_size > 1000
+
+
+def test_an_exploration_is_led_found_again_and_saved(page, folder):
+    says(page, "controller-info", " ")
+    page.get_by_test_id("stop").click()
+    says(page, "message", "no run is going on")
+    page.get_by_test_id("step").click()
+    says(page, "controller-result", "1 pairs")
+    page.get_by_test_id("step").click()
+    says(page, "controller-result", "paused: 2 pairs")
+    page.get_by_test_id("run").click()
+    says(page, "controller-result", "running")
+    page.get_by_test_id("run").click()
+    says(page, "message", "it runs already")
+    page.reload()
+    drawn(page, "pane-left")
+    says(page, "controller-result", " pairs")
+    page.get_by_test_id("pause").click()
+    page.get_by_test_id("stop").click()
+    says(page, "controller-result", "done")
+    page.get_by_test_id("run-name").fill("../elsewhere")
+    page.get_by_test_id("save-run").click()
+    says(page, "message", "without slashes")
+    page.get_by_test_id("run-name").fill("mine")
+    page.get_by_test_id("save-run").click()
+    says(page, "message", "run written to runs/mine")
+    assert read_manifest(folder / "runs" / "mine")["command"] == "explore"
+
+
+def test_a_second_visitor_has_his_own_cameras(page, browser):
+    other = page_of(browser, page.url_of_server, "pane-left")
+    assert value(other, "x") == 0
+    enter(other, "x", "7")
+    other.wait_for_function("() => document.querySelector('[data-testid=field-x]').value == 7")
+    page.wait_for_timeout(300)
+    assert value(page, "x") != 7
+    other.context.close()
+
+
+def test_settings_are_shown_and_changed(page):
+    text = page.get_by_test_id("settings")
+    assert "cell_size = 1.0" in text.input_value()
+    text.fill("[map]\ncell_size = 2.0\n")
+    page.get_by_test_id("settings-apply").click()
+    page.wait_for_function(
+        "() => document.querySelector('[data-testid=settings]').value.includes('cell_size = 2.0')"
+    )
+    text.fill("[map]\ncell_siz = 2.0\n")
+    page.get_by_test_id("settings-apply").click()
+    says(page, "message", "nearest known name is map.cell_size")
