@@ -19,7 +19,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(browser, folder):
-    with served("simulate", "three_kinds", folder=folder) as url:
+    with served("simulate", "village", folder=folder) as url:
         page = page_of(browser, url, "pane-left")
         for name in PANES:
             drawn(page, name)
@@ -44,6 +44,16 @@ def drag(page, pane, symbol, right, down):
     page.mouse.down()
     page.mouse.move(x + right, y + down, steps=3)
     page.mouse.up()
+    # Marks follow the numbers; the next drag begins where they are then.
+    before = None
+    while before != (before := fields(page)):
+        page.wait_for_timeout(700)
+
+
+def fields(page):
+    return page.evaluate(
+        "() => [...document.querySelectorAll('[data-testid^=field-]')].map(one => one.value).join()"
+    )
 
 
 def test_everything_is_in_the_page_from_the_start(page):
@@ -102,6 +112,11 @@ def test_values_that_cannot_be_are_said_and_change_nothing(page):
 
 
 def test_points_are_coloured_and_a_click_marks_the_partner(page):
+    # A tree of the village fills the images.
+    for name, number in (("target-x", -10), ("target-z", -5), ("target-y", 6), ("x", 0), ("z", 8)):
+        enter(page, name, str(number))
+    page.wait_for_function("() => document.querySelector('[data-testid=field-z]').value == 8")
+    page.wait_for_timeout(1000)
     before = source(page, "pane-left")
     page.get_by_test_id("toggle-features").click()
     plain = drawn(page, "pane-left", before)
@@ -132,7 +147,7 @@ def test_a_frame_is_exported(page, folder, tmp_path):
         assert sorted(archive.namelist()) == ["frame.json", "left.png", "right.png"]
         about = json.loads(archive.read("frame.json"))
     assert about["camera"]["x"] == pytest.approx(value(page, "x"), abs=1e-5)
-    assert (folder / "frames" / "three_kinds-001" / "left.png").stat().st_size > 1000
+    assert (folder / "frames" / "village-001" / "left.png").stat().st_size > 1000
 
 
 def test_an_exploration_is_led_found_again_and_saved(page, folder):
