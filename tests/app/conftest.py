@@ -84,7 +84,7 @@ def wait_for(url):
 
 def explored(folder):
     """A small run of the explorer."""
-    argv = ["explore", "three_kinds", "--max-pairs", "4", "-o", str(folder), "-q"]
+    argv = ["explore", "village", "--max-pairs", "8", "-o", str(folder), "-q"]
     assert main(argv) == 0
     return folder
 
