@@ -17,12 +17,18 @@ def read_mesh(path: Path) -> Triangles:
     Raises
     ------
     InputError
-        Where there is no file, no triangle, or a coordinate that is not finite.
+        Where there is no file, no triangle, a face of vertices that are not there, or a coordinate
+        that is not finite.
     """
     mesh = _read(path)
     if "indices" not in mesh.triangle or not len(mesh.triangle.indices):
         raise InputError(f"{path}: no triangle can be read, but at least one is needed")
     index = mesh.triangle.indices.numpy()
+    num = len(mesh.vertex.positions)
+    if index.min() < 0 or index.max() >= num:
+        raise InputError(
+            f"{path}: a face names vertices {index.min()} to {index.max()}, but there are {num}"
+        )
     corners = mesh.vertex.positions.numpy().astype(np.float64)[index]
     if not np.isfinite(corners).all():
         raise InputError(f"{path}: a corner is not finite, but all have to be")
