@@ -215,7 +215,7 @@ class Agent:
 
     def _metrics(self, recognition: Recognition) -> dict[str, Any]:
         timeline = [*self.model.timeline, (len(self.views), recognition.objects)]
-        true = dict.fromkeys(("path_bound", "min_clearance"))
+        true = dict.fromkeys(("path_bound", "oracle_path", "min_clearance"))
         return {
             "num_pairs": len(self.views),
             "num_points": self.mapper.num_points,

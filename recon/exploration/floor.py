@@ -59,12 +59,15 @@ class Floor:
     """World units, as the sizes."""
     seen_from: Array = field(init=False)
     """(X, Z) smallest distance from which a view saw the cell free; infinite = never."""
+    barred_from: Array = field(init=False)
+    """(X, Z) smallest distance from which the foot of an obstacle was seen on it."""
     occupied: Mask = field(init=False)
     """(X, Z) a mapped obstacle stands on it or hangs over it."""
 
     def __post_init__(self) -> None:
         shape = _shape(self.size_x, self.size_z, self.cell_size)
         self.seen_from = np.full(shape, np.inf)
+        self.barred_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
 
     @property
@@ -75,7 +78,13 @@ class Floor:
     @property
     def known_free(self) -> Mask:
         """(X, Z) inside some view's field and range with no obstacle before it."""
-        return np.isfinite(self.seen_from)
+        return np.isfinite(self.seen_from) & ~self.barred
+
+    @property
+    def barred(self) -> Mask:
+        """(X, Z) a foot was seen on it, and no view from nearer by more than a cell saw it free."""
+        nearest_free = self.seen_from + self.cell_size
+        return np.isfinite(self.barred_from) & (self.barred_from <= nearest_free)
 
     @property
     def corner(self) -> Array:
@@ -125,12 +134,12 @@ class Floor:
         samples = places[:, None, None] + directions[:, None] * radii[:, None]
         return Lines(cell=self.flat(self.cells(samples)), radii=radii)
 
-    def open_samples(self, lines: Lines) -> Mask:
-        """(C, A, R) which samples lie on the floor with no mapped obstacle before them.
+    def open_samples(self, lines: Lines, blocking: Mask) -> Mask:
+        """(C, A, R) which samples lie on the floor with no blocking cell (X, Z) before them.
 
         What hangs over the place itself does not hide the floor around it.
         """
-        blocked = np.append(self.occupied.ravel(), True)[lines.cell]
+        blocked = np.append(blocking.ravel(), True)[lines.cell]
         came_out = np.logical_or.accumulate(~blocked, axis=-1)
         clear: Mask = ~np.logical_or.accumulate(blocked & came_out, axis=-1) & came_out
         return clear
@@ -143,7 +152,7 @@ class Floor:
         step = RAY_SPACING * self.cell_size
         radii = step * np.arange(math.ceil(limits.max(initial=0.0) / step - ROUNDING))
         lines = self.lines(place_xz[None], azimuths_rad, radii)
-        seen = self.open_samples(lines)[0] & (radii < limits[:, None])
+        seen = self.open_samples(lines, self.occupied)[0] & (radii < limits[:, None])
         distance = np.full(self.occupied.size, np.inf)
         np.minimum.at(distance, lines.cell[0][seen], np.broadcast_to(radii, seen.shape)[seen])
         return distance.reshape(self.shape)
@@ -152,6 +161,15 @@ class Floor:
         """Note the free ground that a view shows."""
         seen_from = self.visible(place_xz, azimuths_rad, limits)
         self.seen_from = np.minimum(self.seen_from, seen_from)
+
+    def bar(self, place_xz: Array, azimuths_rad: Array, distances: Array) -> None:
+        """Note the feet of obstacles that a view shows; infinitely far is none."""
+        seen = np.isfinite(distances)
+        azimuth, distance = azimuths_rad[seen], distances[seen]
+        offsets = distance[:, None] * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+        cells = self.cells(place_xz + offsets)
+        inside = self.holds(cells)
+        np.minimum.at(self.barred_from, tuple(cells[inside].T), distance[inside])
 
     def azimuths(self, heading_rad: float, field_rad: float, reach: float) -> Array:
         """Azimuths of rays over a field of view that meet every cell within `reach`.

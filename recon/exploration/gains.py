@@ -71,12 +71,13 @@ class Visibility:
         number = math.ceil(reach / step - 0.5 - ROUNDING)
         radii: Array = step * (np.arange(number, dtype=np.float64) + 0.5)
         lines = floor.lines(places, AZIMUTHS_RAD, radii)
+        blocking = floor.occupied | floor.barred
         return cls(
             places=places,
             field_rad=field_rad,
             reach=reach,
             barred=np.zeros((len(places), NUM_RAYS), dtype=bool),
-            _cell=np.where(floor.open_samples(lines), lines.cell, floor.occupied.size),
+            _cell=np.where(floor.open_samples(lines, blocking), lines.cell, floor.occupied.size),
             _area=radii * step * SPACING_RAD,
         )
 

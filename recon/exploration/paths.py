@@ -52,11 +52,7 @@ class ShortestPaths:
 
     def is_clear(self, start_xz: Array, end_xz: Array) -> bool:
         """Whether the straight line between two points can be walked."""
-        spacing = RAY_SPACING * self.floor.cell_size
-        number = 2 + int(np.hypot(*(end_xz - start_xz)) / spacing)
-        share = np.linspace(0.0, 1.0, number)[:, None]
-        cells = self.floor.cells(start_xz + share * (end_xz - start_xz))
-        return bool(np.append(self.walkable.ravel(), False)[self.floor.flat(cells)].all())
+        return is_clear(self.floor, self.walkable, start_xz, end_xz)
 
     def corners(self, end_xz: Array) -> Array:
         """Corners (N, 2) of the path to a point that can be reached, its ends left out.
@@ -81,21 +77,32 @@ class ShortestPaths:
         return cells[-2::-1]
 
 
+def is_clear(floor: Floor, walkable: Mask, start_xz: Array, end_xz: Array) -> bool:
+    """Tell whether the straight line between two points stays on walkable cells (X, Z)."""
+    number = 2 + int(np.hypot(*(end_xz - start_xz)) / (RAY_SPACING * floor.cell_size))
+    share = np.linspace(0.0, 1.0, number)[:, None]
+    cells = floor.cells(start_xz + share * (end_xz - start_xz))
+    return bool(np.append(walkable.ravel(), False)[floor.flat(cells)].all())
+
+
 def plan(state: State, *, through_unknown: bool = False) -> ShortestPaths:
     """Find the paths from where the agent stands to all cells at once.
 
     With `through_unknown`, ground that nobody has seen yet is taken for free.
     """
-    floor = state.floor
-    walkable = _walkable(state, through_unknown)
-    start = int(floor.flat(floor.cells(state.place)))
+    return paths_over(state.floor, _walkable(state, through_unknown), state.place)
+
+
+def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
+    """Find the paths from a place (2,) over the walkable cells (X, Z) to all others."""
+    start = int(floor.flat(floor.cells(place)))
     distance, before = dijkstra(
         _graph(walkable), directed=False, indices=[start], return_predecessors=True
     )
     return ShortestPaths(
         floor=floor,
         walkable=walkable,
-        place=state.place,
+        place=place,
         distance=distance[0].reshape(floor.shape) * floor.cell_size,
         _before=before[0],
     )
@@ -115,7 +122,7 @@ def _walkable(state: State, through_unknown: bool) -> Mask:
     if not through_unknown:
         unknown = unexplored(floor, state.obstacles)
         clearance = scales.cells(scales.unknown_clearance)
-        walkable &= floor.known_free & _away_from(unknown, clearance, here)
+        walkable &= floor.known_free & _away_from(unknown | floor.barred, clearance, here)
     walkable[here] = True
     return walkable
 

@@ -10,6 +10,8 @@ from recon.errors import InputError
 from recon.exploration.explorable import Explorable, KnownWorld
 from recon.exploration.floor import Array, Floor, Mask
 from recon.exploration.metrics import path_bound
+from recon.exploration.oracle import oracle_path
+from recon.exploration.scales import Scales
 from recon.records import View
 from recon.settings import Settings
 
@@ -61,8 +63,15 @@ class Referee:
         reach = self.settings.exploration.viewing_distance
         return {
             "path_bound": path_bound(start, self.world.objects, reach),
+            "oracle_path": self._oracle_path(start),
             "min_clearance": self.min_clearance,
         }
+
+    def _oracle_path(self, start: View) -> float | None:
+        world, cell_size = self.settings.world, self.settings.map.cell_size
+        floor = Floor(size_x=world.size_x, size_z=world.size_z, cell_size=cell_size)
+        scales = Scales.of(self.settings)
+        return oracle_path(start.position[[0, 2]], self.world.objects, self.free, floor, scales)
 
     @property
     def _step(self) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label, minimum_filter1d
 
+from recon.exploration.feet import foot_distances
 from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.scales import Scales
 from recon.records import PointCloud, StereoPair, View
@@ -37,6 +38,8 @@ class Scan:
     """(A,) of the rays over the field of view, evenly spaced."""
     limits: Array
     """(A,) length of each ray, to an obstacle or to its end."""
+    feet: Array
+    """(A,) distance of the first foot of an obstacle on each ray; infinite = none."""
 
     def _inside(self, ray: NDArray[np.intp]) -> NDArray[np.bool_]:
         return (ray >= 0) & (ray < len(self.limits))
@@ -74,7 +77,14 @@ def field_of_view(pair: StereoPair) -> float:
     return 2.0 * math.atan(pair.rig.width / 2.0 / pair.rig.focal_px)
 
 
-def scan(view: View, pair: StereoPair, standing: PointCloud, reach: float, floor: Floor) -> Scan:
+def scan(
+    view: View,
+    pair: StereoPair,
+    standing: PointCloud,
+    reach: float,
+    ground: tuple[float, float],
+    floor: Floor,
+) -> Scan:
     """Measure how far the field of a view is open.
 
     Parameters
@@ -83,13 +93,18 @@ def scan(view: View, pair: StereoPair, standing: PointCloud, reach: float, floor
         Points of the pair above the ground, world.
     reach : float
         Distance up to which an obstacle is surely seen, world units.
+    ground : (float, float)
+        Height of the ground, and distance at which it ends.
     floor : Floor
         The ground grid that the rays are for.
     """
     place = view.position[[0, 2]]
     heading = math.atan2(*(view.target[[2, 0]] - view.position[[2, 0]]))
     rays = floor.azimuths(heading, field_of_view(pair), reach)
-    open_field = Scan(place=place, azimuths_rad=rays, limits=np.full(len(rays), reach))
+    endless = np.full(len(rays), np.inf)
+    open_field = Scan(
+        place=place, azimuths_rad=rays, limits=np.full(len(rays), reach), feet=endless
+    )
     azimuth, distance = polar(standing.points[:, [0, 2]], place)
     nearest = open_field.limits.copy()
     ray = open_field._ray(azimuth)
@@ -98,7 +113,9 @@ def scan(view: View, pair: StereoPair, standing: PointCloud, reach: float, floor
     np.minimum.at(nearest, ray[inside], ends[inside])
     blur = 1 + 2 * round(BLUR_RAD / 2.0 / (rays[1] - rays[0]))
     limits = minimum_filter1d(nearest, blur, mode="nearest")
-    return Scan(place=place, azimuths_rad=rays, limits=limits)
+    feet = foot_distances(pair, rays, place, ground, floor)
+    limits = np.minimum(limits, np.maximum(feet - MARGIN * floor.cell_size, 0.0))
+    return Scan(place=place, azimuths_rad=rays, limits=limits, feet=feet)
 
 
 def sigma_of(cloud: PointCloud) -> Array:

@@ -64,8 +64,11 @@ class WorldModel:
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
         self.observations.add(place, sure, self.floor)
         self._find_obstacles()
-        seen = scan(view, pair, standing, self.settings.exploration.sight_range, self.floor)
+        reach = self.settings.exploration.sight_range
+        ground = (self.settings.recognition.ground or 0.0, self.settings.eyes.far)
+        seen = scan(view, pair, standing, reach, ground, self.floor)
         self.floor.see(place, seen.azimuths_rad, seen.limits)
+        self.floor.bar(place, seen.azimuths_rad, seen.feet)
         self._detect(seen, standing)
 
     def name_obstacles(self) -> None:

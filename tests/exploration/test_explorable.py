@@ -64,8 +64,8 @@ def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
     assert done.metrics["num_pairs"] == 8
     ring = 7 * 2 * 1.4 * np.sin(np.pi / 8)
     assert done.metrics["path_length"] == pytest.approx(ring)
-    truths = ("coverage", "min_clearance", "path_bound")
-    assert [done.metrics[name] for name in truths] == [None] * 3
+    truths = ("coverage", "min_clearance", "path_bound", "oracle_path")
+    assert [done.metrics[name] for name in truths] == [None] * 4
     assert {share for _, _, share in done.metrics["curve"]} == {None}
 
 

@@ -77,18 +77,22 @@ def test_a_lone_point_is_noise_and_company_is_not():
 
 
 def test_rays_end_before_a_thing_and_go_on_beside_it(pair):
-    seen = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0)), 60.0, FLOOR)
+    seen = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0)), 60.0, (0.0, 100.0), FLOOR)
     assert 24.0 < limit_towards(seen, 30.0, 0.0) < 30.0
     assert limit_towards(seen, 30.0, 10.0) == limit_towards(seen, 30.0, -10.0) == 60.0
 
 
 def test_an_unsure_thing_ends_rays_earlier(pair):
-    sure = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=0.1), 60.0, FLOOR)
-    unsure = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=6.0), 60.0, FLOOR)
+    sure = scan(
+        view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=0.1), 60.0, (0.0, 100.0), FLOOR
+    )
+    unsure = scan(
+        view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=6.0), 60.0, (0.0, 100.0), FLOOR
+    )
     difference = limit_towards(sure, 30.0, 0.0) - limit_towards(unsure, 30.0, 0.0)
     assert 5.0 < difference < 7.0
 
 
 def test_things_outside_the_field_end_no_ray(pair):
-    seen = scan(view_towards(20, 0), pair, cloud(blob(-30.0, 0.0)), 60.0, FLOOR)
+    seen = scan(view_towards(20, 0), pair, cloud(blob(-30.0, 0.0)), 60.0, (0.0, 100.0), FLOOR)
     assert (seen.limits == 60.0).all()

@@ -1,0 +1,91 @@
+"""Feet of obstacles in the image: plain ground is open up to the first edge that stands on it.
+
+An obstacle without texture, and a level edge of any, give stereo nothing to match. Its foot still
+stands out of the ground before it, as it does for Horswill's Polly (1993). Ground with a texture of
+its own raises the contrast that an edge needs, until stereo alone decides.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from recon.exploration.floor import RAY_SPACING, Array, Floor, Mask
+from recon.geometry import invert, transform
+from recon.records import StereoPair
+
+NEAR_SAMPLES, TEXTURED_SHARE = 8, 0.2
+"""Ground has a texture where more than this share of its nearest samples are edges."""
+SMOOTHING_PX = 1.0
+MIN_CONTRAST = 8.0
+"""Grey levels across an edge ..."""
+CONTRAST_RATIO = 4.0
+"""... and times the median contrast of the ground, be it noise or texture."""
+HORIZON_PX = 4.0
+"""Rows below the end of the ground where its own edge is blurred into it."""
+
+
+def foot_distances(
+    pair: StereoPair, azimuths_rad: Array, place: Array, ground: tuple[float, float], floor: Floor
+) -> Array:
+    """(A,) distance along each azimuth (A,) of the first edge on the ground; infinite = none.
+
+    Parameters
+    ----------
+    place : (2,) float64
+        x, z that the azimuths are of.
+    ground : (float, float)
+        Height of the ground, and distance at which it ends.
+    """
+    height, end = ground
+    reach = _reach(pair, height, end)
+    step = RAY_SPACING * floor.cell_size
+    radii = step * np.arange(1, max(2, int(reach / step)))
+    directions = np.column_stack([np.cos(azimuths_rad), np.sin(azimuths_rad)])
+    x, z = np.moveaxis(place + directions[:, None] * radii[:, None], -1, 0)
+    pixels, inside = _pixels(pair, np.stack([x, np.full_like(x, height), z], axis=-1))
+    contrast = _contrast(pair.left)
+    seen = contrast[pixels[..., 1], pixels[..., 0]]
+    typical = float(np.median(seen[inside])) if inside.any() else 0.0
+    is_edge = inside & (seen > max(MIN_CONTRAST, CONTRAST_RATIO * typical))
+    if _is_textured(is_edge, inside):
+        return np.full(len(azimuths_rad), np.inf)
+    return np.where(is_edge.any(axis=1), radii[is_edge.argmax(axis=1)], np.inf)
+
+
+def _is_textured(is_edge: Mask, inside: Mask) -> bool:
+    """Tell whether the ground right before the camera is full of edges of its own."""
+    near = inside & (inside.cumsum(axis=1) <= NEAR_SAMPLES)
+    return bool(near.any() and is_edge[near].mean() > TEXTURED_SHARE)
+
+
+def _reach(pair: StereoPair, height: float, end: float) -> float:
+    """Distance at which the ground comes too near to its end in the image."""
+    eye_height = 0.0 if pair.T_world_left is None else pair.T_world_left[1, 3] - height
+    if eye_height <= 0.0:
+        return 0.0
+    return float(1.0 / (1.0 / end + HORIZON_PX / (pair.rig.focal_px * eye_height)))
+
+
+def _pixels(pair: StereoPair, points_world: Array) -> tuple[NDArray[np.intp], Mask]:
+    """Pixels (..., 2) of points (..., 3) in the left image, and which of them are inside it."""
+    T_left_world = invert(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
+    points_left = transform(T_left_world, points_world.reshape(-1, 3))
+    ahead = points_left[:, 2] > 0.0
+    points_left[~ahead, 2] = 1.0
+    pixels = np.rint(pair.rig.project_left(points_left)).astype(np.intp)
+    size = np.array([pair.rig.width, pair.rig.height])
+    inside = ahead & (pixels >= 0).all(axis=1) & (pixels < size).all(axis=1)
+    shape = points_world.shape[:-1]
+    return pixels.clip(0, size - 1).reshape(*shape, 2), inside.reshape(shape)
+
+
+def _contrast(image: NDArray[np.uint8]) -> Array:
+    """(H, W) largest difference of a channel across a pixel, along its row or column."""
+    channels = image.astype(np.float64).reshape(*image.shape[:2], -1)
+    contrast = np.zeros(image.shape[:2])
+    for axis in (0, 1):
+        channels = gaussian_filter1d(channels, SMOOTHING_PX, axis=axis, mode="nearest")
+    for axis in (0, 1):
+        rise = np.abs(np.gradient(channels, axis=axis)).max(axis=-1)
+        contrast = np.maximum(contrast, 2.0 * rise)
+    return contrast

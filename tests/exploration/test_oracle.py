@@ -1,0 +1,91 @@
+"""The oracle's tour of worlds whose best tour is known."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
+
+from recon.exploration.floor import Floor
+from recon.exploration.oracle import improved, nearest_first, oracle_path
+from recon.exploration.scales import Scales
+from recon.settings import Settings
+
+SCALES = Scales.of(Settings())
+START = np.zeros(2)
+
+
+@dataclass
+class Tree:
+    centre: np.ndarray
+    size: np.ndarray = field(default_factory=lambda: np.array([6.0, 9.0, 6.0]))
+
+
+def length(*centres, walls=(), start=START):
+    floor = Floor(size_x=160, size_z=160)
+    free = np.ones(floor.shape, dtype=bool)
+    for x, z in centres:
+        free &= ~floor.disc(np.array([x, z]), 3.0)
+    for wall in walls:
+        free[wall] = False
+    trees = [Tree(np.array([x, 4.5, z])) for x, z in centres]
+    return oracle_path(start, trees, free, floor, SCALES)
+
+
+def test_nothing_to_see_is_no_way():
+    assert length() == 0.0
+
+
+def test_one_tree_costs_the_way_there_and_half_round_it():
+    radius = 3.0 + 0.2 * 20.0
+    arc = radius * 2.0 * np.pi / 3.0
+    assert 40.0 - radius < length((40.0, 0.0)) < 40.0 - radius + 2.3 * arc
+
+
+def test_a_wall_makes_it_longer():
+    wall = (slice(100, 103), slice(20, 140))
+    assert length((40.0, 0.0), walls=[wall]) > length((40.0, 0.0)) + 40.0
+
+
+def test_what_is_walled_in_has_no_tour():
+    closed = [
+        (slice(90, 151), slice(50, 53)), (slice(90, 151), slice(108, 111)),
+        (slice(90, 93), slice(50, 111)), (slice(148, 151), slice(50, 111)),
+    ]  # fmt: skip
+    assert length((40.0, 0.0), walls=closed) is None
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(1, 9), st.integers(0, 1000))
+def test_turning_stretches_round_keeps_the_stops_and_never_lengthens(number, seed):
+    stops = np.random.default_rng(seed).uniform(-50, 50, (number, 2))
+    legs = cdist(stops, stops)
+    before = nearest_first(legs)
+    after = improved(before, legs)
+    assert after[0] == before[0] == 0
+    assert sorted(after) == list(range(number))
+    assert tour_length(after, legs) <= tour_length(before, legs) + 1e-9
+
+
+def test_a_crossing_is_undone():
+    stops = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10], [20, 5]])
+    legs = cdist(stops, stops)
+    assert tour_length(improved([0, 2, 1, 3, 4], legs), legs) < tour_length([0, 2, 1, 3, 4], legs)
+
+
+def tour_length(order, legs):
+    return legs[order[:-1], order[1:]].sum()
+
+
+def test_the_same_world_in_another_unit_has_the_same_tour():
+    floor = Floor(size_x=16.0, size_z=16.0, cell_size=0.1)
+    free = ~floor.disc(np.array([4.0, 0.0]), 0.3)
+    scales = Scales(
+        cell=0.1, clearance=1.0, walk_clearance=0.3, viewing_distance=2.0, eye_height=0.5
+    )
+    tree = Tree(np.array([4.0, 0.45, 0.0]), np.array([0.6, 0.9, 0.6]))
+    assert 10 * oracle_path(START, [tree], free, floor, scales) == pytest.approx(
+        length((40.0, 0.0)), rel=1e-6
+    )
