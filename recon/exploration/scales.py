@@ -68,7 +68,7 @@ class Scales:
     @property
     def min_area(self) -> float:
         """A view that shows less unknown ground than this is not worth a stop."""
-        return 0.1 * self.viewing_distance**2
+        return 0.2 * self.viewing_distance**2
 
     @property
     def same_obstacle(self) -> float:

@@ -120,7 +120,8 @@ class Flatland:
         cloud = PointCloud(
             points=noisy, colours=np.full((len(noisy), 3), 90, dtype=np.uint8), sigma=sigma
         )
-        return PairResult(matches=no_matches(), cloud=cloud)
+        none = cloud.select(slice(0))
+        return PairResult(matches=no_matches(), cloud=cloud, doubtful=none, image_noise=(0.0, 0.0))
 
     def _visible(self, pair, rng):
         """Pixels of the left eye that are edges (one in ten), and where they lie in the world."""

@@ -73,7 +73,7 @@ def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
 def test_a_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
     one, other = explore_discs(TREES), explore_discs(TREES, scale=scale)
     assert other.stop_reason == one.stop_reason == "all known"
-    assert len(other.recognition.objects) == len(one.recognition.objects) == 2
+    assert len(other.recognition.objects) == len(one.recognition.objects) >= len(TREES)
     assert other.metrics["num_pairs"] == pytest.approx(one.metrics["num_pairs"], rel=0.1)
     assert other.metrics["path_length"] == pytest.approx(
         scale * one.metrics["path_length"], rel=0.1
