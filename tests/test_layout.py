@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -126,3 +127,57 @@ def test_no_file_is_over_300_lines():
 def test_no_room_is_called_after_nothing():
     nouns = {part for path in RECON.rglob("*") for part in [path.stem.lower()]}
     assert not nouns & {"utils", "util", "common", "helpers", "helper", "tools", "misc"}
+
+
+def module_of(path: Path) -> str:
+    """The dotted name of a file; of a package's __init__ that of the package."""
+    parts = path.relative_to(RECON.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def first_imports(source: str, known: set[str]) -> set[str]:
+    """Modules of recon that a source imports when it is imported itself."""
+    found = set()
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in known else node.module for name in names}
+    return found & known
+
+
+def graph() -> dict[str, set[str]]:
+    """Every module with those it imports."""
+    files = {module_of(path): path for path in RECON.rglob("*.py")}
+    return {
+        name: first_imports(path.read_text(), set(files)) - {name} for name, path in files.items()
+    }
+
+
+def inner_rooms(modules: dict[str, set[str]]) -> dict[str, set[str]]:
+    """The same between inner rooms, and files that lie beside them."""
+    rooms: dict[str, set[str]] = {}
+    for module, others in modules.items():
+        room = ".".join(module.split(".")[:3])
+        inner = {".".join(other.split(".")[:3]) for other in others}
+        rooms.setdefault(room, set()).update(inner - {room})
+    return rooms
+
+
+def cycle(imports_of: dict[str, set[str]]) -> list[str]:
+    """A cycle, or nothing."""
+    try:
+        TopologicalSorter(imports_of).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_no_module_and_no_inner_room_imports_itself_by_others():
+    assert cycle(graph()) == []
+    assert cycle(inner_rooms(graph())) == []
+
+
+def test_a_cycle_is_found_where_there_is_one():
+    modules = {"recon.a.b.x": {"recon.a.c.y"}, "recon.a.c.y": set(), "recon.a.c.z": {"recon.a.b.x"}}
+    assert cycle(modules) == []
+    assert len(cycle(inner_rooms(modules))) > 1

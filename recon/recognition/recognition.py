@@ -11,13 +11,13 @@ from recon.geometry import invert, transform
 from recon.notices import notify
 from recon.recognition.description import described
 from recon.recognition.frames import moved_object
+from recon.recognition.layout import Layout, lay_out
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming
 from recon.recognition.naming.recognisers import RECOGNISERS
 from recon.recognition.segments.focus import Focus, find_focus
-from recon.recognition.segments.layout import Layout, lay_out
-from recon.recognition.segments.separation import (
+from recon.recognition.separation import (
     Namer,
     Piece,
     Rows,

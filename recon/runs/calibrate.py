@@ -6,8 +6,8 @@ from typing import Any
 from recon.errors import InputError
 from recon.notices import collected_notices
 from recon.sequences.calibration.boards import calibrate, write_calibration
-from recon.sequences.calibration.rectified_images import rectify_files
 from recon.sequences.calibration.targets import parse_target
+from recon.sequences.rectified_images import rectify_files
 
 
 def calibrate_run(

@@ -11,8 +11,8 @@ from recon.plugins import Registry
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import RefinedPairs, row_residual
 from recon.sequences.contradictions.checked import CheckedPairs
+from recon.sequences.estimated_poses import EstimatedPoses
 from recon.sequences.frames import DerivedSource
-from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.sequences.readers.reader import Reader
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings

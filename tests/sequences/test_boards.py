@@ -9,9 +9,9 @@ from recon.errors import InputError, ReconError
 from recon.notices import collected_notices
 from recon.sequences.calibration.boards import calibrate, write_calibration
 from recon.sequences.calibration.files import read_calibration
-from recon.sequences.calibration.rectified_images import rectify_files
 from recon.sequences.calibration.targets import Charuco, Chessboard, parse_target
 from recon.sequences.listing import list_pairs
+from recon.sequences.rectified_images import rectify_files
 
 SIZE = (480, 360)
 BOARD, SQUARE = (7, 5), 0.03

@@ -12,9 +12,9 @@ from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import StereoPair
 from recon.sequences.calibration.refinement import RefinedPairs, row_residual
+from recon.sequences.estimated_poses import EstimatedPoses
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.odometry.errors import drift_percent, paired_poses, trajectory_errors
-from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.sequences.odometry.tracking import sight
 from recon.sequences.poses import GivenPoses
 

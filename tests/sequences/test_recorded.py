@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from recon.sequences import open_sequence, read_truth
-from recon.sequences.odometry.odometry import EstimatedPoses
+from recon.sequences.estimated_poses import EstimatedPoses
 from recon.settings import SequenceSettings
 
 pytestmark = pytest.mark.data

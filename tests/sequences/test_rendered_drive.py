@@ -9,8 +9,8 @@ import pytest
 
 from recon.records import View
 from recon.sequences.calibration.row_error import Field, Residual
+from recon.sequences.estimated_poses import EstimatedPoses
 from recon.sequences.frames import Frame, Recording
-from recon.sequences.odometry.odometry import EstimatedPoses
 from recon.settings import Settings, updated
 from recon.world.world import World
 
