@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from recon.geometry import WORLD_UP, invert
+from recon.recognition.connectivity import in_order_of_appearance, linked, stacked
 from recon.recognition.frames import moved, moved_cells
 from recon.recognition.naming.visibility import is_hovering
-from recon.recognition.segments.components import in_order_of_appearance, linked, stacked
 from recon.recognition.segments.focus import Focus
 from recon.recognition.segments.ground import level_plane
 from recon.recognition.segments.walls import find_walls

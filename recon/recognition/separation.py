@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.connectivity import neighbours, overhanging
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
-from recon.recognition.segments.components import neighbours, overhanging
 from recon.recognition.segments.convexity import convex_pieces
 from recon.records import UNKNOWN, FitFailure, Voxels
 from recon.settings import RecognitionSettings

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from recon.recognition.segments.components import connected, in_order_of_appearance, stacked
+from recon.recognition.connectivity import connected, in_order_of_appearance, stacked
 
 
 def block(low, high):

@@ -6,8 +6,8 @@ import pytest
 from recon.geometry import look_at, pose
 from recon.recognition import recognise, recognise_cloud
 from recon.recognition.cells import gather
+from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.surface_points import surface
-from recon.recognition.segments.components import linked, overhanging
 from recon.recognition.segments.convexity import convex_pieces
 from recon.recognition.segments.focus import find_focus
 from recon.records import Box, Cylinder, PointCloud, Sphere

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.errors import check_finite, check_shape
+from recon.recognition.connectivity import joined
 from recon.recognition.fitting.normals import NUM_NEIGHBOURS, estimate_normals
 from recon.recognition.fitting.shapes import candidates
-from recon.recognition.segments.components import joined
 from recon.records import Cone, Cylinder, FitFailure, Plane, Solid, Sphere
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.segments.components import in_order_of_appearance, joined
+from recon.recognition.connectivity import in_order_of_appearance, joined
 from recon.records import Voxels
 
 Array = NDArray[np.float64]

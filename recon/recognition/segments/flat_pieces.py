@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.segments.components import joined
+from recon.recognition.connectivity import joined
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]

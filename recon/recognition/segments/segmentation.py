@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from recon.geometry import hue_distance_deg
 from recon.recognition.colour import is_vivid, rgb_to_hsv
-from recon.recognition.segments.components import joined, neighbours
+from recon.recognition.connectivity import joined, neighbours
 from recon.records import FitFailure, Segments, Voxels
 
 Array = NDArray[np.float64]
