@@ -9,6 +9,7 @@ from recon.errors import InputError, check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.records import Features, Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
+from recon.stereo.dense.dense import as_matches, match_every_pixel
 from recon.stereo.features import detect_both, to_grey
 from recon.stereo.matching.matching import match, match_whole_images
 from recon.stereo.noise import noise_level
@@ -135,6 +136,14 @@ def process_pair(
     return result
 
 
+def _mapped(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
+    """What goes into the map: the matches, or every pixel where the settings want it."""
+    if settings.map.points == "sparse":
+        return matches
+    found = match_every_pixel(pair.left, pair.right, settings, pair.disparity_range)
+    return as_matches(found)
+
+
 def match_points(pair: StereoPair, settings: Settings) -> PairResult:
     """The matches of a pair and their points in the world.
 
@@ -142,7 +151,7 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
     """
     matches, image_noise = _match(pair.left, pair.right, settings, pair.disparity_range)
     # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
-    points = triangulate_all(matches, pair, settings.triangulation)
+    points = triangulate_all(_mapped(matches, pair, settings), pair, settings.triangulation)
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
     return PairResult(
         matches=matches, cloud=points.sure, doubtful=points.doubtful, image_noise=image_noise

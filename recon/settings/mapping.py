@@ -13,6 +13,8 @@ class MapSettings:
 
     cell_size: Positive = 1.0
     """World units."""
+    points: Literal["sparse", "dense"] = "sparse"
+    """What goes into the map: the matched features, or every pixel."""
     max_sigma: Positive | None = 1.4
     """Points less sure than this many cells are used to detect things, but not for the map."""
     occupancy: tuple[OccupancyRule, ...] = ("count",)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.camera import StereoRig
-from recon.geometry import transform
+from recon.geometry import LEVEL_CAMERA, transform
 from recon.records import DisparityMap, StereoPair
 
 Floats = NDArray[np.float32]
@@ -62,7 +62,7 @@ class DepthMap:
 
 
 def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
-    """The depths of a pair's left pixels; a pair without a pose stands at the origin."""
+    """The depths of a pair's left pixels; a pair without a pose stands level at the origin."""
     left = pair.left if pair.left.ndim == 3 else np.repeat(pair.left[..., None], 3, axis=2)
     depth = pair.rig.depth(found.disparity_px)
     sigma_px = np.hypot(_SIGMA_SCALE * found.sigma_px, _SIGMA_FLOOR_PX)
@@ -72,6 +72,6 @@ def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
         sigma=sigma.astype(np.float32),
         colours=left,
         rig=pair.rig,
-        T_world_left=np.eye(4) if pair.T_world_left is None else pair.T_world_left,
+        T_world_left=LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left,
     )
     return view.where(sigma <= _FARTHEST * depth)

@@ -127,7 +127,10 @@ class Volume:
             return Mesh.none()
         vertices = found.vertex.positions.numpy().astype(np.float64)
         triangles = found.triangle.indices.numpy().astype(np.int32)
-        return _ordered(vertices, triangles, self._colours_at(vertices))
+        vertices, triangles = _ordered(vertices, triangles)
+        return with_normals(
+            Mesh(vertices=vertices, triangles=triangles, colours=self._colours_at(vertices))
+        )
 
     def _grid(self) -> Any:
         """Open3D's grid with the same blocks."""
@@ -161,17 +164,15 @@ class Volume:
         return colours
 
 
-def _ordered(vertices: Array, triangles: Keys, colours: NDArray[np.uint8]) -> Mesh:
-    """The mesh in an order that does not hang on Open3D's threads, with normals."""
-    order = np.lexsort(vertices.T)
-    number = np.empty(len(order), np.int32)
-    number[order] = np.arange(len(order), dtype=np.int32)
-    triangles = number[triangles]
+def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:
+    """The mesh in an order that does not hang on Open3D's threads, vertices of one place as one."""
+    places, number = np.unique(vertices, axis=0, return_inverse=True)
+    triangles = number.reshape(-1)[triangles].astype(np.int32)
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
     first = triangles.argmin(axis=1)
     turned = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
-    turned = turned[np.lexsort(turned.T[::-1])]
-    mesh = Mesh(vertices=vertices[order], triangles=turned, colours=colours[order])
-    return with_normals(mesh)
+    return places, np.unique(turned, axis=0)
 
 
 def with_normals(mesh: Mesh) -> Mesh:

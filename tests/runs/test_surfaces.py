@@ -77,3 +77,12 @@ def test_the_same_command_gives_the_same_bytes(drive, tmp_path, capsys):
         reconstruct(drive, tmp_path / name, capsys, "--mesh", "--voxel", "0.1", "--quality", "fast")
     for file in ("mesh.ply", "dense.ply"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+
+
+def test_every_pixel_goes_into_the_map_where_it_is_wanted(drive, tmp_path, capsys):
+    sparse = reconstruct(drive, tmp_path / "sparse", capsys)
+    dense = reconstruct(
+        drive, tmp_path / "dense", capsys, "--set", "map.points=dense", "--quality", "fast"
+    )
+    assert dense["num_points"] > 3 * sparse["num_points"]
+    assert dense["num_voxels"] >= sparse["num_voxels"]

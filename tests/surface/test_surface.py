@@ -186,7 +186,8 @@ def test_a_single_pair_gives_its_pixels():
     fusion.add(*pair_of(4.5))
     surface = fusion.finish()
     assert len(surface.cloud) == HEIGHT * WIDTH
-    np.testing.assert_allclose(surface.cloud.points[:, 2], 4.0, atol=1e-6)
+    # Without a pose the camera is level, and looks along -z of a world whose y is up.
+    np.testing.assert_allclose(surface.cloud.points[:, 2], -4.0, atol=1e-6)
     expected = RIG.depth_sigma(4.0, np.hypot(0.13, 0.08))
     np.testing.assert_allclose(surface.cloud.sigma, expected, rtol=1e-5)
     assert surface.metrics["num_triangles"] == len(surface.mesh)

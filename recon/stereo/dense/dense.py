@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.records import DisparityMap, check_images
+from recon.records import DisparityMap, Matches, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.settings.stereo import DenseSettings, MatchingSettings
 from recon.stereo.dense import uncertainty
@@ -97,6 +97,22 @@ def match_every_pixel(
     is_filled = np.isnan(found.disparity_px) & np.isfinite(disparity)
     sigma = np.where(is_filled, uncertainty.FILLED_PX, found.sigma_px)
     return DisparityMap(disparity_px=disparity, sigma_px=sigma)
+
+
+def as_matches(found: DisparityMap) -> Matches:
+    """Every known pixel as a match of its own, the surest first."""
+    v, u = np.nonzero(found.valid_mask)
+    sigma = found.sigma_px[v, u].astype(np.float64)
+    order = np.argsort(sigma, kind="stable")
+    none = np.full(len(order), -1, np.int32)
+    return Matches(
+        points_px=np.stack([u, v], axis=1)[order].astype(np.float64),
+        disparity_px=found.disparity_px[v, u][order].astype(np.float64),
+        sigma_px=sigma[order],
+        score=1.0 / sigma[order],
+        index_left=none,
+        index_right=none,
+    )
 
 
 def grey_of(image: NDArray[np.uint8]) -> Grey:

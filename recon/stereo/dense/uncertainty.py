@@ -26,8 +26,8 @@ def of_choice(choice: Choice, spread_px: Floats) -> Floats:
     It falls with the steepness of the cost and its lead over other disparities, both in grey
     levels, and grows with the distance of the neighbours from a common plane.
     """
-    lead = (0.3 + choice.steepness) ** -0.29 * (0.5 + choice.lead) ** -0.5
-    return _bounded(16.9 * lead * (0.03 + spread_px) ** 0.45)
+    lead = (0.3 + choice.steepness) ** -0.25 * (0.5 + choice.lead) ** -0.59
+    return _bounded(23.1 * lead * (0.03 + spread_px) ** 0.52)
 
 
 def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
