@@ -172,8 +172,3 @@ class Segments:
 
     label: NDArray[np.int32]
     """(K,) 0, 1, ...; -1 = none."""
-
-    @property
-    def num_segments(self) -> int:
-        """Number of parts."""
-        return int(self.label.max(initial=-1)) + 1

@@ -5,30 +5,24 @@ import pytest
 
 from recon.recognition.fitting.quadrics import (
     half_axes_sq,
-    homogeneous_quadric,
     quadric_shape,
-    taubin_quadric,
     thesis_quadric,
 )
 from recon.records import FitFailure
 
-FITS = [thesis_quadric, homogeneous_quadric, taubin_quadric]
 
-
-@pytest.mark.parametrize("quadric", FITS)
-def test_half_axes_of_an_ellipsoid_come_out(quadric, surfaces):
+def test_half_axes_of_an_ellipsoid_come_out(surfaces):
     rng = np.random.default_rng(0)
     points = surfaces.ball(rng, [3.0, 2.0, 1.0], 300) @ surfaces.rotation(rng).T + [4.0, -3.0, 2.0]
-    squares = half_axes_sq(quadric(points))
+    squares = half_axes_sq(thesis_quadric(points))
     np.testing.assert_allclose(np.sort(squares), [1.0, 4.0, 9.0], rtol=1e-5)
 
 
-@pytest.mark.parametrize("quadric", FITS)
 @pytest.mark.parametrize(("kind", "told"), [("sphere", "sphere"), ("truncated cone", "cone")])
-def test_shapes_with_three_eigenvalues_are_told(quadric, kind, told, surfaces):
+def test_shapes_with_three_eigenvalues_are_told(kind, told, surfaces):
     rng = np.random.default_rng(1)
     points = np.add(surfaces.make(kind, rng), [2.0, 3.0, 4.0])
-    assert quadric_shape(half_axes_sq(quadric(points))) == told
+    assert quadric_shape(half_axes_sq(thesis_quadric(points))) == told
 
 
 def test_the_coefficients_are_those_of_equation_46(surfaces):
@@ -54,9 +48,6 @@ def test_a_lying_cylinder_breaks_the_assumption_that_A_is_not_zero(surfaces):
     along_x = surfaces.frustum(rng, 2.0, 2.0, 8.0, 300)[:, [2, 0, 1]]
     noisy = along_x + 0.02 * rng.normal(size=along_x.shape)
     assert quadric_shape(half_axes_sq(thesis_quadric(noisy))) != "cylinder"
-    values = np.linalg.eigvalsh(np.diag(homogeneous_quadric(noisy)[:3]))
-    # Two like eigenvalues and one next to nothing: the homogeneous fit sees the cylinder.
-    assert np.abs(values).min() < 0.05 * np.abs(values).max()
 
 
 def test_a_quadric_without_real_points_is_a_failure():

@@ -54,18 +54,18 @@ def test_hues_of_all_directions_have_no_mean():
 
 def test_neighbours_of_one_hue_grow_together():
     segments = grow_hue(column(BROWN, GREEN, spread=0.5), 15.0)
-    assert segments.num_segments == 2
+    assert segments.label.max() == 1
     lower = column(BROWN, GREEN).index[:, 1] < 10
     assert len(set(segments.label[lower])) == 1
     assert len(set(segments.label[~lower])) == 1
 
 
 def test_a_hue_that_wraps_is_one_segment():
-    assert grow_hue(column([200, 0, 10], [200, 10, 0], spread=0.0), 7.0).num_segments == 1
+    assert grow_hue(column([200, 0, 10], [200, 10, 0], spread=0.0), 7.0).label.max() == 0
 
 
 def test_noise_of_hue_breaks_the_thesiss_growing_into_pieces():
-    assert grow_hue(column(BROWN, GREEN, spread=25.0), 7.0).num_segments > 10
+    assert grow_hue(column(BROWN, GREEN, spread=25.0), 7.0).label.max() >= 10
 
 
 @pytest.mark.parametrize("lower", [BROWN, GREY])

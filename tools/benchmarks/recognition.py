@@ -14,8 +14,9 @@ from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
+from recon.recognition.reliability import calibration_error
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
-from recon.records import Voxels
+from recon.records import UNKNOWN, Box, Sphere, Voxels
 from recon.settings import RecognitionSettings
 
 DATA = Path(os.environ.get("RECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
@@ -28,7 +29,7 @@ NOISES_PX = (0.05, 0.1, 0.25)
 def measure(quick: bool) -> list[Measurement]:
     """All numbers of the room; `quick` draws a tenth of the objects."""
     count = 6 if quick else 60
-    return [*names(count), *solids(count), *cad_parts(), *costs()]
+    return [*names(count), *partly_seen(count), *solids(count), *cad_parts(), *costs()]
 
 
 def names(count: int) -> Iterator[Measurement]:
@@ -44,6 +45,49 @@ def names(count: int) -> Iterator[Measurement]:
                 right += largest is not None and largest.label == KINDS[seed % 3]
             yield share(f"names_{recogniser}_{sigma_px}px", right / count)
     yield share("body_radius_error", body_radius_error(count), better="lower", tolerance=0.5)
+
+
+def partly_seen(count: int) -> Iterator[Measurement]:
+    """Names of objects seen from one side among things of no kind: kept, and calibrated."""
+    kinds = read_catalogues(["village"])
+    kept, chances, rights = [], [], []
+    for seed in range(2 * count):
+        truth, voxels = an_object_in_part(seed) if seed % 2 else a_thing_of_no_kind(seed)
+        found = name_object(voxels, 0.0, kinds)
+        chances.append(found.probability or 0.0)
+        rights.append(found.label == truth)
+        if truth != UNKNOWN:
+            kept.append(found.label == truth and chances[-1] >= 0.5)
+    yield share("partly_seen_kept", float(np.mean(kept)), tolerance=0.05)
+    error = calibration_error(chances, rights)
+    yield share("calibration_error", error, better="lower", tolerance=0.5)
+
+
+def an_object_in_part(seed: int) -> tuple[str, Voxels]:
+    """A random object after few views over a part of a circle."""
+    rng = np.random.default_rng([1, seed])
+    orbit = Orbit(
+        num_views=int(rng.integers(1, 6)),
+        arc_rad=float(rng.uniform(0.5, 5.0)),
+        sigma_px=float(rng.uniform(0.03, 0.2)),
+    )
+    kind = KINDS[seed // 2 % 3]
+    return kind, standing(voxelise(observe(random_composite(kind, rng), COLOURS, orbit, rng)))
+
+
+def a_thing_of_no_kind(seed: int) -> tuple[str, Voxels]:
+    """A box or a ball of the size of a cottage."""
+    rng = np.random.default_rng([2, seed])
+    sizes = rng.uniform(3.0, 12.0, 3)
+    box = Box(centre=np.array([0.0, sizes[1] / 2.0, 0.0]), axes=np.eye(3), sizes=sizes)
+    ball = Sphere(centre=np.array([0.0, 0.4 * sizes[0], 0.0]), radius=sizes[0] / 2.0)
+    parts = [box if seed % 4 else ball]
+    return UNKNOWN, standing(voxelise(observe(parts, COLOURS[:1], Orbit(), rng)))
+
+
+def standing(voxels: Voxels) -> Voxels:
+    """The cells above the ground."""
+    return voxels.select(voxels.centres[:, 1] >= 1.0)
 
 
 def body_radius_error(count: int) -> float:

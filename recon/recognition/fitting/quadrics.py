@@ -1,11 +1,10 @@
-"""Algebraic quadrics: the thesis's fit (Eqs 46 to 58), and two that treat all directions alike.
+"""Algebraic quadrics: the thesis's fit (Eqs 46 to 58).
 
 ``A x^2 + B y^2 + C z^2 + 2D xy + 2E xz + 2F yz + 2G x + 2H y + 2K z + L = 0``
 """
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
 
 from recon.records import FitFailure
 
@@ -25,24 +24,6 @@ def thesis_quadric(points: Array) -> Array:
     design = _design(points)
     solution = np.linalg.pinv(design[:, 1:]) @ -design[:, 0]
     return np.concatenate([[1.0], solution])
-
-
-def homogeneous_quadric(points: Array) -> Array:
-    """Coefficients (10,) of unit length in centred, scaled coordinates, by singular values."""
-    local, T = _normalised(points)
-    coefficients = np.linalg.svd(_design(local), full_matrices=False)[2][-1]
-    return _moved_back(coefficients, T)
-
-
-def taubin_quadric(points: Array) -> Array:
-    """Coefficients (10,) that make the mean squared gradient one (Taubin 1991)."""
-    local, T = _normalised(points)
-    design = _design(local)
-    gradient = sum(part.T @ part for part in _gradients(local)) / len(local)
-    scatter = design.T @ design / len(local)
-    # The constant has no gradient; a little of the identity keeps the pencil regular.
-    _, vectors = eigh(scatter, gradient + 1e-9 * np.eye(10))
-    return _moved_back(vectors[:, 0], T)
 
 
 def half_axes_sq(coefficients: Array) -> Array | FitFailure:
@@ -79,35 +60,6 @@ def _design(points: Array) -> Array:
     one = np.ones_like(x)
     columns = [x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z, one]
     return np.column_stack(columns)
-
-
-def _gradients(points: Array) -> list[Array]:
-    x, y, z = 2.0 * points.T
-    one, zero = np.full_like(x, 2.0), np.zeros_like(x)
-    return [
-        np.column_stack([x, zero, zero, y, z, zero, one, zero, zero, zero]),
-        np.column_stack([zero, y, zero, x, zero, z, zero, one, zero, zero]),
-        np.column_stack([zero, zero, z, zero, x, y, zero, zero, one, zero]),
-    ]
-
-
-def _normalised(points: Array) -> tuple[Array, Array]:
-    """Points about their middle in units of their spread, and the (4, 4) that does it."""
-    middle = points.mean(axis=0)
-    scale = 1.0 / max(float(np.sqrt(points.var(axis=0).sum())), 1e-300)
-    T = np.diag([scale, scale, scale, 1.0])
-    T[:3, 3] = -scale * middle
-    return (points - middle) * scale, T
-
-
-def _moved_back(coefficients: Array, T: Array) -> Array:
-    matrix = T.T @ _matrix(coefficients) @ T
-    rows, columns = (
-        np.array([0, 1, 2, 0, 0, 1, 0, 1, 2, 3]),
-        np.array([0, 1, 2, 1, 2, 2, 3, 3, 3, 3]),
-    )
-    moved: Array = matrix[rows, columns]
-    return moved
 
 
 def _matrix(coefficients: Array) -> Array:

@@ -1,6 +1,6 @@
 """Convex pieces: what meets along a concave crease are two surfaces (Stein et al., LCCP, 2014)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from recon.records import Voxels
 Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
 
+MOST_CELLS, COARSE_CELLS = 3000, 1500
+"""Cells of a thing from which larger ones show its creases as well, and about how many of them."""
 PATCH_CELLS = 3.0
 """Reach of a patch: wide enough for a normal, narrower than a thing."""
 NUM_ROUNDS = 3
@@ -48,11 +50,23 @@ def convex_pieces(cells: Voxels, eye: Array | None, smallest: int) -> Labels:
     smallest : int
         Pieces of fewer cells join the one that they touch most.
     """
+    if len(cells) > MOST_CELLS:
+        coarse, cell = _coarser(cells)
+        return convex_pieces(coarse, eye, smallest * len(coarse) // len(cells))[cell]
     patches = _patches(cells, eye)
     touching = _touching(cells, patches)
     convex = touching[_is_convex(patches, touching)]
     piece = joined(_twice_held(convex, len(patches.middles)), len(patches.middles))[patches.label]
     return _by_size(_absorbed(cells, piece, smallest))
+
+
+def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp]]:
+    """Fewer, larger cells, and the one (K,) that each cell lies in."""
+    side = cells.cell_size * float(np.sqrt(len(cells) / COARSE_CELLS))
+    index = np.floor(cells.means / side).astype(np.int64)
+    _, first, cell = np.unique(index, axis=0, return_index=True, return_inverse=True)
+    coarse = cells.select(first)
+    return replace(coarse, means=_means(cells.means, cell.ravel()), cell_size=side), cell.ravel()
 
 
 def _patches(cells: Voxels, eye: Array | None) -> _Patches:
