@@ -32,6 +32,8 @@ LOG_NO_KIND = -4.0
 """Log of how much rarer a composite of no kind is than one of the catalogue."""
 LARGEST_TO_EXTENT = 2.0
 """A fit larger than so many times the extent of its cells is none."""
+CLEAR = 0.9
+"""Probability from which what stands on one axis is not looked at as planes and bars."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}
 """Solids that fit whatever a simpler one fits: they are not its rivals."""
 
@@ -104,10 +106,15 @@ def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
 
 def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
     """All hypotheses about the cells of one object; at least that it is nothing known."""
-    return [
-        *_upright(case, tuple(kind for kind in kinds if kind.is_upright and len(kind.parts) > 1)),
+    upright = tuple(kind for kind in kinds if kind.is_upright and len(kind.parts) > 1)
+    found = [
+        *_upright(case, upright),
         *_lone(case, [kind for kind in kinds if len(kind.parts) == 1]),
-        *_assembled(case, kinds),
+    ]
+    is_clear = any(one.whole > CLEAR for one in found if np.isfinite(one.evidence))
+    return [
+        *found,
+        *_assembled(case, () if is_clear else kinds),
         *_learned(case, [kind for kind in kinds if kind.learned]),
         Hypothesis(kind=None, evidence=case.evidence(0.0), criterion=0.0),
         *_of_no_kind(case),

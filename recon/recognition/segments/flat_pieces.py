@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 NUM_DRAWS = 90
-NEAR_CELLS = 4.0
-"""A plane is drawn through cells that lie nearer together than so many cells."""
+NUM_NEIGHBOURS = 30
+"""A plane is drawn through cells among so many neighbours."""
 ON_PLANE_CELLS = 0.5
 """Cells nearer to a plane lie on it."""
 LINK_CELLS = 2.0
@@ -65,20 +65,30 @@ def _largest_plane(
     points: Array, cell_size: float, least: int, rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
     """The plane with most connected points on it, and these."""
-    tree = cKDTree(points)
-    most, best = 0.0, None
-    for first in rng.integers(len(points), size=NUM_DRAWS):
-        near = tree.query_ball_point(points[first], NEAR_CELLS * cell_size)
-        if len(near) < 3:
-            continue
-        plane = _through(points[rng.choice(near, 3, replace=False)])
-        # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
-        share = np.clip(1.0 - (plane.distances(points) / (ON_PLANE_CELLS * cell_size)) ** 2, 0, 1)
-        if share.sum() > most:
-            most, best = float(share.sum()), plane
-    if best is None:
+    planes = _drawn(points, rng)
+    if not len(planes):
         return None
-    return _refined(points, best, cell_size, least)
+    # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
+    offsets = np.einsum("ij,ij->i", planes[:, 0], planes[:, 1])
+    away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * cell_size)
+    votes = np.clip(1.0 - away**2, 0.0, 1.0).sum(axis=0)
+    point, normal = planes[int(np.argmax(votes))]
+    return _refined(points, Plane(point=point, normal=normal), cell_size, least)
+
+
+def _drawn(points: Array, rng: np.random.Generator) -> Array:
+    """Planes (D, 2, 3), a point and a unit normal each, through three neighbouring points."""
+    count = min(NUM_NEIGHBOURS, len(points))
+    first = rng.integers(len(points), size=NUM_DRAWS)
+    near = np.asarray(cKDTree(points).query(points[first], k=count)[1])
+    others = rng.integers(1, count, size=(NUM_DRAWS, 2))
+    second, third = points[np.take_along_axis(near, others, axis=1)].swapaxes(0, 1)
+    normals = np.cross(second - points[first], third - points[first])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    # Three points on a line span no plane.
+    spans = lengths[:, 0] > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2
+    planes: Array = np.stack([points[first], normals / np.maximum(lengths, 1e-300)], axis=1)
+    return planes[spans]
 
 
 def _refined(
