@@ -60,7 +60,7 @@ def label_of(parts, rng):
     return max(found, key=lambda one: one.num_voxels).label if found else "none"
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize(
     ("make", "kind"),
     [(house, "house"), (table, "table"), (bench, "bench"), (lamp_post, "lamp post")],

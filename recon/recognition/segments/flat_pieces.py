@@ -12,8 +12,8 @@ from recon.records import Cylinder, Plane, Solid, Voxels
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
-NUM_DRAWS = 90
-NUM_NEIGHBOURS = 30
+NUM_DRAWS = 300
+NUM_NEIGHBOURS = 40
 """A plane is drawn through cells among so many neighbours."""
 ON_PLANE_CELLS = 0.5
 """Cells nearer to a plane lie on it."""
