@@ -21,12 +21,19 @@ parts = [
 """
 
 
-def test_the_shipped_catalogue_holds_the_thesiss_names():
-    assert [kind.name for kind in read_catalogues(["village"])] == [
-        "apple tree",
-        "pine tree",
-        "cottage",
-    ]
+def test_the_village_holds_the_thesiss_names_and_composite_ones():
+    names = [kind.name for kind in read_catalogues(["village"])]
+    assert names[:3] == ["apple tree", "pine tree", "cottage"]
+    assert set(names[3:]) == {"house", "table", "bench", "lamp post"}
+
+
+def test_several_catalogues_are_one_and_none_holds_nothing():
+    names = [kind.name for kind in read_catalogues(["none", "household"])]
+    assert set(names) == {"box", "ball", "bottle", "mug", "chair", "table"}
+    assert read_catalogues(["none"]) == ()
+    # A table of either is a table.
+    both = [kind.name for kind in read_catalogues(["village", "household"])]
+    assert both.count("table") == 2
 
 
 def test_a_user_adds_a_name(tmp_path):

@@ -32,19 +32,14 @@ def shipped_names() -> list[str]:
 def read_catalogues(names: Sequence[str]) -> tuple[Kind, ...]:
     """The kinds of several catalogues, each a shipped name or a file.
 
+    Kinds of one name are alternatives: a thing may be of either.
+
     Raises
     ------
     InputError
-        For a catalogue that is nowhere, with the file, line and fault of one that is wrong, and
-        where two kinds have one name.
+        For a catalogue that is nowhere, and with the file, line and fault of one that is wrong.
     """
-    kinds: dict[str, Kind] = {}
-    for name in names:
-        for kind in () if name == NONE else read_catalogue(_path(name)):
-            if kind.name in kinds:
-                raise InputError(f"{name}: {kind.name!r} is there already; a name is needed once")
-            kinds[kind.name] = kind
-    return tuple(kinds.values())
+    return tuple(kind for name in names if name != NONE for kind in read_catalogue(_path(name)))
 
 
 def _path(name: str) -> Path:
