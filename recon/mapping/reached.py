@@ -1,4 +1,4 @@
-"""How many of the triangulated points reached a cell of the map, and the noise of the images."""
+"""Share of the triangulated points that reached a cell of the map, and the noise of the images."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -16,7 +16,7 @@ class MapSettings:
     points: Literal["sparse", "dense"] = "sparse"
     """What goes into the map: the matched features, or every pixel."""
     max_sigma: Positive | None = 1.4
-    """Points less sure than this many cells are used to detect things, but not for the map."""
+    """Points less sure than this many cells count in coarser cells only; None = no limit."""
     occupancy: tuple[OccupancyRule, ...] = ("count",)
     """A cell is occupied where all of these rules hold."""
     min_count: Count = 5

@@ -1,4 +1,4 @@
-"""How right matches are, against a known disparity (Eqs 1, 2, Tables 1 and 3)."""
+"""Accuracy of matches, against a known disparity (Eqs 1, 2, Tables 1 and 3)."""
 
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
@@ -25,7 +25,7 @@ class Evaluation:
     success_all: float
     """Percent of the judged matches within `MISMATCH_PX`."""
     success_nonocc: float
-    """The same, of those whose left point the right eye sees too."""
+    """The same, of those whose left point the right camera sees too."""
     rms_px: float
     """Root mean square error of the judged matches (Eq 1)."""
     bad_share: float
@@ -77,7 +77,7 @@ def evaluate_map(
 
 
 class _Truth(NamedTuple):
-    """What disparities are held against."""
+    """The truth that disparities are held against."""
 
     left_px: Disparity
     """(H, W)"""
@@ -122,7 +122,7 @@ def _mean(values: NDArray[np.floating] | NDArray[np.bool_]) -> float:
 
 
 def seen_by_both(truth_px: Disparity, truth_right_px: Disparity | None = None) -> NDArray[np.bool_]:
-    """Left pixels that the right eye sees too.
+    """Left pixels that the right camera sees too.
 
     Those whose disparity the right truth confirms within a pixel; without a right truth, those
     that no nearer pixel covers when the left truth is warped to the right.

@@ -109,7 +109,7 @@ def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
-    """Where the modulus is the largest along the normal of the edge."""
+    """Mask of the pixels whose modulus is the largest along the normal of the edge."""
     height, width = modulus.shape
     ridge = np.zeros((height, width), np.bool_)
     for v in range(1, height - 1):

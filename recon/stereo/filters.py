@@ -46,7 +46,7 @@ _NUM_SUMS = 7
 
 
 def level(width_px: float) -> int:
-    """How often the lattice of a filter is doubled."""
+    """Number of doublings of the lattice of a filter."""
     return max(0, math.floor(math.log2(width_px / _SPREAD_WIDTH)))
 
 
@@ -145,7 +145,7 @@ def _smoothed(grey: Floats, num_doublings: int) -> Floats:
 
 
 class Responses(NamedTuple):
-    """What the filters answer to an image."""
+    """Responses of the filters to an image."""
 
     planes: Floats
     """(H, S, DESCRIPTORS, 2, W') real and imaginary part of the response ``G - jH`` by correlation,

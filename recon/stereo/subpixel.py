@@ -88,7 +88,7 @@ def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Int
 
 
 class _Channels(NamedTuple):
-    """What each channel says of a chunk of pairs; (C, _CHUNK), a channel a scale's orientation."""
+    """Measurements of each channel, of a scale and an orientation, for a chunk; (C, _CHUNK)."""
 
     product: Floats
     """(2, C, _CHUNK) real and imaginary part of right times conjugate left response."""

@@ -1,4 +1,4 @@
-"""What a tuned disparity is worth: its standard deviation, and the odds that the pair is right."""
+"""Uncertainty of a refined disparity: its sigma, and the odds that the pair is right."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ _LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Tuning:
-    """What is left over of whole-pixel disparities (N,)."""
+    """Sub-pixel refinement of whole-pixel disparities (N,)."""
 
     change_px: Array
     """To be added; 0 where nothing is known."""
@@ -52,7 +52,7 @@ class Tuning:
     phase tells nothing, NaN where no filter is wide enough to tell."""
 
 
-def solve(sums: Floats, white: Array, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Tuning:
+def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Tuning:
     """Solve the least squares problems of all pairs.
 
     Parameters
@@ -75,15 +75,16 @@ def solve(sums: Floats, white: Array, calm_ratio: Array, is_sure: NDArray[np.boo
             noise_variance=np.full_like(nothing, np.nan),
         )
     information, moment, power = sums[:-2].reshape(len(white), 3, sums.shape[1]).swapaxes(0, 1)
-    vertical, count = sums[-2:].astype(np.float64)
-    whole_information = information.sum(axis=0, dtype=np.float64)
+    vertical, count = sums[-2:]
+    whole_information = information.sum(axis=0)
     is_known = whole_information > 1e-6 * vertical
     safe = np.where(is_known, whole_information, 1.0)
-    whole = np.where(is_known, moment.sum(axis=0, dtype=np.float64), 0.0) / safe
+    whole = np.where(is_known, moment.sum(axis=0), 0.0) / safe
     share_sq = (safe / np.where(vertical > 0, vertical, 1.0)) ** 2
     trust = np.where(is_known, share_sq / (share_sq + _VAGUE_SHARE_SQ), 0.0)
     scatter = np.maximum(power + whole * (whole * information - 2.0 * moment), 0.0)
-    ratio = _noise_ratio(scatter / DESCRIPTORS / white, calm_ratio, is_sure & is_known)
+    scatter_of_noise = scatter / (DESCRIPTORS * white)
+    ratio = _noise_ratio(scatter_of_noise, calm_ratio, is_sure & is_known).astype(np.float32)
     noise = _COHERENCE * (ratio[:, None] * white * information).sum(axis=0) / safe**2
     noise[~is_known] = np.inf
     discord = np.sqrt(scatter.sum(axis=0) / safe) * count / np.maximum(count - 1.0, 1.0)
@@ -107,11 +108,13 @@ def _noise_ratio(scatter: Array, calm_ratio: Array, is_sure: NDArray[np.bool_]) 
     return np.maximum(np.minimum(calm_ratio, limit), 1.0)
 
 
-def white_energies(left: Features, right: Features, scales: Integers, grey: Array) -> Array:
+def white_energies(
+    left: Features, right: Features, scales: Integers, grey: NDArray[np.uint8]
+) -> Floats:
     """(S, N) energy that noise of single pixels has in responses at pixels of a brightness (N,)."""
     variance = 0.5 * (left.noise.by_grey**2 + right.noise.by_grey**2)
     gains = np.array([gain(left.widths_px[s]) for s in scales])
-    energies: Array = gains[:, None] * variance.astype(np.float64)[grey]
+    energies: Floats = (gains[:, None] * variance).astype(np.float32)[:, grey]
     return energies
 
 

@@ -37,7 +37,7 @@ _BROKEN = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Content:
-    """What a map's file holds."""
+    """Content of a map's file."""
 
     cell_size: float
     ray_margin: float

@@ -1,4 +1,4 @@
-"""What a map can keep of its cells beside hits, place and colour, where asked to."""
+"""Channels: optional data of the cells of a map, beside hits, place and colour, where asked to."""
 
 import copy
 from collections.abc import Callable, Mapping
@@ -13,12 +13,12 @@ from recon.records import PointCloud
 
 Columns = Mapping[str, NDArray[Any]]
 Inside = Callable[[NDArray[np.integer]], NDArray[np.bool_]]
-"""Which of some cells (K, 3) lie inside a box (K,)."""
+"""Mask (K,) of the cells (K, 3) that lie inside a box."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scan:
-    """What one call of `VoxelMap.insert` brings."""
+    """Points of one call of `VoxelMap.insert`."""
 
     cloud: PointCloud
     """World."""
@@ -78,7 +78,7 @@ class RowSums:
         """Raise `InputError` where the scan lacks what the channel keeps."""
 
     def amounts(self, scan: Scan) -> NDArray[np.uint64]:
-        """What each point adds (N, width)."""
+        """Amounts (N, width) that each point adds."""
         raise NotImplementedError
 
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:

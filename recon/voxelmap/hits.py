@@ -1,4 +1,4 @@
-"""What every cell keeps of the points in it: sums of whole numbers, the same in any order."""
+"""Sums that every cell keeps of the points in it: whole numbers, the same in any order."""
 
 import numpy as np
 from numba import njit

@@ -100,7 +100,7 @@ class Rays:
                 self.table.grow()
 
     def _free_ends(self, points: NDArray[np.float64], scan: Scan) -> NDArray[np.float64]:
-        """Where the free part of each ray ends (N, 3)."""
+        """Ends (N, 3) of the free part of each ray."""
         assert scan.origin is not None
         if self.margin == 0.0:
             return points

@@ -33,7 +33,7 @@ _HALF = np.uint64(32)
 
 @njit(cache=True)
 def _home(slots: Slots, index: tuple[int, int, int]) -> np.int64:
-    """Where the search for a cell begins."""
+    """Slot at which the search for a cell begins."""
     mixed = (
         np.uint64(np.uint32(index[0])) * _SPREAD_X
         ^ np.uint64(np.uint32(index[1])) * _SPREAD_Y
@@ -124,7 +124,7 @@ class CellTable:
 
     @property
     def is_full(self) -> bool:
-        """Whether there is no room for another cell."""
+        """True where there is no room for another cell."""
         return self.num_rows == len(self.rows)
 
     @property
@@ -134,7 +134,7 @@ class CellTable:
 
     @property
     def arrays(self) -> tuple[Slots, Rows, int]:
-        """What the compiled loops work on."""
+        """Slots, rows and their number, for the compiled loops."""
         return self.slots, self.rows, self.num_rows
 
     @property

@@ -145,7 +145,7 @@ def merge_cells(other: Rows, table: Table, start: int) -> tuple[int, int]:
 
 @njit(cache=True)
 def _is_new(seen: NDArray[np.uint8], cell: int) -> bool:
-    """Whether the scan may not have counted a cell; it has after this."""
+    """True unless the scan has surely counted a cell; it has after this."""
     if len(seen) == 0:
         return True
     # An unsigned number is not asked whether it counts from the end.

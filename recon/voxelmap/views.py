@@ -1,4 +1,4 @@
-"""Which views saw a cell."""
+"""Sets of the views that saw a cell."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from recon.voxelmap.channels import Columns, Inside, Scan
 
 
 class ViewSets:
-    """Which views put a point into a row: pairs of row and view, each once."""
+    """Views that put a point into a row: pairs of row and view, each once."""
 
     def __init__(self) -> None:
         self._pairs = np.zeros(0, np.int64)

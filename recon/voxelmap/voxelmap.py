@@ -19,7 +19,7 @@ from recon.voxelmap.views import ViewSets
 from recon.voxelmap.weights import Weights
 
 CHANNELS = ("weight", "views", "rays")
-"""What a map keeps besides hits, place and colour, where asked to."""
+"""Names of what a map keeps besides hits, place and colour, where asked to."""
 
 
 class VoxelMap:
@@ -68,7 +68,7 @@ class VoxelMap:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """What the cells keep besides hits, place and colour."""
+        """Names of what the cells keep besides hits, place and colour."""
         return tuple(self._channels)
 
     @property

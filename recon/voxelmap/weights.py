@@ -1,4 +1,4 @@
-"""How much the points of a cell count, by how sure they are."""
+"""Weights of the points of a cell, by their sigma."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -22,7 +22,7 @@ Integers = NDArray[np.int64]
 
 NUM_LANES = 8
 FAST = {"contract", "nsz", "nnan"}
-"""What the compiler may do to sums: nothing that changes from run to run."""
+"""Liberties of the compiler with sums: nothing that changes from run to run."""
 
 kernel = njit(cache=True, fastmath=FAST, error_model="numpy", _nrt=False, forceinline=True)
 """Compiles loops that allocate nothing. References to views are not counted in them: each count

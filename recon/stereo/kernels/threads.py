@@ -10,7 +10,7 @@ Result = TypeVar("Result")
 
 
 def num_threads() -> int:
-    """How many threads a pair may use: as `NUMBA_NUM_THREADS` says, else one a processor."""
+    """Threads that a pair may use: as `NUMBA_NUM_THREADS` says, else one per processor."""
     said = os.environ.get("NUMBA_NUM_THREADS", "")
     if said.isdecimal() and int(said) > 0:
         return int(said)
@@ -27,7 +27,7 @@ def bands(size: int, least: int) -> list[tuple[int, int]]:
 
 
 def run(tasks: Sequence[Callable[[], Result]]) -> list[Result]:
-    """What the tasks give, in their order; side by side where threads are allowed."""
+    """Results of the tasks, in their order; side by side where threads are allowed."""
     workers = min(num_threads(), len(tasks))
     if workers < 2:
         return [task() for task in tasks]

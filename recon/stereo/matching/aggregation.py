@@ -34,7 +34,7 @@ class Points(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Support:
-    """What the neighbourhood says of the shift of each point."""
+    """Aggregated evidence of the neighbourhood for the shift of each point."""
 
     shift: NDArray[np.int64]
     """(N,) column of the best supported partner, less the point's own."""
@@ -67,7 +67,7 @@ class _Room(NamedTuple):
     """Room for what one point needs, and for what the points of a row share."""
 
     lines: Integers
-    """Where the lines of a ring begin, the uppermost row of a window first."""
+    """Starts of the lines of a ring, the uppermost row of a window first."""
     disc: Integers
     """(2, K) where the scores of the disc's members begin, for even and odd columns."""
     side: Integers
@@ -253,7 +253,7 @@ def _take_side(
 def _evidence(
     task: _Task, window: Window, ring: Ring, room: _Room, where: tuple[int, int, int]
 ) -> float:
-    """How much a half disc has the best shift, and is not explained better as background.
+    """Evidence that a half disc has the best shift, and is not explained better as background.
 
     Shifts grow as disparities fall: what is farther away comes after.
     """

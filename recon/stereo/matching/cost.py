@@ -26,7 +26,7 @@ from recon.stereo.kernels.simd import (
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 SLACK = np.float32(0.9)
-"""What a member's vote for the neighbouring shift is worth."""
+"""Worth of a member's score at the neighbouring shift."""
 
 _RING_BYTES = 2 << 20
 """A ring should not be larger; it is used up again and again."""
@@ -56,7 +56,7 @@ class Search(NamedTuple):
     every: int
     """2: pixels of every second row alone are members; 1: every second pixel of all rows."""
     is_unique: bool
-    """Whether of the points of a row that choose the same partner only the best is kept."""
+    """True where of the points of a row that choose the same partner only the best is kept."""
     table: Floats
     """(S, B, P) similarity by scale, similarity of magnitude c and cosine of the phase difference,
     each in equal bins; (0, 0, 0) for the similarity c cos."""
@@ -73,7 +73,7 @@ class Ring(NamedTuple):
     """(2 * rows * columns * lanes,) exact scores, then those that a slanted surface may use."""
     rows: int
     every: int
-    """Which rows of the image have scores; see `Search`."""
+    """Step between rows of the image that have scores; see `Search`."""
     columns: int
     lanes: int
     """Shifts, filled up to whole pairs of `NUM_LANES`."""
@@ -114,7 +114,7 @@ def make_ring(base: Responses, search: Search) -> Ring:
 
 @kernel
 def line_start(ring: Ring, v: int) -> int:
-    """Where the exact scores of a row of the image begin."""
+    """Start of the exact scores of a row of the image."""
     return v // ring.every % ring.rows * ring.columns * ring.lanes
 
 

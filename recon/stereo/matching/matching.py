@@ -85,7 +85,7 @@ def _chosen(matches: Matches, settings: MatchingSettings) -> Matches:
 
 
 def _is_among_best_of_block(matches: Matches, quota: int) -> NDArray[np.bool_]:
-    """Which matches are among the first `quota` of their block of the image."""
+    """Mask of the matches among the first `quota` of their block of the image."""
     u, v = matches.points_px.astype(np.int64).T // BLOCK_PX
     block = v * (u.max(initial=0) + 1) + u
     order = np.argsort(block, kind="stable")

@@ -18,7 +18,7 @@ from recon.stereo.matching.cost import C_COS, Responses, Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
-"""How much confidence an equally good rival disparity costs."""
+"""Confidence that an equally good rival disparity costs."""
 _ODDS_OF_CONFIDENCE = 7.7
 """Growth of the log odds that a pair is right, fitted to recorded pairs and rendered worlds."""
 _EVEN_CONFIDENCE = 0.14
@@ -78,7 +78,7 @@ def _agrees(
     rows: Rows,
     search: tuple[Search, int],
 ) -> NDArray[np.bool_]:
-    """Whether the right pixel of each pair, searching the left image, chooses it too."""
+    """Mask of the pairs whose right pixel, searching the left image, chooses them too."""
     left, right = images
     height, width = left.mask.shape
     partner = (points.v + support.row_shift) * width + points.u + support.shift

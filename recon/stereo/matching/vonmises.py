@@ -38,7 +38,7 @@ _FORMAT = "recon von Mises model"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Model:
-    """What right pairs look like, by scale and similarity of magnitudes."""
+    """Statistics of right pairs, by scale and similarity of magnitudes."""
 
     widths_px: tuple[float, ...]
     """(S,) widths of the filters it was trained with, fine to coarse."""

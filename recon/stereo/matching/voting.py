@@ -1,4 +1,4 @@
-"""What the members of a window say together of every shift: weighted sums of their scores."""
+"""Aggregation over a support window: weighted sums of its members' scores, for every shift."""
 
 import numpy as np
 from numpy.typing import NDArray

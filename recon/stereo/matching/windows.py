@@ -64,7 +64,7 @@ def _stacked(windows: list[tuple[Integers, Integers, Floats]]) -> Members:
 
 
 def _chosen(dv: Integers, du: Integers, odd_v: int, odd_u: int, every: int) -> NDArray[np.bool_]:
-    """Which pixels of a window are members, by the parities of its middle."""
+    """Mask of the pixels of a window that are members, by the parities of its middle."""
     if every == 2:
         return np.asarray((dv % 2 == odd_v) & (du % 2 == odd_u))
     return np.asarray((dv + du) % 2 == (odd_v + odd_u) % 2)
