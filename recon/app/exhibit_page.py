@@ -13,6 +13,7 @@ from recon.app.objects_table import ObjectsTable
 from recon.app.orbit import VIEWS
 from recon.app.pair_viewer import PairViewer
 from recon.app.taking import ENDINGS, packed
+from recon.app.threads import in_thread
 from recon.app.view_panel import ViewPanel
 from recon.app.widgets import card, chooser, nicegui, note, slider, testid
 from recon.errors import InputError, ReconError
@@ -238,15 +239,12 @@ class ExhibitPage:
 
     async def _export(self) -> None:
         ui = nicegui()
-        from nicegui import run
-
         try:
             data = self.panel.layer.select(self.panel.kept)
             if not self.panel.kept.any():
                 raise InputError("nothing is shown, so there is nothing to export")
-            taken = await run.io_bound(packed, data, self.exhibit.path.stem, self.ending.value)
-            assert taken is not None
-            name, content = taken
+            stem, ending = self.exhibit.path.stem, self.ending.value
+            name, content = await in_thread(lambda: packed(data, stem, ending))
         except (ReconError, OSError) as error:
             self.say(str(error))
             return

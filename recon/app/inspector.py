@@ -32,7 +32,7 @@ def inspect(paths: Sequence[Path], address: Address, announce: Any) -> None:
 def build(exhibits: Sequence[Exhibit]) -> None:
     """Fill the page of one visitor."""
     ui = nicegui()
-    dark = header("recon inspect", "   ".join(str(exhibit.path) for exhibit in exhibits))
+    dark = header("recon inspect", "   ".join(exhibit.path.name for exhibit in exhibits))
     pages = []
     with ui.element("div").classes("recon-page"):
         for number, exhibit in enumerate(exhibits, start=1):

@@ -4,6 +4,7 @@ import logging
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
+from recon.app.threads import in_thread
 from recon.errors import ReconError
 from recon.libraries import load_extra
 
@@ -45,17 +46,16 @@ class Painter(Generic[Drawn]):
             load_extra("nicegui", "app").background_tasks.create(self._paint())
 
     async def _paint(self) -> None:
-        run = load_extra("nicegui", "app").run
         try:
             while self._is_wanted:
                 self._is_wanted = False
-                await self._paint_once(run)
+                await self._paint_once()
         finally:
             self._is_at_work = False
 
-    async def _paint_once(self, run: Any) -> None:
+    async def _paint_once(self) -> None:
         try:
-            drawn = await run.io_bound(self.draw)
+            drawn = await in_thread(self.draw)
         except (ReconError, OSError) as error:
             self.complain(str(error))
         # A plug-in or a damaged file may raise anything; the page stays.
@@ -63,5 +63,4 @@ class Painter(Generic[Drawn]):
             log.exception("drawing failed")
             self.complain(f"{type(error).__name__}: {error}")
         else:
-            if drawn is not None:
-                self.show(drawn)
+            self.show(drawn)

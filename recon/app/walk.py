@@ -5,6 +5,7 @@ import shutil
 import tempfile
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,9 @@ class Walk:
 
     def __init__(self, scene: Path, settings: Settings, seed: int = 0) -> None:
         self.job = Job(kind="explore", inputs=(scene,), settings=settings, seed=seed)
-        self.folder = Path(tempfile.mkdtemp(prefix="recon-")) / scene.stem
+        # Gone with the program at the latest.
+        self._holder = tempfile.TemporaryDirectory(prefix="recon-", ignore_cleanup_errors=True)
+        self.folder = Path(self._holder.name) / scene.stem
         self.number = 0
         """Pairs taken."""
         self.objects: tuple[FoundObject, ...] = ()
@@ -122,7 +125,7 @@ class Walk:
 
     def discard(self) -> None:
         """Delete what the run left in the temporary folder."""
-        shutil.rmtree(self.folder.parent, ignore_errors=True)
+        self._holder.cleanup()
 
     def _start(self) -> None:
         if self._thread.ident is None:
@@ -159,7 +162,7 @@ class Walk:
         assert isinstance(step, Step)
         self.number = step.number + 1
         self.last = step
-        self.objects = step.objects
+        self.objects = tuple(replace(found, id=number) for number, found in enumerate(step.objects))
         self.said = step.said
         self.positions.append(step.view.position)
         self._grow(step)

@@ -1,0 +1,37 @@
+"""Work beside the page, in threads that nobody waits for when the program ends."""
+
+import asyncio
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import TypeVar
+
+Made = TypeVar("Made")
+
+
+async def in_thread(make: Callable[[], Made]) -> Made:
+    """What `make` gives, or raises, in a thread of its own; the page answers meanwhile."""
+    loop = asyncio.get_running_loop()
+    done: asyncio.Future[Made] = loop.create_future()
+
+    def tell(result: Made | None, error: Exception | None) -> None:
+        if done.cancelled():
+            return
+        if error is not None:
+            done.set_exception(error)
+        else:
+            done.set_result(result)  # type: ignore[arg-type]
+
+    def work() -> None:
+        result, fault = None, None
+        try:
+            result = make()
+        # Whatever it is, it is raised again where the result is waited for.
+        except Exception as error:
+            fault = error
+        # The loop is closed where the program has ended meanwhile.
+        with suppress(RuntimeError):
+            loop.call_soon_threadsafe(tell, result, fault)
+
+    threading.Thread(target=work, daemon=True, name="recon page").start()
+    return await done
