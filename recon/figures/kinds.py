@@ -72,14 +72,21 @@ class Subject:
         return poses[0] if len(poses) else None
 
     @property
+    def has_rays(self) -> bool:
+        """Whether the map knows what was looked through."""
+        return "rays" in getattr(self.mapped.map, "channels", ())
+
+    @property
     def states(self) -> GroundGrid | None:
-        """Free, occupied and unknown floor cells; None of a map that keeps no rays."""
+        """Free, occupied and unknown floor cells: by the rays where the map keeps them, else by
+        the ground of a recording; None where there is neither.
+        """
+        from recon.figures.free_ground import states_by_ground
         from recon.voxelmap.ground import navigation
 
-        voxel_map = self.mapped.map
-        if "rays" not in getattr(voxel_map, "channels", ()):
-            return None
-        return navigation(self.mapped.voxels, voxel_map.sightings())
+        if self.has_rays:
+            return navigation(self.mapped.voxels, self.mapped.map.sightings())
+        return states_by_ground(self.mapped.voxels) if self.is_recorded else None
 
 
 def _drawable(subject: Subject) -> str | None:

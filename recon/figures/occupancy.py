@@ -64,7 +64,7 @@ def labels(
     trajectory : (N, 4, 4), optional
         `T_world_left` of every pair; north is where the first one looks.
     states : GroundGrid, optional
-        Free, occupied and unknown floor cells, of a map that keeps rays.
+        Free, occupied and unknown floor cells, where they are told apart.
     unit : str
         Of lengths.
     with_legend : bool

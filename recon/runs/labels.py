@@ -20,7 +20,7 @@ def write_labels(folder: Path, subject: Subject) -> list[Path]:
         run.voxels, run.objects, run.trajectory.T_world_left, subject.unit
     )  # fmt: skip
     _write_json(folder / "labels.geojson", shown)
-    nav2.write(folder / "map.pgm", run.map if subject.states is not None else run.voxels)
+    nav2.write(folder / "map.pgm", run.map if subject.has_rays else run.voxels)
     _write_json(folder / "labels.json", _labels(shown, run.objects, subject.unit))
     return [folder / name for name in ("labels.geojson", "map.pgm", "map.yaml", "labels.json")]
 

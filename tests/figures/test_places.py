@@ -15,7 +15,7 @@ from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
 from recon.figures.viewpoint import VIEWS, viewpoint
 from recon.geometry import look_at, rotation_about_y
-from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Sphere, TruncatedCone
+from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Sphere, TruncatedCone, Voxels
 
 SIZE = (800, 600)
 BOX = np.array([-20.0, 0.0, -35.0]), np.array([30.0, 16.0, 25.0])
@@ -177,3 +177,23 @@ def test_strays_lie_beyond_the_scale():
     assert 9.8 < high < 11
     assert scales.beyond(values, low, high) == "both"
     assert scales.ends(np.zeros(0)) == (0.0, 1.0)
+
+
+def test_seen_ground_is_free_and_what_stands_on_it_is_not():
+    from recon.figures.free_ground import states_by_ground
+    from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN
+
+    x, z = np.meshgrid(np.arange(20), np.arange(15), indexing="ij")
+    floor = np.stack([x, np.full_like(x, -3), z], axis=-1).reshape(-1, 3)
+    wall = np.array([[5, y, place] for y in range(-2, 6) for place in range(15)])
+    index = np.vstack([floor[floor[:, 0] != 12], wall])
+    voxels = Voxels(
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.ones(len(index), int),
+        colours=np.zeros((len(index), 3), np.uint8), cell_size=1.0,
+    )  # fmt: skip
+    states = states_by_ground(voxels)
+    assert (states.cells[5] == OCCUPIED).all()
+    assert (states.cells[12] == UNKNOWN).all()
+    assert (states.cells[[0, 4, 6, 19]] == FREE).all()
+    np.testing.assert_array_equal(states.origin_xz, [0.0, 0.0])
+    assert states_by_ground(voxels.select(slice(0))) is None
