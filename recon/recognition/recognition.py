@@ -16,6 +16,7 @@ from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming
 from recon.recognition.naming.recognisers import RECOGNISERS
+from recon.recognition.segments.convexity import convex_pieces
 from recon.recognition.segments.focus import Focus, find_focus
 from recon.recognition.separation import (
     Namer,
@@ -167,4 +168,7 @@ def _in_world(
 ) -> FoundObject:
     cells = layout.cells.select(rows)
     found = described(naming.found(0, len(rows)), naming.solid, cells, settings.unit)
-    return moved_object(replace(found, support=layout.support(cells)), layout.T_world_level)
+    pieces = 1 + int(convex_pieces(cells, None, settings.min_voxels).max())
+    return moved_object(
+        replace(found, support=layout.support(cells), pieces=pieces), layout.T_world_level
+    )

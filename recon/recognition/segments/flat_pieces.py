@@ -88,7 +88,8 @@ def _drawn(points: Array, rng: np.random.Generator) -> Array:
     # Three points on a line span no plane.
     spans = lengths[:, 0] > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2
     planes: Array = np.stack([points[first], normals / np.maximum(lengths, 1e-300)], axis=1)
-    return planes[spans]
+    kept: Array = planes[spans]
+    return kept
 
 
 def _refined(
