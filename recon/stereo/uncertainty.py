@@ -19,6 +19,8 @@ _VAGUE_SHARE_SQ = 0.1**2
 edge along the row says nothing of the disparity, and must not break a good match."""
 _LARGEST_CHANGE_PX = 0.7
 """A larger change means that phase and position disagree; position is kept then."""
+_LARGEST_NOISE_VARIANCE = 0.32
+"""Squared pixels; where noise alone moves a disparity by more, its phase tells nothing."""
 _COHERENCE = 1.5
 """Variance of the mean of a scale's channels, of what it were if their noise was independent."""
 _SCATTER_FACTOR = 2.0
@@ -92,6 +94,7 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
     variance = variance + _DISCORD_WEIGHT * trust * discord
     variance += _NOISE_WEIGHT * noise + _VAGUENESS_WEIGHT * (1.0 - trust)
     is_tuned = is_known & (trust * np.abs(whole) <= _LARGEST_CHANGE_PX)
+    is_tuned &= noise <= _LARGEST_NOISE_VARIANCE
     sigma = np.minimum(np.sqrt(variance), UNTUNED_SIGMA_PX)
     return Tuning(
         change_px=np.where(is_tuned, trust * whole, 0.0),
