@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from recon.errors import as_numbers, check_shape
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import INLIER_SIGMAS, Candidate, candidates
 from recon.records import FitFailure, Solid
@@ -39,8 +40,16 @@ class Explained:
 
 
 def fit(points: ArrayLike) -> Solid | FitFailure:
-    """The solid that most of the points (N, 3) lie on; a falsy reason where they show none."""
-    found = explain(np.asarray(points, dtype=np.float64))
+    """The solid that most of the points (N, 3) lie on; a falsy reason where they show none.
+
+    Raises
+    ------
+    InputError
+        Where `points` is not an array of numbers of that shape.
+    """
+    numbers = as_numbers("points", points)
+    check_shape("points", numbers, (None, 3))
+    found = explain(numbers)
     return found if isinstance(found, FitFailure) else found.candidates[0].solid
 
 
