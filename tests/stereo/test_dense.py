@@ -182,12 +182,14 @@ def test_peers_find_a_plane_too(plane, name):
 
 
 def test_sigma_falls_with_a_clear_choice_and_grows_with_the_spread():
-    shape = (1, 1)
+    shape = (20, 20)
 
     def sigma(steepness, lead, spread):
         parts = (np.zeros(shape), np.full(shape, steepness), np.full(shape, lead), np.zeros(shape))
         choice = dense_stage.Choice(*(part.astype(np.float32) for part in parts))
-        return uncertainty.of_choice(choice, np.full(shape, spread, np.float32)).item()
+        grey = np.tile(np.arange(20, dtype=np.uint8) * 10, (20, 1))
+        field = np.full(shape, spread, np.float32)
+        return uncertainty.of_choice(choice, field, grey)[10, 10].item()
 
     assert sigma(5, 5, 0.1) < sigma(0.5, 5, 0.1)
     assert sigma(5, 5, 0.1) < sigma(5, 0.5, 0.1)

@@ -138,7 +138,8 @@ def _semi_global(left: Grey, right: Grey, search: Search, settings: DenseSetting
     choice = _by_strips(left, right, search)
     patches = without_specks(median(choice.disparity_px), settings.speck_px)
     smoothed = smooth(patches, left)
-    return _with_sigma(smoothed.disparity_px, uncertainty.of_choice(choice, smoothed.spread_px))
+    sigma = uncertainty.of_choice(choice, smoothed.spread_px, left)
+    return _with_sigma(smoothed.disparity_px, sigma)
 
 
 def _opencv(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:

@@ -16,18 +16,21 @@ FILLED_PX = np.float32(1.0)
 _WINDOW_PX = 7
 _NOISE = 2.0
 """Grey levels that a camera's noise and rounding are taken to have."""
+_ROUNDING = 0.3
+"""Grey levels that whole numbers are off."""
 _TINY = np.float32(1e-6)
 _LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 
 
-def of_choice(choice: Choice, spread_px: Floats) -> Floats:
+def of_choice(choice: Choice, spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
     """(H, W) standard deviation of disparities that were chosen by their cost.
 
     It falls with the steepness of the cost and its lead over other disparities, both in grey
-    levels, and grows with the distance of the neighbours from a common plane.
+    levels, and grows with the distance of the neighbours from a common plane. Where the image is
+    flat to less than its rounding, what is known comes from elsewhere, and is not sure.
     """
     lead = (0.3 + choice.steepness) ** -0.25 * (0.5 + choice.lead) ** -0.59
-    return _bounded(23.1 * lead * (0.03 + spread_px) ** 0.52)
+    return _bounded(np.hypot(23.1 * lead * (0.03 + spread_px) ** 0.52, _least(grey, _ROUNDING)))
 
 
 def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
@@ -36,10 +39,15 @@ def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
     A window of N pixels with noise of n grey levels and a slope of s levels per pixel tells the
     disparity no better than ``n / (s sqrt N)``.
     """
+    return _bounded(np.hypot(1.45 * (0.03 + spread_px) ** 0.7, _least(grey, _NOISE)))
+
+
+def _least(grey: NDArray[np.uint8], noise: float) -> Floats:
+    """(H, W) the lowest sigma that windows of the image allow, for noise of so many levels."""
     slope = cv2.Sobel(grey, cv2.CV_32F, 1, 0, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
     square = cv2.blur(slope * slope, (_WINDOW_PX, _WINDOW_PX), borderType=cv2.BORDER_REPLICATE)
-    least = _NOISE / (np.sqrt(square) * _WINDOW_PX + _TINY)
-    return _bounded(np.hypot(1.45 * (0.03 + spread_px) ** 0.7, least))
+    least: Floats = noise / (np.sqrt(np.maximum(square, 0)) * _WINDOW_PX + _TINY)
+    return least
 
 
 def _bounded(sigma_px: Floats) -> Floats:
