@@ -66,8 +66,8 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Judge matchers where disparity is known, labels in random worlds, a path or a surface.
 
     A pair is searched over the range that its calibration states, else a little more than its truth
-    holds, whatever the settings say. -o leaves figures. ATE is the root mean square distance of positions after rigid alignment
-    (Umeyama, no scale), RPE that of the steps from frame to frame.
+    holds, whatever the settings say. -o leaves figures. ATE is the root mean square distance of
+    positions after rigid alignment (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
     _check_one(pair_dirs, given)
     if given["surface"]:

@@ -50,6 +50,12 @@ def positive(value: Any) -> float:
     return float(value)
 
 
+def positives(value: Any) -> tuple[float, ...]:
+    """One number over 0 or several."""
+    several = value if isinstance(value, list | tuple) else (value,)
+    return tuple(positive(one) for one in several)
+
+
 def count(value: Any) -> int:
     """A whole number from 1 on."""
     if not isinstance(value, int) or isinstance(value, bool) or value < 1:

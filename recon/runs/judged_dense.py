@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from recon.figures.dense import kept_dense
 from recon.records import DisparityMap
+from recon.runs.arguments import positive
 from recon.runs.evaluate import check_names, own_range
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
@@ -96,5 +97,5 @@ def _means(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
     return means
 
 
-DENSE = Kind(run=_judge, stages=("stereo", "figures"))
+DENSE = Kind(run=_judge, takes={"truth_scale": positive}, stages=("stereo", "figures"))
 """`recon evaluate --dense`."""

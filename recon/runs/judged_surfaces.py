@@ -10,6 +10,7 @@ from recon.exports.formats import holds_mesh, read, read_mesh
 from recon.exports.triangles import sampled
 from recon.geometry import Array
 from recon.records import PointCloud
+from recon.runs.arguments import path, positives
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.report import read_json
 from recon.runs.work import Work
@@ -72,5 +73,9 @@ def _distances(run: Path, truth: Array) -> Sequence[float]:
     return [float(f"{share * size:.2g}") for share in _SIZE_SHARES]
 
 
-SURFACE = Kind(run=_judge, stages=("reading", "surface"))
+SURFACE = Kind(
+    run=_judge,
+    takes={"surface": path, "truth": path, "distances": positives},
+    stages=("reading", "surface"),
+)
 """`recon evaluate --surface`."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from recon.errors import InputError
 from recon.records import Trajectory
 from recon.runfolder import read_manifest
+from recon.runs.arguments import path
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.reading import read_settings
 from recon.runs.surfaces import SurfaceWork
@@ -60,6 +61,7 @@ def _base(job: Job) -> Tree:
 MESH = Kind(
     run=_mesh,
     base=_base,
+    takes={"recording": path},
     folder=lambda job: Path("runs") / f"{job.inputs[0].resolve().name}_mesh",
     stages=("dense", "surface", "figures", "write"),
 )

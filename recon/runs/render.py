@@ -7,6 +7,7 @@ import numpy as np
 from recon.camera import StereoRig
 from recon.exports.formats import write
 from recon.records import StereoPair
+from recon.runs.arguments import text
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
 from recon.sequences.pfm import write_pfm
@@ -140,6 +141,7 @@ RENDER = Kind(
     run=_render,
     base=_base,
     find=_found,
+    takes={"views": text},
     reads=_files,
     folder=lambda job: Path("runs") / f"{job.inputs[0].stem}_views",
     stages=("render", "write"),

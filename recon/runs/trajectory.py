@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from pathlib import Path
 
+from recon.runs.arguments import path
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.sequences.odometry.errors import paired_poses, trajectory_errors
@@ -22,4 +23,4 @@ def _trajectory(path: Path) -> Path:
     return path / "trajectory.txt" if path.is_dir() else path
 
 
-TRAJECTORY = Kind(run=_evaluate)
+TRAJECTORY = Kind(run=_evaluate, takes={"truth": path})

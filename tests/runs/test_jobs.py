@@ -1,6 +1,8 @@
 """Jobs: what makes one what it is, what it tells while it runs, and what is left of it."""
 
+import ast
 import hashlib
+import inspect
 import json
 import pickle
 from pathlib import Path
@@ -176,3 +178,28 @@ def test_arguments_come_as_the_kind_takes_them():
     job = recon.Job(kind="evaluate", inputs=str(PAIR), arguments={"matchers": "sgbm"}).resolved()
     assert job.inputs == (PAIR,)
     assert job.arguments == {"matchers": ("sgbm",)}
+
+
+def asked(source):
+    """Names of the arguments that a source takes out of its job."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Subscript(value=ast.Attribute(attr="arguments"), slice=ast.Constant(name)):
+                found.add(name)
+            case ast.Call(
+                func=ast.Attribute(attr="get", value=ast.Attribute(attr="arguments")),
+                args=[ast.Constant(name), *_],
+            ):
+                found.add(name)
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS.names())
+def test_a_kind_takes_what_it_asks_for(kind):
+    loaded = KINDS.load(kind)
+    assert asked(inspect.getsource(inspect.getmodule(loaded.run))) <= set(loaded.takes)
+
+
+def test_what_is_asked_for_is_seen():
+    assert asked("job.arguments.get('a', 1), job.arguments['b'], other.get('c')") == {"a", "b"}
