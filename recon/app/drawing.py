@@ -31,6 +31,8 @@ class Look:
 
     colour_by: str = COLOUR
     is_dark: bool = True
+    is_quick: bool = False
+    """Leave out what costs time, while the view turns."""
     selected: int | None = None
     """Id of the object that stands out."""
     solids: tuple[FoundObject, ...] = ()
@@ -79,7 +81,8 @@ def draw(
         _add_mesh(raster, layer, shown, look)
     else:
         raster.add_points(layer.places[shown.rows], colours, numbers, POINT_PX)
-        raster.shade()
+        if not look.is_quick:
+            raster.shade()
     if look.solids and isinstance(layer.data, Voxels):
         _add_solids(raster, layer.data, look.solids)
     return View(image=raster.image, number=raster.number, lens=lens, shown=shown)

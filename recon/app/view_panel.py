@@ -1,6 +1,7 @@
 """A view in space that the mouse and the keys turn; a click tells what lies there."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -94,7 +95,8 @@ class ViewPanel:
 
     def _draw(self) -> View:
         most = MOST_MOVING if self._is_moving else MOST_AT_REST
-        return draw(self.layer, shown(self.layer, self._kept, most), self.orbit, self.look)
+        look = replace(self.look, is_quick=self._is_moving)
+        return draw(self.layer, shown(self.layer, self._kept, most), self.orbit, look)
 
     def _show(self, view: View) -> None:
         self.view = view
