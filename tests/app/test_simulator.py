@@ -92,7 +92,9 @@ def test_focal_length_and_field_of_view_are_tied(page):
     page.wait_for_function("() => document.querySelector('[data-testid=field-fov]').value < 60")
     assert value(page, "fov") == pytest.approx(wanted, abs=1e-3)
     enter(page, "fov", "80")
-    page.wait_for_function("() => document.querySelector('[data-testid=field-fov]').value > 79")
+    page.wait_for_function(
+        "() => document.querySelector('[data-testid=field-focal-length]').value < 0.15"
+    )
     assert value(page, "focal-length") == pytest.approx(0.1, abs=1e-4)
 
 
