@@ -102,7 +102,7 @@ def test_options_are_stronger_than_files_and_set_is_the_strongest(tmp_path):
         "overrides": ("matching.max_disparity=40",),
         "matching__keep": 20, "matching__max_disparity": 35, "matching__matcher": None,
     }  # fmt: skip
-    settings = build_settings(given, {"map.cell_size": 3.0, "map.min_count": 7})
+    settings = build_settings(given)
     assert (settings.matching.keep, settings.matching.max_disparity) == (20, 40)
     assert settings.matching.max_row_offset_px == 1
     assert settings.map.cell_size == 0.5
