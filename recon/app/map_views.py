@@ -14,7 +14,7 @@ from recon.app.widgets import pane
 from recon.errors import InputError
 
 if TYPE_CHECKING:
-    from recon.app.simulator import Visit
+    from recon.app.visit import Visit
 
 EVENTS = ("mousedown", "mousemove", "mouseup")
 FRONT_HEIGHT = 288

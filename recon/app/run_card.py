@@ -13,7 +13,7 @@ from recon.records import FoundObject
 from recon.settings import updated
 
 if TYPE_CHECKING:
-    from recon.app.simulator import Visit
+    from recon.app.visit import Visit
 
 RUNS = Path("runs")
 BUTTONS = ("step", "run", "pause", "stop")

@@ -9,7 +9,7 @@ from recon.app.map_views import MapViews
 from recon.app.run_card import RunCard
 from recon.app.serving import Address, serve
 from recon.app.settings_card import SettingsCard
-from recon.app.simulation import Simulation
+from recon.app.visit import Visit
 from recon.app.visitors import Visitors
 from recon.app.walk import Walk
 from recon.app.widgets import header, nicegui, note
@@ -20,14 +20,6 @@ from recon.world.scene import read_scene
 
 POLL_S = 0.4
 """How often the page looks what the exploration has done."""
-
-
-class Visit:
-    """The cameras and the exploration of one visitor."""
-
-    def __init__(self, scene: Path, settings: Settings | None) -> None:
-        self.simulation = Simulation(scene, settings)
-        self.walk: Walk | None = None
 
 
 def simulate(scene: Path, settings: Settings | None, address: Address, announce: Any) -> None:

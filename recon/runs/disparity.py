@@ -22,7 +22,7 @@ from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import rectifier
 from recon.sequences.contradictions.pairs import check_images as check_contradictions
-from recon.sequences.depth import read_pair
+from recon.sequences.pair_images import read_pair
 from recon.sequences.pfm import write_pfm
 from recon.sequences.truth import DisparityTruth, read_truth_file
 from recon.settings import Settings

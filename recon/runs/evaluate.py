@@ -20,7 +20,7 @@ from recon.runs.job import Job, Kind, Numbers
 from recon.runs.outputs import as_document
 from recon.runs.work import Work
 from recon.sequences.calibration.files import find_calibration, read_calibration
-from recon.sequences.depth import read_pair
+from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated

@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.notices import notify
-from recon.sequences.images import Image, Pixels, read_pixels
+
+Image = NDArray[np.uint8]
+Pixels = NDArray[np.uint8] | NDArray[np.uint16]
+"""(H, W) grey or (H, W, 3) RGB as it is stored, 8 or 16 bits deep."""
 
 FULL = 65535
 LOW_PERCENT, HIGH_PERCENT = 0.1, 99.9
@@ -64,30 +65,3 @@ def stretch_of(images: Sequence[Pixels]) -> Stretch:
 def _sample(pixels: Pixels) -> NDArray[np.uint16]:
     flat = pixels.ravel()
     return flat[:: max(1, flat.size // NUM_SAMPLES)].astype(np.uint16)
-
-
-def read_pair(left_path: Path, right_path: Path) -> tuple[Image, Image]:
-    """Two images, both in colour or both in grey, stretched alike where they have 16 bits.
-
-    Raises
-    ------
-    InputError
-        Where one is missing, cut short, damaged or no image.
-    """
-    left, right = read_pixels(left_path), read_pixels(right_path)
-    stretch = stretch_of([left, right])
-    return alike(stretch(left), stretch(right))
-
-
-def alike(left: Image, right: Image) -> tuple[Image, Image]:
-    """Both images in grey where one of them is."""
-    if left.ndim == right.ndim:
-        return left, right
-    notify("colour-missing", "one camera is grey and one in colour: both are taken as grey")
-    return grey(left), grey(right)
-
-
-def grey(image: Image) -> Image:
-    """An image (H, W) or (H, W, 3) RGB as grey."""
-    one: Image = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    return one

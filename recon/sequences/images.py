@@ -11,17 +11,13 @@ from typing import Any, cast
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.libraries import silent
 from recon.notices import notify
+from recon.sequences.depth import Image, Pixels, stretch_of
 from recon.sequences.jpeg import has_all_parts, may_be_cut, probed
 from recon.sequences.text import read_bytes
-
-Image = NDArray[np.uint8]
-Pixels = NDArray[np.uint8] | NDArray[np.uint16]
-"""(H, W) grey or (H, W, 3) RGB as it is stored, 8 or 16 bits deep."""
 
 ENDINGS = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp"}
 MAX_BYTES = 1 << 30
@@ -104,8 +100,6 @@ def masked(pixels: Pixels) -> Pixels:
 
 
 def _own_stretch(pixels: Pixels) -> Image:
-    from recon.sequences.depth import stretch_of
-
     return stretch_of([pixels])(pixels)
 
 

@@ -8,9 +8,10 @@ from recon.errors import InputError
 from recon.files import atomic_path
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
-from recon.sequences.depth import Stretch, alike, read_pair
-from recon.sequences.images import Image, read_image
+from recon.sequences.depth import Image, Stretch
+from recon.sequences.images import read_image
 from recon.sequences.listing import Listed, list_pairs
+from recon.sequences.pair_images import alike, read_pair
 from recon.sequences.readers.folder import first_size, first_stretch
 
 

@@ -12,8 +12,9 @@ import pytest
 from recon.errors import InputError
 from recon.notices import collected_notices
 from recon.sequences.calibration.files import read_calibration
-from recon.sequences.depth import read_pair, stretch_of
+from recon.sequences.depth import stretch_of
 from recon.sequences.images import read_image, read_pixels
+from recon.sequences.pair_images import read_pair
 from recon.sequences.pfm import decode_pfm
 from recon.sequences.truth import read_truth, read_truth_file
 

@@ -12,8 +12,8 @@ from recon.geometry import invert, pose
 from recon.notices import notify
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
-from recon.sequences.depth import alike
-from recon.sequences.images import Image
+from recon.sequences.depth import Image
+from recon.sequences.pair_images import alike
 
 Array = NDArray[np.float64]
 MAX_OFF_CENTRE = 0.22

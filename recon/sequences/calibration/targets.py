@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.sequences.depth import grey
-from recon.sequences.images import Image
+from recon.sequences.depth import Image
+from recon.sequences.pair_images import grey
 
 Points = NDArray[np.float32]
 Indices = NDArray[np.int64]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.notices import notify
 from recon.sequences.contradictions.survey import survey
-from recon.sequences.images import Image
+from recon.sequences.depth import Image
 from recon.sequences.odometry.tracking import Sightings
 
 Array = NDArray[np.float64]

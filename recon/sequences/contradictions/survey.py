@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.sequences.depth import grey
-from recon.sequences.images import Image
+from recon.sequences.depth import Image
 from recon.sequences.odometry.tracking import Sightings, corners, follow
+from recon.sequences.pair_images import grey
 
 Points = NDArray[np.float32]
 

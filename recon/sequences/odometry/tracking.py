@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import StereoPair
-from recon.sequences.depth import grey
-from recon.sequences.images import Image
+from recon.sequences.depth import Image
+from recon.sequences.pair_images import grey
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_] | NDArray[np.integer]

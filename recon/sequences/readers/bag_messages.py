@@ -9,7 +9,8 @@ from recon.errors import InputError
 from recon.libraries import load_extra
 from recon.sequences.calibration.cameras import Calibration, Camera, from_projections
 from recon.sequences.calibration.opencv_files import LENSES, from_rectified
-from recon.sequences.images import Pixels, decode_pixels, masked
+from recon.sequences.depth import Pixels
+from recon.sequences.images import decode_pixels, masked
 
 PLAIN = {"8UC1": "mono8", "8UC3": "bgr8", "8UC4": "bgra8", "16UC1": "mono16", "16UC3": "bgr16"}
 """What OpenCV's encodings, which name no colours, hold by its own order."""

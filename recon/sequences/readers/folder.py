@@ -14,9 +14,9 @@ from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
-from recon.sequences.depth import Stretch, stretch_of
+from recon.sequences.depth import Pixels, Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import Pixels, read_image, read_pixels
+from recon.sequences.images import read_image, read_pixels
 from recon.sequences.listing import Listed, gaps, list_pairs
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses

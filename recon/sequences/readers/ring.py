@@ -18,8 +18,9 @@ from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
 from recon.sequences.calibration.rectification import common_axes, warping
 from recon.sequences.calibration.rigid import made_rigid, say_rigid
+from recon.sequences.depth import Image
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import Image, read_image
+from recon.sequences.images import read_image
 from recon.sequences.readers.reader import Reader
 from recon.sequences.text import read_lines
 from recon.settings import SequenceSettings

@@ -12,8 +12,8 @@ from recon.errors import InputError
 from recon.records import StereoPair
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
+from recon.sequences.depth import Image
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import Image
 from recon.sequences.readers.folder import find_times, given_poses
 from recon.sequences.readers.reader import Reader
 from recon.sequences.timestamps import FramePose, list_frame_poses
