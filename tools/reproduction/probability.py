@@ -47,7 +47,8 @@ def _mixture() -> Result:
         axes, model.densities(TURN), measured, left.widths_px, strict=False
     ):
         one.hist(phases, bins=90, range=(-np.pi, np.pi), density=True, color="#bbbbbb")
-        one.plot(TURN, density, color="#0072b2")
+        # One line for each bin of the similarity of magnitudes, the narrowest for the most alike.
+        one.plot(TURN, np.atleast_2d(density).T, color="#0072b2", linewidth=0.8)
         one.set(title=f"filter {width:g} px wide", xlabel="phase difference, rad", ylabel="density")
     return Result(figures=(figure,))
 
