@@ -20,3 +20,7 @@ def test_types_meanings_and_the_thesis_are_told():
         "frontier",
         "thesis",
     )
+
+
+def test_every_setting_has_a_meaning():
+    assert [one.name for one in reference() if not one.meaning] == []

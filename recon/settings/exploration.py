@@ -12,6 +12,7 @@ class ExplorationSettings:
     controller: str = "frontier"
     """A name of the table of controllers, or of a plug-in."""
     max_pairs: Count = 1000
+    """The exploration ends after so many pairs at the latest."""
     clearance: Positive = 10.0
     """Distance at which objects are looked at, world units."""
     object_turn_deg: float = Field(default=40.0, gt=0, le=180)

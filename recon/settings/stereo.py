@@ -30,8 +30,9 @@ class MatchingSettings:
     matcher: str = "phase"
     """phase, vonmises, sgbm, or a plug-in's name."""
     min_disparity: int = 0
+    """Of the search, pixels; included."""
     max_disparity: int = 20
-    """The search includes both ends."""
+    """Of the search, pixels; included."""
     max_row_offset_px: int = Field(default=0, ge=0)
     """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
     cross_check: Literal["exact", "row"] = "exact"

@@ -28,7 +28,9 @@ class EyesSettings:
     """
 
     width: PixelCount = 256
+    """Of an image, pixels."""
     height: PixelCount = 256
+    """Of an image, pixels."""
     baseline: Positive = 0.3
     """World units."""
     focal_length: Positive = _FOCAL_LENGTH
@@ -36,7 +38,9 @@ class EyesSettings:
     fov_deg: float = Field(default=_FOV_DEG, gt=0, lt=180)
     """Across the width."""
     near: Positive = 0.1
+    """Nothing nearer is seen, world units."""
     far: Positive = 100.0
+    """Nothing farther is seen, world units."""
     eye_height: Positive = 5.0
     """Height above the ground; a roof seen from below 5 gives next to no points."""
     gaze: Literal["shift", "toe-in"] = "shift"
@@ -81,6 +85,7 @@ class RenderSettings:
     supersampling: int = Field(default=2, ge=1, le=8)
     """Samples along each side of a pixel that shows an edge."""
     mipmaps: bool = True
+    """Smooth textures by distance, so that far ones do not flicker."""
     shading: bool = False
     """The sun shines; else surfaces have their own colour, as features like it."""
     sky: bool = False
@@ -94,6 +99,7 @@ class RenderSettings:
     noise_grain_px: NonNegative = 0.0
     """Standard deviation of the blur of the noise, which stays as strong in each pixel."""
     noise_seed: int = Field(default=0, ge=0)
+    """Of the image noise; the seed of the run where not given."""
     gain_right: Positive = 1.0
     """Factor of the right image's grey levels."""
     offset_right: float = Field(default=0.0, ge=-255, le=255)
@@ -105,5 +111,8 @@ class WorldSettings:
     """The floor that is explored, round the origin."""
 
     size_x: Positive = 200.0
+    """Of the floor along x, world units."""
     size_z: Positive = 200.0
+    """Of the floor along z, world units."""
     height: Positive = 30.0
+    """Above the ground; higher points are not obstacles, world units."""
