@@ -149,7 +149,7 @@ class RunFolder:
 
     def _put_aside(self) -> None:
         """Make room for the new run; of two earlier ones, a finished one is kept."""
-        if self._before.exists() and not _is_finished(self.path):
+        if self._before.exists() and not is_finished(self.path):
             shutil.rmtree(self.path)
             return
         shutil.rmtree(self._before, ignore_errors=True)
@@ -223,7 +223,8 @@ def read_manifest(path: Path) -> dict[str, Any]:
     return document
 
 
-def _is_finished(path: Path) -> bool:
+def is_finished(path: Path) -> bool:
+    """Whether a folder holds a run that ended well."""
     try:
         return bool(read_manifest(path)["state"] == "finished")
     except InputError:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from recon.batch.jobfile import NamedJob
 from recon.errors import ReconError
-from recon.runfolder import read_manifest
+from recon.runfolder import is_finished
 
 State = Literal["done", "failed", "skipped"]
 Progress = Callable[[str, int, int], None]
@@ -58,14 +58,6 @@ def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unh
         return Outcome(name=named.name, state=state, seconds=seconds, numbers=numbers)
     seconds = time.perf_counter() - began
     return Outcome(name=named.name, state="failed", error=fault, seconds=seconds)
-
-
-def is_finished(run: Path) -> bool:
-    """Whether a run folder holds a run that ended well."""
-    try:
-        return bool(read_manifest(run)["state"] == "finished")
-    except ReconError:
-        return False
 
 
 def _execute(
