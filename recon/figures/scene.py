@@ -41,15 +41,6 @@ class Scene:
             show_edges=False, opacity=opacity,
         )  # fmt: skip
 
-    def add_means(self, voxels: Voxels, pixels: float) -> None:
-        """A dot at the mean of every cell's points."""
-        cloud = load_pyvista().PolyData(voxels.means)
-        cloud["colour"] = voxels.colours
-        self.plotter.add_mesh(
-            cloud, scalars="colour", rgb=True, point_size=pixels, lighting=False,
-            render_points_as_spheres=False,
-        )  # fmt: skip
-
     def add_solids(self, objects: Sequence[FoundObject], voxels: Voxels) -> None:
         """The closed solids of objects in the colours of their cells."""
         for found in objects:

@@ -97,11 +97,6 @@ class Kind:
             for part in self.parts
         )
 
-    @property
-    def is_single(self) -> bool:
-        """Whether it is one solid, of which one or more shapes have no upright axis."""
-        return len(self.parts) == 1 and self.parts[0].count == (1, 1) and not self.is_upright
-
     @cached_property
     def composites(self) -> list[tuple[str, ...]]:
         """Every combination of fitted shapes that the parts allow; a cone may be truncated."""

@@ -5,8 +5,7 @@ from numpy.typing import NDArray
 
 from recon.geometry import WORLD_UP, pose
 from recon.recognition.fitting.shapes import from_points
-from recon.records import FitFailure, Plane, Voxels
-from recon.settings import RecognitionSettings
+from recon.records import FitFailure, Plane
 
 Array = NDArray[np.float64]
 
@@ -22,18 +21,6 @@ FLOOR_SHARE = 0.15
 """Share of the points that a floor must hold."""
 BELOW_SHARE = 0.4
 """Share of the points that may lie under a floor, seen past its edge."""
-
-
-def ground_height(voxels: Voxels, settings: RecognitionSettings) -> float:
-    """Height of the ground, world: as set, else that of the fullest layer of the lower half."""
-    if settings.ground is not None:
-        return settings.ground
-    if not len(voxels):
-        return 0.0
-    layers, counts = np.unique(voxels.index[:, 1], return_counts=True)
-    low = layers <= (layers[0] + layers[-1]) / 2
-    fullest = layers[low][np.argmax(counts[low])]
-    return float(np.median(voxels.means[voxels.index[:, 1] == fullest, 1]))
 
 
 def level_plane(points: Array) -> Array | None:

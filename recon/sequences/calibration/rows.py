@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_finite
-from recon.geometry import invert, pose
+from recon.geometry import pose
 from recon.sequences.calibration.cameras import (
     Calibration,
     Camera,
@@ -100,14 +100,6 @@ def T_camera0_left(path: Path, cameras: Cameras) -> Array:
     rows = kitti_projections(path)
     P = rows[chosen(rows, cameras)[0]]
     return pose(np.eye(3), -projected_step(P))
-
-
-def T_raw0_rectified0(path: Path) -> Array:
-    """The turn of KITTI raw's rectified camera 0 in its raw frame; none in other files."""
-    rows = _labelled(path)
-    if "R_rect_00" not in rows:
-        return np.eye(4)
-    return invert(pose(_matrix(path, rows, "R_rect_00", (3, 3)), np.zeros(3)))
 
 
 def _labelled(path: Path) -> dict[str, str]:
