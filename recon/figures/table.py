@@ -25,6 +25,7 @@ KINDS: "Registry[Kind]" = Registry(
         "overview": f"{_KEPT}:OVERVIEW",
         "disparity": f"{_KEPT}:DISPARITY",
         "dense": f"{_KEPT}:DENSE",
+        "depth": "recon.figures.depth:DEPTH",
         "dense_errors": "recon.figures.dense:ERRORS",
         "dense_sigmas": "recon.figures.dense:SIGMAS",
         "errors": f"{_KEPT}:ERRORS",

@@ -77,7 +77,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = open_sequence(path, job.settings.sequence)
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
-    surface = SurfaceWork(job.settings, work)
+    surface = SurfaceWork(job.settings, work, unit="m")
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
             _note(mapper.process(pair, result), cloud, work)

@@ -11,9 +11,10 @@ from recon.errors import InputError
 from recon.records import DisparityMap, Mesh, PointCloud, StereoPair
 from recon.settings import SurfaceSettings
 from recon.surface.cells import CellCloud
+from recon.surface.closing import watertight
 from recon.surface.confirmation import Confirmation
 from recon.surface.depth import DepthMap, depth_map
-from recon.surface.triangles import largest_share, mesh_of_pixels, watertight, without_floaters
+from recon.surface.triangles import largest_share, mesh_of_pixels, without_floaters
 from recon.surface.volume import Volume
 
 _PIXELS_TO_VOXEL = 2.0

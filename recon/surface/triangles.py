@@ -1,13 +1,10 @@
-"""Meshes made, cleaned and closed."""
-
-from typing import Any
+"""Meshes made and cleaned."""
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from recon.libraries import load_open3d
 from recon.records import Mesh
 from recon.surface.depth import DepthMap
 from recon.surface.volume import with_normals
@@ -17,7 +14,6 @@ _SMALLEST_SHARE = 0.01
 _NUM_SIGMAS = 3.0
 _STEEPEST = 3.0
 """Depth between neighbouring pixels, in widths of a pixel there, that is still one surface."""
-_POISSON_DEPTH = 9
 
 
 def pieces(mesh: Mesh) -> NDArray[np.int32]:
@@ -67,26 +63,3 @@ def mesh_of_pixels(view: DepthMap) -> Mesh:
     mesh = Mesh(vertices=view.points(mask), triangles=whole, colours=view.colours[mask])
     # Vertices of no triangle are left out.
     return with_normals(mesh.select(np.ones(len(mesh), bool)))
-
-
-def watertight(mesh: Mesh) -> Mesh:
-    """A closed surface through the mesh (screened Poisson); it covers what nobody saw, too."""
-    o3d = load_open3d()
-    cloud = o3d.geometry.PointCloud()
-    cloud.points = o3d.utility.Vector3dVector(mesh.vertices)
-    cloud.normals = o3d.utility.Vector3dVector(with_normals(mesh).normals)
-    if mesh.colours is not None:
-        cloud.colors = o3d.utility.Vector3dVector(mesh.colours / 255.0)
-    closed, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
-        cloud, depth=_POISSON_DEPTH, n_threads=1
-    )
-    return with_normals(_from_open3d(closed))
-
-
-def _from_open3d(mesh: Any) -> Mesh:
-    colours = np.rint(np.asarray(mesh.vertex_colors) * 255).astype(np.uint8)
-    return Mesh(
-        vertices=np.asarray(mesh.vertices),
-        triangles=np.asarray(mesh.triangles).astype(np.int32),
-        colours=colours if len(colours) else None,
-    )

@@ -1,6 +1,7 @@
 """Surfaces through the command line: files, numbers, and what is refused."""
 
 import json
+import shutil
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ from recon.cli import main
 from recon.exports.formats import read
 from recon.exports.ply import read_mesh
 from recon.sequences.pfm import decode_pfm
+from recon.world.world import World
 
 
 @pytest.fixture(scope="module")
@@ -86,3 +88,54 @@ def test_every_pixel_goes_into_the_map_where_it_is_wanted(drive, tmp_path, capsy
     )
     assert dense["num_points"] > 3 * sparse["num_points"]
     assert dense["num_voxels"] >= sparse["num_voxels"]
+
+
+@pytest.fixture(scope="module")
+def walk(tmp_path_factory):
+    """Three views of an exploration with its surface."""
+    run = tmp_path_factory.mktemp("runs") / "walk"
+    argv = ["explore", "three_apples", "-o", str(run), "--max-pairs", "3", "--quiet"]
+    assert main([*argv, "--dense", "--mesh", "--voxel", "0.3", "--depth"]) == 0
+    return run
+
+
+def test_an_exploration_leaves_its_surface_too(walk):
+    metrics = json.loads((walk / "metrics.json").read_text())
+    cloud, mesh = read(walk / "dense.ply"), read_mesh(walk / "mesh.ply")
+    assert len(cloud) == metrics["num_dense_points"] > 1000
+    assert len(mesh) == metrics["num_triangles"] > 100
+    world = World.from_file("three_apples")
+    assert np.median(world.surface_distance(cloud.points)) < 0.5
+    assert np.median(world.surface_distance(mesh.vertices)) < 0.3
+    assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 0.6
+    assert {path.name for path in (walk / "depth").glob("*.pfm")} == {
+        "000000.pfm", "000001.pfm", "000002.pfm"
+    }  # fmt: skip
+
+
+def test_a_mesh_of_an_exploration_looks_at_its_world_again(walk, tmp_path, capsys):
+    run = tmp_path / "mesh"
+    assert main(["mesh", str(walk), "-o", str(run), "--voxel", "0.3", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["num_pairs"] == 3
+    world, mesh = World.from_file("three_apples"), read_mesh(run / "mesh.ply")
+    assert np.median(world.surface_distance(mesh.vertices)) < 0.3
+
+
+def test_a_mesh_needs_a_run_with_images(walk, tmp_path, capsys):
+    other = tmp_path / "other"
+    shutil.copytree(walk, other)
+    manifest = json.loads((other / "manifest.json").read_text())
+    (other / "manifest.json").write_text(json.dumps(manifest | {"command": "fit"}))
+    assert main(["mesh", str(other), "-o", str(tmp_path / "a")]) == 2
+    assert "is a run of fit, but one of reconstruct or explore is needed" in capsys.readouterr().err
+    gone = manifest | {"sources": [str(tmp_path / "gone.scene")]}
+    (other / "manifest.json").write_text(json.dumps(gone))
+    assert main(["mesh", str(other), "-o", str(tmp_path / "a")]) == 2
+    assert "give --recording PATH" in capsys.readouterr().err
+
+
+def test_the_depth_of_the_fullest_view_is_drawn_and_can_be_drawn_again(walk, capsys):
+    assert (walk / "figures" / "depth.png").stat().st_size > 5000
+    assert main(["figure", str(walk), "--kind", "depth", "--format", "svg"]) == 0
+    assert "depth [world units]" in (walk / "figures" / "depth.svg").read_text()

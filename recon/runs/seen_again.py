@@ -1,0 +1,94 @@
+"""The pairs of a finished run, at the poses that it found for them."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from recon.errors import InputError
+from recon.geometry import Array
+from recon.records import StereoPair, Trajectory, View
+from recon.runfolder import read_manifest
+from recon.sequences.open import open_sequence
+from recon.settings import Settings, updated
+from recon.world.library import find_scene
+from recon.world.world import World
+
+RECORDED, SIMULATED = "reconstruct", "explore"
+"""Commands whose runs have poses, and images that can be had again."""
+
+
+class SeenAgain:
+    """A run's recording read again, or its simulated world looked at again.
+
+    Parameters
+    ----------
+    run : Path
+    settings : Settings
+        The run's, or what was changed of them.
+    source : Path, optional
+        Where the recording or the scene is now; as the run's manifest says where not given.
+
+    Raises
+    ------
+    InputError
+        Where the run is of another command, or its source is gone.
+    """
+
+    def __init__(self, run: Path, settings: Settings, source: Path | None = None) -> None:
+        self.run = run
+        self.settings = settings
+        self.command = _command(run)
+        self.source = _source(run) if source is None else source
+        path = run / "trajectory.txt"
+        self.poses = Trajectory.from_tum(path.read_text("utf-8"), str(path)).T_world_left
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    @property
+    def unit(self) -> str:
+        """Of lengths."""
+        return "m" if self.command == RECORDED else "world units"
+
+    def __iter__(self) -> Iterator[StereoPair]:
+        return self._read() if self.command == RECORDED else self._taken()
+
+    def _read(self) -> Iterator[StereoPair]:
+        # The run's poses are taken, however it came by them.
+        given = updated(self.settings, {"sequence": {"poses": "given"}}).sequence
+        for number, pair in enumerate(open_sequence(self.source, given)):
+            if number >= len(self.poses):
+                raise InputError(
+                    f"{self.run} has {len(self.poses)} poses, but its recording has more pairs"
+                )
+            yield replace(pair, T_world_left=self.poses[number])
+
+    def _taken(self) -> Iterator[StereoPair]:
+        world = World.from_file(find_scene(self.source), self.settings)
+        for pose in self.poses:
+            yield world.take(self._view(pose))
+
+    def _view(self, T_world_left: Array) -> View:
+        """The view from a pose; the cameras turn to the distance at which things are looked at."""
+        right, ahead = T_world_left[:3, 0], T_world_left[:3, 2]
+        position = T_world_left[:3, 3] + 0.5 * self.settings.eyes.baseline * right
+        return View(
+            position=position, target=position + self.settings.exploration.clearance * ahead
+        )
+
+
+def _command(run: Path) -> str:
+    command: str = read_manifest(run)["command"]
+    if command not in (RECORDED, SIMULATED):
+        raise InputError(
+            f"{run} is a run of {command}, but one of {RECORDED} or {SIMULATED} is needed"
+        )
+    return command
+
+
+def _source(run: Path) -> Path:
+    sources = read_manifest(run).get("sources") or [""]
+    path = Path(sources[0])
+    if not sources[0] or not path.exists():
+        raise InputError(f"what {run} was made of is not at {str(path)!r}: give --recording PATH")
+    return path

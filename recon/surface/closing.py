@@ -1,0 +1,100 @@
+"""Meshes closed, by surface that nobody saw."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.libraries import load_open3d
+from recon.records import Mesh
+from recon.surface.volume import with_normals
+
+Edges = NDArray[np.int32]
+
+_POISSON_DEPTH = 9
+
+
+def watertight(mesh: Mesh) -> Mesh:
+    """A closed surface through the mesh: screened Poisson (Kazhdan and Hoppe, 2013), and caps.
+
+    Poisson's surface goes on to the sides of a box round the mesh where nothing was seen that would
+    close it earlier; there it is cut open, and is capped.
+    """
+    o3d = load_open3d()
+    cloud = o3d.geometry.PointCloud()
+    cloud.points = o3d.utility.Vector3dVector(mesh.vertices)
+    cloud.normals = o3d.utility.Vector3dVector(with_normals(mesh).normals)
+    if mesh.colours is not None:
+        cloud.colors = o3d.utility.Vector3dVector(mesh.colours / 255.0)
+    found, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
+        cloud, depth=_POISSON_DEPTH, n_threads=1
+    )
+    return with_normals(capped(_from_open3d(found)))
+
+
+def border_edges(mesh: Mesh) -> Edges:
+    """(E, 2) edges of one triangle only, in the direction in which it runs through them."""
+    edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, first, count = np.unique(
+        np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    border: Edges = edges[np.sort(first[count == 1])]
+    return border
+
+
+def capped(mesh: Mesh) -> Mesh:
+    """The mesh with a fan of triangles over every loop of border edges, round its middle."""
+    loops = list(_loops(border_edges(mesh)))
+    if not loops:
+        return mesh
+    num = len(mesh.vertices)
+    middles = np.array([mesh.vertices[loop[:, 0]].mean(axis=0) for loop in loops])
+    # Against the direction of the triangles beside them.
+    fans = [
+        np.column_stack([loop[:, ::-1], np.full(len(loop), num + number)])
+        for number, loop in enumerate(loops)
+    ]
+    colours = mesh.colours
+    if colours is not None:
+        tints = [np.rint(colours[loop[:, 0]].mean(axis=0)).astype(np.uint8) for loop in loops]
+        colours = np.concatenate([colours, tints])
+    return Mesh(
+        vertices=np.concatenate([mesh.vertices, middles]),
+        triangles=np.concatenate([mesh.triangles, *fans]).astype(np.int32),
+        colours=colours,
+    )
+
+
+def _loops(edges: Edges) -> Iterator[Edges]:
+    """The closed loops that directed edges make, as their edges in order."""
+    ahead: dict[int, list[int]] = {}
+    for start, end in edges.tolist():
+        ahead.setdefault(start, []).append(end)
+    while ahead:
+        start = here = next(iter(ahead))
+        path = []
+        while here in ahead:
+            there = _taken(ahead, here)
+            path.append((here, there))
+            here = there
+            if here == start:
+                break
+        yield np.array(path, np.int32)
+
+
+def _taken(ahead: dict[int, list[int]], here: int) -> int:
+    """The end of one edge from here, which is gone then."""
+    there = ahead[here].pop()
+    if not ahead[here]:
+        del ahead[here]
+    return there
+
+
+def _from_open3d(mesh: Any) -> Mesh:
+    colours = np.rint(np.asarray(mesh.vertex_colors) * 255).astype(np.uint8)
+    return Mesh(
+        vertices=np.asarray(mesh.vertices),
+        triangles=np.asarray(mesh.triangles).astype(np.int32),
+        colours=colours if len(colours) else None,
+    )
