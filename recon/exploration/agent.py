@@ -11,7 +11,7 @@ import numpy as np
 from recon.errors import InputError, check_finite
 from recon.exploration.controllers import Controller, make_controller
 from recon.exploration.explorable import Explorable
-from recon.exploration.floor import check_floor
+from recon.exploration.floor import Array, check_floor
 from recon.exploration.metrics import length_of, pairs_until_objects, path_between
 from recon.exploration.outcome import STOP_REASONS, Exploration, Step
 from recon.exploration.referee import referee_of
@@ -149,7 +149,20 @@ class Agent:
         return None if self.referee is None else self.referee.coverage(self.model.floor)
 
     def _ask(self, controller: Controller, step: Step) -> View | None:
-        """The controller's next view, walked to; None where there is a reason to stop."""
+        """The controller's next view, walked to; None where there is a reason to stop.
+
+        Where its way would touch something the floor knows that, and the controller is asked again.
+        """
+        view = self._answer(controller, step)
+        while view is not None and (contact := self._walk(step.view, view)) is not None:
+            if not self.model.floor.touch(contact, self.settings.motion.body_radius):
+                self._stop_before(view, contact)
+                return None
+            view = self._answer(controller, step)
+        return view
+
+    def _answer(self, controller: Controller, step: Step) -> View | None:
+        """What a controller answers; None where there is a reason to stop."""
         state = self._state(step)
         try:
             with self.stopwatch.stage("plan"):
@@ -165,17 +178,24 @@ class Agent:
             log.debug("the controller failed", exc_info=True)
             self.stop("controller failed", f"{type(error).__name__}: {error}")
             return None
-        return view if self._walk(step.view, view) else None
+        return view
 
-    def _walk(self, start: View, end: View) -> bool:
-        """Go to a view; False where an object stands in the way."""
+    def _walk(self, start: View, end: View) -> Array | None:
+        """Go to a view; nowhere, and the place (2,) of it, where an object stands in the way."""
         path = path_between(start, end)
-        if self.referee is not None and not self.referee.walk(path):
-            x, _, z = end.position
-            self.stop("controller failed", f"the path to x {x:.2f}, z {z:.2f} runs into an object")
-            return False
-        self.path_length += length_of(path)
-        return True
+        contact = None if self.referee is None else self.referee.walk(path)
+        if contact is None:
+            self.path_length += length_of(path)
+        return contact
+
+    def _stop_before(self, view: View, contact: Array) -> None:
+        """End with a controller that walks into what it was told of."""
+        (x, _, z), (touched_x, touched_z) = view.position, contact
+        self.stop(
+            "controller failed",
+            f"the path to x {x:.2f}, z {z:.2f} runs into an object at x {touched_x:.2f}, "
+            f"z {touched_z:.2f}, as the one before it did",
+        )
 
     def _state(self, step: Step) -> State:
         return State(

@@ -12,7 +12,8 @@ from recon.records import View
 class Controller(Protocol):
     """The part that leads the agent (thesis 4.3; its Appendix C calls it a camera controller).
 
-    It is made anew, without arguments, for every exploration, and asked once after every pair.
+    It is made anew, without arguments, for every exploration, and asked once after every pair; and
+    again where its way would run into something, which `state.floor.touched` holds from then on.
     """
 
     def next_view(self, state: State) -> View | None:

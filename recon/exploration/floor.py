@@ -63,12 +63,15 @@ class Floor:
     """(X, Z) smallest distance from which the foot of an obstacle was seen on it."""
     occupied: Mask = field(init=False)
     """(X, Z) a mapped obstacle stands on it or hangs over it."""
+    touched: Mask = field(init=False)
+    """(X, Z) the body would run into something there, seen or not."""
 
     def __post_init__(self) -> None:
         shape = _shape(self.size_x, self.size_z, self.cell_size)
         self.seen_from = np.full(shape, np.inf)
         self.barred_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
+        self.touched = np.zeros(shape, dtype=bool)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -170,6 +173,12 @@ class Floor:
         cells = self.cells(place_xz + offsets)
         inside = self.holds(cells)
         np.minimum.at(self.barred_from, tuple(cells[inside].T), distance[inside])
+
+    def touch(self, place_xz: Array, radius: float) -> bool:
+        """Note that a body of some radius cannot stand on a place; False where that was known."""
+        is_new = not self.touched[tuple(self.cells(place_xz))]
+        self.touched |= self.disc(place_xz, radius + self.cell_size)
+        return is_new
 
     def azimuths(self, heading_rad: float, field_rad: float, reach: float) -> Array:
         """Azimuths of rays over a field of view that meet every cell within `reach`.

@@ -115,7 +115,7 @@ def _walkable(state: State, through_unknown: bool) -> Mask:
     """
     floor, scales = state.floor, state.scales
     here = tuple(floor.cells(state.place))
-    obstacles = floor.occupied.copy()
+    obstacles = floor.occupied | floor.touched
     for detection in state.detections:
         obstacles |= floor.disc(detection.centre, detection.radius)
     walkable = ~obstacles & _away_from(obstacles, scales.cells(scales.walk_clearance), here)
@@ -154,7 +154,7 @@ def _graph(walkable: Mask) -> "csr_array[np.float64, tuple[int, int]]":
 
 def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
     """(X, Z) unknown cells worth a look: not the insides of obstacles, no chinks."""
-    unknown = ~floor.known_free & ~floor.occupied
+    unknown = ~floor.known_free & ~floor.occupied & ~floor.touched
     for obstacle in obstacles:
         unknown &= ~_inside(floor, obstacle.cells)
     number, _ = label(unknown, NEIGHBOURS)

@@ -45,13 +45,19 @@ class Referee:
             )
         self.min_clearance = clearance
 
-    def walk(self, path: Array) -> bool:
-        """Measure a path (N, 3); False, and nothing noted, where the body would collide."""
-        clearance = float(self._clearance(samples(path, self._step)).min())
-        if clearance < self.settings.motion.body_radius:
-            return False
-        self.min_clearance = min(self.min_clearance, clearance)
-        return True
+    def walk(self, path: Array) -> Array | None:
+        """Measure a path (N, 3); the first place (2,) where the body would collide, or None.
+
+        Of a path with such a place nothing is noted.
+        """
+        places = samples(path, self._step)
+        clearance = self._clearance(places)
+        collides = clearance < self.settings.motion.body_radius
+        if collides.any():
+            contact: Array = places[collides.argmax(), [0, 2]]
+            return contact
+        self.min_clearance = min(self.min_clearance, float(clearance.min()))
+        return None
 
     def coverage(self, floor: Floor) -> float:
         """Known free cells, as a share of all that are free; 1 where none is."""

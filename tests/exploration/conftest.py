@@ -22,6 +22,7 @@ def explore_discs(monkeypatch) -> Callable[..., Exploration]:
         led_by=None,
         size: float = 120.0,
         scale: float = 1.0,
+        glass: Sequence[tuple[float, float, float, float]] = (),
         **exploration,
     ) -> Exploration:
         changes = {
@@ -29,7 +30,9 @@ def explore_discs(monkeypatch) -> Callable[..., Exploration]:
             "world": {"size_x": size, "size_z": size},
         }
         settings = in_units(updated(Settings(), changes), scale)
-        world = Flatland(discs=scale * np.array(discs).reshape(-1, 4), settings=settings)
+        world = Flatland(
+            discs=scale * np.array(discs).reshape(-1, 4), settings=settings, glass=glass
+        )
         monkeypatch.setattr(mapper, "match_points", world.match_points)
         return explore(world, settings, observe, take, controller=led_by)
 

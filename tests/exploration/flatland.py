@@ -49,6 +49,8 @@ class Flatland:
     discs: Sequence[tuple[float, float, float, float]]
     settings: Settings
     sigma_px: float = 0.1
+    glass: Sequence[tuple[float, float, float, float]] = ()
+    """Cylinders that no camera sees."""
     objects: tuple[TrueObject, ...] = field(init=False)
 
     def __post_init__(self):
@@ -85,7 +87,7 @@ class Flatland:
     def body_clearance(self, places_xz, height):
         places = np.asarray(places_xz)
         nearest = np.full(len(places), np.inf)
-        for x, z, radius, top in self.discs:
+        for x, z, radius, top in [*self.discs, *self.glass]:
             assert top >= height, "lower than the body, which this world does not measure"
             nearest = np.minimum(nearest, np.abs(np.hypot(*(places - (x, z)).T) - radius))
         return nearest

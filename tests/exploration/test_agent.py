@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
+from recon.exploration.floor import Floor
 from recon.records import View
 
 TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0), (5.0, -30.0, 3.0, 10.0)]
@@ -116,6 +117,21 @@ def test_a_start_that_is_walled_in_leaves_nothing_to_reach(explore_discs):
     assert done.metrics["coverage"] < 0.2
 
 
+@pytest.mark.parametrize("controller", ["frontier", "thesis"])
+def test_what_nobody_sees_is_walked_round_once_it_is_touched(
+    explore_discs, controller, monkeypatch
+):
+    touches, touch = [], Floor.touch
+    monkeypatch.setattr(Floor, "touch", lambda *args: touches.append(args[1]) or touch(*args))
+    done = explore_discs(
+        [(34.0, 0.0, 4.0, 12.0)], controller=controller, glass=[(14.0, 0.0, 4.0, 12.0)], size=80.0
+    )
+    assert done.stop_reason == "all known", done.message
+    assert np.hypot(*(touches[0] - [14.0, 0.0])) == pytest.approx(4.5, abs=0.1)
+    assert done.metrics["min_clearance"] >= 0.5
+    assert is_found(done, (34.0, 0.0, 4.0, 12.0))
+
+
 def test_objects_that_touch_are_walked_round_together(explore_discs):
     done = explore_discs([(20.0, 0.0, 5.0, 12.0), (29.0, 2.0, 5.0, 9.0)])
     assert done.stop_reason == "all known"
@@ -176,6 +192,21 @@ def test_a_controller_that_fails_leaves_a_whole_exploration(explore_discs, messa
     assert message in done.message
     assert len(done.views) == 2
     assert np.isfinite(done.metrics["min_clearance"])
+
+
+class Careful(Wrong):
+    """A controller that goes round what its way runs into."""
+
+    def next_view(self, state):
+        x = -20 if state.floor.touched.any() else 20
+        return None if state.num_pairs > 3 else View(position=[x, 5, 12], target=[0, 5, 1])
+
+
+def test_a_controller_is_asked_again_where_its_way_runs_into_something(explore_discs):
+    done = explore_discs(TREES, led_by=Careful(None))
+    assert done.stop_reason == "controller ended"
+    assert [view.position[0] for view in done.views] == [0, -20, -20, -20]
+    assert done.metrics["path_length"] == pytest.approx(np.hypot(20, 12))
 
 
 def test_a_controller_that_never_ends_is_stopped(explore_discs):

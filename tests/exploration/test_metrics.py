@@ -45,7 +45,7 @@ def test_a_path_is_measured_along_its_corners():
 
 
 def test_clearance_is_that_of_the_axis_along_the_whole_path(referee):
-    assert referee.walk(path_between(view(5, -15), view(5, 15)))
+    assert referee.walk(path_between(view(5, -15), view(5, 15))) is None
     assert referee.min_clearance == pytest.approx(2.0, abs=1e-3)
 
 
@@ -62,13 +62,14 @@ def test_a_start_in_or_against_an_object_is_refused(referee, x):
 
 @pytest.mark.parametrize("end", [view(20, 0), view(10, 0), view(6.6, 0)])
 def test_a_path_into_an_obstacle_is_barred_and_not_counted(referee, end):
-    assert not referee.walk(path_between(view(0, 0), end))
+    contact = referee.walk(path_between(view(0, 0), end))
+    assert np.allclose(contact, [6.5, 0.0], atol=0.1)
     assert referee.min_clearance == np.inf
 
 
 def test_a_path_that_grazes_an_obstacle_with_the_body_only_is_barred(referee):
-    assert referee.walk(path_between(view(6.4, -15), view(6.4, 15)))
-    assert not referee.walk(path_between(view(6.6, -15), view(6.6, 15)))
+    assert referee.walk(path_between(view(6.4, -15), view(6.4, 15))) is None
+    assert referee.walk(path_between(view(6.6, -15), view(6.6, 15))) is not None
 
 
 def test_coverage_counts_free_cells_only(referee):
