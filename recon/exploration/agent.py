@@ -15,6 +15,7 @@ from recon.exploration.floor import Array, check_floor
 from recon.exploration.metrics import length_of, pairs_until_objects, path_between
 from recon.exploration.outcome import STOP_REASONS, Exploration, Step
 from recon.exploration.referee import referee_of
+from recon.exploration.slip import slip_of
 from recon.exploration.state import State, Walk
 from recon.exploration.world_model import WorldModel
 from recon.mapping.mapper import Mapper
@@ -82,6 +83,7 @@ class Agent:
         self.settings = settings
         self.take = take
         self.referee = referee_of(source, settings)
+        self.slip = slip_of(self.referee, settings)
         self.stopwatch = stopwatch
         self.mapper = Mapper(settings, stopwatch=stopwatch, compares=False)
         self.model = WorldModel(settings=settings, voxel_map=self.mapper.voxel_map)
@@ -99,7 +101,7 @@ class Agent:
         while view is not None:
             try:
                 with self.stopwatch.stage("render"):
-                    pair = self.take(view)
+                    pair = self._taken(view)
             except InputError as error:
                 return self.stop("controller failed", f"its view cannot be taken: {error}")
             step = replace(self._look(view, pair), said=_result_of(controller))
@@ -108,6 +110,12 @@ class Agent:
                 return self.stop("limit", f"{len(self.views)} pairs are taken")
             view = self._ask(controller, step)
         return None
+
+    def _taken(self, view: View) -> StereoPair:
+        """The pair of a view from where the agent really is, posed as it believes."""
+        if self.slip is None:
+            return self.take(view)
+        return self.slip.as_believed(self.take(self.slip.true_view(view)))
 
     def stop(self, reason: str, message: str) -> None:
         """Note why the exploration ended."""
@@ -183,7 +191,8 @@ class Agent:
     def _walk(self, start: View, end: View) -> Array | None:
         """Go to a view; nowhere, and the place (2,) of it, where an object stands in the way."""
         path = path_between(start, end)
-        contact = None if self.referee is None else self.referee.walk(path)
+        judge = self.slip or self.referee
+        contact = None if judge is None else judge.walk(path)
         if contact is None:
             self.path_length += length_of(path)
         return contact
@@ -231,11 +240,13 @@ class Agent:
             stop_reason=self.stop_reason,
             message=self.message,
             metrics=self._metrics(recognition),
+            true_trajectory=self.slip and self.slip.trajectory(self.mapper.trajectory),
         )
 
     def _metrics(self, recognition: Recognition) -> dict[str, Any]:
         timeline = [*self.model.timeline, (len(self.views), recognition.objects)]
         true = dict.fromkeys(("path_bound", "oracle_path", "min_clearance"))
+        errors = {} if self.slip is None else self.slip.errors(self.mapper.trajectory)
         return {
             "num_pairs": len(self.views),
             "num_points": self.mapper.num_points,
@@ -246,6 +257,7 @@ class Agent:
             "stop_reason": self.stop_reason,
             "curve": [list(point) for point in self.curve],
             **self.mapper.reached.metrics,
+            **errors,
         } | (self.referee.metrics(self.start) if self.referee else true)
 
 

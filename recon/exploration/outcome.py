@@ -5,7 +5,7 @@ from typing import Any
 
 from recon.exploration.floor import Array
 from recon.mapping import mapper
-from recon.records import FoundObject, Recognition, Reconstruction, View
+from recon.records import FoundObject, Recognition, Reconstruction, Trajectory, View
 from recon.voxelmap import VoxelMap
 
 STOP_REASONS = (
@@ -47,3 +47,5 @@ class Exploration:
     """The controller's last words, or the reason of its failure."""
     metrics: dict[str, Any]
     """The numbers of metrics.json, but for `seconds`; what needs truth is None without it."""
+    true_trajectory: Trajectory | None = None
+    """Where the pairs were really taken; None where motion is exact, or the truth not known."""

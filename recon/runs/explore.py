@@ -22,7 +22,8 @@ from recon.world.world import World
 
 
 def _base(job: Job) -> Tree:
-    return merged(EXPLORER_BASE, {"render": {"noise_seed": job.seed}})
+    seeds = {stage: {"noise_seed": job.seed} for stage in ("render", "motion")}
+    return merged(EXPLORER_BASE, seeds)
 
 
 def _files(job: Job) -> tuple[Path, ...]:
@@ -82,6 +83,8 @@ def _write(done: Exploration, work: Work) -> None:
         recognition = with_views(done.recognition, voxels, cells)
     with work.stage("write"):
         write_outputs(run, done.reconstruction, recognition)
+        if done.true_trajectory is not None:
+            run.write_text("trajectory_true.txt", done.true_trajectory.as_tum())
     with work.stage("figures"):
         write_run_figures(run.path, done.reconstruction, done.clearest)
 

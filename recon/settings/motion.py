@@ -1,11 +1,11 @@
 """Settings of the agent's body and of how it moves."""
 
-from pydantic.dataclasses import dataclass
+from pydantic import Field
 
-from recon.settings.stage import STRICT, Positive
+from recon.settings.stage import NonNegative, Positive, table
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@table
 class MotionSettings:
     """The body: an upright cylinder round the point midway between the cameras."""
 
@@ -13,3 +13,10 @@ class MotionSettings:
     """World units; nearer to a surface the body collides."""
     body_height: Positive = 5.5
     """World units, from the ground up."""
+    position_noise: NonNegative = 0.0
+    """Standard deviation of the error of each step along x and along z, world units; the errors
+    add up, and the agent corrects them by what it sees."""
+    heading_noise_deg: NonNegative = 0.0
+    """Standard deviation of the error of the heading after each step."""
+    noise_seed: int = Field(default=0, ge=0)
+    """Of the errors of motion; the seed of the run where not given."""

@@ -20,7 +20,7 @@ LENGTHS = {
     "exploration": ("clearance", "walk_clearance", "sight_range", "viewing_distance"),
     "world": ("size_x", "size_z", "height"),
     "recognition": ("ground_clearance",),
-    "motion": ("body_radius", "body_height"),
+    "motion": ("body_radius", "body_height", "position_noise"),
     "render": ("texture_tile",),
 }
 """Every setting that is a length, by stage."""
