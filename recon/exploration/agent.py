@@ -225,13 +225,13 @@ class Agent:
         self.mapper.reached.say()
         voxels = self.mapper.voxels()
         recognition = self.mapper.recognise(voxels)
-        floor = self.model.floor
+        floor, trajectory = self.model.floor, self.mapper.trajectory
         return Exploration(
             reconstruction=Reconstruction(
                 map=self.mapper.voxel_map,
                 voxels=voxels,
                 objects=recognition.objects,
-                trajectory=self.mapper.trajectory,
+                trajectory=trajectory,
             ),
             recognition=recognition,
             clearest=self.mapper.clearest,
@@ -240,7 +240,7 @@ class Agent:
             stop_reason=self.stop_reason,
             message=self.message,
             metrics=self._metrics(recognition),
-            true_trajectory=self.slip and self.slip.trajectory(self.mapper.trajectory),
+            true_trajectory=None if self.slip is None else self.slip.trajectory(trajectory),
         )
 
     def _metrics(self, recognition: Recognition) -> dict[str, Any]:
