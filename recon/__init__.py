@@ -6,6 +6,7 @@ match_pair, process_pair     two images -> matches; a pair -> the map
 open_sequence, World         where pairs come from: a recording, a simulated world
 Mapper                       the loop from pairs to a map, one pair at a time
 reconstruct, explore         a whole recording; a whole world
+locate                       the pose of a pair in a known map
 VoxelMap, recognise, fit     cells that count points; named objects; one solid of one cloud
 read, write                  clouds and maps in files of many formats
 Job, execute, Events         what the command line calls
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from recon.exploration.state import State as State
     from recon.exports.formats import read as read
     from recon.exports.formats import write as write
+    from recon.localisation.locate import locate as locate
     from recon.mapping.mapper import Mapper as Mapper
     from recon.mapping.mapper import Step as Step
     from recon.mapping.pair import PairResult as PairResult
@@ -53,6 +55,7 @@ if TYPE_CHECKING:
     from recon.records import Part as Part
     from recon.records import Plane as Plane
     from recon.records import PointCloud as PointCloud
+    from recon.records import PoseEstimate as PoseEstimate
     from recon.records import Recognition as Recognition
     from recon.records import Reconstruction as Reconstruction
     from recon.records import Sphere as Sphere
@@ -96,12 +99,13 @@ _HOMES = {
     "exploration.outcome": "Exploration",
     "exploration.state": "State",
     "exports.formats": "read write",
+    "localisation.locate": "locate",
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",
     "recognition.fitting.outliers": "fit",
     "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Image "
-    "Matches Mesh Part Plane PointCloud Recognition Reconstruction Sphere StereoPair Trajectory "
-    "TruncatedCone View Voxels",
+    "Matches Mesh Part Plane PointCloud PoseEstimate Recognition Reconstruction Sphere StereoPair "
+    "Trajectory TruncatedCone View Voxels",
     "runs.door": "explore open_sequence recognise reconstruct rectifier",
     "runs.events": "Cancelled Events",
     "runs.execute": "execute",

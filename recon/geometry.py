@@ -56,6 +56,13 @@ def pose(rotation: ArrayLike, translation: ArrayLike) -> Array:
     return T
 
 
+def without_drift(T_a_b: ArrayLike) -> Array:
+    """The rigid motion (4, 4) nearest to one that rounding, many products long, has bent."""
+    T = np.asarray(T_a_b, dtype=np.float64)
+    u, _, vt = np.linalg.svd(T[:3, :3])
+    return pose(u @ vt, T[:3, 3])
+
+
 def check_rigid(name: str, T: ArrayLike) -> None:
     """Raise `InputError` unless `T` is a (4, 4) rotation and translation, to 1e-6."""
     matrix = as_numbers(name, T)

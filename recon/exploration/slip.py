@@ -7,7 +7,7 @@ import numpy as np
 
 from recon.exploration.floor import Array
 from recon.exploration.referee import Referee
-from recon.geometry import invert, pose, rotation_about_y, transform
+from recon.geometry import invert, pose, rotation_about_y, transform, without_drift
 from recon.records import StereoPair, Trajectory, View
 from recon.settings import Settings
 from recon.settings.motion import MotionSettings
@@ -55,7 +55,7 @@ class Slip:
         about_end = pose(rotation_about_y(turn), end + np.array([x, 0.0, z])) @ pose(
             np.eye(3), -end
         )
-        self.T_true_believed = self.T_true_believed @ about_end
+        self.T_true_believed = without_drift(self.T_true_believed @ about_end)
         return np.vstack([led, transform(self.T_true_believed, end[None])])
 
     def true_view(self, view: View) -> View:
@@ -67,11 +67,12 @@ class Slip:
         """A pair with the pose that the robot believes in; the true one is noted."""
         assert pair.T_world_left is not None
         self.true_poses.append(pair.T_world_left)
-        return replace(pair, T_world_left=invert(self.T_true_believed) @ pair.T_world_left)
+        T_believed_left = invert(self.T_true_believed) @ pair.T_world_left
+        return replace(pair, T_world_left=without_drift(T_believed_left))
 
     def correct(self, T_new_old: Array) -> None:
         """Take note that the robot now believes to be elsewhere; where it is stays."""
-        self.T_true_believed = self.T_true_believed @ invert(T_new_old)
+        self.T_true_believed = without_drift(self.T_true_believed @ invert(T_new_old))
 
     def trajectory(self, believed: Trajectory) -> Trajectory:
         """The true poses, at the times of the believed ones."""

@@ -1,6 +1,7 @@
 """Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
 
 from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
+from recon.records.estimates import PoseEstimate
 from recon.records.matches import Features, Matches, check_alike
 from recon.records.noise import ImageNoise
 from recon.records.objects import (
@@ -51,6 +52,7 @@ __all__ = [
     "Part",
     "Plane",
     "PointCloud",
+    "PoseEstimate",
     "Recognition",
     "Reconstruction",
     "Segments",

@@ -5,12 +5,13 @@ from pathlib import Path
 from recon.exploration.agent import explore
 from recon.exploration.outcome import Exploration, Step
 from recon.exports.ply import CloudWriter
+from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import with_views
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
-from recon.runs.outputs import cells_hit, write_outputs
+from recon.runs.outputs import cells_hit, write_outputs, write_places
 from recon.runs.replay import SavedPairs
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
@@ -41,6 +42,8 @@ def _explore(job: Job, work: Work) -> Numbers:
     if done.stop_reason == "interrupted":
         work.run.interrupt()
     _write(done, work)
+    if job.settings.map.places:
+        write_places(work, recorder.places, done.reconstruction.trajectory)
     return done.metrics | recorder.surface.finish()
 
 
@@ -55,6 +58,8 @@ class Recorder:
         self.work = work
         self.max_pairs = job.settings.exploration.max_pairs
         self.num_taken = 0
+        self.keeps_places = job.settings.map.places
+        self.places = PlaceKeeper()
         self.surface = SurfaceWork(job.settings, work)
 
     def take(self, view: View) -> StereoPair:
@@ -70,6 +75,9 @@ class Recorder:
         """Put the points of one step on disk, and say that it is done."""
         with self.work.stage("write"):
             self.cloud.append(step.cloud, step.number)
+        if self.keeps_places:
+            with self.work.stage("write"):
+                self.places.add(step.pair, step.number)
         self.surface.take(step.pair)
         self.work.events.on_step(step)
         self.work.progress(step.number + 1, self.max_pairs)

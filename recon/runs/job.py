@@ -116,6 +116,7 @@ KINDS: Registry[Kind] = Registry(
         "recognise": "recon.runs.recognise:RECOGNISE",
         "learn": "recon.runs.learn:LEARN",
         "render": "recon.runs.render:RENDER",
+        "localise": "recon.runs.localise:LOCALISE",
         "mesh": "recon.runs.mesh:MESH",
         "dense": "recon.runs.judged_dense:DENSE",
         "surface": "recon.runs.judged_surfaces:SURFACE",

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from recon.exports.ply import read_cloud_chunks
+from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import CellCounts, count_cells
-from recon.records import Recognition, Reconstruction
+from recon.records import Recognition, Reconstruction, Trajectory
 from recon.records.objects import as_json
 from recon.runfolder import RunFolder
+from recon.runs.work import Work
 from recon.voxelmap import VoxelMap
 
 
@@ -27,6 +29,13 @@ def write_outputs(
     reconstruction.map.save(run.path / "map.npz")
     run.write_json("objects.json", as_json(recognition))
     run.write_text("trajectory.txt", reconstruction.trajectory.as_tum())
+
+
+def write_places(work: Work, places: PlaceKeeper, trajectory: Trajectory) -> None:
+    """Write what the pairs showed, where they showed something."""
+    if work.folder is not None:
+        with work.stage("write"):
+            places.atlas(trajectory).save(work.folder.path / "places.npz")
 
 
 def as_document(numbers: dict[str, Any]) -> dict[str, Any]:

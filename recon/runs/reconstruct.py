@@ -8,13 +8,14 @@ from scipy.spatial import cKDTree
 
 from recon.exports.ply import CloudWriter
 from recon.geometry import transform
+from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
-from recon.runs.outputs import cells_hit, write_outputs
+from recon.runs.outputs import cells_hit, write_outputs, write_places
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
 from recon.sequences.contradictions.pairs import check_images
@@ -78,13 +79,18 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
     surface = SurfaceWork(job.settings, work, unit="m")
+    places = PlaceKeeper()
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
             _note(mapper.process(pair, result), cloud, work)
             surface.take(pair)
+            if job.settings.map.places:
+                places.add(pair, mapper.num_pairs - 1)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
     num_voxels = _write(mapper, work)
+    if job.settings.map.places:
+        write_places(work, places, mapper.trajectory)
     mapper.reached.say()
     return (
         mapper.metrics

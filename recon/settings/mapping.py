@@ -29,3 +29,5 @@ class MapSettings:
     """Distinct views with a point in the cell."""
     ray_margin: NonNegative = 1.5
     """Space is free up to so many cells before a point, or two sigma of it if that is more."""
+    places: bool = False
+    """Whether a run keeps what its pairs show, so that `recon localise` needs no recording."""

@@ -72,9 +72,9 @@ def track(first: StereoPair, second: StereoPair) -> Tracks:
         grey(image) for image in (first.left, first.right, second.left, second.right)
     )
     points = corners(left)
-    seen, is_seen = _seen_by_both(left, right, points)
+    seen, is_seen = seen_by_both(left, right, points)
     moved, is_moved = follow(left, next_left, points[is_seen])
-    next_seen, is_next_seen = _seen_by_both(next_left, next_right, moved[is_moved])
+    next_seen, is_next_seen = seen_by_both(next_left, next_right, moved[is_moved])
     return Tracks(
         first=seen.select(is_seen).select(is_moved).select(is_next_seen),
         second=next_seen.select(is_next_seen),
@@ -84,7 +84,7 @@ def track(first: StereoPair, second: StereoPair) -> Tracks:
 def sight(pair: StereoPair) -> Sightings:
     """Corners that both eyes see."""
     left = grey(pair.left)
-    seen, is_seen = _seen_by_both(left, grey(pair.right), corners(left))
+    seen, is_seen = seen_by_both(left, grey(pair.right), corners(left))
     return seen.select(is_seen)
 
 
@@ -111,9 +111,10 @@ def _spans(extent: int, parts: int) -> list[tuple[int, int]]:
     return [*pairwise(round(part * extent / parts) for part in range(parts + 1))]
 
 
-def _seen_by_both(
+def seen_by_both(
     left: Image, right: Image, points: NDArray[np.float32]
 ) -> tuple[Sightings, NDArray[np.bool_]]:
+    """Points (N, 2) of the left image as both cameras see them, and whether both do."""
     found, is_found = follow(left, right, points)
     offset = points.astype(np.float64) - found
     row_offset = -offset[:, 1]

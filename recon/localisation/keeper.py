@@ -1,0 +1,66 @@
+"""The keeper of an atlas: it keeps the places of pairs as they come, and not too many of them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import invert
+from recon.localisation.atlas import Atlas
+from recon.records import StereoPair, Trajectory
+from recon.sequences.odometry.places import Place, see
+
+Array = NDArray[np.float64]
+
+MAX_PLACES = 2000
+"""More are thinned out: with 250 points each they would take over 70 MB."""
+SAME_TURN_DEG = 3.0
+SAME_SHARE = 0.03
+"""Of the median depth of a place: from within it a pair shows nothing new."""
+MIN_POINTS = 12
+
+
+class PlaceKeeper:
+    """Keeps what pairs show, where they show something new."""
+
+    def __init__(self) -> None:
+        self._places: dict[int, Place] = {}
+        self._poses: dict[int, Array] = {}
+        self._thinning = 1
+
+    def add(self, pair: StereoPair, number: int) -> None:
+        """Take the next pair; one without a pose is left out."""
+        T_world_left = pair.T_world_left
+        if T_world_left is None or number % self._thinning or self._is_known(T_world_left):
+            return
+        place = see(pair)
+        if len(place) < MIN_POINTS:
+            return
+        self._places[number], self._poses[number] = place, T_world_left
+        if len(self._places) > MAX_PLACES:
+            self._thin()
+
+    def atlas(self, trajectory: Trajectory) -> Atlas:
+        """The places with the poses that a trajectory has for their pairs."""
+        return atlas_of(self._places, trajectory)
+
+    def _is_known(self, T_world_left: Array) -> bool:
+        """Whether the last place shows the same."""
+        if not self._places:
+            return False
+        number = next(reversed(self._places))
+        place, off = self._places[number], invert(self._poses[number]) @ T_world_left
+        turn = np.degrees(np.arccos(np.clip((np.trace(off[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
+        return bool(np.linalg.norm(off[:3, 3]) < SAME_SHARE * place.depth and turn < SAME_TURN_DEG)
+
+    def _thin(self) -> None:
+        """Keep the places of every second number that is still taken."""
+        self._thinning *= 2
+        self._places = {n: place for n, place in self._places.items() if n % self._thinning == 0}
+
+
+def atlas_of(places: Mapping[int, Place], trajectory: Trajectory) -> Atlas:
+    """The atlas of numbered places."""
+    numbers = list(places)
+    poses = trajectory.T_world_left[numbers] if numbers else np.zeros((0, 4, 4))
+    return Atlas(places=list(places.values()), numbers=numbers, T_world_left=poses)

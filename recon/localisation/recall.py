@@ -1,0 +1,205 @@
+"""Recall: where in a known map a pair was taken, without a guess (the kidnapped robot)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import invert
+from recon.localisation.atlas import Atlas
+from recon.localisation.locate import locate_points, points_of, prior_of
+from recon.localisation.outlook import Outlook
+from recon.localisation.registration import Points, Prior, inverse
+from recon.localisation.shapes import guesses
+from recon.localisation.surfels import Surfels
+from recon.mapping.pair import match_points
+from recon.records import FitFailure, PointCloud, PoseEstimate, StereoPair, Voxels
+from recon.sequences.odometry.motion import linearise
+from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
+from recon.settings import Settings
+
+Array = NDArray[np.float64]
+
+NUM_CANDIDATES = 40
+"""Places that look most alike, which are held against the pair point by point."""
+NUM_HYPOTHESES = 12
+NUM_SHAPES = 24
+"""Guesses by shape that are looked at closely."""
+LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
+"""Of tilt and height of a guess by shape."""
+COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
+"""A place is as good as the pose itself within this share of its depth, and 20 degrees: features
+would have told it."""
+PLACE_SIGMA_CELLS, PLACE_SIGMA_DEG = 0.2, 0.3
+"""Of the pose of a place in its own map."""
+TILES_PER_E = 1.5
+"""Tiles more in agreement that make a pose e times as likely: neighbours see one thing."""
+MIN_TILES = 6.0
+"""Fewer in agreement, less those that are not, are taken for chance."""
+MIN_SHARE = 0.85
+"""Of tiles in agreement, at a pose that is believed."""
+MIN_PROBABILITY = 0.9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Hypothesis:
+    """A pose that a pair may have been taken from."""
+
+    estimate: PoseEstimate
+    num_same: int
+    """Tiles of the image that show what the map does there."""
+    num_different: int
+    is_known: bool = True
+    """Whether a place was known again there; a guess by shape only shows what else it may be."""
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of how much likelier the image is than by chance."""
+        return (self.num_same - self.num_different - MIN_TILES) / TILES_PER_E
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class KnownWorld:
+    """A map that pairs are looked for in."""
+
+    voxels: Voxels
+    surfels: Surfels
+    atlas: Atlas
+    summaries: Array
+    """(P, W) of the atlas's places."""
+    settings: Settings
+
+    @classmethod
+    def of(cls, voxels: Voxels, atlas: Atlas, settings: Settings) -> "KnownWorld":
+        """A map ready to be searched."""
+        summaries = np.array([place.summary for place in atlas.places])
+        return cls(
+            voxels=voxels,
+            surfels=Surfels.of(voxels),
+            atlas=atlas,
+            summaries=summaries,
+            settings=settings,
+        )
+
+    def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
+        """The pose that a pair was taken from; a `FitFailure` where the map does not tell."""
+        return choose(self.hypotheses(pair))
+
+    def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
+        """The distinct poses that a pair may have been taken from, the likeliest first."""
+        cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
+        points = points_of(cloud, pair.rig, self.voxels.cell_size)
+        outlook = Outlook.of(cloud, pair.rig)
+        known = [self._judged(one, outlook) for one in self._by_places(pair, points)]
+        guessed = [self._judged(one, outlook) for one in self._by_shape(cloud, points, outlook)]
+        found = [*known, *(replace(one, is_known=False) for one in guessed)]
+        return distinct(found, self.voxels.cell_size)
+
+    def _by_places(self, pair: StereoPair, points: Points) -> list[PoseEstimate]:
+        """Poses by the places that look alike, the ones with most points in common first."""
+        if not len(self.atlas):
+            return []
+        query = see(pair, STRETCHES)
+        likeness = self.summaries @ query.summary
+        nearest = np.argsort(-likeness, kind="stable")[:NUM_CANDIDATES]
+        met = [(int(row), self._meet(int(row), query)) for row in nearest]
+        both = [(row, meeting) for row, meeting in met if meeting is not None]
+        both.sort(key=lambda one: -one[1].num_agreeing)
+        found = []
+        for row, meeting in both[:NUM_HYPOTHESES]:
+            prior = self._prior(row, meeting, query)
+            located = locate_points(points, self.surfels, prior)
+            if isinstance(located, FitFailure):
+                located = _by_points(prior, meeting)
+            found.append(located)
+        return found
+
+    def _by_shape(self, cloud: PointCloud, points: Points, outlook: Outlook) -> list[PoseEstimate]:
+        """Poses by the shape of what is seen, where no place would have told them."""
+        if not len(self.atlas):
+            return []
+        poses = guesses(cloud, self.voxels, self.atlas.T_world_left[0])
+        seen = [outlook.agreement(self.voxels, T_world_left) for T_world_left in poses]
+        best = np.argsort([different - same for same, different in seen], kind="stable")
+        found = []
+        for row in best[:NUM_SHAPES]:
+            located = locate_points(points, self.surfels, self._level(poses[row]))
+            if isinstance(located, PoseEstimate) and not self._is_covered(located.T_world_left):
+                found.append(located)
+        return found
+
+    def _level(self, T_world_left: Array) -> Prior:
+        """A guess by shape: at the height and tilt that all places have."""
+        loose = prior_of(T_world_left, self.voxels.cell_size).information
+        tight = np.array([np.radians(LEVEL_SIGMA_DEG), LEVEL_SIGMA_CELLS * self.voxels.cell_size])
+        information = loose.copy()
+        information[[0, 2, 4], [0, 2, 4]] = tight[[0, 0, 1]] ** -2.0
+        return Prior(T_world_left=T_world_left, information=information)
+
+    def _is_covered(self, T_world_left: Array) -> bool:
+        """Whether a place shows what would be seen from a pose."""
+        apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
+        alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
+        depths = np.array([place.depth for place in self.atlas.places])
+        return bool(((apart < COVERED_SHARE * depths) & (alike > COVERED_COSINE)).any())
+
+    def _meet(self, row: int, query: Place) -> Meeting | None:
+        return meet(self.atlas.places[row], query)
+
+    def _prior(self, row: int, meeting: Meeting, query: Place) -> Prior:
+        """The pose of the query by a place, as sure as their points and the place are."""
+        T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
+        at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
+        weighted = at.by_motion * at.weights[:, None, None]
+        spread = max(1.0, float(np.median(at.distances)) / 1.54)
+        covariance = np.linalg.pinv(np.einsum("nij,nik->jk", weighted, at.by_motion)) * spread**2
+        turn = np.kron(np.eye(2), T_world_left[:3, :3])
+        own = np.repeat([np.radians(PLACE_SIGMA_DEG), PLACE_SIGMA_CELLS * self.voxels.cell_size], 3)
+        whole = turn @ covariance @ turn.T + np.diag(own**2)
+        return Prior(T_world_left=T_world_left, information=inverse(whole))
+
+    def _judged(self, estimate: PoseEstimate, outlook: Outlook) -> Hypothesis:
+        same, different = outlook.agreement(self.voxels, estimate.T_world_left)
+        return Hypothesis(estimate=estimate, num_same=same, num_different=different)
+
+
+def _by_points(prior: Prior, meeting: Meeting) -> PoseEstimate:
+    """The pose that a place's points alone tell."""
+    return PoseEstimate(
+        T_world_left=prior.T_world_left,
+        covariance=inverse(prior.information),
+        probability=0.0,
+        residual=1.0,
+        inlier_share=meeting.num_agreeing / max(1, len(meeting.tracks)),
+        num_cells=0,
+    )
+
+
+def distinct(found: list[Hypothesis], cell_size: float) -> list[Hypothesis]:
+    """The hypotheses that differ, the likeliest of each first."""
+    kept: list[Hypothesis] = []
+    for one in sorted(found, key=lambda one: -one.evidence):
+        if not any(_is_same(one.estimate, other.estimate, cell_size) for other in kept):
+            kept.append(one)
+    return kept
+
+
+def _is_same(a: PoseEstimate, b: PoseEstimate, cell_size: float) -> bool:
+    off = invert(a.T_world_left) @ b.T_world_left
+    reach = max(cell_size, 3.0 * (a.sigma + b.sigma))
+    return bool(np.linalg.norm(off[:3, 3]) < reach and np.trace(off[:3, :3]) > 1.0 + 2.0 * 0.98)
+
+
+def choose(found: list[Hypothesis]) -> PoseEstimate | FitFailure:
+    """The likeliest of distinct hypotheses, likeliest first, where no other comes near it."""
+    if not found:
+        return FitFailure("no place looks like it")
+    best = found[0]
+    evidence = np.array([one.evidence for one in found])
+    # Chance is one more hypothesis, of evidence 0.
+    probability = float(1.0 / (np.exp(evidence - evidence[0]).sum() + np.exp(-evidence[0])))
+    if best.num_same < MIN_SHARE * (best.num_same + best.num_different):
+        return FitFailure("the map shows other things there")
+    if probability < MIN_PROBABILITY or not best.is_known:
+        return FitFailure("several places look like it" if len(found) > 1 else "too little is seen")
+    return replace(best.estimate, probability=probability)

@@ -1,0 +1,163 @@
+"""Registration: points of a pair laid on the surface of a map, by generalised ICP.
+
+Each point is as unsure along its ray as stereo makes it, and far surer across: a point on the limb
+of a trunk tells the direction well though its depth is poor (Segal, Haehnel and Thrun 2009, with
+point-to-plane distances). Points on one cell share the cell's error, so that they count as one.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from recon.geometry import pose, without_drift
+from recon.localisation.surfels import Surfels
+
+Array = NDArray[np.float64]
+
+NUM_ROUNDS = 25
+FIRST_REACH, LAST_REACH, SHRINKING = 3.0, 1.5, 0.8
+"""Cells within which a point looks for its cell: at first, at last, and the factor of a round."""
+SURFACE_SIGMA = 0.12
+"""Of the distance of a surface from the mean of its cell, in cells."""
+ACROSS_PX = 0.7
+"""Standard deviation of a point across its ray."""
+MIN_CELLS = 8
+"""Fewer say nothing of a pose."""
+SMALL_CHANGE = 1e-4
+MAX_SIGMAS = 3.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Points:
+    """Points of a pair, as unsure as they are."""
+
+    points_left: Array
+    """(N, 3)"""
+    sigma: Array
+    """(N,) along the ray, world units."""
+    across: Array
+    """(N,) across the ray, world units."""
+
+    def __len__(self) -> int:
+        return len(self.points_left)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prior:
+    """What is known of a pose beforehand."""
+
+    T_world_left: Array
+    information: Array
+    """(6, 6) inverse covariance, in the order of `PoseEstimate`."""
+
+    def pull(self, T_world_left: Array) -> Array:
+        """(6,) small turn and shift that lead from the prior pose to this one."""
+        turn = T_world_left[:3, :3] @ self.T_world_left[:3, :3].T
+        shift = T_world_left[:3, 3] - self.T_world_left[:3, 3]
+        return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contacts:
+    """Cells that points lie on, at a pose."""
+
+    residual: Array
+    """(C,) distance of the points from the surface, standard deviations."""
+    by_pose: Array
+    """(C, 6) derivative of that by a small turn and shift."""
+    num_near: int
+    """Points near a piece of surface."""
+    num_points: int
+    """Points that lie on it, within 3 standard deviations."""
+
+    @property
+    def weights(self) -> Array:
+        """(C,) Cauchy's."""
+        return 1.0 / (1.0 + self.residual**2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Registration:
+    """A pose, and how well the points lie on the surface there."""
+
+    T_world_left: Array
+    information: Array
+    """(6, 6) of the points alone."""
+    contacts: Contacts
+
+
+def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | None:
+    """The pose at which points lie on the surface; None where too few of them do."""
+    T, reach = prior.T_world_left, FIRST_REACH
+    for _ in range(NUM_ROUNDS):
+        contacts = touch(points, surfels, T, reach * surfels.cell_size)
+        if len(contacts.residual) < MIN_CELLS:
+            return None
+        information, gradient = _normal_equations(contacts, prior, T)
+        change = -inverse(information) @ gradient
+        T = moved(T, change)
+        reach = max(LAST_REACH, SHRINKING * reach)
+        if np.abs(change).max() < SMALL_CHANGE:
+            break
+    contacts = touch(points, surfels, T, LAST_REACH * surfels.cell_size)
+    if len(contacts.residual) < MIN_CELLS:
+        return None
+    return Registration(T_world_left=T, information=_information(contacts), contacts=contacts)
+
+
+def inverse(matrix: Array) -> Array:
+    """The inverse of a covariance or an information."""
+    return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+
+
+def moved(T_world_left: Array, change: Array) -> Array:
+    """The pose after a small turn `change[:3]` about the camera and a shift `change[3:]`."""
+    turn = Rotation.from_rotvec(change[:3]).as_matrix()
+    return without_drift(pose(turn @ T_world_left[:3, :3], T_world_left[:3, 3] + change[3:]))
+
+
+def _information(contacts: Contacts) -> Array:
+    weighted = contacts.by_pose * contacts.weights[:, None]
+    information: Array = weighted.T @ contacts.by_pose
+    return information
+
+
+def _normal_equations(contacts: Contacts, prior: Prior, T_world_left: Array) -> tuple[Array, Array]:
+    gradient = contacts.by_pose.T @ (contacts.weights * contacts.residual)
+    gradient += prior.information @ prior.pull(T_world_left)
+    return _information(contacts) + prior.information, gradient
+
+
+def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -> Contacts:
+    """The cells that the points lie on, and how far off."""
+    R, eye = T_world_left[:3, :3], T_world_left[:3, 3]
+    offset = points.points_left @ R.T
+    rows, cell = surfels.under(offset + eye, reach)
+    offset = offset[rows]
+    normal = surfels.normals[cell]
+    gap = np.einsum("ni,ni->n", normal, offset + eye - surfels.means[cell])
+    along = np.einsum("ni,ni->n", normal, offset) / np.linalg.norm(offset, axis=1)
+    # Of the distance: the ray's part of the normal, and what is left of it.
+    variance = points.sigma[rows] ** 2 * along**2 + points.across[rows] ** 2 * (1.0 - along**2)
+    surface = SURFACE_SIGMA * surfels.cell_size
+    is_near = np.abs(gap) < MAX_SIGMAS * np.sqrt(variance + surface**2)
+    residual, by_pose = _by_cell(cell, surfels, np.column_stack([gap, offset]), variance)
+    return Contacts(
+        residual=residual, by_pose=by_pose, num_near=len(rows), num_points=int(is_near.sum())
+    )
+
+
+def _by_cell(
+    cell: NDArray[np.intp], surfels: Surfels, gap_and_offset: Array, variance: Array
+) -> tuple[Array, Array]:
+    """Residuals (C,) and derivatives (C, 6) of the cells: their points share the cell's error."""
+    cells, row = np.unique(cell, return_inverse=True)
+    weight = 1.0 / np.maximum(variance, 1e-12)
+    total = np.bincount(row, weight, len(cells))
+    means = [np.bincount(row, weight * c, len(cells)) / total for c in gap_and_offset.T]
+    arm, normal = np.column_stack(means[1:]).reshape(-1, 3), surfels.normals[cells]
+    sigma = np.hypot(total**-0.5, SURFACE_SIGMA * surfels.cell_size)
+    by_pose = np.column_stack([np.cross(arm, normal), normal]) / sigma[:, None]
+    return means[0] / sigma, by_pose

@@ -1,0 +1,66 @@
+"""Surfels: the occupied cells of a map as small pieces of surface, with their normals."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from recon.records import Voxels
+
+Array = NDArray[np.float64]
+
+NUM_NEIGHBOURS = 20
+REACH = 2.5
+"""Cells within which neighbours tell the normal."""
+MIN_NEIGHBOURS = 5
+MAX_THICKNESS = 0.3
+"""Of a piece of surface, as a share of its breadth squared: the two smallest variances."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Surfels:
+    """Cells whose neighbours lie in a plane with them."""
+
+    means: Array
+    """(K, 3) mean positions, world."""
+    normals: Array
+    """(K, 3) unit normals, of either sign."""
+    is_flat: NDArray[np.bool_]
+    """(K,) whether the neighbours agree on a normal."""
+    cell_size: float
+    tree: cKDTree = field(repr=False)
+    """Of the means."""
+
+    def __len__(self) -> int:
+        return len(self.means)
+
+    @classmethod
+    def of(cls, voxels: Voxels) -> "Surfels":
+        """The surfels of occupied cells; their normals are those of planes through neighbours."""
+        tree = cKDTree(voxels.means.reshape(-1, 3))
+        reach = REACH * voxels.cell_size
+        distance, row = tree.query(voxels.means, k=NUM_NEIGHBOURS, distance_upper_bound=reach)
+        found = np.isfinite(distance)
+        points = voxels.means[np.where(found, row, 0)]
+        number = np.maximum(found.sum(axis=1), 1)
+        centre = np.einsum("nki,nk->ni", points, found) / number[:, None]
+        offsets = (points - centre[:, None]) * found[..., None]
+        spread = np.einsum("nki,nkj->nij", offsets, offsets) / number[:, None, None]
+        variance, axes = np.linalg.eigh(spread)
+        is_thin = variance[:, 0] < MAX_THICKNESS * variance[:, 1]
+        return cls(
+            means=voxels.means,
+            normals=axes[:, :, 0],
+            is_flat=is_thin & (number >= MIN_NEIGHBOURS),
+            cell_size=voxels.cell_size,
+            tree=tree,
+        )
+
+    def under(self, points: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The rows of points (N, 3) that have a flat surfel within reach, and its row."""
+        distance, nearest = self.tree.query(points, distance_upper_bound=reach)
+        surfel = np.asarray(nearest, dtype=np.intp)
+        rows = np.flatnonzero(np.isfinite(distance))
+        rows = rows[self.is_flat[surfel[rows]]]
+        return rows, surfel[rows]

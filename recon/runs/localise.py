@@ -1,0 +1,75 @@
+"""Where in the map of a run pairs were taken."""
+
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+from recon.localisation.atlas import Atlas
+from recon.localisation.keeper import PlaceKeeper
+from recon.localisation.recall import KnownWorld
+from recon.records import FitFailure, PoseEstimate, StereoPair, Trajectory
+from recon.runs.arguments import path
+from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.reading import read_reconstruction, read_settings
+from recon.runs.seen_again import SeenAgain
+from recon.runs.work import Work
+from recon.sequences.open import open_sequence
+from recon.settings import SequenceSettings, given_tree
+
+PLACES = "places.npz"
+
+
+def _localise(job: Job, work: Work) -> Numbers:
+    """Find the poses of pairs in the map of a run."""
+    run, taken = _inputs(job)
+    made = read_reconstruction(run)
+    with work.stage("places"):
+        atlas = read_places(run, job)
+    known = KnownWorld.of(made.voxels, atlas, job.settings)
+    pairs = open_sequence(taken, SequenceSettings(poses="none"))
+    poses = []
+    for number, pair in enumerate(pairs, start=1):
+        with work.stage("localise"):
+            poses.append(as_entry(pair, known.recall(pair)))
+        work.progress(number, len(pairs))
+    return {"poses": poses, "num_found": sum(one["T_world_left"] is not None for one in poses)}
+
+
+def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, Any]:
+    """What is said of one pair; nulls, with the reason, where its pose cannot be said."""
+    keys = ("T_world_left", "sigma", "sigma_deg", "probability", "reason")
+    if isinstance(found, FitFailure):
+        return {"name": pair.name} | dict.fromkeys(keys) | {"reason": found.reason}
+    values = (
+        found.T_world_left.tolist(), found.sigma, found.sigma_deg, found.probability, None,
+    )  # fmt: skip
+    return {"name": pair.name} | dict(zip(keys, values, strict=True))
+
+
+def read_places(run: Path, job: Job) -> Atlas:
+    """The places that a run kept; else those of its recording or world, looked at again."""
+    if (run / PLACES).is_file():
+        return Atlas.load(run / PLACES)
+    keeper = PlaceKeeper()
+    again = SeenAgain(run, read_settings(run), job.arguments.get("recording"))
+    for number, pair in enumerate(again):
+        keeper.add(pair, number)
+    poses = again.poses
+    return keeper.atlas(Trajectory(stamps_s=poses[:, 0, 0], T_world_left=poses))
+
+
+def _inputs(job: Job) -> tuple[Path, Path]:
+    run, taken = job.inputs
+    if not (run / "map.npz").is_file() or not (run / "trajectory.txt").is_file():
+        raise InputError(f"{run} holds no map.npz with its trajectory.txt, but a run is needed")
+    return run, taken
+
+
+def _base(job: Job) -> Tree:
+    """Pairs are matched, and cells counted, as in the run."""
+    run, _ = _inputs(job)
+    kept = ("matching", "features", "triangulation", "map")
+    return {stage: given_tree(read_settings(run))[stage] for stage in kept}
+
+
+LOCALISE = Kind(run=_localise, base=_base, takes={"recording": path}, stages=("places", "localise"))

@@ -1,0 +1,83 @@
+"""The kidnapped robot: pairs found again in a map, or said to be nowhere."""
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.localisation.atlas import Atlas
+from recon.localisation.recall import Hypothesis, KnownWorld, choose
+from recon.records import FitFailure, PoseEstimate, StereoPair
+from tests.localisation.recorded import SETTINGS, village
+
+
+def error(found, pair):
+    return float(np.linalg.norm(found.T_world_left[:3, 3] - pair.T_world_left[:3, 3]))
+
+
+@pytest.fixture(scope="module")
+def known():
+    recorded = village()
+    return KnownWorld.of(recorded.voxels, recorded.atlas, SETTINGS)
+
+
+def test_pairs_of_a_known_round_are_found_and_none_is_put_elsewhere(known):
+    pairs = village().others[1::2]
+    found = [(known.recall(pair), pair) for pair in pairs]
+    near = [error(one, pair) < 0.3 for one, pair in found if one]
+    assert len(near) >= len(pairs) // 2
+    assert all(near)
+    assert all(one.probability > 0.9 and one.sigma < 1.0 for one, _ in found if one)
+
+
+def test_a_pair_that_shows_nothing_is_nowhere(known):
+    pair = village().others[0]
+    blank = np.full_like(pair.left, 128)
+    found = known.recall(StereoPair(left=blank, right=blank, rig=pair.rig))
+    assert isinstance(found, FitFailure)
+    assert found.reason == "no place looks like it"
+
+
+def at(x, same, different, is_known=True):
+    T = np.eye(4)
+    T[0, 3] = x
+    estimate = PoseEstimate(
+        T_world_left=T, covariance=1e-4 * np.eye(6), probability=0.0, residual=1.0,
+        inlier_share=1.0, num_cells=9,
+    )  # fmt: skip
+    return Hypothesis(estimate=estimate, num_same=same, num_different=different, is_known=is_known)
+
+
+def test_of_places_that_look_alike_none_is_chosen():
+    assert choose([at(0, 40, 1), at(9, 30, 9)]).T_world_left[0, 3] == 0
+    assert choose([at(0, 40, 1), at(9, 40, 1)]).reason == "several places look like it"
+    assert choose([at(0, 40, 1), at(9, 39, 1, is_known=False)]).reason.startswith("several")
+    assert choose([at(9, 40, 0, is_known=False)]).reason == "too little is seen"
+    assert choose([at(0, 40, 30)]).reason == "the map shows other things there"
+    assert choose([at(0, 5, 0)]).reason == "too little is seen"
+    assert choose([]).reason == "no place looks like it"
+
+
+def test_an_atlas_comes_back_from_its_file_and_damage_is_said(tmp_path):
+    atlas, path = village().atlas, tmp_path / "places.npz"
+    atlas.save(path)
+    again = Atlas.load(path)
+    assert again.numbers == atlas.numbers
+    assert np.array_equal(again.T_world_left, atlas.T_world_left)
+    for one, other in zip(again.places, atlas.places, strict=True):
+        assert one.rig == other.rig
+        assert np.array_equal(one.descriptors, other.descriptors)
+        assert np.allclose(one.sightings.points_px, other.sightings.points_px, atol=1e-4)
+    first = path.read_bytes()
+    atlas.save(path)
+    assert path.read_bytes() == first
+    path.write_bytes(first[: len(first) // 2])
+    with pytest.raises(InputError, match=r"places\.npz"):
+        Atlas.load(path)
+    np.savez(path, version=np.array(1))
+    with pytest.raises(InputError, match="not the places of a run"):
+        Atlas.load(path)
+
+
+def test_an_atlas_without_places_is_an_atlas(tmp_path):
+    Atlas(places=[], numbers=[], T_world_left=np.zeros((0, 4, 4))).save(tmp_path / "places.npz")
+    assert len(Atlas.load(tmp_path / "places.npz")) == 0
