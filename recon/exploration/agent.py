@@ -215,6 +215,7 @@ class Agent:
             floor=self.model.floor,
             obstacles=self.model.obstacles,
             detections=self.model.detections,
+            sure_range=self.model.sure_range,
             objects=self.model.objects,
             simulator=None if self.referee is None else self.referee.world,
             settings=self.settings,

@@ -96,12 +96,17 @@ class Floor:
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
         """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
-        return np.floor((np.asarray(points_xz) - self.corner) / self.cell_size).astype(np.intp)
+        return np.floor(self.in_cells(points_xz)).astype(np.intp)
 
     def centres(self, cells: ArrayLike) -> Array:
         """Middle x, z (..., 2) of cells (..., 2)."""
         centres: Array = (np.asarray(cells) + 0.5) * self.cell_size + self.corner
         return centres
+
+    def in_cells(self, points_xz: ArrayLike) -> Array:
+        """Places (..., 2) of points (..., 2) in cells, counted from the floor's corner."""
+        places: Array = (np.asarray(points_xz) - self.corner) / self.cell_size
+        return places
 
     def holds(self, cells: NDArray[np.intp]) -> Mask:
         """Which of the cells (..., 2) lie on the floor."""

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import ConvexHull
 
 from recon.exploration.floor import NEIGHBOURS, RAY_SPACING, Array, Floor, Mask
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.state import State
+from recon.exploration.wave import shortest
 
-STEPS = ((1, 0), (0, 1), (1, 1), (1, -1))
-"""To four of a cell's eight neighbours; the others are the same edges from the other end."""
 MIN_POCKET = 10
 """Unknown patches of fewer cells are chinks between rays, not places to go and see."""
 
@@ -33,7 +30,7 @@ class ShortestPaths:
     distance: Array
     """(X, Z) length of the path, world units; infinite where there is none."""
     _before: NDArray[np.int32]
-    """(X * Z,) the cell before each cell on its path."""
+    """(X, Z, 2) the cell before each cell on its path."""
 
     def reaches(self, points_xz: Array) -> Mask:
         """(N,) which points (N, 2) can be walked to."""
@@ -70,11 +67,12 @@ class ShortestPaths:
 
     def _cells_to(self, end_xz: Array) -> list[Array]:
         """Middles of the cells on the path, in order, without the first and the last."""
-        cell = int(self.floor.flat(self.floor.cells(end_xz)))
-        cells = []
-        while (cell := int(self._before[cell])) >= 0:
-            cells.append(self.floor.centres(np.array(np.unravel_index(cell, self.walkable.shape))))
-        return cells[-2::-1]
+        first, cells = tuple(self.floor.cells(self.place)), []
+        cell = tuple(self.floor.cells(end_xz))
+        while cell != first:
+            cells.append(self.floor.centres(cell))
+            cell = tuple(self._before[cell])
+        return cells[:0:-1]
 
 
 def is_clear(floor: Floor, walkable: Mask, start_xz: Array, end_xz: Array) -> bool:
@@ -95,16 +93,14 @@ def plan(state: State, *, through_unknown: bool = False) -> ShortestPaths:
 
 def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
     """Find the paths from a place (2,) over the walkable cells (X, Z) to all others."""
-    start = int(floor.flat(floor.cells(place)))
-    distance, before = dijkstra(
-        _graph(walkable), directed=False, indices=[start], return_predecessors=True
-    )
+    x, z = floor.cells(place)
+    distance, before = shortest(walkable, (int(x), int(z)))
     return ShortestPaths(
         floor=floor,
         walkable=walkable,
         place=place,
-        distance=distance[0].reshape(floor.shape) * floor.cell_size,
-        _before=before[0],
+        distance=distance * floor.cell_size,
+        _before=before,
     )
 
 
@@ -136,20 +132,6 @@ def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
     close = np.hypot(*offset) <= 2.0 * clearance
     away: Mask = room >= np.where(close, min(clearance, float(room[here])), clearance)
     return away
-
-
-def _graph(walkable: Mask) -> "csr_array[np.float64, tuple[int, int]]":
-    """Lengths in cells between neighbouring walkable cells."""
-    number = np.arange(walkable.size).reshape(walkable.shape)
-    ends, lengths = [], []
-    for dx, dz in STEPS:
-        one = (slice(0, walkable.shape[0] - dx), slice(max(0, -dz), walkable.shape[1] - max(0, dz)))
-        other = (slice(dx, None), slice(max(0, dz), walkable.shape[1] - max(0, -dz)))
-        both = walkable[one] & walkable[other]
-        ends.append(np.stack([number[one][both], number[other][both]]))
-        lengths.append(np.full(both.sum(), np.hypot(dx, dz)))
-    a, b = np.concatenate(ends, axis=1)
-    return csr_array((np.concatenate(lengths), (a, b)), shape=(walkable.size, walkable.size))
 
 
 def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:

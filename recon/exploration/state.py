@@ -30,6 +30,8 @@ class State:
     """Obstacles of the map."""
     detections: tuple[Detection, ...]
     """Obstacles seen, but too far off to be in the map."""
+    sure_range: float
+    """Distance up to which a view shows an obstacle well enough for the map, world units."""
     objects: tuple[FoundObject, ...]
     """What has been recognised so far."""
     simulator: KnownWorld | None

@@ -1,54 +1,137 @@
-"""A round of views that shows all unknown ground for a short way."""
+"""A round of views past what is left to see: places put in where they cost least, then ordered."""
+
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
-from recon.exploration.floor import Array, Floor, Mask, first_best
+from recon.exploration.floor import Array, Mask, first_best
 from recon.exploration.gains import AZIMUTHS_RAD, Visibility
+from recon.exploration.oracle import improved
 from recon.exploration.scales import Scales
+from recon.exploration.sides import Sides
+
+MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 12
+"""A round is planned no farther: what comes after hardly changes where it begins."""
+MAX_UNKNOWN = 0.02
+"""Share of the floor that may stay unseen in corners when all is called known."""
+EARLY = 3.0
+"""Ground that lies beside the way to objects waits until after them, unless it costs less than one
+part in this more on the way."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Tour:
+    """An open path from here past some of C places."""
+
+    places: Array
+    """(C, 2) x, z."""
+    lengths: Array
+    """(C,) of the paths there from here, world units."""
+    stops: list[tuple[int, int]] = field(default_factory=list)
+    """Number of the place and of the ray of each view, in order."""
+
+    def detours(self, early: float = 1.0) -> tuple[Array, NDArray[np.intp]]:
+        """The detour (C,) by which each place makes the path longer, and its position (C,) on it.
+
+        Parameters
+        ----------
+        early : float
+            Factor of the detours that are not at the path's end.
+        """
+        if not self.stops:
+            return self.lengths, np.zeros(len(self.lengths), dtype=np.intp)
+        numbers = [place for place, _ in self.stops]
+        legs = np.column_stack([self.lengths, cdist(self.places, self.places[numbers])])
+        points = self.places[numbers]
+        along = np.append(self.lengths[numbers[0]], np.hypot(*np.diff(points, axis=0).T))
+        between = early * (legs[:, :-1] + legs[:, 1:] - along)
+        detour = np.column_stack([np.maximum(between, 0.0), legs[:, -1]])
+        return detour.min(axis=1), first_best(-detour, axis=1)
+
+    def shorten(self) -> None:
+        """Put the stops into a better order (2-opt)."""
+        numbers = [place for place, _ in self.stops]
+        legs = np.zeros((len(numbers) + 1, len(numbers) + 1))
+        legs[0, 1:] = legs[1:, 0] = self.lengths[numbers]
+        legs[1:, 1:] = cdist(self.places[numbers], self.places[numbers])
+        order = improved(list(range(len(legs))), legs)
+        self.stops = [self.stops[number - 1] for number in order[1:]]
 
 
 def first_stop(
-    floor: Floor, unknown: Mask, visibility: Visibility, start: Array, scales: Scales
-) -> tuple[Array, float] | None:
-    """The place (2,) and azimuth of the view that a round begins with; None where there is none.
+    lengths: Array, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
+) -> tuple[int, float] | None:
+    """The number of the place and the azimuth of the view that a round begins with.
 
     The view that shows most for its detour is put into the round where that is shortest, what it
-    would show is taken for seen, and so on until no view shows enough.
+    would show is taken for seen, and so on until no view shows enough: first sides of obstacles,
+    whose order is improved then, and ground on the way and after. None where nothing is left.
+
+    Parameters
+    ----------
+    lengths : (C,) float64
+        Of the paths to the places of `visibility` and `sides`, world units.
+    unknown : (X, Z) bool
+        Ground to be seen.
     """
-    points, gazes = start[None], [0.0]
-    while True:
-        area = visibility.area(unknown)
-        shown = area.max(axis=1)
-        detour, position = insertion(points, visibility.places)
-        score = np.where(shown >= scales.min_area, shown, 0.0) / (detour + scales.stop_cost)
+    tour = Tour(places=visibility.places, lengths=lengths)
+    add_objects(tour, visibility, sides, unknown, scales)
+    tour.shorten()
+    for place, ray in tour.stops:
+        unknown = visibility.left(unknown, tour.places[place], AZIMUTHS_RAD[ray])
+    add_ground(tour, visibility, unknown, scales)
+    if not tour.stops:
+        return None
+    place, ray = tour.stops[0]
+    return place, float(AZIMUTHS_RAD[ray])
+
+
+def add_objects(
+    tour: Tour, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
+) -> None:
+    """Put views of new sides of obstacles into a round, ground besides where it is seen as well."""
+    if not sides.missing.any():
+        return
+    area = visibility.area(unknown)
+    ground = scales.much_area * area / (area + scales.much_area)
+    for _ in range(MAX_OBJECT_STOPS):
+        worth = np.where(visibility.barred, 0.0, scales.side_area * sides.worth())
+        worth += np.where(worth > 0.0, ground, 0.0)
+        ray = first_best(worth, axis=1)
+        detour, position = tour.detours()
+        score = worth.max(axis=1) / (detour + scales.pair_cost)
         best = int(first_best(score))
         if score[best] == 0.0:
-            return (points[1], gazes[1]) if len(points) > 1 else None
-        place, gaze = visibility.places[best], float(AZIMUTHS_RAD[first_best(area[best])])
-        points = np.insert(points, position[best], place, axis=0)
-        gazes.insert(int(position[best]), gaze)
-        unknown = unknown & ~_shown(floor, visibility, place, gaze)
-        visibility = visibility.without([(place, gaze)], scales.same_place)
+            return
+        tour.stops.insert(position[best], (best, int(ray[best])))
+        sides = sides.after(best, AZIMUTHS_RAD[ray[best]])
 
 
-def _shown(floor: Floor, visibility: Visibility, place: Array, gaze: float) -> Mask:
-    """(X, Z) the cells that a view would show."""
-    rays = floor.azimuths(gaze, visibility.field_rad, visibility.reach)
-    return np.isfinite(floor.visible(place, rays, np.full(len(rays), visibility.reach)))
+def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales) -> None:
+    """Put views of unknown ground into a round.
 
-
-def insertion(points: Array, places: Array) -> tuple[Array, NDArray[np.intp]]:
-    """The detour by which an open path (P, 2) gets longer for each place (C, 2).
-
-    Returns
-    -------
-    detour : (C,) float64
-        World units, as the crow flies.
-    position : (C,) int
-        Number of the place on the new path, 1 to P: the path goes on beginning where it begins.
+    Where little enough is unknown, none is worth a detour longer than the viewing distance for each
+    least area that it shows.
     """
-    leg = np.linalg.norm(places[:, None] - points, axis=-1)
-    along = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    detour = np.concatenate([leg[:, :-1] + leg[:, 1:] - along, leg[:, -1:]], axis=1)
-    return detour.min(axis=1), first_best(-detour, axis=1) + 1
+    is_little = unknown.mean() <= MAX_UNKNOWN
+    least_rate = scales.min_area / scales.viewing_distance if is_little else 0.0
+    early = EARLY if tour.stops else 1.0
+    rows = np.arange(len(tour.places))
+    for _ in range(MAX_GROUND_STOPS):
+        area = visibility.area(unknown, rows)
+        shown = area.max(axis=1)
+        # What is unknown only shrinks on the round.
+        rows = np.flatnonzero(shown >= scales.min_area)
+        detour, position = tour.detours(early)
+        least = np.maximum(scales.min_area, least_rate * detour)
+        score = np.where(shown >= least, shown, 0.0) / (detour + scales.stop_cost)
+        best = int(first_best(score))
+        if score[best] == 0.0:
+            return
+        ray = int(first_best(area[best]))
+        tour.stops.insert(position[best], (best, ray))
+        azimuth = float(AZIMUTHS_RAD[ray])
+        unknown = visibility.left(unknown, tour.places[best], azimuth)
+        visibility = visibility.without([(tour.places[best], azimuth)], scales.same_place)

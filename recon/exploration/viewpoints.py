@@ -1,6 +1,7 @@
 """Places to look from, and the views from there."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
 from recon.exploration.state import State, Walk
 
+NUM_BEARINGS = 12
 CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
 """Factors of the distance that is tried round an obstacle."""
 
@@ -94,3 +96,13 @@ def viewpoint(
     reached = np.flatnonzero(paths.reaches(places))
     place: Array | None = places[reached[0]] if len(reached) else None
     return place
+
+
+def viewpoints_round(
+    paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], state: State
+) -> Array:
+    """Places (N, 2) round obstacles that can be reached, on some bearings of each."""
+    bearings = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
+    clearance = state.scales.clearance
+    tried = [viewpoint(paths, one, float(b), clearance) for one in wanted for b in bearings]
+    return np.array([place for place in tried if place is not None]).reshape(-1, 2)

@@ -1,5 +1,6 @@
 """The agent's model of the world: its map, the floor, the obstacles, and what was detected."""
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.ndimage import binary_closing
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.exploration.obstacles import Observations, Obstacle, columns, find_obstacles
 from recon.exploration.scales import Scales
-from recon.exploration.scan import Detection, Scan, detections, scan, sigma_of, without_noise
+from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
 from recon.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
@@ -17,6 +18,7 @@ from recon.voxelmap.occupancy import occupied
 
 SURE_SIGMA = 1.0
 """A point has seen its obstacle well when its depth is known to one cell."""
+NEARLY_ALL = 0.9
 NUM_VIEWS = 3
 """An obstacle is named first when so many views have seen it well ..."""
 GROWTH = 1.25
@@ -35,6 +37,8 @@ class WorldModel:
     obstacles: tuple[Obstacle, ...] = ()
     detections: tuple[Detection, ...] = ()
     """Obstacles seen that are not in the map."""
+    growth: list[float] = field(default_factory=list)
+    """Of each pair with points, how fast their sigma grows with the square of the distance."""
     timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
     """Number of pairs taken, and the objects named by then, whenever these changed."""
 
@@ -55,6 +59,14 @@ class WorldModel:
         clearance = recognition.clearance(self.settings.map.cell_size)
         return (recognition.ground or 0.0) + clearance
 
+    @property
+    def sure_range(self) -> float:
+        """Distance up to which nearly all points of a view are sure, world units."""
+        reach = self.scales.viewing_distance
+        if not self.growth or np.median(self.growth) == 0.0:
+            return reach
+        return min(reach, math.sqrt(SURE_SIGMA * self.scales.cell / np.median(self.growth)))
+
     def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
         """Take in one more pair, whose sure points are in the map already."""
         height = cloud.points[:, 1]
@@ -63,6 +75,10 @@ class WorldModel:
         standing = without_noise(standing, place, self.scales)
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
         self.observations.add(place, sure, self.floor)
+        if len(standing):
+            _, distance = polar(standing.points[:, [0, 2]], place)
+            growth = np.quantile(sigma_of(standing) / distance**2, NEARLY_ALL)
+            self.growth.append(float(growth))
         self._find_obstacles()
         reach = self.settings.exploration.sight_range
         ground = (self.settings.recognition.ground or 0.0, self.settings.eyes.far)

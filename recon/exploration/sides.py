@@ -1,0 +1,229 @@
+"""Sides of obstacles: those that nobody has seen, and the views that would show them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.exploration.floor import Array, Floor, Mask
+from recon.exploration.gains import AZIMUTHS_RAD, SPACING_RAD, turn
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.scan import Detection
+from recon.exploration.sight import is_open
+from recon.records import UNKNOWN, FoundObject
+
+SURE = 0.9
+"""Probability from which a label is believed."""
+OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
+"""An obstacle is known when no gap between its views is wider, with a sure label and without: three
+views or four, from all round."""
+MARGIN_RAD = math.radians(5.0)
+"""Views are planned so much closer together, as nobody stands exactly where he planned to."""
+BEARINGS_RAD: Array = np.linspace(0.0, 2.0 * math.pi, 72, endpoint=False)
+LAST = 0.5
+"""A view that shows all that is left of an obstacle is worth this share of a whole side or more:
+until then the obstacle is not known."""
+LEAST = 0.4
+"""A view that shows less of a new side than this share shows none, unless little more is left."""
+CENTRED = 0.1
+"""Share of its worth that an obstacle loses at the edge of the image."""
+
+MAX_LOOKS = 2
+"""A side that did not show well in so many views does not show."""
+
+Wanted = Sequence[Obstacle | Detection]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Look:
+    """A view that was meant to show a side of an obstacle."""
+
+    place: Array
+    """(2,) x, z that it was taken from."""
+    centre: Array
+    """(2,) x, z of the obstacle, as it was known then."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sides:
+    """The sides of O obstacles, as seen from C places."""
+
+    obstacles: Wanted
+    places: Array
+    """(C, 2) x, z."""
+    azimuth: Array
+    """(O, C) direction of each obstacle."""
+    slack: Array
+    """(O, C) angle by which a view may miss its middle; negative where it is not seen."""
+    arc: Array
+    """(O,) half the arc of bearings that one view makes known."""
+    missing: Mask
+    """(O, BEARINGS) bearings that no view makes known."""
+
+    @classmethod
+    def of(
+        cls,
+        wanted: Wanted,
+        places: Array,
+        floor: Floor,
+        field_rad: float,
+        reach: float,
+        looks: Sequence[Look] = (),
+    ) -> "Sides":
+        """Look from places (C, 2) at the obstacles within reach of them, after some looks."""
+        azimuth = np.empty((len(wanted), len(places)))
+        slack = np.full(azimuth.shape, -1.0)
+        for row, obstacle in enumerate(wanted):
+            offset = obstacle.centre - places
+            azimuth[row], apart = np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(*offset.T)
+            own = obstacle.radius + floor.cell_size
+            near = np.flatnonzero((apart - obstacle.radius <= reach) & (apart > 0.0))
+            seen = near[_open(floor, places[near], obstacle.centre, own)]
+            half_width = np.arcsin(np.minimum(obstacle.radius / apart[seen], 1.0))
+            slack[row, seen] = np.maximum(field_rad / 2.0 - half_width, SPACING_RAD)
+        arc = np.array([(_planned_gap(one) - MARGIN_RAD) / 2.0 for one in wanted])
+        missing = [_missing(one, half, looks) for one, half in zip(wanted, arc, strict=True)]
+        return cls(
+            obstacles=wanted,
+            places=places,
+            azimuth=azimuth,
+            slack=slack,
+            arc=arc,
+            missing=np.array(missing, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD)),
+        )
+
+    def shown(self) -> Array:
+        """(O, C) share of a side of each obstacle that would become known."""
+        shown: Array = _shown(self.azimuth, self.slack, self.missing, self.arc)
+        return shown
+
+    def worth(self) -> Array:
+        """(C, NUM_RAYS) number of sides that a view along each azimuth would make known."""
+        worth: Array = _worth(self.shown(), self.azimuth, self.slack)
+        return worth
+
+    def after(self, place: int, azimuth_rad: float) -> "Sides":
+        """What is left when a view from a place was taken."""
+        missing = self.missing.copy()
+        for row in self._in_view(place, azimuth_rad):
+            missing[row] &= ~self._within(row, place)
+        return replace(self, missing=missing)
+
+    def looks(self, place: int, azimuth_rad: float) -> list[Look]:
+        """The looks at obstacles of which a view from a place would show something new."""
+        shown = self.shown()[:, place]
+        return [
+            Look(place=self.places[place], centre=self.obstacles[row].centre)
+            for row in self._in_view(place, azimuth_rad)
+            if shown[row] > 0.0
+        ]
+
+    def target(self, place: int, azimuth_rad: float) -> Obstacle | Detection | None:
+        """The obstacle in the middle of a view that would show something new of it."""
+        shown = self.shown()[:, place]
+        ahead = turn(self.azimuth[:, place], np.array(azimuth_rad)) <= SPACING_RAD
+        rows = np.flatnonzero(ahead & (shown > 0.0))
+        return self.obstacles[rows[shown[rows].argmax()]] if len(rows) else None
+
+    def _in_view(self, place: int, azimuth_rad: float) -> NDArray[np.intp]:
+        """Rows of the obstacles that a view from a place keeps in its field."""
+        miss = turn(self.azimuth[:, place], np.array(azimuth_rad))
+        return np.flatnonzero(miss <= self.slack[:, place])
+
+    def _within(self, row: np.intp, place: int) -> Mask:
+        """(BEARINGS,) the bearings that a view of one obstacle from a place makes known."""
+        bearing = self.azimuth[row, place] + math.pi
+        within: Mask = turn(BEARINGS_RAD, np.array(bearing)) <= self.arc[row]
+        return within
+
+
+def is_known(obstacle: Obstacle) -> bool:
+    """Whether an obstacle was seen from enough sides for its label and its map."""
+    gap = OPEN_SURE_RAD if _is_sure(obstacle.found) else OPEN_RAD
+    return widest_gap(obstacle.bearings_rad) <= gap
+
+
+def widest_gap(bearings_rad: Array) -> float:
+    """The widest angle between neighbours among directions (V,); a whole turn for one or none."""
+    if not len(bearings_rad):
+        return 2.0 * math.pi
+    ordered = np.sort(np.mod(bearings_rad, 2.0 * math.pi))
+    return float(np.diff(ordered, append=ordered[0] + 2.0 * math.pi).max())
+
+
+def _planned_gap(obstacle: Obstacle | Detection) -> float:
+    """The gap that views may leave; what has no name yet is taken to get a sure one."""
+    found = obstacle.found if isinstance(obstacle, Obstacle) else None
+    return OPEN_SURE_RAD if found is None or _is_sure(found) else OPEN_RAD
+
+
+def _is_sure(found: FoundObject | None) -> bool:
+    return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
+
+
+def _missing(obstacle: Obstacle | Detection, arc: float, looks: Sequence[Look]) -> Mask:
+    """(BEARINGS,) the bearings within an arc of none that was seen well, or looked at in vain."""
+    seen = obstacle.bearings_rad if isinstance(obstacle, Obstacle) else np.empty(0)
+    reach = obstacle.radius
+    of_it = [one.place for one in looks if np.hypot(*(one.centre - obstacle.centre)) <= reach]
+    looked = np.array([math.atan2(*(place - obstacle.centre)[::-1]) for place in of_it])
+    is_seen = turn(BEARINGS_RAD[:, None], seen) <= arc
+    num_looks = (turn(BEARINGS_RAD[:, None], looked) <= arc).sum(axis=1)
+    missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= MAX_LOOKS))
+    return missing
+
+
+def _open(floor: Floor, places: Array, centre: Array, own: float) -> NDArray[np.bool_]:
+    """(C,) the places from which nothing stands before an obstacle."""
+    end, own_cells = floor.in_cells(centre), own / floor.cell_size
+    starts = floor.in_cells(places)
+    return np.array([is_open(floor.occupied, start, end, own_cells) for start in starts], bool)
+
+
+@njit(cache=True)
+def _apart(a_rad: float, b_rad: float) -> float:
+    """Smallest angle between two directions."""
+    away = abs(a_rad - b_rad) % (2.0 * math.pi)
+    return min(away, 2.0 * math.pi - away)
+
+
+@njit(cache=True)
+def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
+    """(O, C) share of a side of each obstacle that views from each place would make known."""
+    shown = np.zeros(azimuth.shape)
+    for row in range(azimuth.shape[0]):
+        total, side = missing[row].sum(), arc[row] * len(BEARINGS_RAD) / math.pi
+        for c in range(azimuth.shape[1]):
+            if total == 0 or slack[row, c] < 0.0:
+                continue
+            new = 0
+            for bearing in np.flatnonzero(missing[row]):
+                new += _apart(azimuth[row, c] + math.pi, BEARINGS_RAD[bearing]) <= arc[row]
+            share = new / side
+            if new == total:
+                shown[row, c] = max(share, LAST)
+            elif share >= LEAST or total < 2.0 * LEAST * side:
+                shown[row, c] = share
+    return shown
+
+
+@njit(cache=True)
+def _worth(shown: Array, azimuth: Array, slack: Array) -> Array:
+    """(C, NUM_RAYS) sum of what is shown (O, C), along the azimuths that keep it in the field."""
+    worth = np.zeros((shown.shape[1], len(AZIMUTHS_RAD)))
+    for row in range(shown.shape[0]):
+        for c in np.flatnonzero(shown[row]):
+            _add(worth[c], shown[row, c], azimuth[row, c], slack[row, c])
+    return worth
+
+
+@njit(cache=True)
+def _add(worth: Array, shown: float, azimuth: float, slack: float) -> None:
+    """Add what is shown of one obstacle to the rays (NUM_RAYS,) that keep it in the field."""
+    for ray in range(len(AZIMUTHS_RAD)):
+        miss = _apart(azimuth, AZIMUTHS_RAD[ray]) / slack
+        if miss <= 1.0:
+            worth[ray] += shown * (1.0 - CENTRED * miss**2)

@@ -1,0 +1,106 @@
+"""Compiled loops of planning: lines of sight over the floor, and what is seen along them.
+
+Places and lengths are in cells, counted from the floor's corner.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.exploration.floor import RAY_SPACING, Array, Mask
+
+HIDDEN = -1
+Cells = NDArray[np.int32]
+
+
+@njit(cache=True)
+def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cells) -> None:
+    """Put the flat number of the cell under each sample of a ray into `cell` (R,), if it is seen.
+
+    What hangs over the place (2,) itself does not hide the floor around it.
+    """
+    size_x, size_z = blocking.shape
+    dx, dz = math.cos(azimuth), math.sin(azimuth)
+    came_out = False
+    cell[:] = HIDDEN
+    for r in range(len(radii)):
+        x = int(np.floor(place[0] + dx * radii[r]))
+        z = int(np.floor(place[1] + dz * radii[r]))
+        is_free = 0 <= x < size_x and 0 <= z < size_z and not blocking[x, z]
+        if came_out and not is_free:
+            break
+        came_out = is_free
+        if is_free:
+            cell[r] = x * size_z + z
+
+
+@njit(cache=True)
+def cast(blocking: Mask, places: Array, azimuths: Array, radii: Array) -> Cells:
+    """(C, A, R) flat number of the cell under each sample of each ray; HIDDEN where not seen."""
+    cell = np.empty((len(places), len(azimuths), len(radii)), np.int32)
+    for c in range(len(places)):
+        for a in range(len(azimuths)):
+            _march(blocking, places[c], azimuths[a], radii, cell[c, a])
+    return cell
+
+
+@njit(cache=True)
+def _along(cell: Cells, unknown: Mask, area: Array) -> float:
+    """Unknown area along one ray, whose samples (R,) stand for an area each."""
+    total = 0.0
+    for r in range(len(cell)):
+        if cell[r] != HIDDEN and unknown[cell[r]]:
+            total += area[r]
+    return total
+
+
+@njit(cache=True)
+def fields(cell: Cells, places: NDArray[np.intp], unknown: Mask, area: Array, half: int) -> Array:
+    """(C, A) unknown area in the field of a view along each ray: `half` rays to both sides.
+
+    Parameters
+    ----------
+    places : (P,) int
+        Rows of the places that are asked for; others show nothing.
+    unknown : (X * Z,) bool
+    area : (R,) float64
+        Area that each sample stands for.
+    """
+    num_places, num_rays, _ = cell.shape
+    field = np.zeros((num_places, num_rays))
+    along = np.empty(num_rays)
+    for c in places:
+        for a in range(num_rays):
+            along[a] = _along(cell[c, a], unknown, area)
+        for a in range(num_rays):
+            for turn in range(-half, half + 1):
+                field[c, a] += along[(a + turn) % num_rays]
+    return field
+
+
+@njit(cache=True)
+def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, reach: float) -> None:
+    """Take the cells that rays from a place (2,) show out of the unknown (X * Z,), in place."""
+    radii = RAY_SPACING * np.arange(int(reach / RAY_SPACING))
+    cell = np.empty(len(radii), np.int32)
+    for azimuth in azimuths:
+        _march(blocking, place, azimuth, radii, cell)
+        for number in cell:
+            if number != HIDDEN:
+                unknown[number] = False
+
+
+@njit(cache=True)
+def is_open(occupied: Mask, start: Array, end: Array, own: float) -> bool:
+    """Tell whether nothing occupied stands between two places, but for `own` cells at the end."""
+    length = math.hypot(end[0] - start[0], end[1] - start[1])
+    for step in range(int((length - own) / RAY_SPACING)):
+        share = step * RAY_SPACING / length
+        x = int(np.floor(start[0] + share * (end[0] - start[0])))
+        z = int(np.floor(start[1] + share * (end[1] - start[1])))
+        inside = 0 <= x < occupied.shape[0] and 0 <= z < occupied.shape[1]
+        if inside and occupied[x, z]:
+            return False
+    return True

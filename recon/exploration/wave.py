@@ -1,0 +1,70 @@
+"""A wave that spreads over the walkable cells: Dijkstra's algorithm with buckets, compiled."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.exploration.floor import Array, Mask
+
+NO_CELL = -1
+NUM_BUCKETS = 3
+"""Of a cell's width each: steps are one cell long at least and less than two, so that cells of one
+bucket cannot shorten each other's path, and none is put beyond the next but one."""
+DIAGONAL = 2.0**0.5
+
+
+def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, NDArray[np.int32]]:
+    """Shortest paths from a cell to all others, by way of eight neighbours.
+
+    Returns
+    -------
+    distance : (X, Z) float64
+        In cells; infinite where no path leads.
+    before : (X, Z, 2) int32
+        The cell before each on its path; the first cell's own, and NO_CELL where no path leads.
+    """
+    padded = np.pad(walkable, 1)
+    width = padded.shape[1]
+    around = np.array([1, width, width + 1, width - 1], np.int32)
+    first = (start[0] + 1) * width + start[1] + 1
+    distance, before = _spread(padded.ravel(), first, np.concatenate([around, -around]))
+    inner = (slice(1, -1), slice(1, -1))
+    cells = np.stack(np.divmod(before, width), axis=-1).reshape(*padded.shape, 2) - 1
+    return distance.reshape(padded.shape)[inner], cells[inner]
+
+
+@njit(cache=True)
+def _spread(
+    walkable: Mask, start: int, around: NDArray[np.int32]
+) -> tuple[Array, NDArray[np.int32]]:
+    """Distance and cell before (N,) of the cells of a grid whose border is not walkable.
+
+    The buckets are lists of the cells that wait, linked by `after`.
+    """
+    distance = np.full(len(walkable), np.inf)
+    before = np.full(len(walkable), NO_CELL, np.int32)
+    settled = ~walkable
+    cell, after = np.empty(1024, np.int32), np.empty(1024, np.int32)
+    heads = np.full(NUM_BUCKETS, NO_CELL, np.int32)
+    distance[start], before[start], settled[start] = 0.0, start, False
+    cell[0], after[0], heads[0] = start, NO_CELL, 0
+    number, empty, bucket = 1, 0, 0
+    while empty < NUM_BUCKETS:
+        entry = heads[bucket % NUM_BUCKETS]
+        if entry == NO_CELL:
+            empty, bucket = empty + 1, bucket + 1
+            continue
+        empty, here = 0, cell[entry]
+        heads[bucket % NUM_BUCKETS] = after[entry]
+        if number + len(around) > len(cell):
+            cell, after = np.append(cell, cell), np.append(after, after)
+        for k in range(len(around) if not settled[here] else 0):
+            there = here + around[k]
+            length = distance[here] + (1.0 if k % 4 < 2 else DIAGONAL)
+            if not settled[there] and length < distance[there]:
+                distance[there], before[there] = length, here
+                cell[number], after[number] = there, heads[int(length) % NUM_BUCKETS]
+                heads[int(length) % NUM_BUCKETS] = number
+                number += 1
+        settled[here] = True
+    return distance, before
