@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.exploration import frontier, gains, paths, thesis, tour, viewpoints
+from recon.exploration import frontier, gains, paths, sides, thesis, tour, viewpoints
 from recon.exploration.controllers import CONTROLLERS, make_controller
 
 PLUGIN = Path(__file__).parents[2] / "docs" / "plugin"
@@ -61,6 +61,6 @@ def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
         make_controller("broken")
 
 
-@pytest.mark.parametrize("module", [frontier, thesis, paths, viewpoints, gains, tour])
+@pytest.mark.parametrize("module", [frontier, thesis, paths, viewpoints, gains, sides, tour])
 def test_controllers_that_come_with_recon_do_not_ask_the_simulator(module):
     assert "simulator" not in Path(module.__file__).read_text()

@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.exploration.floor import Floor
-from recon.exploration.frontier import widest_gap
-from recon.exploration.gains import NUM_RAYS, Candidates, Visibility, new_sides, ray_of
+from recon.exploration.gains import NUM_RAYS, Visibility, ray_of
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
-from recon.exploration.tour import first_stop, insertion
+from recon.exploration.sides import LAST, MAX_LOOKS, Look, Sides, widest_gap
+from recon.exploration.tour import EARLY, Tour, first_stop
 from recon.settings import Settings
 
 FIELD = np.radians(80.0)
@@ -48,20 +48,52 @@ def test_a_view_that_was_taken_shows_nothing_more(floor):
     assert area[1, 0] > 0.0
 
 
-def views_of_the_middle(*places):
-    places = np.array(places, dtype=np.float64)
-    return Candidates(places=places, targets=np.tile([0.0, 5.0, 0.0], (len(places), 1)))
-
-
 OBSTACLE = Detection(centre=np.zeros(2), radius=3.0, distance=20.0, sigma=1.0)
+ALL_ROUND = [(13.0, 0.0), (-6.5, 11.26), (-6.5, -11.26)]
+
+
+def sides_from(floor, *places, looks=()):
+    return Sides.of([OBSTACLE], np.array(places, dtype=float), floor, FIELD, 20.0, looks)
 
 
 def test_a_thing_shows_a_new_side_to_who_is_near_looks_and_sees_it(floor):
     floor.occupied |= floor.disc(np.array([0.0, 8.0]), 2.0)
-    views = views_of_the_middle((13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0))
-    away = Candidates(places=views.places, targets=views.targets + np.array([400.0, 0, 0]))
-    assert new_sides(views, [OBSTACLE], floor, FIELD, 20.0).tolist() == [1.0, 0.0, 0.0, 1.0]
-    assert new_sides(away, [OBSTACLE], floor, FIELD, 20.0).tolist() == [0.0, 0.0, 0.0, 1.0]
+    worth = sides_from(floor, (13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0)).worth()
+    west, east = ray_of(np.array([np.pi, 0.0]))
+    assert worth[[0, 3], [west, east]] == pytest.approx(1.0, abs=0.05)
+    assert not worth[[0, 3], [east, west]].any()
+    assert not worth[[1, 2]].any()
+    assert worth[0].max() == worth[0, west]
+
+
+def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
+    sides = sides_from(floor, *ALL_ROUND)
+    shown = []
+    for place in range(3):
+        shown.append(sides.shown()[0, place])
+        sides = sides.after(place, sides.azimuth[0, place])
+        assert sides.shown()[0, place] == 0.0
+    assert not sides.missing.any()
+    assert shown[0] == pytest.approx(1.0, abs=0.05)
+    assert 0.7 < shown[1] < 1.0
+    assert LAST <= shown[2] < shown[1]
+
+
+def test_a_view_away_from_a_thing_leaves_its_sides_missing(floor):
+    sides = sides_from(floor, (13.0, 0.0))
+    assert sides.after(0, 0.0).missing.all()
+    assert sides.target(0, np.pi) is OBSTACLE
+    assert sides.target(0, np.pi / 2) is None
+
+
+def test_a_side_that_was_looked_at_in_vain_is_given_up(floor):
+    look = Look(place=np.array([13.0, 0.0]), centre=np.array([0.5, 0.5]))
+    elsewhere = Look(place=np.array([13.0, 0.0]), centre=np.array([9.0, 0.0]))
+    for looks in ([look] * (MAX_LOOKS - 1), [elsewhere] * MAX_LOOKS):
+        assert sides_from(floor, *ALL_ROUND, looks=looks).missing.all()
+    given_up = sides_from(floor, *ALL_ROUND, looks=[look] * MAX_LOOKS)
+    assert given_up.shown()[0, 0] == 0.0
+    assert (given_up.shown()[0, 1:] > 0.0).all()
 
 
 @settings(deadline=None, max_examples=40)
@@ -79,24 +111,67 @@ def test_the_widest_gap_of_three_even_views_is_a_third():
     assert widest_gap(np.empty(0)) == 2 * np.pi
 
 
+def tour_past(*stops, places):
+    places = np.array(places, dtype=float)
+    return Tour(places=places, lengths=np.hypot(*places.T), stops=[(stop, 0) for stop in stops])
+
+
+PLACES = [(10.0, 0.0), (20.0, 0.0), (5.0, 0.0), (15.0, 3.0), (25.0, 0.0), (-5.0, 0.0)]
+
+
 def test_a_place_is_put_into_a_way_where_it_is_cheapest():
-    way = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
-    detour, position = insertion(way, np.array([[5.0, 0.0], [15.0, 3.0], [25.0, 0.0], [-4.0, 0]]))
-    assert position.tolist() == [1, 2, 3, 1]
-    assert detour == pytest.approx([0.0, 2 * np.hypot(5, 3) - 10, 5.0, 8.0])
+    detour, position = tour_past(0, 1, places=PLACES).detours()
+    assert position[2:].tolist() == [0, 1, 2, 0]
+    assert detour[2:] == pytest.approx([0.0, 2 * np.hypot(5, 3) - 10, 5.0, 10.0])
+
+
+def test_what_lies_beside_the_way_costs_more_than_what_lies_after_it():
+    detour, position = tour_past(0, 1, places=PLACES).detours(EARLY)
+    assert position[2:].tolist() == [0, 1, 2, 2]
+    assert detour[2:] == pytest.approx([0.0, EARLY * (2 * np.hypot(5, 3) - 10), 5.0, 25.0])
+
+
+def test_a_way_is_shortened_and_still_begins_here():
+    tour = tour_past(1, 0, 4, places=PLACES)
+    tour.shorten()
+    assert [place for place, _ in tour.stops] == [0, 1, 4]
+
+
+def stop_of(floor, unknown, visibility, start):
+    lengths = np.hypot(*(visibility.places - start).T)
+    sides = Sides.of([], visibility.places, floor, FIELD, 20.0)
+    return first_stop(lengths, visibility, sides, unknown, SCALES)
 
 
 def test_a_round_begins_with_what_is_near(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
     unknown[:20, 50:70] = unknown[100:, 50:70] = True
     visibility = visibility_from(floor, (-20.0, 0.0), (0.0, 0.0), (20.0, 0.0), reach=45.0)
-    place, azimuth = first_stop(floor, unknown, visibility, np.array([15.0, 0.0]), SCALES)
-    assert place.tolist() == [20.0, 0.0]
+    place, azimuth = stop_of(floor, unknown, visibility, np.array([15.0, 0.0]))
+    assert place == 2
     assert np.cos(azimuth) > np.cos(FIELD / 2)
 
 
 def test_a_round_over_known_ground_has_no_stop(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
-    assert (
-        first_stop(floor, unknown, visibility_from(floor, (0.0, 0.0)), np.zeros(2), SCALES) is None
-    )
+    visibility = visibility_from(floor, (0.0, 0.0))
+    assert stop_of(floor, unknown, visibility, np.zeros(2)) is None
+
+
+def test_a_little_unknown_ground_is_not_worth_a_long_way(floor):
+    unknown = np.zeros(floor.shape, dtype=bool)
+    unknown[:10, 50:70] = True
+    visibility = visibility_from(floor, (-30.0, 0.0))
+    assert unknown.mean() < 0.02
+    assert stop_of(floor, unknown, visibility, np.array([0.0, 0.0])) is not None
+    assert stop_of(floor, unknown, visibility, np.array([50.0, 0.0])) is None
+    unknown[:60] = True
+    assert stop_of(floor, unknown, visibility, np.array([50.0, 0.0])) is not None
+
+
+def test_what_a_view_shows_is_left_out(floor):
+    floor.occupied |= floor.disc(np.array([15.0, 0.0]), 4.0)
+    left = visibility_from(floor, (0.0, 0.0)).left(~floor.occupied, np.zeros(2), 0.0)
+    assert not left[tuple(floor.cells([8.0, 3.0]))]
+    assert left[tuple(floor.cells([25.0, 0.0]))]
+    assert left[tuple(floor.cells([-8.0, 0.0]))]

@@ -12,6 +12,7 @@ from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
 from recon.exploration.state import State
 from recon.exploration.viewpoints import vantage_points, viewpoint
+from recon.exploration.wave import shortest
 from recon.records import View, Voxels
 from recon.settings import Settings
 
@@ -28,6 +29,7 @@ def state_on(floor, place=(0.0, 0.0), detections=()):
         floor=floor,
         obstacles=(),
         detections=tuple(detections),
+        sure_range=20.0,
         objects=(),
         simulator=None,
         settings=Settings(),
@@ -74,6 +76,34 @@ def test_a_way_goes_round_a_wall_at_a_distance(floor):
         samples = a + np.linspace(0, 1, 200)[:, None] * (b - a)
         away = np.linalg.norm(samples[:, None] - wall, axis=-1).min()
         assert away > CLEARANCE - 1.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_shortest_paths_are_those_of_a_plain_search(seed):
+    rng = np.random.default_rng(seed)
+    walkable = rng.uniform(size=(23, 31)) < 0.7
+    start = tuple(int(n) for n in np.argwhere(walkable)[5])
+    distance, before = shortest(walkable, start)
+    plain = searched(walkable, start)
+    assert np.allclose(distance, plain)
+    assert np.isinf(plain[walkable]).any() or seed
+    for cell in map(tuple, np.argwhere(np.isfinite(plain) & (plain > 0))):
+        step = np.hypot(*(before[cell] - cell))
+        assert distance[cell] == pytest.approx(distance[tuple(before[cell])] + step)
+
+
+def searched(walkable, start):
+    """Distances by sweeping over all cells until nothing changes."""
+    distance = np.full(np.array(walkable.shape) + 2, np.inf)
+    distance[start[0] + 1, start[1] + 1] = 0.0
+    inner, last = distance[1:-1, 1:-1], None
+    while last is None or not np.array_equal(inner, last):
+        last = inner.copy()
+        for i, j in itertools.product((-1, 0, 1), repeat=2):
+            rows, columns = distance.shape
+            beside = distance[1 + i : rows - 1 + i, 1 + j : columns - 1 + j]
+            inner[walkable] = np.minimum(inner, beside + np.hypot(i, j))[walkable]
+    return inner
 
 
 def test_a_way_over_open_ground_is_straight(floor):
