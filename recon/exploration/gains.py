@@ -15,7 +15,7 @@ SPACING_RAD = 2.0 * math.pi / NUM_RAYS
 AZIMUTHS_RAD: Array = np.linspace(0.0, 2.0 * math.pi, NUM_RAYS, endpoint=False)
 SAMPLE = 2.0
 """Cells between two samples along a ray; less than half an obstacle's width."""
-SAME_GAZE_RAD = math.radians(20.0)
+SAME_GAZE_RAD = 4.5 * SPACING_RAD
 """A view from the same place, turned by no more, shows nothing that the earlier one did not."""
 
 
@@ -60,7 +60,7 @@ class Visibility:
         """The same, with views barred that are near those from a place (2,) along an azimuth."""
         barred = self.barred.copy()
         for place, azimuth in views:
-            is_near = np.hypot(*(self.places - place).T) <= same_place
+            is_near = np.hypot(*(self.places - place).T) <= same_place * (1.0 + ROUNDING)
             barred |= is_near[:, None] & (turn(AZIMUTHS_RAD, np.array(azimuth)) <= SAME_GAZE_RAD)
         return replace(self, barred=barred)
 

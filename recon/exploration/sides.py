@@ -22,7 +22,7 @@ OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
 views or four, from all round."""
 MARGIN_RAD = math.radians(5.0)
 """Views are planned so much closer together, as nobody stands exactly where he planned to."""
-BEARINGS_RAD: Array = np.linspace(0.0, 2.0 * math.pi, 72, endpoint=False)
+BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
 LAST = 0.5
 """A view that shows all that is left of an obstacle is worth this share of a whole side or more:
 until then the obstacle is not known."""
@@ -124,7 +124,7 @@ class Sides:
     def target(self, place: int, azimuth_rad: float) -> Obstacle | Detection | None:
         """The obstacle in the middle of a view that would show something new of it."""
         shown = self.shown()[:, place]
-        ahead = turn(self.azimuth[:, place], np.array(azimuth_rad)) <= SPACING_RAD
+        ahead = turn(self.azimuth[:, place], np.array(azimuth_rad)) <= 0.75 * SPACING_RAD
         rows = np.flatnonzero(ahead & (shown > 0.0))
         return self.obstacles[rows[shown[rows].argmax()]] if len(rows) else None
 

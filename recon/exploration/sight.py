@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.exploration.floor import RAY_SPACING, Array, Mask
+from recon.exploration.floor import RAY_SPACING, ROUNDING, Array, Mask
 
 HIDDEN = -1
 Cells = NDArray[np.int32]
@@ -26,8 +26,8 @@ def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cel
     came_out = False
     cell[:] = HIDDEN
     for r in range(len(radii)):
-        x = int(np.floor(place[0] + dx * radii[r]))
-        z = int(np.floor(place[1] + dz * radii[r]))
+        x = int(np.floor(place[0] + dx * radii[r] + ROUNDING))
+        z = int(np.floor(place[1] + dz * radii[r] + ROUNDING))
         is_free = 0 <= x < size_x and 0 <= z < size_z and not blocking[x, z]
         if came_out and not is_free:
             break
@@ -98,8 +98,8 @@ def is_open(occupied: Mask, start: Array, end: Array, own: float) -> bool:
     length = math.hypot(end[0] - start[0], end[1] - start[1])
     for step in range(int((length - own) / RAY_SPACING)):
         share = step * RAY_SPACING / length
-        x = int(np.floor(start[0] + share * (end[0] - start[0])))
-        z = int(np.floor(start[1] + share * (end[1] - start[1])))
+        x = int(np.floor(start[0] + share * (end[0] - start[0]) + ROUNDING))
+        z = int(np.floor(start[1] + share * (end[1] - start[1]) + ROUNDING))
         inside = 0 <= x < occupied.shape[0] and 0 <= z < occupied.shape[1]
         if inside and occupied[x, z]:
             return False

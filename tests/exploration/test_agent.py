@@ -11,12 +11,14 @@ TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0), (5.0, -30.0, 3.0, 10.
 
 
 def is_found(exploration, disc):
-    """Whether the map has an object whose middle is within a unit of a cylinder's axis."""
-    x, z, _, _ = disc
-    return any(
-        np.hypot(found.centre[0] - x, found.centre[2] - z) < 1.0
-        for found in exploration.recognition.objects
-    )
+    """Whether the map has a thing whose middle is within a unit of a cylinder's axis."""
+    x, z, radius, _ = disc
+    cells_xz = exploration.reconstruction.voxels.means[:, [0, 2]]
+    near = cells_xz[np.hypot(*(cells_xz - [x, z]).T) < radius + 2.0]
+    if not len(near):
+        return False
+    middle = (near.min(axis=0) + near.max(axis=0)) / 2
+    return bool(np.hypot(*(middle - [x, z])) < 1.0)
 
 
 def positions(exploration):
@@ -198,15 +200,15 @@ class Careful(Wrong):
     """A controller that goes round what its way runs into."""
 
     def next_view(self, state):
-        x = -20 if state.floor.touched.any() else 20
-        return None if state.num_pairs > 3 else View(position=[x, 5, 12], target=[0, 5, 1])
+        x = -20 if state.floor.touched.any() else 5
+        return None if state.num_pairs > 3 else View(position=[x, 5, -30], target=[0, 5, 1])
 
 
 def test_a_controller_is_asked_again_where_its_way_runs_into_something(explore_discs):
     done = explore_discs(TREES, led_by=Careful(None))
     assert done.stop_reason == "controller ended"
     assert [view.position[0] for view in done.views] == [0, -20, -20, -20]
-    assert done.metrics["path_length"] == pytest.approx(np.hypot(20, 12))
+    assert done.metrics["path_length"] == pytest.approx(np.hypot(20, 30))
 
 
 def test_a_controller_that_never_ends_is_stopped(explore_discs):
