@@ -96,7 +96,7 @@ class Floor:
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
         """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
-        return np.floor(self.in_cells(points_xz)).astype(np.intp)
+        return np.floor(self.in_cells(points_xz) + ROUNDING).astype(np.intp)
 
     def centres(self, cells: ArrayLike) -> Array:
         """Middle x, z (..., 2) of cells (..., 2)."""

@@ -14,6 +14,8 @@ from recon.exploration.obstacles import Obstacle
 from recon.exploration.state import State
 from recon.exploration.wave import shortest
 
+DIGITS = 9
+"""Lengths in cells are told apart by: the same steps in another order are as long."""
 MIN_POCKET = 10
 """Unknown patches of fewer cells are chinks between rays, not places to go and see."""
 
@@ -99,7 +101,7 @@ def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
         floor=floor,
         walkable=walkable,
         place=place,
-        distance=distance * floor.cell_size,
+        distance=np.round(distance, DIGITS) * floor.cell_size,
         _before=before,
     )
 

@@ -20,7 +20,7 @@ SURE = 0.9
 OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
 """An obstacle is known when no gap between its views is wider, with a sure label and without: three
 views or four, from all round."""
-MARGIN_RAD = math.radians(5.0)
+MARGIN_RAD = math.radians(4.0)
 """Views are planned so much closer together, as nobody stands exactly where he planned to."""
 BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
 LAST = 0.5
