@@ -21,6 +21,7 @@ from recon.stereo.dense.holes import filled_behind, without_specks
 from recon.stereo.dense.paths import Penalties, aggregate
 from recon.stereo.dense.peers import three_ways
 from recon.stereo.dense.surfaces import median, smooth
+from recon.stereo.exposure import with_gain_of
 from recon.stereo.kernels.simd import Floats
 
 Grey = NDArray[np.uint8]
@@ -90,7 +91,8 @@ def match_every_pixel(
         For unlike images, or a search that lies outside of them.
     """
     check_images(left, right)
-    greys = grey_of(left), grey_of(right)
+    grey = grey_of(left)
+    greys = grey, with_gain_of(grey, grey_of(right))
     search = _search(settings.matching.searching(stated_range), left.shape[1])
     found = _METHODS[settings.dense.method](*greys, search, settings.dense)
     disparity = filled_behind(found.disparity_px, settings.dense.fill_px)

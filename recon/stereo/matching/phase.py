@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
+from recon.stereo.exposure import gain_between
 from recon.stereo.kernels.simd import Floats
 from recon.stereo.kernels.sorting import falling
 from recon.stereo.matching.aggregation import Points, Support, aggregate_rows
@@ -61,7 +62,7 @@ def match_by(
     every = {"half": 1, "quarter": 2}[settings.support_sampling]
     is_unique = settings.cross_check == "row"
     search = Search(1 - count - lowest, count, 0, every, is_unique, table)
-    images = _responses(left), _responses(right)
+    images = _responses(left), _responses(right, gain_between(left.grey, right.grey))
     points = _points(left.points_px.astype(np.int64), left.orientation_rad, height)
     support = aggregate_rows(*images, points, search, settings.max_row_offset_px)
     rows = np.flatnonzero(np.isfinite(support.score))
@@ -106,11 +107,14 @@ def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Poin
     )
 
 
-def _responses(features: Features) -> Responses:
+def _responses(features: Features, gain: float = 1.0) -> Responses:
+    """An image as the loops want it, brought to a gain of 1."""
     height, _, _, _, padded = features.planes.shape
     margin, edge = SIDE_RADIUS, cv2.BORDER_REPLICATE
     grey = cv2.copyMakeBorder(features.grey, margin, margin, margin, margin, edge)
     planes = features.planes.reshape(height, -1, 2, padded)
+    if gain != 1.0:
+        planes = planes / np.float32(gain)
     return Responses(planes, features.candidate_mask, grey.reshape(-1))
 
 

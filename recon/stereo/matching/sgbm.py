@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import Features, Matches
 from recon.settings import MatchingSettings
+from recon.stereo.exposure import with_gain_of
 from recon.stereo.kernels.sorting import falling
 
 _BLOCK_PX = 3
@@ -55,7 +56,8 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> NDAr
         speckleRange=2,
     )
     # Fixed point with four bits below the pixel; below the lowest disparity means none.
-    disparity = matcher.compute(*(_widened(x.grey, lowest, wanted) for x in (left, right))) / 16.0
+    greys = left.grey, with_gain_of(left.grey, right.grey)
+    disparity = matcher.compute(*(_widened(x, lowest, wanted) for x in greys)) / 16.0
     disparity = disparity[:, (disparity.shape[1] - width) // 2 :][:, :width]
     outside = (disparity < lowest) | (disparity > settings.max_disparity)
     disparity[outside] = np.nan

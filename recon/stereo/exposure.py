@@ -1,0 +1,67 @@
+"""Gain of the right camera beside the left one, from what their rows have in common."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Grey = NDArray[np.uint8]
+Array = NDArray[np.float64]
+
+_BAND_ROWS = 16
+"""Rows that are taken together: both cameras see nearly the same in them."""
+_ROW_STEP = 4
+_REACH_PX = 4
+"""Distance over which levels are compared: edges tell more than noise there."""
+_NUM_ERRORS = 3.0
+"""Standard errors from which on a gain is measured, and not made by what differs in view."""
+_SHARE_AGREEING = 0.8
+"""Bands that have to lie on the same side: what one camera alone sees is not in all of them."""
+_LEAST_RATIO, _LARGEST_RATIO = 1.05, 2.0
+"""A smaller gain does no harm, a larger one is no camera's."""
+
+
+def gain_between(left: Grey, right: Grey) -> float:
+    """Contrast of the right image, of the left one's; exactly 1 where no difference is measured.
+
+    Contrasts of bands of rows are compared, and the median over the bands is taken. An offset does
+    not change them, nor does it harm phases, which do not see the mean.
+
+    Parameters
+    ----------
+    left, right : (H, W) uint8
+    """
+    ours, theirs = _contrasts(left), _contrasts(right)
+    usable = (ours > 0) & (theirs > 0)
+    ratios = np.log(theirs[usable] / ours[usable])
+    if len(ratios) < 2:
+        return 1.0
+    middle = float(np.median(ratios))
+    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    error = 1.25 * spread / np.sqrt(len(ratios))
+    agreeing = float(np.mean(ratios * middle > 0))
+    surely = max(float(np.log(_LEAST_RATIO)), _NUM_ERRORS * error)
+    if agreeing < _SHARE_AGREEING or not surely < abs(middle) < np.log(_LARGEST_RATIO):
+        return 1.0
+    return float(np.exp(middle))
+
+
+def with_gain_of(left: Grey, right: Grey) -> Grey:
+    """The right image (H, W) with contrast and mean of the left one, where their gains differ."""
+    gain = gain_between(left, right)
+    if gain == 1.0:
+        return right
+    levels = (np.arange(256) - right.mean()) / gain + left.mean()
+    brought: Grey = cv2.LUT(right, np.rint(levels).clip(0, 255).astype(np.uint8))
+    return brought
+
+
+def _contrasts(grey: Grey) -> Array:
+    """(B,) root mean square difference along the row, of each band."""
+    rows = grey[::_ROW_STEP].astype(np.float32)
+    steps = rows[:, _REACH_PX:] - rows[:, :-_REACH_PX]
+    if not steps.size:
+        return np.zeros(0)
+    starts = np.arange(0, len(rows), _BAND_ROWS // _ROW_STEP)
+    counts = np.diff(np.append(starts, len(rows)))
+    energy = np.einsum("ij,ij->i", steps, steps) / steps.shape[1]
+    return np.sqrt(np.add.reduceat(energy, starts) / counts).astype(np.float64)
