@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from recon.app.channels import Points, points_of
 from recon.errors import InputError
-from recon.mapping.pair import match_features
+from recon.mapping.sparse import match_features
 from recon.records import FoundObject, StereoPair, View
 from recon.settings import EXPLORER_BASE, Settings, updated
 from recon.stereo.features import detect

@@ -7,13 +7,10 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError, check_type
 from recon.geometry import LEVEL_CAMERA
-from recon.records import Features, Matches, PointCloud, StereoPair, check_images
+from recon.mapping.sparse import match_sparse
+from recon.records import Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.dense.dense import as_matches, match_every_pixel
-from recon.stereo.features import detect_both, to_grey
-from recon.stereo.matching.matching import match, match_whole_images
-from recon.stereo.noise import noise_level
-from recon.stereo.subpixel import refine
 from recon.stereo.triangulation import triangulate_all
 from recon.voxelmap import VoxelMap
 
@@ -81,37 +78,7 @@ def match_images(
     stated_range : (min, max), optional
         Search range in pixels that holds where the settings were not given one.
     """
-    return _match(left, right, settings, stated_range)[0]
-
-
-def _match(
-    left: NDArray[np.uint8],
-    right: NDArray[np.uint8],
-    settings: Settings,
-    stated_range: tuple[int, int] | None,
-) -> tuple[Matches, tuple[float, float]]:
-    """The matches of two images, and the noise of each."""
-    search = settings.matching.searching(stated_range)
-    whole = match_whole_images(left, right, search)
-    if whole is not None:
-        return whole, (noise_level(to_grey(left)), noise_level(to_grey(right)))
-    # Oriented features of both images at several scales (Eqs 11 to 14).
-    features_left, features_right = detect_both(left, right, settings.features)
-    matches = match_features(features_left, features_right, settings, stated_range)
-    return matches, (features_left.noise.level, features_right.noise.level)
-
-
-def match_features(
-    features_left: Features,
-    features_right: Features,
-    settings: Settings,
-    stated_range: tuple[int, int] | None = None,
-) -> Matches:
-    """Match the features of two rectified images, to fractions of a pixel."""
-    # Pairs of like phase and magnitude, cross checked (Eqs 15 to 18).
-    matches = match(features_left, features_right, settings.matching.searching(stated_range))
-    # Refined by the phase that is left (Eqs 20, 21).
-    return refine(matches, features_left, features_right)
+    return match_sparse(left, right, settings, stated_range).matches
 
 
 def process_pair(
@@ -149,12 +116,15 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
 
     A pair without a pose is level at the world's origin, so that y is up there too.
     """
-    matches, image_noise = _match(pair.left, pair.right, settings, pair.disparity_range)
+    found = match_sparse(pair.left, pair.right, settings, pair.disparity_range)
     # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
-    points = triangulate_all(_mapped(matches, pair, settings), pair, settings.triangulation)
+    points = triangulate_all(_mapped(found.matches, pair, settings), pair, settings.triangulation)
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
     return PairResult(
-        matches=matches, cloud=points.sure, doubtful=points.doubtful, image_noise=image_noise
+        matches=found.matches,
+        cloud=points.sure,
+        doubtful=points.doubtful,
+        image_noise=found.image_noise,
     )
 
 

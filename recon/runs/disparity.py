@@ -12,7 +12,7 @@ from recon.errors import InputError
 from recon.figures.kept import kept_pair
 from recon.figures.kinds import Arrays
 from recon.files import atomic_path
-from recon.mapping.pair import match_features
+from recon.mapping.sparse import match_sparse
 from recon.records import DisparityMap, Matches, check_images
 from recon.runfolder import RunFolder
 from recon.runs.arguments import path, positive
@@ -29,7 +29,6 @@ from recon.settings import Settings
 from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
-from recon.stereo.matching.matching import match_whole_images
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,15 +59,15 @@ def match_files(
     matching = settings.matching
     check_contradictions(left, right, (matching.min_disparity, matching.max_disparity))
     began = time.perf_counter()
-    features = detect(left, settings.features), detect(right, settings.features)
-    matches = match_whole_images(left, right, settings.matching.searching(stated_range))
-    if matches is None:
-        matches = match_features(*features, settings, stated_range)
+    found = match_sparse(left, right, settings, stated_range)
     seconds = time.perf_counter() - began
+    num_features = found.num_features
+    if num_features is None:
+        num_features = len(detect(left, settings.features))
     is_dense = settings.dense.enabled
     dense = match_every_pixel(left, right, settings, stated_range) if is_dense else None
     return MatchedPair(
-        left=left, matches=matches, num_features=len(features[0]), seconds=seconds, dense=dense
+        left=left, matches=found.matches, num_features=num_features, seconds=seconds, dense=dense
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from recon.errors import InputError, ReconError
 from recon.files import atomic_path
-from recon.mapping.pair import match_features
+from recon.mapping.sparse import match_features
 from recon.records import Features, Matches
 from recon.runs.evaluate import stated_range
 from recon.sequences.images import read_image
