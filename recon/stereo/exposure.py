@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Grey = NDArray[np.uint8]
@@ -55,13 +56,17 @@ def with_gain_of(left: Grey, right: Grey) -> Grey:
     return brought
 
 
+@njit(cache=True, nogil=True)
 def _contrasts(grey: Grey) -> Array:
     """(B,) root mean square difference along the row, of each band."""
-    rows = grey[::_ROW_STEP].astype(np.float32)
-    steps = rows[:, _REACH_PX:] - rows[:, :-_REACH_PX]
-    if not steps.size:
-        return np.zeros(0)
-    starts = np.arange(0, len(rows), _BAND_ROWS // _ROW_STEP)
-    counts = np.diff(np.append(starts, len(rows)))
-    energy = np.einsum("ij,ij->i", steps, steps) / steps.shape[1]
-    return np.sqrt(np.add.reduceat(energy, starts) / counts).astype(np.float64)
+    height, width = grey.shape
+    num = -(-height // _BAND_ROWS)
+    energy, count = np.zeros(num), np.zeros(num)
+    for v in range(0, height, _ROW_STEP):
+        row, total = grey[v], np.int64(0)
+        for u in range(width - _REACH_PX):
+            step = np.int32(row[u + _REACH_PX]) - np.int32(row[u])
+            total += step * step
+        energy[v // _BAND_ROWS] += total
+        count[v // _BAND_ROWS] += max(width - _REACH_PX, 1)
+    return np.sqrt(energy / count)

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from recon.records import Features
 from recon.stereo.harmonics import DESCRIPTORS
-from recon.stereo.kernels.simd import Floats, Integers
+from recon.stereo.kernels.simd import FAST, Floats, Integers
 from recon.stereo.noise import gain
 
 Array = NDArray[np.float64]
@@ -40,6 +41,9 @@ _VAGUENESS_WEIGHT = 0.06
 _NOISE_ODDS = -0.40
 _NOISE_OF_EVEN_ODDS = 0.05
 _LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
+
+_WHOLE, _INFORMATION, _TRUST = 0, 1, 2
+"""Rows of what is known of the shift of each pair."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,38 +80,87 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
             sigma_px=nothing + UNTUNED_SIGMA_PX,
             noise_variance=np.full_like(nothing, np.nan),
         )
-    information, moment, power = sums[:-2].reshape(len(white), 3, sums.shape[1]).swapaxes(0, 1)
-    vertical, count = sums[-2:]
-    whole_information = information.sum(axis=0)
-    is_known = whole_information > 1e-6 * vertical
-    safe = np.where(is_known, whole_information, 1.0)
-    whole = np.where(is_known, moment.sum(axis=0), 0.0) / safe
-    share_sq = (safe / np.where(vertical > 0, vertical, 1.0)) ** 2
-    trust = np.where(is_known, share_sq / (share_sq + _VAGUE_SHARE_SQ), 0.0)
-    scatter = np.maximum(power + whole * (whole * information - 2.0 * moment), 0.0)
-    scatter_of_noise = scatter / (DESCRIPTORS * white)
-    ratio = _noise_ratio(scatter_of_noise, calm_ratio, is_sure & is_known).astype(np.float32)
-    noise = _COHERENCE * (ratio[:, None] * white * information).sum(axis=0) / safe**2
-    noise[~is_known] = np.inf
-    discord = np.sqrt(scatter.sum(axis=0) / safe) * count / np.maximum(count - 1.0, 1.0)
-    variance = _FLOOR_VARIANCE + _LONELY_VARIANCE / len(white) ** 2
-    variance = variance + _DISCORD_WEIGHT * trust * discord
-    variance += _NOISE_WEIGHT * noise + _VAGUENESS_WEIGHT * (1.0 - trust)
-    is_tuned = is_known & (trust * np.abs(whole) <= _LARGEST_CHANGE_PX)
-    is_tuned &= noise <= _LARGEST_NOISE_VARIANCE
-    sigma = np.minimum(np.sqrt(variance), UNTUNED_SIGMA_PX)
-    return Tuning(
-        change_px=np.where(is_tuned, trust * whole, 0.0),
-        sigma_px=np.where(is_tuned, sigma, UNTUNED_SIGMA_PX),
-        noise_variance=noise,
-    )
+    num = sums.shape[1]
+    shifts, scatter = np.empty((3, num), np.float32), np.empty((len(white), num), np.float32)
+    scatter_of_sure = np.empty_like(scatter)
+    num_sure = _shift(sums, white, is_sure, shifts, scatter, scatter_of_sure)
+    ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
+    tuned = np.empty((3, num), np.float32)
+    _weigh(sums, white, ratio, shifts, scatter, tuned)
+    change, sigma, noise = tuned
+    return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise)
 
 
-def _noise_ratio(scatter: Array, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Array:
+@njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
+def _shift(
+    sums: Floats,
+    white: Floats,
+    is_sure: NDArray[np.bool_],
+    shifts: Floats,
+    scatter: Floats,
+    scatter_of_sure: Floats,
+) -> int:
+    """Write each pair's shift, its information and the trust in it, and the scatter by scale.
+
+    Where nothing is known of the shift all are 0. The scatter of sure pairs is also written one
+    after the other, in units of the noise of single pixels; returns how many they are.
+    """
+    num_scales, num_sure = len(scatter), 0
+    for i in range(scatter.shape[1]):
+        information = moment = np.float32(0)
+        for s in range(num_scales):
+            information += sums[3 * s, i]
+            moment += sums[3 * s + 1, i]
+        vertical = sums[3 * num_scales, i]
+        is_known = information > np.float32(1e-6) * vertical
+        whole = moment / information if is_known else np.float32(0)
+        share = information / vertical if is_known else np.float32(0)
+        share_sq = share * share
+        shifts[_WHOLE, i] = whole
+        shifts[_INFORMATION, i] = information if is_known else np.float32(0)
+        shifts[_TRUST, i] = share_sq / (share_sq + np.float32(_VAGUE_SHARE_SQ))
+        for s in range(num_scales):
+            rest = whole * (whole * sums[3 * s, i] - 2 * sums[3 * s + 1, i])
+            scatter[s, i] = max(sums[3 * s + 2, i] + rest, np.float32(0))
+            noise = np.float32(DESCRIPTORS) * white[s, i]
+            scatter_of_sure[s, num_sure] = scatter[s, i] / noise
+        num_sure += is_known and is_sure[i]
+    return num_sure
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
+def _weigh(
+    sums: Floats, white: Floats, ratio: Floats, shifts: Floats, scatter: Floats, tuned: Floats
+) -> None:
+    """Write the change of each pair's disparity, its sigma, and what of its variance is noise."""
+    num_scales = len(scatter)
+    floor = np.float32(_FLOOR_VARIANCE + _LONELY_VARIANCE / num_scales**2)
+    untuned = np.float32(UNTUNED_SIGMA_PX)
+    for i in range(scatter.shape[1]):
+        information, whole = shifts[_INFORMATION, i], shifts[_WHOLE, i]
+        trust, count = shifts[_TRUST, i], sums[3 * num_scales + 1, i]
+        noise = discord_sq = np.float32(0)
+        for s in range(num_scales):
+            noise += ratio[s] * white[s, i] * sums[3 * s, i]
+            discord_sq += scatter[s, i]
+        is_known = information > 0
+        safe = information if is_known else np.float32(1)
+        noise = np.float32(_COHERENCE) * noise / (safe * safe)
+        discord = np.sqrt(discord_sq / safe) * count / max(count - 1, np.float32(1))
+        variance = floor + np.float32(_DISCORD_WEIGHT) * trust * discord
+        variance += np.float32(_NOISE_WEIGHT) * noise + np.float32(_VAGUENESS_WEIGHT) * (1 - trust)
+        is_tuned = is_known and trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
+        is_tuned = is_tuned and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
+        tuned[0, i] = trust * whole if is_tuned else np.float32(0)
+        tuned[1, i] = min(np.sqrt(variance), untuned) if is_tuned else untuned
+        tuned[2, i] = noise if is_known else np.float32(np.inf)
+
+
+def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:
     """(S,) energy of noise in a scale's responses, of what the noise of single pixels gives."""
-    if not is_sure.any():
+    if not scatter.shape[1]:
         return np.maximum(calm_ratio, 1.0)
-    limit = _SCATTER_FACTOR * np.median(scatter[:, is_sure], axis=1)
+    limit = _SCATTER_FACTOR * np.median(scatter, axis=1)
     return np.maximum(np.minimum(calm_ratio, limit), 1.0)
 
 
@@ -132,8 +185,8 @@ def updated_probability(prior: Array, noise_variance: Array) -> Array:
 
     Where noise alone moves a disparity by much, it may as well have made the pair.
     """
-    with np.errstate(divide="ignore"):
-        odds = np.log(prior) - np.log1p(-prior)
     noise = np.clip(noise_variance, _LEAST_NOISE, _MOST_NOISE)
-    odds += np.nan_to_num(_NOISE_ODDS * np.log(noise / _NOISE_OF_EVEN_ODDS))
-    return np.asarray(1.0 / (1.0 + np.exp(-odds)))
+    # Where no filter is wide enough to tell, the odds stay as they are.
+    ratio = np.nan_to_num((noise / _NOISE_OF_EVEN_ODDS) ** -_NOISE_ODDS, nan=1.0)
+    wrong = (1.0 - prior) * ratio
+    return np.asarray(prior / (prior + wrong))
