@@ -1,16 +1,37 @@
 """The dense cloud of many views: one point per cell, as sure as its views make it."""
 
+from itertools import product
+
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from recon.records import PointCloud
-from recon.surface.depth import DepthMap
+from recon.surface.depth import DepthMap, Floats
+from recon.voxelmap.table import CellTable, Rows, Slots, find_or_add
 
 Array = NDArray[np.float64]
-_MOST_ROWS = 4_000_000
-"""Rows that wait before they are put together."""
-_REACH = 2**20
-_BITS = 21
+Numbers = NDArray[np.int64]
+
+_CELL = np.dtype(
+    [
+        ("index", np.int32, (3,)),
+        ("last_view", np.int32),
+        ("num_pixels", np.int32),
+        ("num_views", np.int32),
+        ("num_agreeing", np.int32),
+        ("weight", np.float32),
+        ("place", np.float32, (3,)),
+        ("colour", np.float32, (3,)),
+    ]
+)
+"""A cell: the last view that saw it, with how many pixels, and how many views did; the most views
+that agreed on a pixel; the sums over the views of weights, weighted places in the cell (in cells)
+and weighted colours."""
+
+_NEAR_SQ = 0.25
+"""Square of the distance, in cells, up to which a point is as good as at the place asked for."""
 
 
 class CellCloud:
@@ -24,62 +45,108 @@ class CellCloud:
 
     def __init__(self, cell: float) -> None:
         self.cell = cell
-        self._codes: list[NDArray[np.int64]] = []
-        self._sums: list[Array] = []
+        self._table = CellTable(_CELL)
+        self._num_views = 0
 
     def add(self, view: DepthMap) -> None:
         """Take the points of a view."""
         mask = view.valid_mask
-        points, weight = view.points(mask), 1.0 / view.sigma[mask].astype(np.float64) ** 2
-        agreeing = np.ones(len(points)) if view.num_views is None else view.num_views[mask]
-        columns = [weight, np.ones(len(points)), agreeing]
-        columns += [*(points * weight[:, None]).T, *(view.colours[mask] * weight[:, None]).T]
-        codes, sums = _merged(self._code(points), np.stack(columns, axis=1))
-        # Errors of one view go together: its points in a cell are as sure as one of them.
-        sums[:, 0] /= sums[:, 1]
-        sums[:, 3:] /= sums[:, 1:2]
-        sums[:, 1] = 1.0
-        self._codes.append(codes)
-        self._sums.append(sums)
-        if sum(map(len, self._codes)) > _MOST_ROWS:
-            self._put_together()
+        places = view.points(mask) / self.cell
+        self._num_views += 1
+        rows = self._rows_of(places)
+        agreeing = np.ones(mask.shape, np.uint8) if view.num_views is None else view.num_views
+        weights = 1.0 / view.sigma[mask] ** 2
+        seen = places, weights, view.colours[mask], agreeing[mask]
+        _add(self._table.rows, rows, *seen)
 
     def cloud(self) -> PointCloud:
         """The points (world), with sigma, and `views`: how many views agree on each."""
-        if not self._codes:
-            nothing = np.zeros((0, 3))
-            return PointCloud(
-                points=nothing, colours=nothing.astype(np.uint8), sigma=np.zeros(0),
-                attributes={"views": np.zeros(0, np.uint8)},
-            )  # fmt: skip
-        self._put_together()
-        weight, count, agreeing, *means = self._sums[0].T
-        x, y, z, red, green, blue = (mean / weight for mean in means)
-        views = np.maximum(count, agreeing).clip(0, 255)
+        cells = self._table.used
+        weight = cells["weight"].astype(np.float64)[:, None]
+        views = np.maximum(cells["num_views"], cells["num_agreeing"]).clip(0, 255)
         return PointCloud(
-            points=np.stack([x, y, z], axis=1),
-            colours=np.rint(np.stack([red, green, blue], axis=1)).clip(0, 255).astype(np.uint8),
-            sigma=1.0 / np.sqrt(weight),
+            points=(cells["index"] + cells["place"] / weight) * self.cell,
+            colours=np.rint(cells["colour"] / weight).clip(0, 255).astype(np.uint8),
+            sigma=1.0 / np.sqrt(weight[:, 0]),
             attributes={"views": views.astype(np.uint8)},
         )
 
-    def _code(self, points: Array) -> NDArray[np.int64]:
-        x, y, z = np.floor(points / self.cell).astype(np.int64).T + _REACH
-        codes: NDArray[np.int64] = (x << 2 * _BITS) + (y << _BITS) + z
-        return codes
+    def colours_at(self, points: Array) -> NDArray[np.uint8]:
+        """(N, 3) colours of the points nearest to some on the surface (N, 3), by distance."""
+        places = points / self.cell
+        index = np.floor(places).astype(np.int32)
+        sums, weights = np.zeros((len(points), 3)), np.zeros(len(points))
+        for step in product((-1, 0, 1), repeat=3):
+            rows = self._table.find(index + np.array(step, np.int32))
+            near = np.flatnonzero(rows >= 0)
+            cells = self._table.rows[rows[near]]
+            means = cells["place"] / cells["weight"][:, None]
+            away = cells["index"] + means - places[near]
+            share = cells["weight"] / (_NEAR_SQ + (away**2).sum(axis=1))
+            weights[near] += share
+            sums[near] += cells["colour"] * (share / cells["weight"])[:, None]
+        lost = np.flatnonzero(weights == 0)
+        if len(lost):
+            cloud = self.cloud()
+            nearest = cKDTree(cloud.points).query(points[lost])[1]
+            sums[lost], weights[lost] = cloud.colours[nearest], 1.0
+        colours: NDArray[np.uint8] = np.rint(sums / weights[:, None]).clip(0, 255).astype(np.uint8)
+        return colours
 
-    def _put_together(self) -> None:
-        codes, sums = _merged(np.concatenate(self._codes), np.concatenate(self._sums))
-        self._codes, self._sums = [codes], [sums]
+    def _rows_of(self, places: Array) -> Numbers:
+        """The row of each place's cell (N,), which has counted its pixels."""
+        rows = np.empty(len(places), np.int64)
+        done = 0
+        while done < len(places):
+            done, num = _count(*self._table.arrays, places, self._num_views, done, rows)
+            self._table.num_rows = num
+            if self._table.is_full:
+                self._table.grow()
+        return rows
 
 
-def _merged(codes: NDArray[np.int64], rows: Array) -> tuple[NDArray[np.int64], Array]:
-    """Sums of the rows of each cell; of column 2 the largest value."""
-    order = np.argsort(codes, kind="stable")
-    codes, rows = codes[order], rows[order]
-    first = np.flatnonzero(np.diff(codes, prepend=-1))
-    if not len(first):
-        return codes, rows
-    sums = np.add.reduceat(rows, first, axis=0)
-    sums[:, 2] = np.maximum.reduceat(rows[:, 2], first)
-    return codes[first], sums
+@njit(cache=True, nogil=True)
+def _count(
+    slots: Slots, cells: Rows, num: int, places: Array, view: int, first: int, rows: Numbers
+) -> tuple[int, int]:
+    """Count pixels in their cells, until the table is full; the next one, and the cells there are.
+
+    Places are counted in cells.
+    """
+    for k in range(first, len(places)):
+        if num == len(cells):
+            return k, num
+        x, y, z = np.floor(places[k, 0]), np.floor(places[k, 1]), np.floor(places[k, 2])
+        row, num = find_or_add(slots, cells, num, (int(x), int(y), int(z)))
+        rows[k] = row
+        cell = cells[row]
+        if cell.last_view != view:
+            cell.last_view = view
+            cell.num_pixels = 0
+            cell.num_views += 1
+        cell.num_pixels += 1
+    return len(places), num
+
+
+@njit(cache=True, nogil=True)
+def _add(
+    cells: Rows,
+    rows: Numbers,
+    places: Array,
+    weights: Floats,
+    colours: NDArray[np.uint8],
+    agreeing: NDArray[np.uint8],
+) -> None:
+    """Add what pixels say to their cells.
+
+    Errors of one view go together: its pixels in a cell are as sure as one of them.
+    """
+    for k in range(len(rows)):
+        cell = cells[rows[k]]
+        weight = weights[k] / np.float32(cell.num_pixels)
+        cell.weight += weight
+        cell.num_agreeing = max(cell.num_agreeing, np.int32(agreeing[k]))
+        for axis in range(3):
+            place = np.float32(places[k, axis] - cell.index[axis])
+            cell.place[axis] += weight * place
+            cell.colour[axis] += weight * np.float32(colours[k, axis])

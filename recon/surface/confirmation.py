@@ -99,18 +99,23 @@ def _ask(  # noqa: PLR0913 - two views and the motion between them
 ) -> None:
     """Count for every pixel whether another view agrees, disagrees, and looks."""
     focal, cx, cy = camera
-    R, t = T_other_view[:3, :3].copy(), T_other_view[:3, 3].copy()
+    T = T_other_view
     for v in range(depth.shape[0]):
         for u in range(depth.shape[1]):
-            z = depth[v, u]
+            z = np.float64(depth[v, u])
             if not np.isfinite(z):
                 continue
             x, y = (u - cx) / focal * z, (v - cy) / focal * z
-            point = R[:, 0] * x + R[:, 1] * y + R[:, 2] * z + t
+            point = (
+                T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+                T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+                T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+            )
             row, column = _pixel(point, other_camera, other_depth.shape)
             if row >= 0 and np.isfinite(other_depth[row, column]):
                 difference = other_depth[row, column] - point[2]
-                limit = _NUM_SIGMAS * np.hypot(sigma[v, u], other_sigma[row, column])
+                a, b = sigma[v, u], other_sigma[row, column]
+                limit = _NUM_SIGMAS * np.sqrt(a * a + b * b)
                 counts[0, v, u] += abs(difference) <= limit
                 counts[1, v, u] += difference > limit
                 counts[2, v, u] += difference >= -limit
@@ -118,7 +123,7 @@ def _ask(  # noqa: PLR0913 - two views and the motion between them
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _pixel(
-    point: NDArray[np.float64], camera: tuple[float, float, float], shape: tuple[int, int]
+    point: tuple[float, float, float], camera: tuple[float, float, float], shape: tuple[int, int]
 ) -> tuple[int, int]:
     """Row and column in which a camera sees a point; -1 where it does not."""
     focal, cx, cy = camera

@@ -1,7 +1,7 @@
 """From the disparities of pairs to one surface: confirmed, fused, meshed."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -80,8 +80,8 @@ class Fusion:
         cells = self._cells or CellCloud(1.0)
         mesh = None
         if self.settings.mesh:
-            fused = self._volume.mesh() if self._volume else Mesh.none()
-            mesh = self._closed(without_floaters(fused))
+            fused = without_floaters(self._volume.mesh()) if self._volume else Mesh.none()
+            mesh = self._closed(replace(fused, colours=cells.colours_at(fused.vertices)))
         return self._surface(cells.cloud(), mesh, self._num_confirmed / max(self._num_known, 1))
 
     def _fuse(self, views: Iterable[DepthMap]) -> None:
