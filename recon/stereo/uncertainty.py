@@ -50,10 +50,10 @@ _WHOLE, _INFORMATION, _TRUST = 0, 1, 2
 class Tuning:
     """Sub-pixel refinement of whole-pixel disparities (N,)."""
 
-    change_px: Array
+    change_px: Floats
     """To be added; 0 where nothing is known."""
-    sigma_px: Array
-    noise_variance: Array
+    sigma_px: Floats
+    noise_variance: Floats
     """Squared pixels that the images' noise alone makes of the change; infinite where the
     phase tells nothing, NaN where no filter is wide enough to tell."""
 
@@ -74,10 +74,10 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
         Pairs that are likely right: what their channels disagree by limits the noise, too.
     """
     if not len(white):
-        nothing = np.zeros(sums.shape[1])
+        nothing = np.zeros(sums.shape[1], np.float32)
         return Tuning(
             change_px=nothing,
-            sigma_px=nothing + UNTUNED_SIGMA_PX,
+            sigma_px=nothing + np.float32(UNTUNED_SIGMA_PX),
             noise_variance=np.full_like(nothing, np.nan),
         )
     num = sums.shape[1]
@@ -161,7 +161,7 @@ def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:
     if not scatter.shape[1]:
         return np.maximum(calm_ratio, 1.0)
     limit = _SCATTER_FACTOR * np.median(scatter, axis=1)
-    return np.maximum(np.minimum(calm_ratio, limit), 1.0)
+    return np.asarray(np.maximum(np.minimum(calm_ratio, limit), 1.0), dtype=np.float64)
 
 
 def white_energies(
@@ -180,7 +180,7 @@ def calm_ratios(left: Features, right: Features, scales: Integers) -> Array:
     return np.asarray(0.5 * (both[0] + both[1]), dtype=np.float64)
 
 
-def updated_probability(prior: Array, noise_variance: Array) -> Array:
+def updated_probability(prior: Array, noise_variance: Floats) -> Array:
     """Probability that pairs are right, by what matching says and by what noise makes of nothing.
 
     Where noise alone moves a disparity by much, it may as well have made the pair.

@@ -87,11 +87,14 @@ class CellCloud:
             sums[near] += cells["colour"] * (share / cells["weight"])[:, None]
         lost = np.flatnonzero(weights == 0)
         if len(lost):
-            cloud = self.cloud()
-            nearest = cKDTree(cloud.points).query(points[lost])[1]
-            sums[lost], weights[lost] = cloud.colours[nearest], 1.0
+            sums[lost], weights[lost] = self._nearest_colours(points[lost]), 1.0
         colours: NDArray[np.uint8] = np.rint(sums / weights[:, None]).clip(0, 255).astype(np.uint8)
         return colours
+
+    def _nearest_colours(self, points: Array) -> NDArray[np.uint8]:
+        cloud = self.cloud()
+        assert cloud.colours is not None
+        return cloud.colours[cKDTree(cloud.points).query(points)[1]]
 
     def _rows_of(self, places: Array) -> Numbers:
         """The row of each place's cell (N,), which has counted its pixels."""
