@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from recon.stereo.dense.cost import Search
 from recon.stereo.dense.holes import filled_behind, without_specks
 from recon.stereo.dense.paths import Penalties, aggregate
+from recon.stereo.dense.peers import confirmed_three_ways, three_ways
 from recon.stereo.dense.surfaces import median, smooth
+from scenes import step_pair
 
 NAN = np.float32(np.nan)
 
@@ -113,3 +116,17 @@ def test_a_hole_that_nothing_round_agrees_with_stays():
     disparity = np.full((3, 9), NAN)
     disparity[1, 0] = 5
     assert np.isfinite(filled_behind(disparity, 8)).sum() == 1
+
+
+def test_the_right_image_has_to_choose_alike_where_opencv_matches():
+    left, right, truth = step_pair()
+    # The wall beside the square is hidden from the right camera.
+    hidden = np.zeros(truth.shape, bool)
+    hidden[34:86, 73:79] = True
+    search = Search(0, 16)
+    alone, confirmed = three_ways(left, right, search), confirmed_three_ways(left, right, search)
+    kept = np.isfinite(confirmed)
+    np.testing.assert_array_equal(confirmed[kept], alone[kept])
+    wrong = [np.abs(found - truth) > 1 for found in (alone, confirmed)]
+    assert wrong[1].sum() <= 0.8 * wrong[0].sum()
+    assert kept[~hidden].mean() > 0.9 * np.isfinite(alone[~hidden]).mean()

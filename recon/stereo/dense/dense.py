@@ -19,7 +19,7 @@ from recon.stereo.dense.choice import Choice, choose
 from recon.stereo.dense.cost import UNIT, Search, cost_volume
 from recon.stereo.dense.holes import filled_behind, without_specks
 from recon.stereo.dense.paths import Penalties, aggregate
-from recon.stereo.dense.peers import three_ways
+from recon.stereo.dense.peers import confirmed_three_ways
 from recon.stereo.dense.surfaces import median, smooth
 from recon.stereo.exposure import with_gain_of
 from recon.stereo.kernels.simd import Floats
@@ -58,8 +58,8 @@ def match_dense(
     min_disparity, max_disparity : int
         Both ends of the search, included.
     quality : {"best", "fast"}
-        `fast` takes OpenCV's StereoSGBM (MODE_SGBM_3WAY) for the matching itself; smoothing,
-        filling and sigma are recon's.
+        `fast` takes OpenCV's StereoSGBM (MODE_SGBM_3WAY) for the matching itself, from both sides;
+        confirmation, smoothing, filling and sigma are recon's.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def _semi_global(left: Grey, right: Grey, search: Search, settings: DenseSetting
 
 
 def _opencv(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
-    patches = without_specks(three_ways(left, right, search), settings.speck_px)
+    patches = without_specks(confirmed_three_ways(left, right, search), settings.speck_px)
     smoothed = smooth(patches, left)
     return _with_sigma(smoothed.disparity_px, uncertainty.of_image(smoothed.spread_px, left))
 

@@ -1,6 +1,7 @@
 """OpenCV's matchers of every pixel: the peers of the dense stage, and its fast way."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import cv2
@@ -9,11 +10,14 @@ from numpy.typing import NDArray
 
 from recon.stereo.dense.cost import Search
 from recon.stereo.kernels.simd import Floats
+from recon.stereo.kernels.threads import run
 
 Grey = NDArray[np.uint8]
 
 _BLOCK_PX = 3
 _BM_BLOCK_PX = 15
+_TOLERANCE_PX = 1
+"""Disparities of both images may differ by this."""
 _FIXED_POINT = 16.0
 SIGMA_PX = np.float32(0.25)
 """Standard deviation of their right disparities, measured on recorded pairs with truth."""
@@ -22,6 +26,22 @@ SIGMA_PX = np.float32(0.25)
 def three_ways(left: Grey, right: Grey, search: Search) -> Floats:
     """StereoSGBM along three directions, whose volume stays small."""
     return _sgbm(cv2.StereoSGBM_MODE_SGBM_3WAY)(left, right, search)
+
+
+def confirmed_three_ways(left: Grey, right: Grey, search: Search) -> Floats:
+    """The same, where the right image, matched by itself, chooses alike to a pixel.
+
+    OpenCV's own check reads the right image's choice off the left one's costs, and keeps more that
+    is wrong.
+    """
+    turned = np.ascontiguousarray(right[:, ::-1]), np.ascontiguousarray(left[:, ::-1])
+    tasks = [partial(three_ways, a, b, search) for a, b in ((left, right), turned)]
+    ours, theirs = run(tasks)
+    columns = np.arange(left.shape[1]) - np.rint(np.nan_to_num(ours)).astype(np.intp)
+    columns = columns.clip(0, left.shape[1] - 1)
+    back = np.take_along_axis(theirs[:, ::-1], columns, axis=1)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(back - ours) <= _TOLERANCE_PX, ours, np.float32(np.nan))
 
 
 def _sgbm(mode: int) -> Callable[[Grey, Grey, Search], Floats]:

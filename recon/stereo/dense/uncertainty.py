@@ -39,7 +39,7 @@ def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
     A window of N pixels with noise of n grey levels and a slope of s levels per pixel tells the
     disparity no better than ``n / (s sqrt N)``.
     """
-    return _bounded(np.hypot(1.45 * (0.03 + spread_px) ** 0.7, _least(grey, _NOISE)))
+    return _bounded(np.hypot(1.3 * (0.03 + spread_px) ** 0.7, _least(grey, _NOISE)))
 
 
 def _least(grey: NDArray[np.uint8], noise: float) -> Floats:
