@@ -1,6 +1,7 @@
 """Meshes closed, by surface that nobody saw."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,10 @@ def watertight(mesh: Mesh) -> Mesh:
     found, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
         cloud, depth=_POISSON_DEPTH, n_threads=1
     )
-    return with_normals(capped(_from_open3d(found)))
+    closed = _from_open3d(found)
+    if mesh.colours is None:  # Poisson makes them black then
+        closed = replace(closed, colours=None)
+    return with_normals(capped(closed))
 
 
 def border_edges(mesh: Mesh) -> Edges:
