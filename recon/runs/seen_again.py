@@ -15,6 +15,7 @@ from recon.world.world import World
 
 RECORDED, SIMULATED = "reconstruct", "explore"
 """Commands whose runs have poses, and images that can be had again."""
+_SOURCES = {RECORDED: "recording", SIMULATED: "scene"}
 
 
 class SeenAgain:
@@ -90,5 +91,6 @@ def _source(run: Path) -> Path:
     sources = read_manifest(run).get("sources") or [""]
     path = Path(sources[0])
     if not sources[0] or not path.exists():
-        raise InputError(f"what {run} was made of is not at {str(path)!r}: give --recording PATH")
+        named = _SOURCES[_command(run)]
+        raise InputError(f"the {named} of {run} is not at {str(path)!r}: give --recording PATH")
     return path
