@@ -17,6 +17,8 @@ log = logging.getLogger(__name__)
 _POINTS = ("points", "xyz", "pos", "positions", "vertices", "pc", "point_cloud", "pointcloud")
 _COLOURS = ("colours", "colors", "rgb", "colour", "color")
 _NORMALS = ("normals", "normal")
+_MOST_COLUMNS = 16
+"""That three or four points may have without being columns themselves."""
 
 
 def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
@@ -62,6 +64,10 @@ def _points(arrays: Mapping[str, NDArray[Any]]) -> str | None:
 
 def _split(name: str, values: NDArray[Any], names: tuple[str, ...]) -> Columns:
     """The columns of an array; what stands behind the three is told by its range."""
+    if names == XYZ and len(values) in (3, 4) and values.shape[1] > _MOST_COLUMNS:
+        raise InputError(
+            f"{name} has shape {values.shape}, but one row per point is needed: transpose it"
+        )
     if values.shape[1] < len(names):
         raise InputError(f"{name} has shape {values.shape}, but (N, 3) is needed")
     if names == XYZ and values.shape[1] > len(XYZ):

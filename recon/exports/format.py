@@ -3,15 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from recon.exports.columns import Columns, columns_of, from_columns
 from recon.exports.numbers import drop_columns
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned
 from recon.records import Crs, Mesh, PointCloud, Voxels
-from recon.voxelmap import VoxelMap
 
-Data = PointCloud | Voxels | VoxelMap | Mesh
+if TYPE_CHECKING:  # maps bring their kernels, which tables of points do without
+    from recon.voxelmap import VoxelMap
+
+Data: TypeAlias = "PointCloud | Voxels | VoxelMap | Mesh"
 Up = Literal["y", "z"]
 
 
@@ -19,7 +21,7 @@ Up = Literal["y", "z"]
 class Format:
     """Reading and writing of files of one ending; data has y up on this side of it."""
 
-    read: Callable[..., PointCloud | Voxels | VoxelMap] | None = None
+    read: "Callable[..., PointCloud | Voxels | VoxelMap] | None" = None
     """Path, and the `options` by name. None where it holds neither a map nor a cloud."""
     write: Callable[[Path, Any], None] | None = None
     """None where it is only read."""

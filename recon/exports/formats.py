@@ -1,11 +1,13 @@
 """All formats by ending: one table, one function to write and one to read."""
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import TypeIs
 
 from recon.errors import InputError
 from recon.exports.format import Data, Format, Up
@@ -15,7 +17,9 @@ from recon.files import PathLike, check_name, check_regular
 from recon.notices import notify
 from recon.plugins import Registry
 from recon.records import Mesh, PointCloud, Voxels
-from recon.voxelmap import VoxelMap
+
+if TYPE_CHECKING:  # maps bring their kernels, which tables of points do without
+    from recon.voxelmap import VoxelMap
 
 Box = tuple[Sequence[float], Sequence[float]]
 """Low and high corner (3,), world."""
@@ -93,7 +97,7 @@ def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None =
             raise InputError(f"{path}: a format that holds no triangles; give --sample N")
         form.write_mesh(Path(path), data)
         return
-    if isinstance(data, VoxelMap) and VoxelMap not in form.takes:
+    if is_map(data) and not isinstance(data, form.takes):
         data = data.occupied(min_count=1)
     if form.write is None or not isinstance(data, form.takes):
         raise InputError(f"{path}: {_cannot_hold(form, data)}")
@@ -108,9 +112,15 @@ def _cannot_hold(form: Format, data: Data) -> str:
     return f"a format for {holds} cannot hold {kind}"
 
 
+def is_map(data: Data) -> "TypeIs[VoxelMap]":
+    """Tell a map from other data; where its room is not loaded yet, there is none."""
+    room = sys.modules.get("recon.voxelmap")
+    return room is not None and isinstance(data, room.VoxelMap)
+
+
 def len_of(data: Data) -> int:
-    """How many points, cells or triangles there are."""
-    return data.num_cells if isinstance(data, VoxelMap) else len(data)
+    """Number of points, cells or triangles."""
+    return data.num_cells if is_map(data) else len(data)
 
 
 def read(
@@ -119,7 +129,7 @@ def read(
     columns: Sequence[str] | None = None,
     sample: int | None = None,
     seed: int = 0,
-) -> PointCloud | Voxels | VoxelMap:
+) -> "PointCloud | Voxels | VoxelMap":
     """Read a cloud, cells or a map, with y up, by the ending of `path`.
 
     Parameters
@@ -152,7 +162,7 @@ def read_silently(
     columns: Sequence[str] | None = None,
     sample: int | None = None,
     seed: int = 0,
-) -> PointCloud | Voxels | VoxelMap:
+) -> "PointCloud | Voxels | VoxelMap":
     """The same as `read`, without a word on how it was turned."""
     form = _readable(path)
     rng = np.random.default_rng(seed)
@@ -188,10 +198,10 @@ def _named(path: PathLike, reader: Any, **given: Any) -> Any:
 
 
 def _drawn(
-    data: PointCloud | Voxels | VoxelMap, num: int, rng: np.random.Generator
+    data: "PointCloud | Voxels | VoxelMap", num: int, rng: np.random.Generator
 ) -> PointCloud | Voxels:
     """Some points or cells, in the order they had."""
-    rows = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    rows = data.occupied(min_count=1) if is_map(data) else data
     if num >= len(rows):
         return rows
     return rows.select(np.sort(rng.choice(len(rows), num, replace=False)))
@@ -219,7 +229,7 @@ def read_mesh(path: PathLike) -> Mesh:
 
 
 @overload
-def _inside(data: VoxelMap, low: Any, high: Any) -> VoxelMap: ...
+def _inside(data: "VoxelMap", low: Any, high: Any) -> "VoxelMap": ...
 
 
 @overload
@@ -227,7 +237,7 @@ def _inside(data: Data, low: Any, high: Any) -> Data: ...
 
 
 def _inside(data: Data, low: NDArray[np.float64], high: NDArray[np.float64]) -> Data:
-    if isinstance(data, VoxelMap):
+    if is_map(data):
         return data.cropped(low, high)
     if isinstance(data, Mesh):
         is_kept: Any = ((data.vertices >= low) & (data.vertices <= high)).all(axis=1)
@@ -237,4 +247,4 @@ def _inside(data: Data, low: NDArray[np.float64], high: NDArray[np.float64]) -> 
 
 
 def _cells_of(data: Data) -> PointCloud | Voxels | Mesh:
-    return data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    return data.occupied(min_count=1) if is_map(data) else data

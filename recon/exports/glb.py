@@ -37,6 +37,7 @@ def write(path: Path, data: PointCloud | Voxels) -> None:
 
 def write_mesh(path: Path, mesh: Mesh) -> None:
     """Write triangles in the colours of their vertices."""
+    drop_columns([*mesh.attributes], path)
     _write(
         path,
         mesh.vertices,

@@ -1,4 +1,4 @@
-"""Triangles as STL, OFF and GLB, and written as OBJ, by trimesh."""
+"""Triangles as STL, OFF and GLB, by trimesh."""
 
 import io
 import logging
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import measured
 from recon.exports.format import Format
+from recon.exports.numbers import drop_columns
 from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra
 from recon.notices import notify
@@ -20,7 +21,7 @@ from recon.records import Mesh, PointCloud
 _STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
 _COPIES = 10.0
 
-_EXPORTS: dict[str, dict[str, Any]] = {"obj": {"digits": 17, "header": None}, "off": {"digits": 17}}
+_EXPORTS: dict[str, dict[str, Any]] = {"off": {"digits": 17}}
 
 
 def read_mesh(path: Path) -> Mesh:
@@ -139,7 +140,7 @@ def _one_line(error: BaseException) -> str:
 
 
 def write_mesh(path: Path, mesh: Mesh) -> None:
-    """Write a mesh as OBJ with the colours of its vertices, STL or OFF.
+    """Write a mesh as STL or OFF.
 
     Raises
     ------
@@ -149,6 +150,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
     ending = path.suffix.lower().removeprefix(".")
     if ending == "stl":
         _check_precision(path, mesh)
+    drop_columns([*mesh.attributes], path)
     trimesh = load_extra("trimesh", "mesh")
     shape = trimesh.Trimesh(
         vertices=mesh.vertices, faces=mesh.triangles, vertex_colors=mesh.colours, process=False

@@ -1,6 +1,6 @@
-"""The vertices and faces of an OBJ file (Wavefront), with the colours that stand behind places."""
+"""The vertices and faces of an OBJ file (Wavefront), with colours of places or of materials."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
-from recon.exports.meshes import write_mesh
-from recon.exports.numbers import parsed
+from recon.exports.materials import material_names, painted, read_colours, write_materials
+from recon.exports.numbers import drop_columns, parsed
 from recon.exports.triangles import Faces, check_faces, mesh_of
-from recon.files import check_memory
+from recon.files import atomic_path, check_memory
 from recon.records import Mesh
 
 _COPIES = 10.0
@@ -26,6 +26,9 @@ class _Lines:
 
     places: list[bytes] = field(default_factory=list)
     faces: list[NDArray[np.int64]] = field(default_factory=list)
+    libraries: list[str] = field(default_factory=list)
+    materials: list[str | None] = field(default_factory=list)
+    """Of every face."""
 
 
 def read(path: Path) -> Columns:
@@ -46,17 +49,38 @@ def read_mesh(path: Path) -> Mesh:
 
 def _read(path: Path) -> tuple[Columns, Faces]:
     check_memory(path, _COPIES * path.stat().st_size)
-    lines = _Lines()
-    for line in path.read_bytes().replace(b"\\\n", b" ").splitlines():
-        words = line.split()
-        if words and words[0] == b"v":
-            lines.places.append(line.partition(b"v")[2])
-        elif words and words[0] == b"f":
-            lines.faces.append(_face(words[1:], len(lines.places)))
+    lines = _lines(path.read_bytes().replace(b"\r\n", b"\n").replace(b"\\\n", b" "))
     if not lines.places:
         raise InputError("not an OBJ file (it holds no vertices)")
     check_faces(lines.faces, len(lines.places))
-    return _columns(parsed(lines.places, None)), lines.faces
+    columns = _columns(parsed(lines.places, None))
+    return (columns if "red" in columns else columns | _painted(path, lines)), lines.faces
+
+
+def _lines(content: bytes) -> _Lines:
+    lines = _Lines()
+    material = None
+    for line in content.splitlines():
+        key, _, rest = line.strip().replace(b"\t", b" ").partition(b" ")
+        if key == b"v":
+            lines.places.append(rest)
+        elif key == b"f":
+            lines.faces.append(_face(rest.split(), len(lines.places)))
+            lines.materials.append(material)
+        elif key == b"mtllib":
+            lines.libraries.append(rest.strip().decode("utf-8", "replace"))
+        elif key == b"usemtl":
+            material = rest.strip().decode("utf-8", "replace")
+    return lines
+
+
+def _painted(path: Path, lines: _Lines) -> Columns:
+    """Colours by material, where all vertices have one."""
+    if not lines.libraries:
+        return {}
+    colours = read_colours(path, lines.libraries)
+    values = painted(len(lines.places), lines.faces, lines.materials, colours)
+    return {} if values is None else dict(zip(RGB, values.T, strict=True))
 
 
 def _face(words: Sequence[bytes], num_vertices: int) -> NDArray[np.int64]:
@@ -81,6 +105,34 @@ def _columns(values: NDArray[np.float64]) -> Columns:
 def _has_faces(path: Path) -> bool:
     with path.open("rb") as file:
         return any(line.startswith((b"f ", b"f\t")) for line in file)
+
+
+def write_mesh(path: Path, mesh: Mesh) -> None:
+    """Write vertices with their colours and triangles, and a .mtl of plain colours beside it.
+
+    Some programs read the colours of vertices, others those of materials.
+    """
+    drop_columns([*mesh.attributes], path)
+    rows = mesh.vertices
+    names: list[str] = []
+    if mesh.colours is not None:
+        rows = np.column_stack([rows, mesh.colours / 255.0])
+        names = material_names(mesh)
+        write_materials(path.with_suffix(".mtl"), names)
+    with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.write(f"mtllib {path.with_suffix('.mtl').name}\n" if names else "")
+        file.writelines(f"v {' '.join(map(repr, row))}\n" for row in rows.tolist())
+        file.writelines(_triangle_lines(mesh, names))
+
+
+def _triangle_lines(mesh: Mesh, names: Sequence[str]) -> Iterator[str]:
+    """The triangles in their order, each after its material where that is another."""
+    last = None
+    for number, (a, b, c) in enumerate((mesh.triangles + 1).tolist()):
+        if names and names[number] != last:
+            last = names[number]
+            yield f"usemtl {last}\n"
+        yield f"f {a} {b} {c}\n"
 
 
 FORMAT: Format = table(read, None, mesh=(read_mesh, write_mesh, _has_faces))

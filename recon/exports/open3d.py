@@ -7,7 +7,6 @@ import numpy as np
 from recon.exports.columns import RGB, XYZ, Columns, columns_of, from_columns
 from recon.libraries import load_open3d
 from recon.records import PointCloud, Voxels
-from recon.voxelmap.table import order_of
 
 
 def as_point_cloud(data: PointCloud | Voxels) -> Any:
@@ -37,6 +36,8 @@ def of_voxel_grid(grid: Any) -> Voxels:
 
     A grid that is not anchored at 0 is moved by less than half a cell.
     """
+    from recon.voxelmap.table import order_of
+
     low = np.rint(np.asarray(grid.origin) / grid.voxel_size).astype(np.int64)
     cells = grid.get_voxels()
     index = low + np.array([cell.grid_index for cell in cells], np.int64).reshape(-1, 3)

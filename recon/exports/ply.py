@@ -110,6 +110,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
         columns |= zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)
     if mesh.colours is not None:
         columns |= zip(RGB, mesh.colours.T, strict=True)
+    columns |= {name: v for name, v in mesh.attributes.items() if name not in columns}
     faces = np.empty(len(mesh), [("length", "u1"), ("triangle", "<i4", 3)])
     faces["length"], faces["triangle"] = 3, mesh.triangles
     _write(path, columns, faces)

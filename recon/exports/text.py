@@ -1,6 +1,7 @@
 """Points as rows of text (.xyz .txt .asc .csv .pts), columns told by a header or by range."""
 
-import re
+import codecs
+import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import XYZ, Columns
 from recon.exports.format import Format, table
+from recon.exports.headings import heading
 from recon.exports.numbers import drop_columns, held_columns, leave_out, parsed
 from recon.files import atomic_path, check_memory
 
@@ -19,7 +21,6 @@ _COMMENTS = (b"#", b"//", b"%", b"!")
 _SEPARATORS = (";", ",", "\t")
 _SKIPPED = "_"
 _HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
-_WORD = re.compile(r"[^\s,;]+")
 _RGB = ("red", "green", "blue")
 _NORMAL = ("nx", "ny", "nz")
 _CHUNK_ROWS = 1 << 16
@@ -77,35 +78,45 @@ def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
 
 
 def _split(content: bytes) -> _Table:
-    lines = [line.strip() for line in content.removeprefix(b"\xef\xbb\xbf").splitlines()]
+    lines = [line.strip() for line in _utf8(content).splitlines()]
     lines = [line for line in lines if line]
     comments = [line for line in lines[:100] if line.startswith(_COMMENTS)]
     rows = [line for line in lines if not line.startswith(_COMMENTS)]
-    names = next((n for line in reversed(comments) if (n := _header_names(line))), None)
+    names = next((n for line in reversed(comments) if (n := heading(line))), None)
     claimed = None
     if rows and rows[0].isdigit() and len(rows[0]) < 16:
         claimed, rows = int(rows[0]), rows[1:]
-    if rows and (first := _header_names(rows[0])):
+    if rows and (first := heading(rows[0])):
         names, rows = first, rows[1:]
     separator = next((s for s in _SEPARATORS if rows and s.encode() in rows[0]), None)
+    if rows and b'"' in rows[0]:
+        rows = _unquoted(rows, separator)
     if separator in (";", "\t") and rows and b"," in rows[0] and b"." not in rows[0]:
         rows = [row.replace(b",", b".") for row in rows]
     return _Table(names=names, rows=rows, separator=separator, claimed=claimed)
+
+
+def _utf8(content: bytes) -> bytes:
+    """Text as spreadsheets save it: with a mark of its encoding, in 8 or 16 bits."""
+    for mark, encoding in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
+        if content.startswith(mark):
+            return content[len(mark) :].decode(encoding, "replace").encode()
+    return content.removeprefix(codecs.BOM_UTF8)
+
+
+def _unquoted(rows: Sequence[bytes], separator: str | None) -> list[bytes]:
+    """Rows without their quotation marks, and without separators between these."""
+    mark = separator or " "
+    cells = csv.reader((row.decode("latin-1") for row in rows), delimiter=mark)
+    return [mark.join(cell.replace(mark, "_") for cell in row).encode("latin-1") for row in cells]
 
 
 def names_points(path: Path) -> bool:
     """Whether the first lines of a table name x, y and z, and nothing that turns."""
     with path.open("rb") as file:
         lines = [file.readline(_MAX_LINE_BYTES) for _ in range(_HEADER_LINES)]
-    names = next((n for line in lines if (n := _header_names(line))), ())
+    names = next((n for line in _utf8(b"".join(lines)).splitlines() if (n := heading(line))), ())
     return bool(names) and not _TURNS & {name.lower() for name in names}
-
-
-def _header_names(line: bytes) -> tuple[str, ...] | None:
-    """The names in a line; None unless x, y and z are among them."""
-    text = line.decode("utf-8", "replace").lstrip("#/%! ").replace('"', "").replace("'", "")
-    words = tuple(_WORD.findall(text))
-    return words if set(XYZ) <= {word.lower() for word in words} else None
 
 
 def _values(found: _Table, names: tuple[str, ...] | None) -> tuple[NDArray[np.float64], set[int]]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.exports.columns import cloud_in
+from recon.exports.numbers import drop_columns
 from recon.records import Mesh, PointCloud
 
 Faces = NDArray[Any] | Sequence[NDArray[Any]]
@@ -35,6 +36,7 @@ def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
         triangles=triangles,
         colours=cloud.colours,
         normals=np.column_stack(normals).astype(float) if len(normals) == 3 else None,
+        attributes={n: values for n, values in cloud.attributes.items() if n not in _NORMAL},
     )
 
 
@@ -78,6 +80,7 @@ def sampled(mesh: Mesh, num: int, rng: np.random.Generator) -> PointCloud:
     areas = mesh.triangle_areas
     if not areas.sum() > 0:
         raise InputError("the triangles have no area, but points on them are asked for")
+    drop_columns([*mesh.attributes], "points on the triangles")
     rows = rng.choice(len(areas), num, p=areas / areas.sum())
     # Even in a triangle: the root of one share, and the other along it.
     root, share = np.sqrt(rng.random(num)), rng.random(num)

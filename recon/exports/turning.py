@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from recon.records import Mesh, PointCloud, Voxels
 from recon.records.clouds import NORMALS
-from recon.voxelmap.table import order_of
 
 R_ZUP_YUP: NDArray[np.int64] = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
 """Brings the world's points into the frame of a format that has z up: (x, -z, y)."""
@@ -38,6 +37,8 @@ def turned(data: Turnable, rotation: NDArray[np.int64]) -> Turnable:
 
 
 def _turned_cells(data: Voxels, rotation: NDArray[np.int64]) -> Voxels:
+    from recon.voxelmap.table import order_of
+
     index = turned_index(data.index, rotation)
     cells = replace(
         data,

@@ -15,7 +15,6 @@ from recon.exports.vtk import read_dataset
 from recon.files import atomic_path
 from recon.libraries import load_pyvista, silent
 from recon.records import PointCloud, Voxels
-from recon.voxelmap.table import order_of
 
 MAX_CELLS = 1 << 25
 """Of a block, so that a point gone astray far away does not take all memory and disk."""
@@ -122,6 +121,8 @@ def _check_whole(path: Path) -> None:
 
 def of_image(image: Any) -> Voxels:
     """The cells with points of a `pyvista.ImageData` that `as_image` made."""
+    from recon.voxelmap.table import order_of
+
     cell_size = float(image.spacing[0])
     low = np.rint(np.array(image.origin) / cell_size).astype(np.int64)
     place = np.flatnonzero(image.cell_data["counts"])

@@ -13,6 +13,7 @@ from recon.exports.columns import RGB, Columns, from_columns
 from recon.exports.format import Format, table
 from recon.files import check_memory
 from recon.libraries import load_pyvista, silent
+from recon.notices import notify
 from recon.records import PointCloud, Voxels
 
 _COPIES = 10.0
@@ -44,7 +45,7 @@ def read(path: Path) -> Columns:
     names = [name for name in list(values.keys()) if name and isinstance(name, str)]
     arrays = {_name(name, values[name]): np.asarray(values[name]) for name in names}
     columns = columns_in({"points": np.asarray(points)} | arrays)
-    return _with_value(columns) if load_pyvista().ImageData is type(mesh) else columns
+    return _with_value(columns, path) if load_pyvista().ImageData is type(mesh) else columns
 
 
 def read_dataset(path: Path) -> Any:
@@ -90,12 +91,18 @@ def _name(name: str, values: Any) -> str:
     return "rgb" if is_colour and ("rgb" in name.lower() or "col" in name.lower()) else name
 
 
-def _with_value(columns: Columns) -> Columns:
+def _with_value(columns: Columns, path: Path) -> Columns:
     """The rows where a value is neither 0 nor NaN; all where none has values."""
     values = [v for name, v in columns.items() if name not in ("x", "y", "z", *RGB)]
     if not values:
         return columns
     is_kept = np.any([np.nan_to_num(v) != 0 for v in values], axis=0)
+    if not is_kept.all():
+        notify(
+            "places-left-out",
+            f"{path}: {(~is_kept).sum()} of {len(is_kept)} places of the block hold 0 or nothing; "
+            "they are left out",
+        )
     return {name: column[is_kept] for name, column in columns.items()}
 
 

@@ -1,6 +1,7 @@
 """Surfaces: the disparity of every pixel, and triangles."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,6 +56,8 @@ class Mesh:
     """(V, 3) RGB; None where nothing is known of it."""
     normals: NDArray[np.float64] | None = None
     """(V, 3) unit vectors that point outwards; None where nothing is known of them."""
+    attributes: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
+    """(V,) what else is known of every vertex, by name."""
 
     def __post_init__(self) -> None:
         check_shape("vertices", self.vertices, (None, 3))
@@ -76,6 +79,8 @@ class Mesh:
                 raise InputError(f"colours are {self.colours.dtype}, but uint8 is needed")
         if self.normals is not None:
             check_shape("normals", self.normals, (num_vertices, 3))
+        for name, values in self.attributes.items():
+            check_shape(name, values, (num_vertices,))
 
     def __len__(self) -> int:
         return len(self.triangles)
@@ -109,10 +114,9 @@ class Mesh:
     def transformed(self, T_target_source: ArrayLike) -> "Mesh":
         """The same surface in the target frame."""
         T = np.asarray(T_target_source, dtype=np.float64)
-        return Mesh(
+        return replace(
+            self,
             vertices=transform(T, self.vertices),
-            triangles=self.triangles,
-            colours=self.colours,
             normals=None if self.normals is None else self.normals @ T[:3, :3].T,
         )
 
@@ -125,4 +129,5 @@ class Mesh:
             triangles=renumbered.reshape(-1, 3).astype(np.int32),
             colours=None if self.colours is None else self.colours[used],
             normals=None if self.normals is None else self.normals[used],
+            attributes={name: values[used] for name, values in self.attributes.items()},
         )

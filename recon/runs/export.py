@@ -71,7 +71,7 @@ def export_run(
             notify("turned-to-y-up", f"{target}: (x, y, z) of {source} is written as (x, z, -y)")
         box = selection.box and _in_world(selection.box, up_in)
         write(data, target, box=box, up=up)
-    parts = [path for path in target.rglob("*") if path.is_file()] or files
+    parts = [path for path in (*target.rglob("*"), *files) if path.is_file()]
     return {
         "output": str(target),
         "up": up_out,
@@ -97,7 +97,9 @@ def _in_world(box: Box, up: Up) -> Box:
 
 
 def _files(target: Path) -> list[Path]:
-    """Files that are written: an image and its description together, otherwise one."""
+    """Files that are written: an image and its description together, a mesh and its materials."""
+    if target.suffix.lower() == ".obj":
+        return [target, target.with_suffix(".mtl")]
     if target.suffix.lower() not in _NAV2:
         return [target]
     is_image = target.suffix.lower() == ".pgm"

@@ -1,5 +1,7 @@
 """Triangles of others: their vertices, points on them, and what is written."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -135,3 +137,62 @@ def test_colours_of_an_off_file_are_said_to_be_left_out(tmp_path):
     with collected_notices() as notices:
         assert read(tmp_path / "a.off").points.tolist() == [[1, 2, 3]]
     assert {one.code for one in notices} == {"colour-missing"}
+
+
+def test_faces_are_painted_by_the_materials_beside_an_obj(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl sea blue\nKd 0 0 .2\n")
+    text = "mtllib a.mtl\r\n" + "".join(f"v {x} 0 0\nv {x} 1 0\nv {x} 0 1\n" for x in (0, 1))
+    (tmp_path / "a.obj").write_text(text + "usemtl red\nf 1 2 3\nusemtl sea blue\nf 4 5 6\n")
+    mesh = read_mesh(tmp_path / "a.obj")
+    np.testing.assert_array_equal(mesh.colours, 3 * [[255, 0, 0]] + 3 * [[0, 0, 51]])
+    (tmp_path / "a.mtl").unlink()
+    with collected_notices() as notices:
+        assert read_mesh(tmp_path / "a.obj").colours is None
+    assert [notice.code for notice in notices] == ["colour-missing"]
+
+
+@pytest.mark.parametrize("name", ["../a.mtl", "/etc/passwd"])
+def test_materials_from_elsewhere_are_not_looked_up(tmp_path, name):
+    (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\n")
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/a.obj").write_text(
+        f"mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+    )
+    with collected_notices() as notices:
+        assert read_mesh(tmp_path / "in/a.obj").colours is None
+    assert "are not beside it" in notices[0].text
+
+
+def test_an_obj_leaves_its_colours_as_materials_too(tmp_path):
+    corners = np.eye(3)
+    mesh = Mesh(
+        vertices=np.vstack([corners, corners + 5]),
+        triangles=np.array([[0, 1, 2], [3, 4, 5]], np.int32),
+        colours=np.repeat(np.array([[255, 0, 0], [0, 0, 255]], np.uint8), 3, axis=0),
+    )
+    write(mesh, tmp_path / "a.obj")
+    again = read_mesh(tmp_path / "a.obj")
+    np.testing.assert_array_equal(again.triangles, mesh.triangles)
+    np.testing.assert_array_equal(again.colours, mesh.colours)
+    plain = re.sub(r"(?m)^(v \S+ \S+ \S+).*$", r"\1", (tmp_path / "a.obj").read_text())
+    (tmp_path / "a.obj").write_text(plain)
+    np.testing.assert_array_equal(read_mesh(tmp_path / "a.obj").colours, mesh.colours)
+
+
+def test_what_a_mesh_says_of_its_vertices_passes_through_ply_and_is_named_elsewhere(tmp_path):
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float quality\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n"
+        "0 0 0 .5\n1 0 0 .25\n0 1 0 .75\n3 0 1 2\n"
+    )
+    mesh = read_mesh(tmp_path / "a.ply")
+    with collected_notices() as notices:
+        write(mesh, tmp_path / "b.ply")
+    again = read_mesh(tmp_path / "b.ply").attributes
+    np.testing.assert_array_equal(again["quality"], np.array([0.5, 0.25, 0.75], np.float32))
+    assert not notices
+    for ending in ("obj", "stl", "glb"):
+        with collected_notices() as notices:
+            write(mesh, tmp_path / f"b.{ending}")
+        assert [(n.code, "quality" in n.text) for n in notices] == [("columns-dropped", True)]

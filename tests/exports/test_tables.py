@@ -1,9 +1,12 @@
 """Parquet, NPZ, NPY, Zarr and LAS of others; what passes from one format into another."""
 
 import logging
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+import pyvista
 
 from recon.errors import InputError
 from recon.exports import read, write
@@ -229,3 +232,28 @@ def test_an_e57_of_others(tmp_path):
     (tmp_path / "a.e57").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(InputError, match="bytes are claimed, but the file has"):
         read(tmp_path / "a.e57")
+
+
+def test_places_without_a_value_are_left_out_of_a_block_with_a_word(tmp_path):
+    block = pyvista.ImageData(dimensions=(2, 3, 4))
+    block["density"] = np.arange(24.0)
+    block.save(tmp_path / "a.vti")
+    with collected_notices() as notices:
+        assert len(read(tmp_path / "a.vti")) == 23
+    assert [notice.code for notice in notices] == ["places-left-out"]
+    assert "1 of 24 places" in notices[0].text
+
+
+def test_points_in_columns_are_refused_where_rows_are_needed(tmp_path):
+    np.save(tmp_path / "a.npy", np.arange(150.0).reshape(3, 50))
+    with pytest.raises(InputError, match=r"shape \(3, 50\).*transpose"):
+        read(tmp_path / "a.npy")
+
+
+def test_points_are_read_without_the_kernels_of_maps(tmp_path):
+    (tmp_path / "a.xyz").write_text("1 2 3\n")
+    code = (
+        "import sys, recon.exports; recon.exports.read(sys.argv[1]);"
+        "sys.exit('numba' in sys.modules or 'open3d' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.xyz")], check=True)

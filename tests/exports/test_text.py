@@ -5,6 +5,7 @@ import pytest
 
 from recon.errors import InputError
 from recon.exports import read, write
+from recon.notices import collected_notices
 from tests.exports.maps import a_cloud, same
 
 
@@ -103,3 +104,30 @@ def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
 def test_names_for_another_number_of_columns_are_refused(tmp_path):
     with pytest.raises(InputError, match="a row has 3 values, but 2 are"):
         read(text(tmp_path, "1 2 3\n"), columns=["x", "y"])
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ('"X","Y","Z","Class"\n"1.0","2.0","3.0","a tree, old"\n"4.0","5.0","6.0","car"\n', {}),
+        (",x,y,z\n0,1,2,3\n1,4,5,6\n", {"column_0": [0, 1]}),
+        ("easting,northing,elevation\n1,2,3\n4,5,6\n", {}),
+        ('"Points:0","Points:1","Points:2","t"\n1,2,3,7\n4,5,6,8\n', {"t": [7, 8]}),
+        ("X [m];Y [m];Z [m];t [s]\n1,0;2,0;3,0;7,0\n4,0;5,0;6,0;8,0\n", {"t [s]": [7, 8]}),
+    ],
+)
+def test_tables_of_spreadsheets_and_other_programs(tmp_path, text, named):
+    (tmp_path / "a.csv").write_text(text)
+    with collected_notices():
+        cloud = read(tmp_path / "a.csv")
+    np.testing.assert_array_equal(cloud.points, [[1, 2, 3], [4, 5, 6]])
+    assert {name: list(values) for name, values in cloud.attributes.items()} == named
+    (tmp_path / "a.csv").write_text(text, encoding="utf-16")
+    with collected_notices():
+        np.testing.assert_array_equal(read(tmp_path / "a.csv").points, cloud.points)
+
+
+def test_a_heading_needs_all_three_places(tmp_path):
+    (tmp_path / "a.csv").write_text("easting,northing,speed\n1,2,3\n")
+    with pytest.raises(InputError, match="'easting' is not a number"):
+        read(tmp_path / "a.csv")

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.formats import format_of, holds_mesh, read, read_mesh
+from recon.exports.formats import format_of, holds_mesh, is_map, read, read_mesh
 from recon.records import PointCloud, Voxels
 from recon.runs.description.facts import Facts, extent, spread
-from recon.voxelmap import VoxelMap, archive
 
 _MATCHES = ("points_px", "disparity_px", "sigma_px", "score")
 _FIELDS = ("weights", "num_views", "hits", "passes")
@@ -23,8 +22,8 @@ def of_points(path: Path) -> Facts:
     up = {"up_in_file": format_of(path).up}
     if isinstance(data, PointCloud):
         return {"kind": "cloud", "num_points": len(data)} | up | _of_cloud(data)
-    channels = data.channels if isinstance(data, VoxelMap) else _channels(data)
-    voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    channels = data.channels if is_map(data) else _channels(data)
+    voxels = data.occupied(min_count=1) if is_map(data) else data
     return {
         "kind": "map",
         "num_cells": len(voxels),
@@ -79,6 +78,8 @@ def _of_mesh(path: Path) -> Facts:
 
 def of_npz(path: Path) -> Facts:
     """Matches of a pair, or a cloud or map."""
+    from recon.voxelmap import archive
+
     arrays = archive.read_columns(path)
     if not {"points_px", "disparity_px"} <= arrays.keys():
         return of_points(path)
