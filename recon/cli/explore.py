@@ -8,7 +8,17 @@ import click
 from recon.cli.jobs import counted, do_job
 from recon.cli.mesh import say_surface
 from recon.cli.objects import say_objects
-from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, SURFACE, with_options
+from recon.cli.options import (
+    FOLDER,
+    MATCHING,
+    NAMES,
+    OUTPUT,
+    PATH,
+    SCENE,
+    SETTINGS,
+    SURFACE,
+    with_options,
+)
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -21,7 +31,7 @@ if TYPE_CHECKING:
 )
 @click.option("--renderer", "render__renderer", help="raycast, filament, or a plug-in's name.")
 @click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
-@with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SURFACE, SCENE, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world: map it, name its objects.
 

@@ -6,14 +6,14 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, print_json, start_logging, with_options
 
 _INDENT = "  "
 
 
 @click.command(epilog="Example: recon info runs/village")
 @click.argument("file", type=PATH)
-@with_options(OUTPUT)
+@with_options(SCENE, OUTPUT)
 def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
     """Say what anything is that recon reads or writes: a run, recording, cloud, map, mesh, ..."""
     start_logging({"quiet": quiet, "verbose": verbose})

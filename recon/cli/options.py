@@ -11,7 +11,7 @@ from typing import Any, ClassVar, TypeVar
 import click
 
 import recon
-from recon.files import memory_limit
+from recon.files import memory_limit, outside_allowed
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
@@ -53,6 +53,21 @@ def _allow_memory(ctx: click.Context, _: click.Parameter, num_bytes: int | None)
     if num_bytes is not None:
         ctx.with_resource(memory_limit(num_bytes))
 
+
+def _allow_outside(ctx: click.Context, _: click.Parameter, is_allowed: bool) -> None:
+    if is_allowed:
+        ctx.with_resource(outside_allowed())
+
+
+SCENE = [
+    click.option(
+        "--allow-outside",
+        is_flag=True,
+        callback=_allow_outside,
+        expose_value=False,
+        help="Let a scene read textures and meshes outside of its folder.",
+    ),
+]
 
 OUTPUT = [
     click.option(

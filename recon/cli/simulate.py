@@ -5,13 +5,21 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, SETTINGS, build_settings, start_logging, with_options
+from recon.cli.options import (
+    OUTPUT,
+    PATH,
+    SCENE,
+    SETTINGS,
+    build_settings,
+    start_logging,
+    with_options,
+)
 from recon.cli.pages import SERVER, announced
 
 
 @click.command(epilog="Example: recon simulate scenes/village.scene")
 @click.argument("scene", type=PATH)
-@with_options(SERVER, SETTINGS, OUTPUT)
+@with_options(SERVER, SCENE, SETTINGS, OUTPUT)
 def simulate(scene: Path, **given: Any) -> None:
     """Look at a simulated world in a browser, and lead the agent through it."""
     start_logging(given)

@@ -1,7 +1,14 @@
 """Files: whole or not at all when written, regular and within limits when read."""
 
 from recon.files.atomic import PathLike, atomic_path, remove_temporaries
-from recon.files.limits import check_memory, check_name, check_regular, memory_limit
+from recon.files.limits import (
+    check_memory,
+    check_name,
+    check_regular,
+    may_read,
+    memory_limit,
+    outside_allowed,
+)
 
 __all__ = [
     "PathLike",
@@ -9,6 +16,8 @@ __all__ = [
     "check_memory",
     "check_name",
     "check_regular",
+    "may_read",
     "memory_limit",
+    "outside_allowed",
     "remove_temporaries",
 ]

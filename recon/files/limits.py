@@ -13,6 +13,7 @@ from recon.files.atomic import PathLike
 _GIGABYTE = 1 << 30
 
 _memory: ContextVar[int] = ContextVar("recon_memory", default=4 * _GIGABYTE)
+_goes_outside: ContextVar[bool] = ContextVar("recon_goes_outside", default=False)
 
 
 def check_regular(path: PathLike) -> None:
@@ -50,6 +51,22 @@ def memory_limit(num_bytes: int) -> Iterator[None]:
         yield
     finally:
         _memory.reset(token)
+
+
+@contextmanager
+def outside_allowed() -> Iterator[None]:
+    """Let files of this context name files outside of their own folder."""
+    token = _goes_outside.set(True)
+    try:
+        yield
+    finally:
+        _goes_outside.reset(token)
+
+
+def may_read(path: PathLike, *folders: Path) -> bool:
+    """Test whether `path`, links followed, lies in one of the folders, or may lie anywhere."""
+    place = Path(path).resolve()
+    return _goes_outside.get() or any(place.is_relative_to(one.resolve()) for one in folders)
 
 
 def check_memory(path: PathLike, num_bytes: float) -> None:

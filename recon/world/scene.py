@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 from recon.errors import InputError
+from recon.files import may_read
 from recon.world.fields import (
     SHADER_FIELDS,
     STRUCTURE,
@@ -20,7 +21,7 @@ from recon.world.fields import (
     Name,
     whole,
 )
-from recon.world.textures import find_texture
+from recon.world.textures import SHIPPED, find_texture
 from recon.world.visuals import (
     NONE,
     MeshVisual,
@@ -169,18 +170,36 @@ def _index(reader: _Reader, what: str, name: str, count: int) -> Any:
 
 
 def _check_solid(reader: _Reader, what: str, values: dict[str, Any]) -> None:
-    if "file" in values and not (reader.path.parent / values["file"]).is_file():
-        reader.fail_last(f"{what} File is {values['file']!r}, but a file beside it is needed")
+    if "file" in values:
+        _check_file(reader, what, values["file"])
     if values.get("radius_base") == values.get("radius_top", 0) == 0:
         reader.fail_last(f"{what} has radius 0 at both ends, but one above 0 is needed")
 
 
+def _check_file(reader: _Reader, what: str, name: str) -> None:
+    file = reader.path.parent / name
+    _check_place(reader, f"{what} File", name, file)
+    if not file.is_file():
+        reader.fail_last(f"{what} File is {name!r}, but a file beside it is needed")
+
+
+def _check_place(reader: _Reader, what: str, name: str, file: Path) -> None:
+    """A scene of somebody else's is not to read any file of this machine."""
+    if not may_read(file, reader.path.parent, SHIPPED):
+        reader.fail_last(
+            f"{what} is {name!r}, which lies outside of the scene's folder; give --allow-outside"
+        )
+
+
 def _check_texture(reader: _Reader, what: str, name: str) -> None:
-    if find_texture(name, reader.path.parent) is None:
+    _check_place(reader, f"{what} texture", name, reader.path.parent / name)
+    found = find_texture(name, reader.path.parent)
+    if found is None:
         reader.fail_last(
             f"{what} has texture {name!r}, but an image of that name beside the scene or one "
             "of recon's own is needed"
         )
+    _check_place(reader, f"{what} texture", name, found)
 
 
 def _vertices(reader: _Reader, what: str) -> tuple[Vertex, ...]:
