@@ -5,11 +5,14 @@ import numpy as np
 import pytest
 
 from recon.notices import collected_notices
+from recon.runs.execute import execute
+from recon.runs.job import Job
 from recon.sequences import open_sequence
 from recon.sequences.contradictions.pairs import findings
 from recon.sequences.images import read_image
 from recon.sequences.pose_files import read_poses
 from recon.settings import SequenceSettings
+from recon.world.library import find_scene
 
 NUM_PAIRS = 3
 T_BODY_CAMERA = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1.0]])
@@ -148,3 +151,39 @@ def test_recorded_pairs_get_no_word_until_they_are_spoilt(data_dir, name, highes
     assert codes(left, right, search=(0, highest)) == []
     assert codes(right, left, search=(0, highest)) == ["left-right-swapped"]
     assert "rows-differ" in codes(left, np.roll(right, 2, axis=0), search=(0, highest))
+
+
+@pytest.mark.data
+def test_poses_that_go_wrong_on_the_way_are_said(data_dir, tmp_path, monkeypatch):
+    monkeypatch.setattr("tests.sequences.test_contradictions.NUM_PAIRS", 16)
+
+    def turned_round(poses):
+        return np.concatenate([poses[:12], poses[12:][::-1]])
+
+    found = said(drive(data_dir, tmp_path / "drive", first=0, poses=turned_round))
+    assert [*found] == ["poses-disagree"]
+    assert "near 0000" in found["poses-disagree"]
+    assert said(drive(data_dir, tmp_path / "sound", first=0)) == {}
+
+
+def test_bricks_that_look_the_same_after_a_turn_do_not_contradict_the_poses(tmp_path):
+    """Round a tower of bricks 18 degrees are nearly the pitch of its pattern."""
+    angles = np.radians(18.0 * np.arange(6))
+    places = [18.36, 14.06, 18.36] * np.column_stack([np.sin(angles), np.ones(6), np.cos(angles)])
+    np.savetxt(tmp_path / "views.txt", np.hstack([places, np.tile([0.0, 5.5, 0.0], (6, 1))]))
+    views = str(tmp_path / "views.txt")
+    execute(
+        Job(kind="render", inputs=(find_scene("cottage"),), arguments={"views": views}),
+        tmp_path / "ring",
+    )
+    poses = tmp_path / "ring/poses.txt"
+    rows = poses.read_text().splitlines()
+
+    def codes_of():
+        with collected_notices() as notices:
+            assert len(list(open_sequence(tmp_path / "ring", SequenceSettings()))) == 6
+        return [notice.code for notice in notices]
+
+    assert codes_of() == []
+    poses.write_text("\n".join([rows[n] for n in (0, 2, 4, 1, 3, 5)]))
+    assert codes_of() == ["poses-disagree"]

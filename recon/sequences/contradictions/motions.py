@@ -21,6 +21,8 @@ MIN_FLOW_PX = 2.0
 """Median way of points in the image below which a rig stands."""
 EXPLAINED_SHARE = 0.5
 """Of that way, poses must leave less than this unexplained: inverse ones leave twice of it."""
+SEEN_SHARE = 0.25
+"""Of the points that agree on one motion, so many must agree on another to make it as likely."""
 FITTING_SHARE = 0.25
 """What a reading of the poses must leave less of to be named."""
 
@@ -45,16 +47,30 @@ class Step:
         return float(np.median(np.linalg.norm(error, axis=1)))
 
     @property
+    def name(self) -> str:
+        """Of the second pair."""
+        return self.second.name
+
+    @property
     def flow_px(self) -> float:
         """Median way of the points in the left image."""
         return self.error_px(np.eye(4))
 
 
-def step_between(first: StereoPair, second: StereoPair) -> Step | None:
-    """The step between two posed pairs; None where the images tell of none."""
+def step_between(
+    first: StereoPair, second: StereoPair, T_second_first: Array | None = None
+) -> Step | None:
+    """The step between two posed pairs; None where the images tell of none.
+
+    Parameters
+    ----------
+    first, second : StereoPair
+    T_second_first : (4, 4), optional
+        Motion by which corners are looked for.
+    """
     if first.rig != second.rig or first.T_world_left is None or second.T_world_left is None:
         return None
-    tracks = track(first, second)
+    tracks = track(first, second, T_second_first)
     agreeing = agreeing_tracks(tracks, first.rig)
     if agreeing is None:
         return None
@@ -71,7 +87,7 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
     if not steps:
         return None
     left = _unexplained(steps, _given)
-    if left <= EXPLAINED_SHARE:
+    if left <= EXPLAINED_SHARE or _are_seen(steps):
         return None
     fitting = [text for text, share in _readings(steps) if share < FITTING_SHARE]
     advice = f"they fit {', or '.join(fitting)}" if fitting else "try --poses estimated"
@@ -80,6 +96,20 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
         text="poses contradict the images: of the motion that these show, the poses leave "
         f"{left:.0%} unexplained; {advice}",
     )
+
+
+def _are_seen(steps: Sequence[Step]) -> bool:
+    """Whether the images show the motion of the poses as well.
+
+    Patterns that repeat, as bricks round a tower, look the same after several motions, of which
+    corners show the shortest unless they are looked for where the poses put them.
+    """
+    led = [step_between(step.first, step.second, _given(step)) for step in steps]
+    found = [
+        one for one, step in zip(led, steps, strict=True)
+        if one is not None and len(one.tracks) > SEEN_SHARE * len(step.tracks)
+    ]  # fmt: skip
+    return 2 * len(found) > len(steps) and _unexplained(found, _given) < FITTING_SHARE
 
 
 def _unexplained(steps: Sequence[Step], motion: Motion) -> float:

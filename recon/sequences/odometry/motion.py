@@ -9,14 +9,12 @@ from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
 from recon.geometry import pose, transform
-from recon.sequences.odometry.tracking import Tracks
+from recon.sequences.odometry.tracking import MIN_SHIFT_PX, Tracks
 
 Array = NDArray[np.float64]
 
 MIN_TRACKS = 12
 """Fewer that agree are taken for chance."""
-MIN_SHIFT_PX = 1.0
-"""Points further away, by their disparity, say nothing of a step."""
 RANSAC_PX = 1.0
 MAX_SIGMAS = 3.0
 """Of a track that agrees."""

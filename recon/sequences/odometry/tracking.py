@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.camera import StereoRig
+from recon.geometry import transform
 from recon.records import StereoPair
 from recon.sequences.depth import Image
 from recon.sequences.pair_images import grey
@@ -20,8 +22,12 @@ NUM_CORNERS, NUM_CELLS = 700, 70
 MIN_CORNER_SPACING_PX = 7
 CORNER_QUALITY = 0.01
 LK_WINDOW_PX, LK_LEVELS = 15, 4
+GUIDED_LEVELS = 1
+"""Of corners that are looked for where a motion puts them, and not at what else looks alike."""
 MAX_RETURN_ERROR_PX = 0.5
 """Between a corner and where following it there and back ends."""
+MIN_SHIFT_PX = 1.0
+"""Points further away, by their disparity, say nothing of a step."""
 MAX_ROW_ERROR_PX = 2.0
 """Between the eyes, about the median row offset."""
 
@@ -66,19 +72,44 @@ class Tracks:
         return Tracks(first=self.first.select(rows), second=self.second.select(rows))
 
 
-def track(first: StereoPair, second: StereoPair) -> Tracks:
-    """Follow corners of `first` through all four images."""
+def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = None) -> Tracks:
+    """Follow corners of `first` through all four images.
+
+    Parameters
+    ----------
+    first, second : StereoPair
+    T_second_first : (4, 4), optional
+        Motion of the left camera, by which they are looked for; where they were if not given.
+    """
     left, right, next_left, next_right = (
         grey(image) for image in (first.left, first.right, second.left, second.right)
     )
     points = corners(left)
     seen, is_seen = seen_by_both(left, right, points)
-    moved, is_moved = follow(left, next_left, points[is_seen])
+    seen = seen.select(is_seen)
+    if T_second_first is None:
+        moved, is_moved = follow(left, next_left, points[is_seen])
+    else:
+        guess = _predicted(seen, first.rig, T_second_first)
+        moved, is_moved = follow(left, next_left, points[is_seen], guess, GUIDED_LEVELS)
     next_seen, is_next_seen = seen_by_both(next_left, next_right, moved[is_moved])
     return Tracks(
-        first=seen.select(is_seen).select(is_moved).select(is_next_seen),
+        first=seen.select(is_moved).select(is_next_seen),
         second=next_seen.select(is_next_seen),
     )
+
+
+def _predicted(seen: Sightings, rig: StereoRig, T_second_first: Array) -> NDArray[np.float32]:
+    """(N, 2) where points are after a motion; where they were if it puts them behind the camera."""
+    shift = seen.disparity_px - rig.disparity_offset_px
+    places = seen.points_px.copy()
+    near = shift > MIN_SHIFT_PX
+    moved = transform(
+        T_second_first, rig.triangulate(seen.points_px[near], seen.disparity_px[near])
+    )
+    rows = np.flatnonzero(near)[moved[:, 2] > 0]
+    places[rows] = rig.project_left(moved[moved[:, 2] > 0])
+    return places.astype(np.float32)
 
 
 def sight(pair: StereoPair) -> Sightings:
@@ -131,6 +162,7 @@ def follow(
     target: Image,
     points: NDArray[np.float32],
     guess: NDArray[np.float32] | None = None,
+    num_levels: int = LK_LEVELS,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Points (N, 2) followed into another image, and whether following them back leads home.
 
@@ -141,11 +173,13 @@ def follow(
         In `source`.
     guess : (N, 2) float32, optional
         Where they are about in `target`.
+    num_levels : int
+        Halvings of the images in which the search begins; the more, the farther it reaches.
     """
     if not len(points):
         return points, np.zeros(0, np.bool_)
     step = partial(
-        cv2.calcOpticalFlowPyrLK, winSize=(LK_WINDOW_PX, LK_WINDOW_PX), maxLevel=LK_LEVELS
+        cv2.calcOpticalFlowPyrLK, winSize=(LK_WINDOW_PX, LK_WINDOW_PX), maxLevel=num_levels
     )
     if guess is None:
         there, ahead, _ = step(source, target, points, None)
