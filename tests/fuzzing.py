@@ -19,12 +19,14 @@ from recon.runs.description import describe
 from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.stereo.matching.vonmises import load_model
+from tests.contained import contained_files
 from tests.exports.maps import a_cloud, a_map
 from tests.sequences.fuzzed import sound_files
 
 WORDS = [b"-1", b"0", b"nan", b"1e308", b"99999999999999999999", b"", b"x", b"\xff", b"1e-300"]
 NUMBERS = [0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 2**63, 2**64 - 1]
 SLOWEST_S = 20
+CONTAINED_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Reader:
     """The ending that the file gets too."""
     read: Callable[[Path], Any]
     content: bytes
+    share: float = 1.0
+    """Of the mutations that others get: some readers are slow."""
 
 
 def mutated(content: bytes, rng: np.random.Generator) -> bytes:
@@ -108,7 +112,9 @@ def fault(reader: Reader, content: bytes, folder: Path) -> str | None:
 def readers(folder: Path) -> dict[str, Reader]:
     """Every reader with a sound file of its own, by name."""
     recorded = [Reader(*one) for one in sound_files()]
-    return {one.name: one for one in [*_of_formats(folder), *_of_documents(), *recorded]}
+    contained = [Reader(*one, share=CONTAINED_SHARE) for one in contained_files(folder)]
+    found = [*_of_formats(folder), *_of_documents(), *recorded, *contained]
+    return {one.name: one for one in found}
 
 
 def _of_formats(folder: Path) -> Iterator[Reader]:

@@ -9,6 +9,7 @@ from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import with_views
 from recon.records import StereoPair, View
 from recon.runfolder import RunFolder
+from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs, write_places
@@ -41,6 +42,7 @@ def _explore(job: Job, work: Work) -> Numbers:
         done = explore(world, job.settings, recorder.observe, recorder.take, work.stopwatch)
     if done.stop_reason == "interrupted":
         work.run.interrupt()
+    work.run.write_text(CAMERAS, as_document(recorder.seen))
     _write(done, work)
     if job.settings.map.places:
         write_places(work, recorder.places, done.reconstruction.trajectory)
@@ -60,6 +62,7 @@ class Recorder:
         self.num_taken = 0
         self.keeps_places = job.settings.map.places
         self.places = PlaceKeeper()
+        self.seen: list[SeenCamera] = []
         self.surface = SurfaceWork(job.settings, work)
 
     def take(self, view: View) -> StereoPair:
@@ -79,6 +82,7 @@ class Recorder:
             with self.work.stage("write"):
                 self.places.add(step.pair, step.number)
         self.surface.take(step.pair)
+        self.seen.append(SeenCamera(name=f"{step.number:06d}", rig=step.pair.rig))
         self.work.events.on_step(step)
         self.work.progress(step.number + 1, self.max_pairs)
 

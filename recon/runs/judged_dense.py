@@ -14,7 +14,7 @@ from recon.runs.evaluate import check_names, own_range
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
-from recon.sequences.images import read_image
+from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth, read_truth_file
 from recon.settings import Settings, updated
@@ -42,7 +42,7 @@ def _judge(job: Job, work: Work) -> Numbers:
 def _judge_pair(path: Path, job: Job, work: Work) -> list[dict[str, Any]]:
     scale = job.arguments.get("truth_scale")
     truth = read_truth(path, scale)
-    left, right = (read_image(find_image(path, side)) for side in ("left", "right"))
+    left, right = read_pair(*(find_image(path, side) for side in ("left", "right")))
     settings = updated(job.settings, {"matching": own_range(path, truth)})
     with work.stage("stereo"):
         found = _matched(left, right, settings)

@@ -1,4 +1,4 @@
-"""The cameras of a recording for COLMAP (images.txt) and nerfstudio (transforms.json)."""
+"""Cameras of a run or a recording for COLMAP (images.txt) and nerfstudio (transforms.json)."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,12 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
+from recon.files.documents import read_text
+from recon.geometry import Array
 from recon.notices import collected_notices
+from recon.records import Trajectory
+from recon.runfolder import MANIFEST
+from recon.runs.cameras import CAMERAS, SeenCamera, read_cameras
 from recon.sequences.open import open_sequence
 from recon.sequences.posed_images import write_colmap, write_nerfstudio
 from recon.settings import SequenceSettings
@@ -17,7 +22,7 @@ POSED = (COLMAP, NERFSTUDIO)
 
 
 def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict[str, Any]:
-    """Write poses and intrinsics of the rectified left images of a recording.
+    """Write poses and intrinsics of the rectified left images of a run or a recording.
 
     COLMAP's cameras.txt and points3D.txt are written beside its images.txt.
 
@@ -29,17 +34,14 @@ def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict
     if target.exists() and not overwrite:
         raise InputError(f"{target} exists; give --overwrite or another name")
     with collected_notices() as notices:
-        pairs = open_sequence(source, SequenceSettings())
-        seen = [(pair.name, pair.T_world_left, pair.rig) for pair in pairs]
-    rigs = {rig for _, _, rig in seen}
-    if len(rigs) > 1:
-        raise InputError(f"{source} has {len(rigs)} cameras, but one is needed for {target.name}")
-    names = [f"left/{name}.png" for name, _, _ in seen]
-    poses = np.array([T_world_left for _, T_world_left, _ in seen], dtype=np.float64)
+        is_run = (source / MANIFEST).is_file()
+        seen, poses = _of_run(source) if is_run else _of_recording(source)
+    names = [f"left/{one.name}.png" for one in seen]
+    rigs = [one.rig for one in seen]
     if target.name == COLMAP:
-        write_colmap(target.parent, names, poses, rigs.pop())
+        write_colmap(target.parent, names, poses, rigs)
     else:
-        write_nerfstudio(target, names, poses, rigs.pop())
+        write_nerfstudio(target, names, poses, rigs)
     return {
         "output": str(target),
         "up": "y",
@@ -47,3 +49,23 @@ def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict
         "num_poses": len(names),
         "warnings": [notice.as_json() for notice in notices],
     }
+
+
+def _of_recording(path: Path) -> tuple[list[SeenCamera], Array]:
+    """The cameras of a recording, and `T_world_left` (N, 4, 4)."""
+    seen, poses = [], []
+    for pair in open_sequence(path, SequenceSettings()):
+        seen.append(SeenCamera(name=pair.name, rig=pair.rig))
+        poses.append(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
+    return seen, np.array(poses)
+
+
+def _of_run(path: Path) -> tuple[list[SeenCamera], Array]:
+    """The same of a run: given, estimated or simulated poses, as it has used them."""
+    if not (path / "trajectory.txt").is_file():
+        raise InputError(f"{path} holds no trajectory.txt, but the poses of a run are needed")
+    poses = Trajectory.from_tum(read_text(path / "trajectory.txt"), str(path)).T_world_left
+    seen = read_cameras(path / CAMERAS)
+    if len(seen) != len(poses):
+        raise InputError(f"{path} has {len(seen)} cameras, but {len(poses)} poses")
+    return seen, poses

@@ -13,6 +13,7 @@ from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
+from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, write_outputs, write_places
@@ -80,14 +81,17 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
     surface = SurfaceWork(job.settings, work, unit="m")
     places = PlaceKeeper()
+    seen: list[SeenCamera] = []
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
+            seen.append(SeenCamera(name=pair.name, rig=pair.rig))
             _note(mapper.process(pair, result), cloud, work)
             surface.take(pair)
             if job.settings.map.places:
                 places.add(pair, mapper.num_pairs - 1)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
+    work.run.write_text(CAMERAS, as_document(seen))
     num_voxels = _write(mapper, work)
     if job.settings.map.places:
         write_places(work, places, mapper.trajectory)

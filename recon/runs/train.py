@@ -11,7 +11,7 @@ from recon.files import atomic_path
 from recon.mapping.sparse import match_features
 from recon.records import Features, Matches
 from recon.runs.evaluate import stated_range
-from recon.sequences.images import read_image
+from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.settings import Settings, updated
 from recon.stereo.features import detect
@@ -51,8 +51,6 @@ def _examples(
     for pair_dir in pair_dirs:
         search = stated_range(pair_dir) or {}
         chosen = updated(settings, {"matching": search | {"matcher": "phase"}})
-        left, right = (
-            detect(read_image(find_image(pair_dir, side)), chosen.features)
-            for side in ("left", "right")
-        )
+        images = read_pair(*(find_image(pair_dir, side) for side in ("left", "right")))
+        left, right = (detect(image, chosen.features) for image in images)
         yield left, right, match_features(left, right, chosen)

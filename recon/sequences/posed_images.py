@@ -107,25 +107,29 @@ def _sorted(names: list[str], poses: list[Array]) -> GivenPoses:
     )
 
 
-def write_colmap(folder: Path, names: Sequence[str], T_world_left: Array, rig: StereoRig) -> None:
+def write_colmap(
+    folder: Path, names: Sequence[str], T_world_left: Array, rigs: Sequence[StereoRig]
+) -> None:
     """Write images.txt, cameras.txt and an empty points3D.txt of left cameras (N, 4, 4).
 
     COLMAP puts pixel (0, 0) at the CORNER of the top-left pixel: half a pixel is added.
     """
-    camera = (
-        f"1 PINHOLE {rig.width} {rig.height} {rig.focal_px!r} {rig.focal_px!r} "
+    numbers = {rig: number for number, rig in enumerate(dict.fromkeys(rigs), start=1)}
+    cameras = [
+        f"{number} PINHOLE {rig.width} {rig.height} {rig.focal_px!r} {rig.focal_px!r} "
         f"{rig.cx_left_px + 0.5!r} {rig.cy_px + 0.5!r}\n"
-    )
+        for rig, number in numbers.items()
+    ]
     rows = []
-    for number, (name, T) in enumerate(zip(names, T_world_left, strict=True), start=1):
+    for number, (name, T, rig) in enumerate(zip(names, T_world_left, rigs, strict=True), start=1):
         T_left_world = invert(T)
         x, y, z, w = Rotation.from_matrix(T_left_world[:3, :3]).as_quat()
         values = " ".join(repr(float(v)) for v in (w, x, y, z, *T_left_world[:3, 3]))
-        rows.append(f"{number} {values} 1 {name}\n\n")
+        rows.append(f"{number} {values} {numbers[rig]} {name}\n\n")
     folder.mkdir(parents=True, exist_ok=True)
     heading = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then the points of the image\n"
     for file, text in (
-        ("cameras.txt", "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n" + camera),
+        ("cameras.txt", "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n" + "".join(cameras)),
         ("images.txt", heading + "".join(rows)),
         ("points3D.txt", "# POINT3D_ID X Y Z R G B ERROR TRACK\n"),
     ):
@@ -133,16 +137,30 @@ def write_colmap(folder: Path, names: Sequence[str], T_world_left: Array, rig: S
             temporary.write_text(text, encoding="utf-8")
 
 
-def write_nerfstudio(path: Path, names: Sequence[str], T_world_left: Array, rig: StereoRig) -> None:
-    """Write transforms.json of left cameras (N, 4, 4); pixel (0, 0) is a corner there."""
+def write_nerfstudio(
+    path: Path, names: Sequence[str], T_world_left: Array, rigs: Sequence[StereoRig]
+) -> None:
+    """Write transforms.json of left cameras (N, 4, 4); pixel (0, 0) is a corner there.
+
+    Intrinsics that differ from frame to frame stand at the frames.
+    """
+    is_one = len(set(rigs)) == 1
     document = {
-        "camera_model": "OPENCV", "w": rig.width, "h": rig.height,
-        "fl_x": rig.focal_px, "fl_y": rig.focal_px,
-        "cx": rig.cx_left_px + 0.5, "cy": rig.cy_px + 0.5,
+        "camera_model": "OPENCV",
+        **(_intrinsics(rigs[0]) if is_one else {}),
         "frames": [
             {"file_path": name, "transform_matrix": (T @ OPENCV_OPENGL).tolist()}
-            for name, T in zip(names, T_world_left, strict=True)
+            | ({} if is_one else _intrinsics(rig))
+            for name, T, rig in zip(names, T_world_left, rigs, strict=True)
         ],
-    }  # fmt: skip
+    }
     with atomic_path(path) as temporary:
         temporary.write_text(json.dumps(document, indent=2), encoding="utf-8")
+
+
+def _intrinsics(rig: StereoRig) -> dict[str, float]:
+    """Of the left camera, by nerfstudio's keys."""
+    return {
+        "w": rig.width, "h": rig.height, "fl_x": rig.focal_px, "fl_y": rig.focal_px,
+        "cx": rig.cx_left_px + 0.5, "cy": rig.cy_px + 0.5,
+    }  # fmt: skip

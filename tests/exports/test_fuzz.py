@@ -30,7 +30,7 @@ def test_sound_files_are_read(sound, folder):
 def test_mutated_files_are_read_or_refused_in_one_line(sound, folder, capfd):
     faults = {}
     for number, (name, one) in enumerate(sound.items()):
-        for seed in range(NUM_MUTATIONS):
+        for seed in range(round(one.share * NUM_MUTATIONS)):
             content = mutated(one.content, np.random.default_rng([number, seed]))
             wrong = fault(one, content, folder)
             if wrong:

@@ -229,8 +229,8 @@ def test_columns_of_other_tools(tmp_path, form, separator, heading):
 
 def test_colmap_and_nerfstudio_give_back_what_was_written(tmp_path):
     names = [f"left/{n:06d}.png" for n in range(NUM_PAIRS)]
-    write_colmap(tmp_path / "sparse", names, turned_poses(), RIG)
-    write_nerfstudio(tmp_path / "transforms.json", names, turned_poses(), RIG)
+    write_colmap(tmp_path / "sparse", names, turned_poses(), NUM_PAIRS * [RIG])
+    write_nerfstudio(tmp_path / "transforms.json", names, turned_poses(), NUM_PAIRS * [RIG])
     for path in (tmp_path / "sparse" / "images.txt", tmp_path / "transforms.json"):
         given = read_poses(path)
         assert given.names == tuple(names)
@@ -252,10 +252,10 @@ def test_named_poses_are_joined_by_name(tmp_path, file):
     names = [f"left/{n:06d}.png" for n in range(NUM_PAIRS)][::-1]
     poses = np.stack(poses_recorded())[::-1]
     if file == "images.txt":
-        write_colmap(tmp_path / "sparse", names, poses, RIG)
+        write_colmap(tmp_path / "sparse", names, poses, NUM_PAIRS * [RIG])
         shutil.copy(tmp_path / "sparse" / file, path / file)
     else:
-        write_nerfstudio(path / file, names, poses, RIG)
+        write_nerfstudio(path / file, names, poses, NUM_PAIRS * [RIG])
     np.testing.assert_allclose(positions(path), DRIVEN, atol=1e-9)
 
 

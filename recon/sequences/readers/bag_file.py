@@ -1,7 +1,5 @@
 """The topics and messages of a bag, of ROS 1 or 2, opened by rosbags."""
 
-import sqlite3
-import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,9 +7,6 @@ from typing import Any
 
 from recon.errors import InputError
 from recon.libraries import load_extra
-
-_DAMAGE = (ValueError, KeyError, IndexError, TypeError, AssertionError, EOFError, struct.error)
-"""What a reader of damaged bags raises."""
 
 
 def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
@@ -38,13 +33,13 @@ def read_messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any
 def opened(path: Path) -> Iterator[Any]:
     """An open reader; what it cannot read is an `InputError`."""
     highlevel = load_extra("rosbags.highlevel", "ros")
-    faults = (highlevel.AnyReaderError, sqlite3.Error, OSError, *_DAMAGE)
     try:
         with highlevel.AnyReader([path], default_typestore=_usual_types()) as reader:
             yield reader
     except InputError:
         raise
-    except faults as error:
+    # rosbags and what it reads databases with raise whatever they meet in damaged ones.
+    except Exception as error:
         reason = str(error).partition("\n")[0]
         raise InputError(f"{path} cannot be read as a bag ({reason})") from error
 
