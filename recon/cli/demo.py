@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from recon.cli.explore import say_exploration
+from recon.cli.explore import PROGRESS, say_exploration
 from recon.cli.jobs import do_job
 from recon.cli.options import FOLDER, OUTPUT, SETTINGS, with_options
 
@@ -16,6 +16,6 @@ SCENE = Path("village")
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def demo(**given: Any) -> None:
     """Explore the village that ships with recon, and leave its run in runs/village."""
-    do_job("explore", (SCENE,), given, say=say_exploration)
+    do_job("explore", (SCENE,), given, say=say_exploration, unit=PROGRESS)
     if not (given["as_json"] or given["quiet"]):
         click.echo("Look at figures/overview.png in it first.")

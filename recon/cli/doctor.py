@@ -1,16 +1,24 @@
 """`recon doctor`."""
 
+import time
+
 import click
 
 from recon.cli.options import OUTPUT, print_json, start_logging, with_options
+from recon.cli.progress import shown_progress
 from recon.errors import ReconError
 
 
 @click.command(epilog="Example: recon doctor")
+@click.option(
+    "--compile", "compiles", is_flag=True, help="Compile what the first run would have to."
+)
 @with_options(OUTPUT)
-def doctor(as_json: bool, quiet: bool, verbose: bool) -> None:
+def doctor(compiles: bool, as_json: bool, quiet: bool, verbose: bool) -> None:
     """Check that this machine has what recon needs, and say what cures what is missing."""
     start_logging({"quiet": quiet, "verbose": verbose})
+    if compiles:
+        _compile(quiet)
     from recon.runs.doctor import examine
 
     findings = examine()
@@ -24,6 +32,18 @@ def doctor(as_json: bool, quiet: bool, verbose: bool) -> None:
     faults = [finding.word for finding in findings if not finding.is_well and finding.is_needed]
     if faults:
         raise ReconError(faults[0])
+
+
+def _compile(quiet: bool) -> None:
+    """Compile ahead, with a bar and a line at the end."""
+    from recon.runs.compile import compile_ahead
+
+    began = time.perf_counter()
+    with shown_progress("jobs", quiet) as events:
+        compile_ahead(events)
+    if not quiet:
+        seconds = time.perf_counter() - began
+        click.echo(f"recon: all kernels are compiled ({seconds:.0f} s)", err=True)
 
 
 def _state(is_well: bool, is_needed: bool) -> str:

@@ -23,6 +23,8 @@ from recon.cli.options import (
 if TYPE_CHECKING:
     from recon.runs.report import Report
 
+PROGRESS = "% of the floor"
+
 
 @click.command(epilog="Example: recon explore village -o runs/village")
 @click.argument("scene", type=PATH)
@@ -37,7 +39,7 @@ def explore(scene: Path, **given: Any) -> None:
 
     SCENE is a geometry file, or the name of a scene that ships.
     """
-    do_job("explore", (scene,), given, say=say_exploration)
+    do_job("explore", (scene,), given, say=say_exploration, unit=PROGRESS)
 
 
 def say_exploration(report: "Report") -> None:

@@ -144,7 +144,9 @@ class Agent:
         self.views.append(view)
         self.curve.append((len(self.views), self.path_length, self._coverage()))
         parts = {part.name: getattr(mapped, part.name) for part in fields(mapped)}
-        return Step(**parts, view=view, objects=self.model.objects)
+        return Step(
+            **parts, view=view, objects=self.model.objects, known_share=self.model.floor.known_share
+        )
 
     def _stamped(self, pair: StereoPair) -> StereoPair:
         """The pair with a time after the one before; its number where it states none."""

@@ -84,6 +84,11 @@ class Floor:
         return np.isfinite(self.seen_from) & ~self.barred
 
     @property
+    def known_share(self) -> float:
+        """Share of the cells that are free, or in whose way something stands."""
+        return float((self.known_free | self.barred | self.occupied).mean())
+
+    @property
     def barred(self) -> Mask:
         """(X, Z) a foot was seen on it, and no view from nearer by more than a cell saw it free."""
         nearest_free = self.seen_from + self.cell_size

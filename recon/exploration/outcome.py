@@ -27,6 +27,8 @@ class Step(mapper.Step):
     """What is recognised so far."""
     said: str = ""
     """The controller's result so far."""
+    known_share: float = 0.0
+    """Share of the floor that is known, free or not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

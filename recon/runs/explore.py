@@ -58,10 +58,10 @@ class Recorder:
         self.saved = SavedPairs(folder=work.run.partial)
         self.world = world
         self.work = work
-        self.max_pairs = job.settings.exploration.max_pairs
         self.num_taken = 0
         self.keeps_places = job.settings.map.places
         self.places = PlaceKeeper()
+        self.most_known = 0.0
         self.seen: list[SeenCamera] = []
         self.surface = SurfaceWork(job.settings, work)
 
@@ -84,7 +84,8 @@ class Recorder:
         self.surface.take(step.pair)
         self.seen.append(SeenCamera(name=f"{step.number:06d}", rig=step.pair.rig))
         self.work.events.on_step(step)
-        self.work.progress(step.number + 1, self.max_pairs)
+        self.most_known = max(self.most_known, step.known_share)
+        self.work.progress(round(100 * self.most_known), 100)
 
 
 def _write(done: Exploration, work: Work) -> None:

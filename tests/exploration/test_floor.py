@@ -36,6 +36,9 @@ def test_a_view_knows_its_field_and_no_more():
     known = seen(floor, (0.0, 0.0), 0.0)
     area = 0.5 * np.radians(80.0) * 30.0**2
     assert 0.97 * area < known.sum() < 1.1 * area
+    assert floor.known_share == pytest.approx(known.mean())
+    floor.occupied[:, :10] = True
+    assert floor.known_share == pytest.approx(known.mean() + 0.1, abs=0.01)
     assert is_known(floor, 20, 0)
     assert is_known(floor, 20, 15)
     assert not is_known(floor, -5, 0)

@@ -10,12 +10,17 @@ import pytest
 from recon.cli import main
 from recon.exports.ply import read_cloud_chunks
 from recon.runs import explore as explore_module
+from recon.runs.events import Events
+from recon.runs.execute import execute
+from recon.runs.job import Job
+from recon.settings import Settings, updated
 from recon.voxelmap import VoxelMap
 
 SCENES = Path(__file__).parents[2] / "scenes"
 PAIRS = 4
 FILES = {
     "manifest.json", "settings.toml", "trajectory.txt", "cloud.ply", "map.npz", "objects.json",
+    "cameras.json",
     "metrics.json", "figures/map3d.png", "figures/solids.png", "figures/occupancy.png",
     "figures/labels.png",
     "figures/trajectory.png", "figures/disparity.png", "figures/disparity.npz",
@@ -214,3 +219,15 @@ def test_a_broken_scene_is_one_line_and_no_folder(tmp_path, capsys, old, new, me
     assert error.count("\n") == 1
     assert "broken.scene:" in error
     assert not (tmp_path / "run").exists()
+
+
+def test_progress_counts_the_floor_that_is_known(tmp_path):
+    progress = []
+    events = Events(on_progress=lambda *now: progress.append(now))
+    two = updated(Settings(), {"exploration": {"max_pairs": 2}})
+    execute(Job(kind="explore", inputs=(SCENES / "three_apples.scene",), settings=two),
+            tmp_path / "run", events)  # fmt: skip
+    first, second = progress
+    assert first[1] == second[1] == 100
+    assert 5 < first[0] < 40
+    assert first[0] <= second[0] < 100
