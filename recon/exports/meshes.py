@@ -76,7 +76,7 @@ def _parts(path: Path) -> list[Any]:
         return parts
     # trimesh's readers raise whatever their parsing meets.
     except Exception as error:
-        raise InputError(f"not a whole {ending.upper()} file ({_one_line(error)})") from error
+        raise InputError(f"not a whole {ending.upper()} file ({_reason(error)})") from error
 
 
 def _check_stl(content: bytes) -> None:
@@ -135,8 +135,10 @@ def _vertex_colours(part: Any) -> NDArray[np.uint8] | None:
     return colours[:, :3].astype(np.uint8) if len(colours) == len(part.vertices) else None
 
 
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__
+def _reason(error: BaseException) -> str:
+    """The words of an error that was meant; others tell of the inside of trimesh."""
+    words = " ".join(str(error).split())[:200]
+    return words if words and isinstance(error, ValueError) else "its parts do not fit together"
 
 
 def write_mesh(path: Path, mesh: Mesh) -> None:

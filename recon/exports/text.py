@@ -25,7 +25,8 @@ _RGB = ("red", "green", "blue")
 _NORMAL = ("nx", "ny", "nz")
 _CHUNK_ROWS = 1 << 16
 
-_HEADER_LINES, _MAX_LINE_BYTES = 20, 10_000
+_HEADER_LINES = 20
+_MAX_LINE_BYTES = 50_000
 _TURNS = {"qw", "q_w", "qx", "q_x"}
 """Columns of a trajectory."""
 
@@ -82,6 +83,8 @@ def _split(content: bytes) -> _Table:
     lines = [line for line in lines if line]
     comments = [line for line in lines[:100] if line.startswith(_COMMENTS)]
     rows = [line for line in lines if not line.startswith(_COMMENTS)]
+    if max(map(len, rows), default=0) > _MAX_LINE_BYTES:
+        raise InputError(f"a line has more than {_MAX_LINE_BYTES} bytes; is it a table of points?")
     names = next((n for line in reversed(comments) if (n := heading(line))), None)
     claimed = None
     if rows and rows[0].isdigit() and len(rows[0]) < 16:

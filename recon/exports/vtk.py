@@ -1,6 +1,5 @@
 """Points of VTK's other files (.vtk .vtp .vtu, and .vti of others), by pyvista."""
 
-import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -11,17 +10,10 @@ from recon.errors import InputError
 from recon.exports.arrays import columns_in
 from recon.exports.columns import RGB, Columns, from_columns
 from recon.exports.format import Format, table
-from recon.files import check_memory
+from recon.exports.vtkheader import check_claims
 from recon.libraries import load_pyvista, silent
 from recon.notices import notify
 from recon.records import PointCloud, Voxels
-
-_COPIES = 10.0
-
-# Counts that a legacy file claims, and the bytes that each takes at least.
-_LEGACY = re.compile(rb"(?m)^\s*(POINTS|CELLS|POINT_DATA|CELL_DATA|LINES|POLYGONS)\s+(\d+)", re.I)
-_XML = re.compile(rb"NumberOf(?:Points|Cells|Polys|Verts)=\"(\d+)\"")
-_DIMENSIONS = re.compile(rb"(?m)^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", re.I)
 
 
 def read(path: Path) -> Columns:
@@ -34,7 +26,6 @@ def read(path: Path) -> Columns:
     InputError
         Where the file is not whole, or holds no points.
     """
-    _check_claims(path.read_bytes(), path)
     mesh = read_dataset(path)
     if not mesh.n_points:
         raise InputError("it holds no points")
@@ -56,6 +47,7 @@ def read_dataset(path: Path) -> Any:
     InputError
         Where VTK cannot read it.
     """
+    check_claims(path.read_bytes(), path)
     pyvista = load_pyvista()
     try:
         with silent(), warnings.catch_warnings(action="error"):
@@ -66,23 +58,6 @@ def read_dataset(path: Path) -> Any:
     if not isinstance(found, pyvista.DataSet):
         raise InputError(f"holds a {type(found).__name__}, but one dataset is needed")
     return found
-
-
-def _check_claims(content: bytes, path: Path) -> None:
-    """VTK takes the memory that a file claims before it looks."""
-    size = len(content)
-    is_legacy = content.startswith(b"# vtk DataFile")
-    if not is_legacy and b"<VTKFile" not in content[:1000]:
-        raise InputError("not a file of VTK")
-    if not is_legacy and not content.rstrip().endswith(b"</VTKFile>"):
-        raise InputError("not a whole file of VTK")
-    claims = [int(match[2]) for match in _LEGACY.finditer(content)] if is_legacy else []
-    if any(count > size for count in claims):
-        raise InputError(f"{max(claims)} are claimed, but the file has {size} bytes")
-    for match in _DIMENSIONS.finditer(content):
-        check_memory(path, _COPIES * float(np.prod([float(word) for word in match.groups()])))
-    for match in _XML.finditer(content):
-        check_memory(path, _COPIES * 12.0 * float(match[1]))
 
 
 def _name(name: str, values: Any) -> str:

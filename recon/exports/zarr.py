@@ -14,7 +14,7 @@ from recon.errors import InputError
 from recon.exports.arrays import columns_in
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
-from recon.files import check_memory
+from recon.files import check_memory, check_regular
 from recon.libraries import load_extra
 
 
@@ -59,6 +59,9 @@ def read(path: Path) -> Columns:
     zarr = load_extra("zarr", "tables")
     if not path.is_dir():
         raise InputError("not a Zarr group (it is a file)")
+    for part in path.rglob("*"):
+        if not part.is_dir():
+            check_regular(part)
     try:
         with contextlib.closing(zarr.open_group(str(path), mode="r").store) as store:
             arrays = dict(zarr.open_group(store, mode="r").arrays())

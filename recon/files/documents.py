@@ -74,7 +74,11 @@ def read_toml(path: PathLike) -> dict[str, Any]:
     InputError
         Where it is not TOML, or larger or nested deeper than settings are.
     """
-    text = read_text(path, MAX_SETTINGS_BYTES)
+    return parse_toml(read_text(path, MAX_SETTINGS_BYTES), path)
+
+
+def parse_toml(text: str, path: PathLike) -> dict[str, Any]:
+    """What a TOML text of `path` says."""
     if _DOTTED_KEY.search(text):
         raise InputError(f"{path}: a key has more than {_MAX_KEY_PARTS} parts")
     try:

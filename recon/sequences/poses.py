@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from recon.errors import InputError
 from recon.geometry import pose
+from recon.records.trajectory import MAX_NUMBER
 
 Array = NDArray[np.float64]
 
@@ -29,6 +31,10 @@ class GivenPoses:
     """(N,) image files they belong to, where the file says (COLMAP, nerfstudio)."""
     numbers: NDArray[np.int64] | None = None
     """(N,) of the frames, where rows state them (KITTI-360)."""
+
+    def __post_init__(self) -> None:
+        if not (np.abs(self.poses) < MAX_NUMBER).all():
+            raise InputError(f"a pose holds a number beyond {MAX_NUMBER:g}")
 
     def __len__(self) -> int:
         return len(self.poses)

@@ -26,6 +26,7 @@ VERSION = 1
 Columns = Mapping[str, NDArray[Any]]
 
 _COPIES = 3.0
+_MOST_ARRAYS = 2000
 """Of an array in memory until its map is built."""
 
 # What the zip and npy readers say of a file that is cut or changed.
@@ -94,7 +95,7 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         try:
             with zipfile.ZipFile(file) as archive:
                 entries = [one for one in archive.infolist() if one.filename.endswith(".npy")]
-                check_memory(path, _COPIES * sum(one.file_size for one in entries))
+                _check_entries(path, entries)
                 return {
                     entry.filename.removesuffix(".npy"): _read_entry(archive, entry)
                     for entry in entries
@@ -103,12 +104,19 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
             raise _not_whole(path, error) from error
 
 
+def _check_entries(path: str | os.PathLike[str], entries: list[zipfile.ZipInfo]) -> None:
+    if len(entries) > _MOST_ARRAYS:
+        raise InputError(f"{len(entries)} arrays, but {_MOST_ARRAYS} are the most")
+    check_memory(path, _COPIES * sum(one.file_size for one in entries))
+
+
 def read_array(path: str | os.PathLike[str]) -> NDArray[Any]:
     """The array of an npy file."""
     with Path(path).open("rb") as file:
         try:
-            check_memory(path, _COPIES * os.fstat(file.fileno()).st_size)
-            return _read_array(file, Path(path).name)
+            num_bytes = os.fstat(file.fileno()).st_size
+            check_memory(path, _COPIES * num_bytes)
+            return _read_array(file, Path(path).name, num_bytes)
         except _BROKEN as error:
             raise _not_whole(path, error) from error
 
@@ -121,14 +129,14 @@ def _not_whole(path: str | os.PathLike[str], error: Exception) -> InputError:
 
 def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
     with archive.open(entry) as member:
-        return _read_array(member, entry.filename)
+        return _read_array(member, entry.filename, entry.file_size)
 
 
-def _read_array(file: BinaryIO | Any, name: str) -> NDArray[Any]:
+def _read_array(file: BinaryIO | Any, name: str, num_bytes: int) -> NDArray[Any]:
     shape, is_fortran, dtype = _read_header(file)
     claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
-    # read() takes what is there, and no memory for what is not, nor for what is too much.
-    data = file.read(min(claimed + 1, sys.maxsize))
+    # A file takes the memory that is asked for before it looks; so do members that lie.
+    data = file.read(min(claimed + 1, num_bytes, sys.maxsize))
     if len(data) != claimed:
         raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
     return np.frombuffer(data, dtype).reshape(shape, order="F" if is_fortran else "C")

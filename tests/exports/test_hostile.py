@@ -226,3 +226,63 @@ def test_a_map_that_claims_more_than_it_holds(tmp_path):
     content = (tmp_path / "a.npz").read_bytes()
     (tmp_path / "a.npz").write_bytes(content[:-10])
     refused(tmp_path / "a.npz", "not a whole npz archive")
+
+
+def test_an_array_file_that_claims_more_than_memory_takes_none(tmp_path):
+    with (tmp_path / "a.npy").open("wb") as file:
+        header = {"descr": "<f8", "fortran_order": False, "shape": (10**12, 3)}
+        np.lib.format.write_array_header_1_0(file, header)
+    refused(tmp_path / "a.npy", "claims 24000000000000 bytes, but holds")
+
+
+def test_an_archive_of_too_many_arrays(tmp_path):
+    stream = io.BytesIO()
+    np.save(stream, np.zeros(3))
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        for number in range(2001):
+            archive.writestr(f"{number}.npy", stream.getvalue())
+    refused(tmp_path / "a.npz", "2001 arrays, but 2000 are the most")
+
+
+def test_a_line_without_an_end_is_no_table(tmp_path):
+    (tmp_path / "a.xyz").write_text("1 " * 30_000)
+    refused(tmp_path / "a.xyz", "a line has more than 50000 bytes")
+
+
+def test_a_zarr_of_devices_is_not_read(tmp_path):
+    (tmp_path / "a.zarr").mkdir()
+    (tmp_path / "a.zarr" / "zarr.json").symlink_to("/dev/zero")
+    refused(tmp_path / "a.zarr", "is a pipe or device")
+
+
+BLOCK = (
+    b'<VTKFile type="ImageData" version="1.0" header_type="UInt64"%s><ImageData '
+    b'WholeExtent="0 9 0 9 0 9" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 9 0 9 0 9">'
+    b'<PointData><DataArray type="Float64" Name="a" format="appended" offset="0"/></PointData>'
+    b'</Piece></ImageData><AppendedData encoding="raw">_%s</AppendedData></VTKFile>'
+)
+
+
+@pytest.mark.parametrize(
+    ("packing", "head", "message"),
+    [
+        (b' compressor="vtkZLibDataCompressor"', (1, 2**40, 2**40), "GB of memory"),
+        (b' compressor="vtkZLibDataCompressor"', (2**40, 8, 8), "claims 1099511627776 blocks"),
+        (b"", (2**40, 0, 0), "claims 1099511627776 blocks or bytes"),
+    ],
+)
+def test_arrays_of_vtk_that_claim_what_is_not_there(tmp_path, packing, head, message):
+    """VTK ends the whole process over them."""
+    content = struct.pack("<3Q", *head) + bytes(20)
+    (tmp_path / "a.vti").write_bytes(BLOCK % (packing, content))
+    refused(tmp_path / "a.vti", message)
+
+
+@pytest.mark.parametrize("options", [{"binary": True}, {"binary": False}])
+def test_sound_blocks_of_vtk_are_read(tmp_path, options):
+    import pyvista
+
+    block = pyvista.ImageData(dimensions=(9, 9, 9))
+    block["a"] = np.arange(1.0, 730.0)
+    block.save(tmp_path / "a.vti", **options)
+    assert len(read(tmp_path / "a.vti")) == 729

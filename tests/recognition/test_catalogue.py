@@ -56,7 +56,7 @@ def test_a_user_adds_a_name(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[[object]\n", "is not TOML"),
+        ("[[object]\n", "but a TOML file is needed"),
         ("", "object: Field required"),
         ('[[object]]\nname = "x"\nparts = []\n', "object.0: parts or learned is needed"),
         (

@@ -1,7 +1,6 @@
 """Catalogues: kinds of objects in TOML, shipped or written by people."""
 
 import re
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,6 +9,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from recon.errors import InputError
+from recon.files.documents import MAX_SETTINGS_BYTES, parse_toml, read_text
 from recon.recognition.naming.kinds import Kind
 from recon.settings.stage import STRICT
 
@@ -60,12 +60,11 @@ def read_catalogue(path: Path) -> tuple[Kind, ...]:
         Naming the file, the line and the first fault.
     """
     try:
-        text = path.read_text(encoding="utf-8")
-        kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(tomllib.loads(text)).object
+        text = read_text(path, MAX_SETTINGS_BYTES)
+        document = parse_toml(text, path)
+        kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(document).object
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}, but a catalogue is needed") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is not TOML: {error}") from error
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(map(str, fault["loc"])) or "catalogue"

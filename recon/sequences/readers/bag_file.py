@@ -40,7 +40,7 @@ def opened(path: Path) -> Iterator[Any]:
         raise
     # rosbags and what it reads databases with raise whatever they meet in damaged ones.
     except Exception as error:
-        reason = str(error).partition("\n")[0]
+        reason = str(error).partition("\n")[0] or type(error).__name__
         raise InputError(f"{path} cannot be read as a bag ({reason})") from error
 
 

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from recon.errors import InputError
+from recon.libraries import silent
 from recon.records import StereoPair
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
@@ -157,7 +158,9 @@ def _two_files(path: Path) -> list[Path]:
 
 
 def _opened(path: Path) -> cv2.VideoCapture:
-    video = cv2.VideoCapture(str(path))
+    # Its parser of AVI files prints what it does not expect.
+    with silent():
+        video = cv2.VideoCapture(str(path))
     if not video.isOpened():
         raise InputError(f"{path} is not a video that OpenCV can read")
     return video
