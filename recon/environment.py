@@ -37,7 +37,7 @@ def prepare() -> None:
 
 
 def kernel_folder() -> Path | None:
-    """Where numba keeps compiled kernels; None where every process compiles them anew."""
+    """The folder of numba's compiled kernels; None where every process compiles them anew."""
     asked = os.environ.get("NUMBA_CACHE_DIR")
     places = [Path(asked)] if asked else []
     places += [PACKAGE, *([_home() / ".cache" / "numba"] if _home().is_dir() else [])]
@@ -53,7 +53,7 @@ def _home() -> Path:
 
 
 def _is_writable(folder: Path) -> bool:
-    """Whether files can be made in a folder, which is made where it is not there."""
+    """True where files can be made in a folder, which is made where it is not there."""
     trial = folder / f".recon-{os.getpid()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -224,7 +224,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def is_finished(path: Path) -> bool:
-    """Whether a folder holds a run that ended well."""
+    """True where a folder holds a run that ended well."""
     try:
         return bool(read_manifest(path)["state"] == "finished")
     except InputError:

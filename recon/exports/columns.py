@@ -99,7 +99,7 @@ def _check_reach(points: NDArray[np.float64]) -> None:
 
 
 def _sigma(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.float64] | None:
-    """What can be a standard deviation; other programs may mean another sigma."""
+    """Values that can be a standard deviation; other programs may mean another sigma."""
     values = columns.get("sigma")
     if values is None or values.dtype.kind != "f" or (values < 0).any():
         return None

@@ -28,13 +28,13 @@ class Format:
     up: Up = "y"
     """The axis that is up in the file."""
     takes: tuple[type, ...] = (PointCloud, Voxels)
-    """What it is written of; of a map its cells are taken where it is not among these."""
+    """Types it is written of; of a map its cells are taken where it is not among these."""
     options: frozenset[str] = frozenset()
     """Keywords that `read` knows."""
     read_mesh: Callable[[Path], Mesh] | None = None
     write_mesh: Callable[[Path, Mesh], None] | None = None
     has_mesh: Callable[[Path], bool] = lambda _: True
-    """Whether a file holds triangles, where the format can."""
+    """True where a file holds triangles, where the format can."""
 
 
 MeshParts = tuple[

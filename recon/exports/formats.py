@@ -188,7 +188,7 @@ def _readable(path: PathLike) -> Format:
 
 
 def _named(path: PathLike, reader: Any, **given: Any) -> Any:
-    """What a reader finds; its errors name the file."""
+    """Call a reader; its errors name the file."""
     try:
         return reader(Path(path), **given)
     except InputError as error:
@@ -208,7 +208,7 @@ def _drawn(
 
 
 def holds_mesh(path: PathLike) -> bool:
-    """Whether a file holds triangles."""
+    """True where a file holds triangles."""
     form = _readable(path)
     return form.read_mesh is not None and bool(_named(path, form.has_mesh))
 

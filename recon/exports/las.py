@@ -79,7 +79,7 @@ def _header(
 
 
 def _fits(values: Any, dimension: Any) -> bool:
-    """Whether a dimension of LAS itself holds the values; its name is then its own."""
+    """True where a dimension of LAS itself holds the values; its name is then its own."""
     whole = values.dtype.kind in "iub" or bool((values == np.floor(values)).all())
     if dimension.kind.name == "FloatingPoint":
         return True

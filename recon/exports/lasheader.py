@@ -24,12 +24,12 @@ _MAX_POINTS_OF_BYTE = 20_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """What a file says of itself."""
+    """A file by its own header."""
 
     num_points: int
     point_bytes: int
     start: int
-    """Where the points begin."""
+    """Byte at which the points begin."""
     is_compressed: bool
 
 

@@ -172,7 +172,7 @@ def _check_precision(path: Path, mesh: Mesh) -> None:
 
 
 def has_triangles(path: Path) -> bool:
-    """Whether a file holds triangles, beside or without points."""
+    """True where a file holds triangles, beside or without points."""
     return any(len(getattr(part, "faces", ())) for part in _parts(path))
 
 

@@ -23,7 +23,7 @@ _NODES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """What a file says of its tree."""
+    """The tree of a file by its header."""
 
     kind: str
     num_nodes: int
@@ -70,7 +70,7 @@ def _header(content: bytes) -> tuple[Header, int]:
 
 
 def _children(content: bytes, kind: str, is_binary: bool) -> tuple[NDArray[np.int64], int]:
-    """How many nodes follow for each node of the file, and how many nodes there are in all."""
+    """Number of nodes that follow each node of the file, and of nodes in all."""
     if not is_binary:
         nodes = np.frombuffer(content, _NODES[kind])
         return np.bitwise_count(nodes["children"]).astype(np.int64), len(nodes)

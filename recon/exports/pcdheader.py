@@ -24,7 +24,7 @@ _LAYOUTS = ("ascii", "binary", "binary_compressed")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """What a file says of its points."""
+    """The points of a file by its header."""
 
     names: tuple[str, ...]
     dtypes: tuple[str, ...]

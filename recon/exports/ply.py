@@ -154,7 +154,7 @@ def read_mesh(path: Path) -> Mesh:
 
 
 def has_faces(path: Path) -> bool:
-    """Whether a file holds faces too."""
+    """True where a file holds faces too."""
     with path.open("rb") as file:
         face = read_header(file, path).element("face")
     return face is not None and face.count > 0

@@ -47,7 +47,7 @@ class Element:
 
     @property
     def has_lists(self) -> bool:
-        """Whether rows may differ in length."""
+        """True where rows may differ in length."""
         return any(one.length_dtype for one in self.properties)
 
     @property
@@ -63,7 +63,7 @@ class Element:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """What a file says of itself."""
+    """A file by its own header."""
 
     elements: tuple[Element, ...]
     is_text: bool

@@ -115,7 +115,7 @@ def _unquoted(rows: Sequence[bytes], separator: str | None) -> list[bytes]:
 
 
 def names_points(path: Path) -> bool:
-    """Whether the first lines of a table name x, y and z, and nothing that turns."""
+    """True where the first lines of a table name x, y and z, and nothing that turns."""
     with path.open("rb") as file:
         lines = [file.readline(_MAX_LINE_BYTES) for _ in range(_HEADER_LINES)]
     names = next((n for line in _utf8(b"".join(lines)).splitlines() if (n := heading(line))), ())
@@ -166,7 +166,7 @@ def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
 
 
 def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
-    """What three columns can be: unit normals, or colours of bytes or shares."""
+    """Possible meanings of three columns: unit normals, or colours of bytes or shares."""
     lengths = np.linalg.norm(triple, axis=1)
     is_unit = ((np.abs(lengths - 1.0) < 0.01) | (lengths == 0.0)).all() and lengths.any()
     is_levels = bool((triple >= 0.0).all() and (triple <= 65535.0).all())

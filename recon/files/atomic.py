@@ -63,7 +63,7 @@ def _remove_stale(wanted: Path) -> None:
 
 
 def _is_stale(path: Path, process: int) -> bool:
-    """Whether a temporary file has outlived its process; a new one may be another machine's."""
+    """True where a temporary file has outlived its process; a new one may be another machine's."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

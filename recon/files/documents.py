@@ -48,7 +48,7 @@ def read_text(path: PathLike, max_bytes: int = MAX_BYTES) -> str:
 
 
 def read_json(path: PathLike) -> Any:
-    """What a JSON file holds.
+    """The content of a JSON file.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def read_json(path: PathLike) -> Any:
 
 
 def parse_json(text: str, path: PathLike) -> Any:
-    """What a JSON text of `path` says."""
+    """The content of a JSON text of `path`."""
     try:
         return json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -67,7 +67,7 @@ def parse_json(text: str, path: PathLike) -> Any:
 
 
 def read_toml(path: PathLike) -> dict[str, Any]:
-    """What a TOML file holds.
+    """The content of a TOML file.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def read_toml(path: PathLike) -> dict[str, Any]:
 
 
 def parse_toml(text: str, path: PathLike) -> dict[str, Any]:
-    """What a TOML text of `path` says."""
+    """The content of a TOML text of `path`."""
     if _DOTTED_KEY.search(text):
         raise InputError(f"{path}: a key has more than {_MAX_KEY_PARTS} parts")
     try:
@@ -88,12 +88,12 @@ def parse_toml(text: str, path: PathLike) -> dict[str, Any]:
 
 
 def read_yaml(path: PathLike) -> Any:
-    """What a YAML file holds, in plain values; nothing in it is run."""
+    """The content of a YAML file, in plain values; nothing in it is run."""
     return parse_yaml(read_text(path, MAX_SETTINGS_BYTES), path)
 
 
 def parse_yaml(text: str, path: PathLike) -> Any:
-    """What a YAML text of `path` says.
+    """The content of a YAML text of `path`.
 
     Raises
     ------

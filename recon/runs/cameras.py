@@ -31,7 +31,7 @@ def as_document(seen: Sequence[SeenCamera]) -> str:
 
 
 def read_cameras(path: Path) -> list[SeenCamera]:
-    """What `as_document` wrote.
+    """Read what `as_document` wrote.
 
     Raises
     ------

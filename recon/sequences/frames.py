@@ -59,7 +59,7 @@ class Recording:
         self._unneeded = tuple(unneeded)
         self._has_told = False
         self.skipped: list[Skipped] = [*self._unneeded, *self._unlisted]
-        """What was left out, so far."""
+        """Frames left out so far."""
 
     def __len__(self) -> int:
         """Pairs to be read at most."""
@@ -115,7 +115,7 @@ class DerivedSource:
 
     @property
     def skipped(self) -> Sequence[tuple[str, str]]:
-        """What was left out, so far."""
+        """Frames left out so far."""
         return self.source.skipped
 
     @property

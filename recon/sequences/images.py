@@ -22,20 +22,20 @@ from recon.sequences.text import read_bytes
 ENDINGS = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp"}
 MAX_BYTES = 1 << 30
 MAX_PIXELS = 1 << 27
-"""What a header claims is believed up to here: 130 megapixels."""
+"""Pixels that a header may claim: 130 megapixels."""
 
 _FORMATS = ("PNG", "JPEG", "BMP", "TIFF", "PPM", "TGA", "WEBP")
 """Those of Pillow's that are images of cameras; others may run programs."""
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 _PNG_DEPTH = 24
-"""Where a PNG says how many bits a channel has."""
+"""Byte of a PNG that holds the bits of a channel."""
 _JPEG_START = b"\xff\xd8"
 _TIFF_STARTS = (b"II*\0", b"MM\0*")
 _EXIF_ORIENTATION = 274
 _EXIF_UPRIGHT = (0, 1)
 _FAULTS = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError,
            OverflowError, MemoryError, struct.error, zlib.error)  # fmt: skip
-"""What Pillow raises on damaged files."""
+"""Errors of Pillow for damaged files."""
 
 cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 
@@ -104,7 +104,7 @@ def _own_stretch(pixels: Pixels) -> Image:
 
 
 def _opencv(data: bytes, name: str) -> Pixels:
-    """What Pillow brings down to 8 bits; RGB or RGBA."""
+    """An image in 8 bits, RGB or RGBA, by Pillow."""
     try:
         stored = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
@@ -133,7 +133,7 @@ def _pillow(data: bytes, name: str) -> Pixels:
 
 
 def _is_cut(data: bytes, pixels: Pixels, name: str) -> bool:
-    """Whether a JPEG that was decoded lacks a part."""
+    """True where a JPEG that was decoded lacks a part."""
     if not has_all_parts(data):
         return True
     if not may_be_cut(data, pixels):
@@ -196,7 +196,7 @@ def _array(image: Any, data: bytes, name: str) -> Pixels:
 
 
 def _png_fault(data: bytes) -> str | None:
-    """What is wrong with a PNG: its library would write that to stderr."""
+    """The fault of a PNG, which its library would write to stderr."""
     position = len(_PNG_START)
     while position + 12 <= len(data):
         (length,) = struct.unpack_from(">I", data, position)

@@ -16,7 +16,7 @@ _PROGRESSIVE = 0xC2
 
 
 def has_all_parts(data: bytes) -> bool:
-    """Whether the parts of a file lead to its end, and no scan of a progressive one is missing."""
+    """True where the parts of a file lead to its end, and no progressive scan is missing."""
     markers = _markers(data)
     if not any(kind == _END for kind, _ in markers):
         return False
@@ -35,7 +35,7 @@ def has_all_parts(data: bytes) -> bool:
 
 
 def may_be_cut(data: bytes, pixels: NDArray[np.generic]) -> bool:
-    """Whether a decoded image (H, W, ...) ends as a cut one does, or is progressive."""
+    """True where a decoded image (H, W, ...) ends as a cut one does, or is progressive."""
     is_filled = bool((pixels[-8:, -8:] == FILLED).all())
     return is_filled or any(kind == _PROGRESSIVE for kind, _ in _markers(data))
 

@@ -1,4 +1,4 @@
-"""Which left image belongs to which right one."""
+"""Pairs of left and right images, by their names."""
 
 import re
 from collections.abc import Sequence

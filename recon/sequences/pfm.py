@@ -18,7 +18,7 @@ _HEADER = re.compile(
 
 
 def is_pfm(data: bytes) -> bool:
-    """Whether bytes begin as a portable float map does."""
+    """True where bytes begin as a portable float map does."""
     return data[:2] in (b"Pf", b"PF")
 
 

@@ -39,7 +39,7 @@ class _Table:
 
     @property
     def columns(self) -> set[int]:
-        """How many numbers the rows have."""
+        """Number of numbers in a row."""
         return {len(row) for row in self.rows}
 
 
@@ -100,7 +100,7 @@ def _table(path: Path, lines: list[str]) -> _Table:
 
 
 def _is_heading(fields: list[str]) -> bool:
-    """Whether the words of a first line are names of columns."""
+    """True where the words of a first line are names of columns."""
     return len(fields) >= MIN_TIMED_COLUMNS and not any(is_finite(field) for field in fields)
 
 

@@ -28,7 +28,7 @@ OPENCV_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 def is_colmap(lines: Sequence[str]) -> bool:
-    """Whether the first row is an image of COLMAP: nine numbers and a name."""
+    """True where the first row is an image of COLMAP: nine numbers and a name."""
     first = next((line for line in lines if line.strip() and line[0] != "#"), "").split()
     return (
         len(first) >= COLMAP_COLUMNS

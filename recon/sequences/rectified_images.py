@@ -17,7 +17,7 @@ from recon.sequences.readers.folder import first_size, first_stretch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rectified:
-    """What was written."""
+    """Counts of what was written."""
 
     rig: StereoRig
     num_pairs: int

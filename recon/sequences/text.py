@@ -49,7 +49,7 @@ def read_lines(path: Path, max_bytes: int = MAX_BYTES) -> list[str]:
 
 
 def is_finite(field: str) -> bool:
-    """Whether a word is a finite number."""
+    """True where a word is a finite number."""
     try:
         return bool(np.isfinite(float(field)))
     except ValueError:

@@ -1,4 +1,4 @@
-"""When each frame was taken and from where: which row of times and poses belongs to it."""
+"""Times and poses of frames: the row of each file that belongs to a frame."""
 
 import re
 from collections.abc import Sequence

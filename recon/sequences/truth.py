@@ -21,7 +21,7 @@ KITTI_SCALE = 256.0
 
 
 class DisparityTruth(NamedTuple):
-    """What the left pixels' disparity really is."""
+    """True disparity of the left pixels."""
 
     disparity_px: NDArray[np.float64]
     """(H, W) of the left image, NaN where unknown."""

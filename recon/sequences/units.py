@@ -32,7 +32,7 @@ def _factor(stamps: Array) -> float:
 
 
 def _is_step(stamps: Array) -> bool:
-    """Whether times follow each other as those of frames in seconds do."""
+    """True where times follow each other as those of frames in seconds do."""
     return len(stamps) > 1 and float(np.median(np.diff(stamps))) <= LONGEST_STEP
 
 

@@ -1,4 +1,4 @@
-"""What is known of the two cameras of a rig, as it was measured, rectified or not."""
+"""Calibrations of the two cameras of a rig, as measured, rectified or not."""
 
 from dataclasses import dataclass
 
@@ -73,7 +73,7 @@ class Calibration:
 
     @property
     def is_rectified(self) -> bool:
-        """Whether rows correspond as they are.
+        """True where rows correspond as they are.
 
         Published rigs that are rectified (KITTI's colour cameras) still state some millimetres
         of offset along y and z, which nobody applies: a hundredth of the baseline is let pass.

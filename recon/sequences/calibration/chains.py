@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 def is_kalibr(document: Document) -> bool:
-    """Whether a document is Kalibr's chain of cameras (OpenVINS has it too)."""
+    """True where a document is Kalibr's chain of cameras (OpenVINS has it too)."""
     return "cam0" in document and "cam0_calib" not in document
 
 
@@ -55,7 +55,7 @@ def read_sensors(left_path: Path, right_path: Path) -> tuple[Calibration, Array]
 
 
 def is_okvis(document: Document) -> bool:
-    """Whether a document is a configuration of OKVIS."""
+    """True where a document is a configuration of OKVIS."""
     return isinstance(document.get("cameras"), list)
 
 
@@ -80,7 +80,7 @@ def _okvis_camera(document: Document) -> Camera:
 
 
 def is_vins(document: Document) -> bool:
-    """Whether a document is a stereo configuration of VINS-Fusion."""
+    """True where a document is a stereo configuration of VINS-Fusion."""
     return "cam0_calib" in document
 
 
@@ -116,7 +116,7 @@ def _vins_camera(document: Document) -> Camera:
 
 
 def is_orbslam(document: Document) -> bool:
-    """Whether a document holds settings of ORB-SLAM 2 or 3."""
+    """True where a document holds settings of ORB-SLAM 2 or 3."""
     return any(name in document for name in ("Camera.fx", "Camera1.fx"))
 
 

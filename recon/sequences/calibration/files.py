@@ -13,7 +13,7 @@ from recon.sequences.text import read_lines
 
 PARTNERS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("cam0", "cam1"),
             ("camera0", "camera1"), ("infra1", "infra2"))  # fmt: skip
-"""How the names of two files of one rig differ."""
+"""Words in which the names of two files of one rig differ."""
 ENDINGS = (".txt", ".yaml", ".yml", ".xml", ".json")
 
 

@@ -37,7 +37,7 @@ LENSES = {
 
 
 def is_opencv(document: Document) -> bool:
-    """Whether a document holds two cameras by OpenCV's names, or their rectified projections."""
+    """True where a document holds two cameras by OpenCV's names, or their rectified projections."""
     return any(_named(document, what, side) is not None for what in "KP" for side in SIDES)
 
 
@@ -95,7 +95,7 @@ def _named(document: Document, what: str, side: str) -> Any:
 
 
 def _spellings(plain: dict[str, str], stem: str, side: str) -> list[str]:
-    """What tells a side; numbers that begin at 0 make 1 the right one."""
+    """Words that tell a side; numbers that begin at 0 make 1 the right one."""
     from_zero = any(re.fullmatch(rf"{stem}(cam)?0|(cam)?0{stem}", key) for key in plain)
     if from_zero:
         return [r"(?:cam)?0"] if side == "left" else [r"(?:cam)?1"]
@@ -123,7 +123,7 @@ def image_size(document: Document) -> tuple[int, int] | None:
 
 
 def is_ros(document: Document) -> bool:
-    """Whether a document is one camera of ROS's camera_calibration."""
+    """True where a document is one camera of ROS's camera_calibration."""
     return "camera_matrix" in document and "projection_matrix" in document
 
 

@@ -36,7 +36,7 @@ class RefinedPairs(DerivedSource):
 
     @cached_property
     def residual(self) -> Residual:
-        """What is taken out; estimated by a pass of its own when the first pair is asked for."""
+        """The residual taken out; estimated by a pass of its own when it is first asked for."""
         residual = self._estimate(self._whole)
         for name, field in (("rows", residual.row), ("disparities", residual.disparity)):
             if field.coefficients.any():
@@ -49,7 +49,7 @@ class RefinedPairs(DerivedSource):
 
     @property
     def metrics(self) -> Metrics:
-        """What was taken out of rows and disparities, as the coefficients of `Field`."""
+        """The residual taken out of rows and disparities, as the coefficients of `Field`."""
         return super().metrics | {
             "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
             "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
@@ -68,7 +68,7 @@ def _resampled(pair: StereoPair, maps: Maps) -> StereoPair:
 
 
 def row_residual(source: PairSource) -> Residual:
-    """What is left of rows in the first pairs; none where their rigs differ."""
+    """Residual of rows in the first pairs; none where their rigs differ."""
     pairs = islice(source, NUM_ROW_PAIRS)
     first = next(pairs)
     seen = [sight(first)]
@@ -80,7 +80,7 @@ def row_residual(source: PairSource) -> Residual:
 
 
 def full_residual(source: PairSource) -> Residual:
-    """What is left of rows and disparities, from tracks between pairs all over a recording.
+    """Residual of rows and disparities, from tracks between pairs all over a recording.
 
     Raises
     ------

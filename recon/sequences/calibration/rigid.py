@@ -11,9 +11,9 @@ from recon.notices import notify
 Array = NDArray[np.float64]
 
 MAX_ROTATION_ERROR = 1e-2
-"""Of R R^T: what three digits leave."""
+"""Of R R^T: the error that three digits leave."""
 EXACT = 1e-12
-"""What all digits of a float leave: nothing to mend."""
+"""The error that all digits of a float leave: nothing to mend."""
 SAID_FROM = 1e-6
 """Six digits leave less; nobody needs to be told of it."""
 

@@ -1,4 +1,4 @@
-"""What a rectification left over: an offset of rows and disparities, smooth in the right image.
+"""Residuals of a rectification: an offset of rows and disparities, smooth in the right image.
 
 Real rigs are never quite rectified. A disparity that is a pixel too small makes everything ten
 percent too far, and the path as much too long; the images themselves tell, since the wrong
@@ -34,7 +34,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Residual:
-    """What must be added to disparities, and how much lower rows lie in the right image."""
+    """Offsets to add to disparities, and by which rows lie lower in the right image."""
 
     disparity: Field = Field()
     row: Field = Field()

@@ -29,12 +29,12 @@ MIN_FOCAL_PX = 2.0
 
 
 def is_middlebury(lines: Sequence[str]) -> bool:
-    """Whether there is a key cam0=."""
+    """True where there is a key cam0=."""
     return any(re.match(r"\s*cam0\s*=", line) for line in lines)
 
 
 def is_kitti(lines: Sequence[str]) -> bool:
-    """Whether a row holds twelve numbers after its label."""
+    """True where a row holds twelve numbers after its label."""
     return any(len(_fields(line)) == 12 and all(map(is_finite, _fields(line))) for line in lines)
 
 
@@ -96,7 +96,7 @@ def chosen(names: Sequence[str] | dict[str, Array], cameras: Cameras | None) -> 
 
 
 def T_camera0_left(path: Path, cameras: Cameras) -> Array:
-    """Where the left camera stands in the frame of camera 0, by its projection ``K [I | t]``."""
+    """Pose of the left camera in the frame of camera 0, by its projection ``K [I | t]``."""
     rows = kitti_projections(path)
     P = rows[chosen(rows, cameras)[0]]
     return pose(np.eye(3), -projected_step(P))
@@ -112,7 +112,7 @@ def _labelled(path: Path) -> dict[str, str]:
 
 
 def _is_pose(P: Array) -> bool:
-    """Whether a (3, 4) matrix has the focal length of a rotation."""
+    """True where a (3, 4) matrix has the focal length of a rotation."""
     return bool(np.abs(P[:2, :2]).max() < MIN_FOCAL_PX)
 
 

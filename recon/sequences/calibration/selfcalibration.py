@@ -39,7 +39,7 @@ ROW_SIGMA_PX = 0.15
 
 
 def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
-    """What the tracks between pairs of one rig say is left of rows and disparities.
+    """Residuals of rows and disparities, by the tracks between pairs of one rig.
 
     A field is fitted to every other pair of pairs and judged by its robust cost on the rest;
     the best is then fitted to all.
@@ -49,7 +49,7 @@ def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
 
 
 def estimate_row_residual(seen: Sequence[Sightings], rig: StereoRig) -> Residual:
-    """What single pairs of one rig say is left of rows; disparities are let be."""
+    """Residuals of rows by single pairs of one rig; disparities are let be."""
     return Residual(row=_chosen(seen, rig, _fit_row, _row_cost))
 
 
@@ -95,7 +95,7 @@ def _row_cost(seen: Sequence[Sightings], rig: StereoRig, row: Field) -> float:
 
 
 def _disparity_cost(tracks: Sequence[Tracks], rig: StereoRig, disparity: Field) -> float:
-    """How badly the tracks between two pairs fit one motion, outliers and all: the mean."""
+    """Mean misfit of the tracks between two pairs to one motion, outliers and all."""
     costs = [np.zeros(0)]
     for seen in tracks:
         corrected = Residual(disparity=disparity).corrected(seen, rig)

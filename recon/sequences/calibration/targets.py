@@ -38,7 +38,7 @@ class Target(Protocol):
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         ...
 
     @property
@@ -68,7 +68,7 @@ class Chessboard:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         return f"whole board of {self.columns} x {self.rows} inner corners"
 
     @property
@@ -112,7 +112,7 @@ class Charuco:
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         return f"part of a ChArUco board of {self.columns} x {self.rows} squares"
 
     @property

@@ -41,7 +41,7 @@ class CheckedPairs(DerivedSource):
 
 
 class _Watch:
-    """What one pass over the pairs has shown so far."""
+    """Findings of one pass over the pairs so far."""
 
     def __init__(self, num_posed: int) -> None:
         self._num_pairs = 0

@@ -24,7 +24,7 @@ EXPLAINED_SHARE = 0.5
 SEEN_SHARE = 0.25
 """Of the points that agree on one motion, so many must agree on another to make it as likely."""
 FITTING_SHARE = 0.25
-"""What a reading of the poses must leave less of to be named."""
+"""Share that a reading of the poses must stay below to be named."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,7 +83,7 @@ def step_between(
 
 
 def pose_finding(steps: Sequence[Step]) -> Finding | None:
-    """What the poses of some steps contradict; None where they agree or nothing moved."""
+    """The contradiction between poses and steps; None where they agree or nothing moved."""
     if not steps:
         return None
     left = _unexplained(steps, _given)
@@ -99,7 +99,7 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
 
 
 def _are_seen(steps: Sequence[Step]) -> bool:
-    """Whether the images show the motion of the poses as well.
+    """True where the images show the motion of the poses as well.
 
     Patterns that repeat, as bricks round a tower, look the same after several motions, of which
     corners show the shortest unless they are looked for where the poses put them.
@@ -126,7 +126,7 @@ def _given(step: Step) -> Array:
 
 
 def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
-    """What else the poses may mean, and the share of the motion that each leaves."""
+    """Other readings of the poses, and the share of the motion that each leaves."""
     turns = [pose(R, np.zeros(3)) for R in _right_angles()]
     for text, motion in (
         ("inverted, as they bring the world into the camera", _inverse),

@@ -31,7 +31,7 @@ SWAPPED_SHARE, OUTSIDE_SHARE = 0.7, 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What one pair of images shows."""
+    """One contradiction that a pair of images shows."""
 
     code: str
     text: str
@@ -62,7 +62,7 @@ def findings(
     search: tuple[int, int] | None = None,
     nearest_px: float = 0.0,
 ) -> list[Finding]:
-    """What a pair contradicts; nothing where too little is seen by both cameras.
+    """Contradictions of a pair; none where too little is seen by both cameras.
 
     Parameters
     ----------

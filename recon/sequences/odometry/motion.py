@@ -1,4 +1,4 @@
-"""How the rig moved between two pairs, from points that both saw."""
+"""The motion of a rig between two pairs, from points that both saw."""
 
 from dataclasses import dataclass
 
@@ -112,7 +112,7 @@ def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] |
 
 
 def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
-    """(N,) whether the disparities tell a depth."""
+    """(N,) mask of the tracks whose disparities tell a depth."""
     least = MIN_SHIFT_PX + rig.disparity_offset_px
     near: NDArray[np.bool_] = (
         np.minimum(tracks.first.disparity_px, tracks.second.disparity_px) > least

@@ -35,7 +35,7 @@ NAMES = (
     {"left": re.compile(r"cam(era)?_?0"), "right": re.compile(r"cam(era)?_?1")},
     {"left": re.compile(r"cam(era)?_?1"), "right": re.compile(r"cam(era)?_?2")},
 )
-"""What topics of the two cameras are called, tried in turn: the first that names both sides."""
+"""Words for the two cameras in names of topics, tried in turn: the first that names both sides."""
 ENDINGS = (".bag", ".mcap", ".db3")
 MAX_STAMP_GAP_NS = 1_000_000
 """Between the two images of a pair: cameras that are triggered together differ by less."""
@@ -49,7 +49,7 @@ Messages = dict[str, Any]
 
 
 def is_bag(path: Path) -> bool:
-    """Whether `path` is a bag of ROS 1, a folder or a single file of ROS 2's."""
+    """True where `path` is a bag of ROS 1, a folder or a single file of ROS 2's."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
     return path.suffix in ENDINGS
@@ -86,7 +86,7 @@ def open_bag(path: Path, settings: SequenceSettings) -> Recording:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Loader:
-    """What makes a pair of two messages."""
+    """The conversion of two messages into a pair."""
 
     rectify: Rectifier
     eight_bits: Stretch
@@ -159,7 +159,7 @@ def paired(stream: Iterable[tuple[str, int, Any]]) -> Iterator[tuple[int, Messag
 
 
 def _alone(waiting: dict[str, dict[int, Any]], end: int | None) -> list[tuple[int, Messages]]:
-    """What waited in vain for a partner, up to a time; it waits no more."""
+    """Take out what waited in vain for a partner, up to a time."""
     old = sorted((t, side) for side in SIDES for t in waiting[side] if end is None or t < end)
     return [(t, {side: waiting[side].pop(t)}) for t, side in old]
 
@@ -238,7 +238,7 @@ def _named_sides(topics: list[str]) -> dict[str, str]:
 
 
 def _says(names: dict[str, re.Pattern[str]], side: str, topic: str) -> bool:
-    """Whether the last part of a topic that names a side names this one."""
+    """True where the last part of a topic that names a side names this one."""
     other = "right" if side == "left" else "left"
     for part in reversed(topic.lower().split("/")):
         if names[side].search(part):

@@ -13,7 +13,7 @@ from recon.sequences.depth import Pixels
 from recon.sequences.images import decode_pixels, masked
 
 PLAIN = {"8UC1": "mono8", "8UC3": "bgr8", "8UC4": "bgra8", "16UC1": "mono16", "16UC3": "bgr16"}
-"""What OpenCV's encodings, which name no colours, hold by its own order."""
+"""Channels of OpenCV's encodings, which name no colours, in its own order."""
 _PNG_START = b"\x89PNG"
 DEPTH_HEADER_BYTES = 64
 """compressedDepth writes some parameters before the PNG."""
@@ -23,7 +23,7 @@ CAMERA_TYPE = "sensor_msgs/msg/CameraInfo"
 
 
 def stamp_ns(message: Any) -> int:
-    """When a message was taken, by its header; 0 where nobody set it."""
+    """The time of a message by its header; 0 where nobody set it."""
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 

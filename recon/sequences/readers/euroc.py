@@ -19,7 +19,7 @@ NANOSECONDS = 1e-9
 
 
 def is_euroc(path: Path) -> bool:
-    """Whether `path`, or its mav0, holds cam0 and cam1 with their sensor.yaml."""
+    """True where `path`, or its mav0, holds cam0 and cam1 with their sensor.yaml."""
     return all((_root(path) / camera / "sensor.yaml").is_file() for camera in ("cam0", "cam1"))
 
 

@@ -34,7 +34,7 @@ NUM_FIRST = 10
 
 
 def is_folder(path: Path) -> bool:
-    """Whether `path` holds left/ and right/."""
+    """True where `path` holds left/ and right/."""
     return (path / "left").is_dir() and (path / "right").is_dir()
 
 
@@ -102,7 +102,7 @@ def file_recording(
 
 
 def first_stretch(listed: Sequence[Listed]) -> Stretch:
-    """What brings 16 bits to 8, by both cameras in a few of the first frames."""
+    """The stretch of 16 bits to 8, by both cameras in a few of the first frames."""
     samples: list[Pixels] = []
     for entry in listed[: NUM_FIRST : max(1, NUM_FIRST // 2)]:
         for path in (entry.left, entry.right):

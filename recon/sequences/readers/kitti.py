@@ -59,7 +59,7 @@ MANY_CALIBRATIONS = ("calib_cam_to_cam", "calib")
 
 
 def is_kitti(path: Path) -> bool:
-    """Whether `path` holds the image folders of a KITTI recording."""
+    """True where `path` holds the image folders of a KITTI recording."""
     return _sides(path) is not None
 
 

@@ -17,11 +17,11 @@ NAMES = {
     "left": ("left", "im0", "view1", "im2"),
     "right": ("right", "im1", "view5", "im6"),
 }
-"""What a side is called: here, and in Middlebury's sets of 2014, 2005 and 2006, 2001 and 2003."""
+"""Names of a side: here, and in Middlebury's sets of 2014, 2005 and 2006, 2001 and 2003."""
 
 
 def is_pair_dir(path: Path) -> bool:
-    """Whether `path` holds one left and one right image."""
+    """True where `path` holds one left and one right image."""
     return path.is_dir() and all(_image(path, side) for side in NAMES)
 
 

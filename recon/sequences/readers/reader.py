@@ -1,4 +1,4 @@
-"""What a reader of recordings is, recon's own and those of plug-ins."""
+"""The record of a reader of recordings, of recon's own and those of plug-ins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,5 +16,5 @@ class Reader:
     """
 
     fits: Callable[[Path], bool]
-    """Whether a path holds this form, told by what is in it."""
+    """True where a path holds this form, told by what is in it."""
     open: Callable[[Path, SequenceSettings], PairSource]

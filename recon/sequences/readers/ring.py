@@ -48,7 +48,7 @@ class RingView:
 
 
 def is_ring(path: Path) -> bool:
-    """Whether `path` holds par.txt or NAME_par.txt."""
+    """True where `path` holds par.txt or NAME_par.txt."""
     return path.is_dir() and any(path.glob("*par.txt"))
 
 

@@ -21,7 +21,7 @@ from recon.settings import SequenceSettings
 
 
 def is_simulated(path: Path) -> bool:
-    """Whether `path` holds folders of pairs."""
+    """True where `path` holds folders of pairs."""
     return bool(_pair_dirs(path))
 
 

@@ -23,11 +23,11 @@ from recon.settings import SequenceSettings
 ENDINGS = {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"}
 MAX_FRAMES = 1 << 24
 USUAL_RATE_HZ = 30.0
-"""Where the file does not say."""
+"""Of a file that does not say."""
 
 
 def is_video(path: Path) -> bool:
-    """Whether `path` is a video, or holds left.* and right.*."""
+    """True where `path` is a video, or holds left.* and right.*."""
     return path.suffix.lower() in ENDINGS if path.is_file() else bool(_two_files(path))
 
 
@@ -58,7 +58,7 @@ def open_video(path: Path, settings: SequenceSettings) -> Recording:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Clip:
-    """What a video file says of itself."""
+    """A video file by its own header."""
 
     path: Path
     size: tuple[int, int]
