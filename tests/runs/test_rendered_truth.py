@@ -109,7 +109,7 @@ def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, caps
 
 def test_a_run_without_its_recording_cannot_be_meshed(drive, tmp_path, capsys):
     assert main(["mesh", str(drive), "-o", str(tmp_path / "out")]) == 2
-    assert "one of reconstruct is needed" in capsys.readouterr().err
+    assert "one of reconstruct or explore is needed" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("views", ["ring:0", "ring:x", "spiral:3", "drive:"])
