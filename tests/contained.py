@@ -34,7 +34,7 @@ def contained_files(folder: Path) -> Iterator[tuple[str, Callable[[Path], Any], 
         (".db3", write_ros2, "drive/drive.db3", lambda path: _pairs(path / "drive")),
         (".metadata.yaml", write_ros2, "drive/metadata.yaml", lambda path: _pairs(path / "drive")),
     ):
-        whole = folder / f"whole{name}"
+        whole = folder / f"of{name}"
         write_whole(whole)
         part = whole / pattern
         yield name, _in_its_place(part, whole, read_whole), part.read_bytes()

@@ -320,6 +320,11 @@ def test_a_scene_reads_only_below_its_own_folder_unless_that_is_allowed(tmp_path
             assert read_scene(scene).textures == (texture.format(tmp_path),)
 
 
+def test_a_name_that_no_file_can_have_is_refused(tmp_path):
+    with pytest.raises(InputError, match="beside the scene or one"):
+        read_scene(outside_scene(tmp_path, "a\0b.png"))
+
+
 def test_a_mesh_of_a_scene_lies_below_its_folder_too(tmp_path):
     (tmp_path / "a.ply").touch()
     (tmp_path / "in").mkdir()
