@@ -5,7 +5,6 @@ from itertools import product
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from recon.records import PointCloud
 from recon.surface.depth import DepthMap, Floats
@@ -32,6 +31,8 @@ and weighted colours."""
 
 _NEAR_SQ = 0.25
 """Square of the distance, in cells, up to which a point is as good as at the place asked for."""
+_REACHES = (1, 4)
+"""Cells on each side that are asked for colours; no surface is farther from what made it."""
 
 
 class CellCloud:
@@ -72,29 +73,33 @@ class CellCloud:
         )
 
     def colours_at(self, points: Array) -> NDArray[np.uint8]:
-        """(N, 3) colours of the points nearest to some on the surface (N, 3), by distance."""
+        """(N, 3) mean colours of the points next to some on the surface (N, 3), by distance.
+
+        A few cells round each place are asked, more where they are empty; black is where all are.
+        """
         places = points / self.cell
+        sums = np.zeros((len(points), 4))
+        for reach in _REACHES:
+            lost = np.flatnonzero(sums[:, 3] == 0)
+            sums[lost] = self._colour_sums(places[lost], reach)
+        mean = sums[:, :3] / np.maximum(sums[:, 3:], 1e-12)
+        colours: NDArray[np.uint8] = np.rint(mean).clip(0, 255).astype(np.uint8)
+        return colours
+
+    def _colour_sums(self, places: Array, reach: int) -> Array:
+        """(N, 4) weighted sums of red, green and blue of the cells near places, and of weights."""
         index = np.floor(places).astype(np.int32)
-        sums, weights = np.zeros((len(points), 3)), np.zeros(len(points))
-        for step in product((-1, 0, 1), repeat=3):
+        sums = np.zeros((len(places), 4))
+        for step in product(range(-reach, reach + 1), repeat=3):
             rows = self._table.find(index + np.array(step, np.int32))
             near = np.flatnonzero(rows >= 0)
             cells = self._table.rows[rows[near]]
             means = cells["place"] / cells["weight"][:, None]
             away = cells["index"] + means - places[near]
-            share = cells["weight"] / (_NEAR_SQ + (away**2).sum(axis=1))
-            weights[near] += share
-            sums[near] += cells["colour"] * (share / cells["weight"])[:, None]
-        lost = np.flatnonzero(weights == 0)
-        if len(lost):
-            sums[lost], weights[lost] = self._nearest_colours(points[lost]), 1.0
-        colours: NDArray[np.uint8] = np.rint(sums / weights[:, None]).clip(0, 255).astype(np.uint8)
-        return colours
-
-    def _nearest_colours(self, points: Array) -> NDArray[np.uint8]:
-        cloud = self.cloud()
-        assert cloud.colours is not None
-        return cloud.colours[cKDTree(cloud.points).query(points)[1]]
+            share = 1.0 / (_NEAR_SQ + (away**2).sum(axis=1))
+            sums[near, :3] += cells["colour"] * share[:, None]
+            sums[near, 3] += cells["weight"] * share
+        return sums
 
     def _rows_of(self, places: Array) -> Numbers:
         """The row of each place's cell (N,), which has counted its pixels."""

@@ -208,8 +208,9 @@ def test_a_place_has_the_colour_of_the_points_next_to_it():
     left, right = wall_view(x=-2.0), wall_view(x=2.0)
     cells.add(left)
     cells.add(replace(right, colours=np.full_like(right.colours, 7)))
-    places = np.array([[-2.5, 0.0, 4.0], [2.5, 0.0, 4.02], [-2.5, 0.0, 2.0]])
-    np.testing.assert_array_equal(cells.colours_at(places), [COLOUR, [7, 7, 7], COLOUR])
+    places = np.array([[-2.5, 0.0, 4.0], [2.5, 0.0, 4.02], [-2.5, 0.0, 3.7], [-2.5, 0.0, 2.0]])
+    expected = [COLOUR, [7, 7, 7], COLOUR, [0, 0, 0]]
+    np.testing.assert_array_equal(cells.colours_at(places), expected)
     assert len(CellCloud(1.0).colours_at(np.zeros((0, 3)))) == 0
 
 

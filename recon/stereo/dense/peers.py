@@ -71,11 +71,11 @@ def _bm(left: Grey, right: Grey, search: Search) -> Floats:
 
 def _matched(matcher: Any, left: Grey, right: Grey, search: Search) -> Floats:
     """(H, W) disparity, NaN = unknown; margins let the matcher look at all columns and rows."""
-    last = search.first + search.depth
-    side = max(last, 0) + max(-search.first, 0) + _BM_BLOCK_PX
-    pad = ((_BM_BLOCK_PX, _BM_BLOCK_PX), (side, side))
+    before = max(search.first + search.depth, 0) + _BM_BLOCK_PX
+    behind = max(-search.first, 0) + _BM_BLOCK_PX
+    pad = ((_BM_BLOCK_PX, _BM_BLOCK_PX), (before, behind))
     fixed = matcher.compute(*(np.pad(image, pad, mode="edge") for image in (left, right)))
-    fixed = fixed[_BM_BLOCK_PX:-_BM_BLOCK_PX, side:-side]
+    fixed = fixed[_BM_BLOCK_PX:-_BM_BLOCK_PX, before:-behind]
     disparity = fixed.astype(np.float32) / np.float32(_FIXED_POINT)
     outside = (disparity < search.first) | (disparity > search.first + search.size - 1)
     return np.where(outside, np.float32(np.nan), disparity)
