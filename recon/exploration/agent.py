@@ -1,24 +1,26 @@
 """The agent: view -> pair -> map -> state -> next view, until a controller or a limit ends it."""
 
 import logging
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError, check_finite
-from recon.exploration.controllers import Controller, make_controller
-from recon.exploration.explorable import Explorable
+from recon.errors import InputError
+from recon.exploration.belief import Sight, belief_of
+from recon.exploration.controllers import Controller, check_view, make_controller, result_of
+from recon.exploration.explorable import Explorable, start_of
 from recon.exploration.floor import Array, check_floor
 from recon.exploration.metrics import length_of, pairs_until_objects, path_between
 from recon.exploration.outcome import STOP_REASONS, Exploration, Step
 from recon.exploration.referee import referee_of
 from recon.exploration.slip import slip_of
-from recon.exploration.state import State, Walk
+from recon.exploration.state import State
 from recon.exploration.world_model import WorldModel
+from recon.mapping import mapper
 from recon.mapping.mapper import Mapper
+from recon.mapping.pair import match_points
 from recon.records import Recognition, Reconstruction, StereoPair, View
 from recon.settings import Settings
 from recon.stopwatch import Stopwatch
@@ -84,9 +86,9 @@ class Agent:
         self.take = take
         self.referee = referee_of(source, settings)
         self.slip = slip_of(self.referee, settings)
+        self.belief = belief_of(settings)
         self.stopwatch = stopwatch
-        self.mapper = Mapper(settings, stopwatch=stopwatch, compares=False)
-        self.model = WorldModel(settings=settings, voxel_map=self.mapper.voxel_map)
+        self._begin()
         self.start = start_of(source, settings)
         self._check_start()
         self.views: list[View] = []
@@ -94,6 +96,11 @@ class Agent:
         self.curve: list[tuple[int, float, float | None]] = []
         self.stop_reason = ""
         self.message = ""
+
+    def _begin(self) -> None:
+        """An empty map and model."""
+        self.mapper = Mapper(self.settings, stopwatch=self.stopwatch, compares=False)
+        self.model = WorldModel(settings=self.settings, voxel_map=self.mapper.voxel_map)
 
     def steps(self, controller: Controller) -> Iterator[Step]:
         """Go from view to view until there is a reason to stop."""
@@ -104,7 +111,7 @@ class Agent:
                     pair = self._taken(view)
             except InputError as error:
                 return self.stop("controller failed", f"its view cannot be taken: {error}")
-            step = replace(self._look(view, pair), said=_result_of(controller))
+            step = replace(self._look(view, pair), said=result_of(controller))
             yield step
             if len(self.views) >= self.settings.exploration.max_pairs:
                 return self.stop("limit", f"{len(self.views)} pairs are taken")
@@ -136,17 +143,44 @@ class Agent:
 
     def _look(self, view: View, pair: StereoPair) -> Step:
         """Put a pair into the map and the model of the world."""
-        (mapped,) = self.mapper.process(self._stamped(pair))
-        with self.stopwatch.stage("map"):
-            self.model.update(view, mapped.pair, mapped.cloud)
+        sight = Sight(view=view, pair=self._stamped(pair))
+        if self.belief is not None:
+            sight = self._corrected(sight)
+        mapped = self._put(sight)
         with self.stopwatch.stage("recognise"):
             self.model.name_obstacles()
-        self.views.append(view)
+        self.views.append(sight.view)
         self.curve.append((len(self.views), self.path_length, self._coverage()))
         parts = {part.name: getattr(mapped, part.name) for part in fields(mapped)}
-        return Step(
-            **parts, view=view, objects=self.model.objects, known_share=self.model.floor.known_share
-        )
+        known = self.model.floor.known_share
+        return Step(**parts, view=sight.view, objects=self.model.objects, known_share=known)
+
+    def _put(self, sight: Sight) -> mapper.Step:
+        """Put a pair into the map and the floor."""
+        (mapped,) = self.mapper.process(sight.pair, sight.result)
+        with self.stopwatch.stage("map"):
+            self.model.update(sight.view, mapped.pair, mapped.cloud)
+        return mapped
+
+    def _corrected(self, sight: Sight) -> Sight:
+        """A pair where it is believed to have been taken; the map anew where others moved too."""
+        assert self.belief is not None
+        with self.stopwatch.stage("stereo"):
+            sight = replace(sight, result=match_points(sight.pair, self.settings))
+        with self.stopwatch.stage("localise"):
+            T_new_old = self.belief.correct(sight, self.model)
+            moved = self.belief.outdated()
+            sight = self.belief.keep(sight.moved(T_new_old))
+        if self.slip is not None:
+            self.slip.correct(T_new_old)
+        if moved is not None:
+            before = self.model
+            self._begin()
+            for one in moved:
+                self._put(one)
+            self.model.remember(before)
+            self.views = [one.view for one in moved]
+        return sight
 
     def _stamped(self, pair: StereoPair) -> StereoPair:
         """The pair with a time after the one before; its number where it states none."""
@@ -220,7 +254,7 @@ class Agent:
             sure_range=self.model.sure_range,
             objects=self.model.objects,
             simulator=None if self.referee is None else self.referee.world,
-            settings=self.settings,
+            settings=self.settings if self.belief is None else self.belief.cautious,
         )
 
     def exploration(self) -> Exploration:
@@ -262,35 +296,3 @@ class Agent:
             **self.mapper.reached.metrics,
             **errors,
         } | (self.referee.metrics(self.start) if self.referee else true)
-
-
-def start_of(source: Explorable, settings: Settings) -> View:
-    """The first view: that of the source, but for what the settings say of it."""
-    start, wanted = source.start(), settings.exploration
-    position, gaze = start.position, start.target - start.position
-    if wanted.start_position is not None:
-        x, *y, z = wanted.start_position
-        position = np.array([x, *(y or position[1:2]), z])
-    if wanted.start_heading_deg is not None:
-        heading = math.radians(wanted.start_heading_deg)
-        gaze = math.hypot(*gaze) * np.array([math.sin(heading), 0.0, -math.cos(heading)])
-    return replace(start, position=position, target=position + gaze)
-
-
-def _result_of(controller: Controller) -> str:
-    """What a controller says came of it so far; a plug-in that fails at that says nothing."""
-    try:
-        return str(controller.result())
-    except Exception:
-        log.debug("the controller has no result", exc_info=True)
-        return ""
-
-
-def check_view(view: View) -> None:
-    """Raise `InputError` unless a controller's answer is a view of finite numbers."""
-    if not isinstance(view, View):
-        raise InputError(f"next_view gave {view!r}, but a View or None is needed")
-    for name, value in (("position", view.position), ("target", view.target)):
-        check_finite(name, value)
-    if isinstance(view, Walk):
-        check_finite("via", view.via)

@@ -1,12 +1,15 @@
 """Controllers by name: those that lead the agent, and the plug-ins beside them."""
 
+import logging
 from collections.abc import Callable
 from typing import Protocol
 
-from recon.errors import InputError
-from recon.exploration.state import State
+from recon.errors import InputError, check_finite
+from recon.exploration.state import State, Walk
 from recon.plugins import Registry
 from recon.records import View
+
+log = logging.getLogger(__name__)
 
 
 class Controller(Protocol):
@@ -58,3 +61,22 @@ def make_controller(name: str) -> Controller:
         raise InputError(
             f"controller {name!r} cannot be made: {type(error).__name__}: {error}"
         ) from error
+
+
+def check_view(view: View) -> None:
+    """Raise `InputError` unless a controller's answer is a view of finite numbers."""
+    if not isinstance(view, View):
+        raise InputError(f"next_view gave {view!r}, but a View or None is needed")
+    for name, value in (("position", view.position), ("target", view.target)):
+        check_finite(name, value)
+    if isinstance(view, Walk):
+        check_finite("via", view.via)
+
+
+def result_of(controller: Controller) -> str:
+    """What a controller says came of it so far; a plug-in that fails at that says nothing."""
+    try:
+        return str(controller.result())
+    except Exception:
+        log.debug("the controller has no result", exc_info=True)
+        return ""

@@ -1,12 +1,15 @@
 """The two sides of what is explored: what the agent asks of it, and what a referee knows of it."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from recon.records import StereoPair, View
+from recon.settings import Settings
 from recon.world.objects import TrueObject
 
 
@@ -42,3 +45,16 @@ class KnownWorld(Explorable, Protocol):
     def free_ground(self, cell_size: float) -> NDArray[np.bool_]:
         """(X, Z) floor cells whose middle no object stands on or hangs over."""
         ...
+
+
+def start_of(source: Explorable, settings: Settings) -> View:
+    """The first view: that of the source, but for what the settings say of it."""
+    start, wanted = source.start(), settings.exploration
+    position, gaze = start.position, start.target - start.position
+    if wanted.start_position is not None:
+        x, *y, z = wanted.start_position
+        position = np.array([x, *(y or position[1:2]), z])
+    if wanted.start_heading_deg is not None:
+        heading = math.radians(wanted.start_heading_deg)
+        gaze = math.hypot(*gaze) * np.array([math.sin(heading), 0.0, -math.cos(heading)])
+    return replace(start, position=position, target=position + gaze)

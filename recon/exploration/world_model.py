@@ -67,12 +67,16 @@ class WorldModel:
             return reach
         return min(reach, math.sqrt(SURE_SIGMA * self.scales.cell / np.median(self.growth)))
 
-    def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
-        """Take in one more pair, whose sure points are in the map already."""
+    def standing(self, place: Array, cloud: PointCloud) -> PointCloud:
+        """The points (world) of what stands on the floor, seen from a place (2,), without noise."""
         height = cloud.points[:, 1]
         standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
+        return without_noise(standing, place, self.scales)
+
+    def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
+        """Take in one more pair, whose sure points are in the map already."""
         place = view.position[[0, 2]]
-        standing = without_noise(standing, place, self.scales)
+        standing = self.standing(place, cloud)
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
         self.observations.add(place, sure, self.floor)
         if len(standing):
@@ -92,6 +96,13 @@ class WorldModel:
         self.obstacles = tuple(self._named(one) if _is_due(one) else one for one in self.obstacles)
         if not self.timeline or self.objects != self.timeline[-1][1]:
             self.timeline.append((len(self.observations.places), self.objects))
+
+    def remember(self, before: "WorldModel") -> None:
+        """Take over the names of a model whose map was corrected, and what it bumped into."""
+        named = [one for one in before.obstacles if one.found is not None]
+        self.obstacles = tuple(_with_name(one, named) for one in self.obstacles)
+        self.timeline = before.timeline
+        self.floor.touched |= before.floor.touched
 
     def _find_obstacles(self) -> None:
         """Bring the occupied cells of the floor and the obstacles up to the map."""

@@ -1,9 +1,9 @@
 """The straight line: two images -> pairs of features -> coloured world points -> the voxel map."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError, check_type
 from recon.geometry import LEVEL_CAMERA
@@ -29,6 +29,14 @@ class PairResult:
 
     def __repr__(self) -> str:
         return f"PairResult({len(self.matches)} matches, {len(self.cloud)} points)"
+
+    def transformed(self, T_target_source: ArrayLike) -> "PairResult":
+        """The same with its points in the target frame."""
+        return replace(
+            self,
+            cloud=self.cloud.transformed(T_target_source),
+            doubtful=self.doubtful.transformed(T_target_source),
+        )
 
 
 def match_pair(

@@ -5,6 +5,7 @@ from pathlib import Path
 from recon.exploration.agent import explore
 from recon.exploration.outcome import Exploration, Step
 from recon.exports.ply import CloudWriter
+from recon.geometry import Array
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import with_views
 from recon.records import StereoPair, View
@@ -12,7 +13,7 @@ from recon.runfolder import RunFolder
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
-from recon.runs.outputs import cells_hit, write_outputs, write_places
+from recon.runs.outputs import cells_hit, move_cloud, write_outputs, write_places
 from recon.runs.replay import SavedPairs
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
@@ -43,6 +44,7 @@ def _explore(job: Job, work: Work) -> Numbers:
     if done.stop_reason == "interrupted":
         work.run.interrupt()
     work.run.write_text(CAMERAS, as_document(recorder.seen))
+    move_cloud(work.run.path / "cloud.ply", recorder.poses, done.reconstruction.trajectory)
     _write(done, work)
     if job.settings.map.places:
         write_places(work, recorder.places, done.reconstruction.trajectory)
@@ -59,6 +61,8 @@ class Recorder:
         self.world = world
         self.work = work
         self.num_taken = 0
+        self.poses: list[Array] = []
+        """Of the left camera, as the points on disk have them."""
         self.keeps_places = job.settings.map.places
         self.places = PlaceKeeper()
         self.most_known = 0.0
@@ -78,6 +82,8 @@ class Recorder:
         """Put the points of one step on disk, and say that it is done."""
         with self.work.stage("write"):
             self.cloud.append(step.cloud, step.number)
+        assert step.pair.T_world_left is not None
+        self.poses.append(step.pair.T_world_left)
         if self.keeps_places:
             with self.work.stage("write"):
                 self.places.add(step.pair, step.number)

@@ -1,12 +1,13 @@
 """Files that every run with a map leaves besides its figures."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from recon.exports.ply import read_cloud_chunks
+from recon.exports.ply import CloudWriter, read_cloud_chunks
+from recon.geometry import Array, invert
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import CellCounts, count_cells
 from recon.records import Recognition, Reconstruction, Trajectory
@@ -29,6 +30,18 @@ def write_outputs(
     reconstruction.map.save(run.path / "map.npz")
     run.write_json("objects.json", as_json(recognition))
     run.write_text("trajectory.txt", reconstruction.trajectory.as_tum())
+
+
+def move_cloud(path: Path, had: Sequence[Array], trajectory: Trajectory) -> None:
+    """Bring the points of a cloud file to poses that were corrected since they were written."""
+    now = trajectory.T_world_left
+    if all(np.array_equal(old, new) for old, new in zip(had, now, strict=False)):
+        return
+    with CloudWriter(path) as moved:
+        for cloud, number in read_cloud_chunks(path):
+            for pair in np.unique(number):
+                T_new_old = now[pair] @ invert(had[pair])
+                moved.append(cloud.select(number == pair).transformed(T_new_old), int(pair))
 
 
 def write_places(work: Work, places: PlaceKeeper, trajectory: Trajectory) -> None:

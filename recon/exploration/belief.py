@@ -1,0 +1,267 @@
+"""Belief: where the agent takes itself to have been, by its steps and by the things that it saw.
+
+Every pair adds a pose to a graph whose landmarks are the things that stand about; coming back to
+known things corrects the whole way.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from recon.exploration.floor import Array
+from recon.exploration.scan import Detection, detections, field_of_view
+from recon.exploration.world_model import WorldModel
+from recon.geometry import invert, pose, rotation_about_y, transform, without_drift
+from recon.localisation.graph import FRONT_SHARE, Bearing, Graph, Link, step_between
+from recon.localisation.pairs import Shown, linked
+from recon.mapping.pair import PairResult
+from recon.records import PointCloud, StereoPair, View
+from recon.settings import Settings, updated
+
+AZIMUTH_SIGMA_RAD = math.radians(0.15)
+MIDDLE_SHARE = 0.04
+"""Standard deviation of the middle of what is seen of a thing, as a share of its radius."""
+DISTANCE_SHARE = 0.06
+"""The same of the distance of its front."""
+EDGE_RAD = math.radians(1.0)
+"""A thing that comes so near to the border of the image is cut off: its middle is elsewhere."""
+HIDDEN_SHARE = 0.5
+"""Of what is hidden of a thing: so far may the middle of the rest be from its own."""
+GATE, FAR_GATE = 3.0, 4.0
+"""Standard deviations within which a thing is a known one, and beyond which it is a new one."""
+NEW, UNCLEAR = -1, -2
+NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
+"""Earlier pairs that a pair is laid on: those that see a thing from less than 100 degrees off."""
+NUM_SIGMAS, MAX_CAUTION = 2.0, 1 / 3
+"""Of the position, that are kept from obstacles besides; at most this share of the clearance."""
+MOVED, TURNED_RAD = 0.2, math.radians(0.3)
+"""Of the way so far, in cells: beyond this the map is made anew."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sight:
+    """One pair where the agent believes that it was taken."""
+
+    view: View
+    pair: StereoPair
+    result: PairResult | None = None
+    """Its matches and points, in the world as believed; None where they are not worked out yet."""
+
+    @property
+    def cloud(self) -> PointCloud:
+        """Its sure points, in the world as believed."""
+        assert self.result is not None
+        return self.result.cloud
+
+    @property
+    def planar(self) -> Array:
+        """(3,) x, z of the left camera, and the azimuth of straight ahead."""
+        assert self.pair.T_world_left is not None
+        return planar(self.pair.T_world_left)
+
+    def moved(self, T_new_old: Array) -> "Sight":
+        """The same from a pose that is corrected."""
+        places = transform(T_new_old, np.array([self.view.position, self.view.target]))
+        assert self.pair.T_world_left is not None
+        return Sight(
+            view=replace(self.view, position=places[0], target=places[1]),
+            pair=replace(self.pair, T_world_left=without_drift(T_new_old @ self.pair.T_world_left)),
+            result=self.result and self.result.transformed(T_new_old),
+        )
+
+
+def planar(T_world_left: Array) -> Array:
+    """(3,) x, z of a camera, and the azimuth of straight ahead."""
+    ahead = T_world_left[:3, 2]
+    return np.array([*T_world_left[[0, 2], 3], math.atan2(ahead[2], ahead[0])])
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Belief:
+    """The graph of the walk so far, and the pairs that it is of."""
+
+    settings: Settings
+    sights: list[Sight] = field(default_factory=list)
+    """Of all pairs, where the map has them."""
+    graph: Graph | None = None
+    _shown: list[Shown] = field(default_factory=list)
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the position along its most uncertain direction, world units."""
+        if self.graph is None:
+            return 0.0
+        return float(np.sqrt(np.linalg.eigvalsh(self.graph.covariance()[:2, :2])[-1]))
+
+    @property
+    def cautious(self) -> Settings:
+        """The settings with as much more room kept from obstacles as the position is unsure."""
+        clearance = self.settings.exploration.walk_clearance
+        wide = clearance + min(NUM_SIGMAS * self.sigma, MAX_CAUTION * clearance)
+        return updated(self.settings, {"exploration": {"walk_clearance": wide}})
+
+    def correct(self, sight: Sight, model: WorldModel) -> Array:
+        """Take the next pair; the motion (4, 4) from where it was meant to where it is believed."""
+        meant = sight.planar
+        if self.graph is None:
+            self.graph = Graph.at(meant, self._step_sigma)
+        else:
+            self.graph.walk(step_between(self.sights[-1].planar, meant))
+        for detection in self._things(sight, model):
+            self._note(detection, sight)
+        self.graph.solve()
+        self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map.cell_size))
+        self._link()
+        return _motion(meant, self.graph.poses[-1], sight)
+
+    def _link(self) -> None:
+        """Lay the last pair on earlier ones that show the same."""
+        assert self.graph is not None
+        last = len(self._shown) - 1
+        links = []
+        for number in self._neighbours():
+            poses = self.graph.poses[[number, last]]
+            spread = self.graph.spread_between(number)
+            found = linked(self._shown[number], self._shown[last], poses, spread)
+            if found is not None:
+                links.append(Link.between((number, last), *found))
+        self.graph.links += links
+        if links:
+            self.graph.solve()
+
+    def _neighbours(self) -> list[int]:
+        """Numbers of the earlier pairs that see known things from the directions most like it."""
+        assert self.graph is not None
+        last = len(self.graph.poses) - 1
+        own = {bearing.landmark for bearing in self.graph.bearings if bearing.pose == last}
+        apart: dict[int, float] = {}
+        for bearing in self.graph.bearings:
+            if bearing.pose < last and bearing.landmark in own:
+                middle = self.graph.landmarks[bearing.landmark, :2]
+                arms = middle - self.graph.poses[[bearing.pose, last], :2]
+                lengths = np.hypot(*arms.T)
+                cosine = float(arms[0] @ arms[1] / max(lengths.prod(), 1e-9))
+                worth = cosine - 0.5 * abs(math.log(max(lengths[0], 1e-6) / max(lengths[1], 1e-6)))
+                if cosine > MIN_COSINE:
+                    apart[bearing.pose] = max(worth, apart.get(bearing.pose, -9.0))
+        best = sorted(apart, key=lambda number: -apart[number])[:NUM_NEIGHBOURS]
+        # What was before the cameras just now may be so again, known or not.
+        return best if last - 1 in best or not last else [*best, last - 1]
+
+    def keep(self, sight: Sight) -> Sight:
+        """Note where the map has the last pair."""
+        self.sights.append(sight)
+        return sight
+
+    def outdated(self) -> list[Sight] | None:
+        """All pairs where they are believed now, where that is elsewhere than the map has them."""
+        assert self.graph is not None
+        had = np.array([sight.planar for sight in self.sights]).reshape(-1, 3)
+        off = self.graph.poses[: len(had)] - had
+        off[:, 2] = np.angle(np.exp(1j * off[:, 2]))
+        limit = MOVED * self.settings.map.cell_size
+        is_near = (np.hypot(*off.T[:2]) < limit) & (np.abs(off[:, 2]) < TURNED_RAD)
+        if is_near.all():
+            return None
+        self.sights = [
+            sight.moved(_motion(old, new, sight))
+            for sight, old, new in zip(self.sights, had, self.graph.poses, strict=False)
+        ]
+        return [*self.sights]
+
+    @property
+    def _step_sigma(self) -> tuple[float, float]:
+        """Of position and heading; never so sure that nothing could be corrected."""
+        motion, least = self.settings.motion, 1e-4
+        return (
+            max(motion.position_noise, least * self.settings.map.cell_size),
+            max(math.radians(motion.heading_noise_deg), least),
+        )
+
+    def _things(self, sight: Sight, model: WorldModel) -> list[Detection]:
+        """What stands before the cameras."""
+        place = sight.view.position[[0, 2]]
+        standing = model.standing(place, sight.cloud)
+        return detections(standing, place, model.scales) if len(standing) else []
+
+    def _note(self, seen: Detection, sight: Sight) -> None:
+        """Add the sighting of a thing, which is a known one or a new one."""
+        assert self.graph is not None
+        x, z, azimuth = sight.planar
+        offset = seen.centre - [x, z]
+        distance = float(np.hypot(*offset))
+        bearing = float(_wrapped(math.atan2(offset[1], offset[0]) - azimuth))
+        half = math.atan2(seen.radius, distance)
+        is_cut = abs(bearing) + half > field_of_view(sight.pair) / 2.0 - EDGE_RAD
+        landmark = self._known(seen, bearing, distance)
+        if landmark == NEW and (is_cut or seen.sigma > seen.radius):
+            return
+        if landmark == NEW:
+            x, z, heading = self.graph.poses[-1]
+            ahead = np.array([math.cos(heading + bearing), math.sin(heading + bearing)])
+            middle = [x, z] + (distance + FRONT_SHARE * seen.radius) * ahead
+            landmark = self.graph.add(middle, seen.radius)
+        if landmark == UNCLEAR:
+            return
+        radius = float(self.graph.radii[landmark])
+        hidden = max(0.0, radius - seen.radius) + (HIDDEN_SHARE * radius if is_cut else 0.0)
+        self.graph.bearings.append(
+            Bearing(
+                pose=len(self.graph.poses) - 1,
+                landmark=landmark,
+                azimuth_rad=bearing,
+                distance=distance,
+                azimuth_sigma=math.hypot(
+                    AZIMUTH_SIGMA_RAD, math.hypot(MIDDLE_SHARE * radius, hidden) / distance
+                ),
+                distance_sigma=math.hypot(
+                    seen.sigma, DISTANCE_SHARE * radius + HIDDEN_SHARE * hidden
+                ),
+            )
+        )
+
+    def _known(self, seen: Detection, bearing: float, distance: float) -> int:
+        """The landmark that a sighting is of, NEW, or UNCLEAR."""
+        assert self.graph is not None
+        if not len(self.graph.radii):
+            return NEW
+        x, z, heading = self.graph.poses[-1]
+        ahead = np.array([math.cos(heading + bearing), math.sin(heading + bearing)])
+        offset = self.graph.landmarks[:, :2] - [x, z]
+        spread = self.graph.covariance()
+        turned = math.sqrt(spread[2, 2]) * distance
+        own = math.hypot(turned, math.sqrt(spread[:2, :2].trace()))
+        hidden = np.maximum(self.graph.radii - seen.radius, 0.0)
+        aside = np.abs(offset @ [-ahead[1], ahead[0]])
+        along = np.abs(offset @ ahead - self.graph.landmarks[:, 2] - distance)
+        reach = np.sqrt(own**2 + (0.1 * self.graph.radii) ** 2 + hidden**2)
+        depth = np.sqrt(own**2 + (0.3 * self.graph.radii) ** 2 + seen.sigma**2 + hidden**2)
+        off = np.hypot(aside / reach, along / depth)
+        off[offset @ ahead <= 0.0] = np.inf
+        order = np.argsort(off, kind="stable")[:2]
+        if off[order[0]] > FAR_GATE:
+            return NEW
+        is_alone = len(order) < 2 or off[order[1]] > FAR_GATE
+        return int(order[0]) if off[order[0]] < GATE and is_alone else UNCLEAR
+
+
+def _wrapped(angle: float) -> float:
+    """An angle between minus and plus half a turn."""
+    return math.remainder(angle, 2.0 * math.pi)
+
+
+def _motion(old: Array, new: Array, sight: Sight) -> Array:
+    """The motion (4, 4) that brings a sight from one planar pose to another."""
+    assert sight.pair.T_world_left is not None
+    eye = sight.pair.T_world_left[:3, 3]
+    there = np.array([new[0], eye[1], new[1]])
+    turn = rotation_about_y(-float(np.angle(np.exp(1j * (new[2] - old[2])))))
+    return pose(turn, there) @ invert(pose(np.eye(3), eye))
+
+
+def belief_of(settings: Settings) -> Belief | None:
+    """The belief of an agent whose motion errs; None where motion is exact."""
+    motion = settings.motion
+    is_exact = motion.position_noise == motion.heading_noise_deg == 0.0
+    return None if is_exact else Belief(settings=settings)

@@ -1,0 +1,250 @@
+"""The graph of a walk: poses on the floor, joined by steps and by the things seen from them.
+
+Landmark SLAM in the plane: a step is as sure as motion is, a sighting as sure as stereo makes it;
+all poses and landmarks are adjusted together, so that coming back to known things corrects the
+whole way (Thrun and Montemerlo 2006, GraphSLAM).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+Array = NDArray[np.float64]
+
+NUM_ROUNDS = 12
+ROBUST = 3.0
+"""Standard deviations from which on Cauchy's weights let go."""
+SMALL_CHANGE = 1e-5
+FIRST_SIGMA = 1e-5
+"""Of the first pose, which the world is anchored at; radians and world units."""
+FRONT_SHARE = 0.7
+"""Of its radius that a thing's front is before its middle, usually ..."""
+FRONT_SIGMA = 0.35
+"""... and the standard deviation of that share."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bearing:
+    """A thing as a pair sees it."""
+
+    pose: int
+    """Number of the pair."""
+    landmark: int
+    azimuth_rad: float
+    """From straight ahead, growing clockwise seen from above."""
+    distance: float
+    """To its front, world units."""
+    azimuth_sigma: float
+    distance_sigma: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Link:
+    """What is known of the way from one pose to another."""
+
+    first: int
+    second: int
+    step: Array
+    """(3,) ahead and aside, as the first pose looks, and the turn."""
+    information: Array
+    """(3, 3) of x, z and azimuth, world."""
+    is_sure: bool = False
+    """Whether it cannot be of two pairs that do not show the same: a step."""
+
+    @classmethod
+    def between(cls, numbers: tuple[int, int], poses: Array, information: Array) -> "Link":
+        """The link of two poses (2, 3) that were measured."""
+        return cls(
+            first=numbers[0], second=numbers[1], step=step_between(*poses), information=information
+        )
+
+
+def step_between(before: Array, after: Array) -> Array:
+    """(3,) step ahead and aside, and turn, that leads from one planar pose to another."""
+    c, s = np.cos(before[2]), np.sin(before[2])
+    x, z, turn = after - before
+    return np.array([c * x + s * z, -s * x + c * z, float(_wrapped(turn))])
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Graph:
+    """A walk and its landmarks; `solve` adjusts them all."""
+
+    poses: Array
+    """(N, 3) x, z, azimuth of straight ahead."""
+    links: list[Link] = field(default_factory=list)
+    """Steps as they were meant, and motions between pairs that show the same."""
+    step_sigma: tuple[float, float]
+    """Of position along each axis, world units, and heading, radians."""
+    landmarks: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    """(M, 3) x, z of the middle, and the distance of the front from it."""
+    radii: Array = field(default_factory=lambda: np.zeros(0))
+    """(M,) half the width of each, as first seen."""
+    bearings: list[Bearing] = field(default_factory=list)
+
+    @classmethod
+    def at(cls, pose: Array, step_sigma: tuple[float, float]) -> "Graph":
+        """A walk that begins at a pose (3,)."""
+        return cls(poses=pose[None], step_sigma=step_sigma)
+
+    def walk(self, step: Array) -> None:
+        """Add the pose that a step (3,) is meant to lead to."""
+        x, z, azimuth = self.poses[-1]
+        c, s = np.cos(azimuth), np.sin(azimuth)
+        ahead, aside, turn = step
+        after = [x + c * ahead - s * aside, z + s * ahead + c * aside, azimuth + turn]
+        self.poses = np.vstack([self.poses, after])
+        position, heading = self.step_sigma
+        last = len(self.poses) - 1
+        information = np.diag([position**-2.0, position**-2.0, heading**-2.0])
+        self.links.append(
+            Link(first=last - 1, second=last, step=step, information=information, is_sure=True)
+        )
+
+    def add(self, place: Array, radius: float) -> int:
+        """A new landmark at x, z; its number."""
+        self.landmarks = np.vstack([self.landmarks, [*place, FRONT_SHARE * radius]])
+        self.radii = np.append(self.radii, radius)
+        return len(self.radii) - 1
+
+    def solve(self) -> None:
+        """Adjust poses and landmarks to all steps and sightings."""
+        for _ in range(NUM_ROUNDS):
+            jacobian, residual = self._equations()
+            normal = csc_array(jacobian.T @ jacobian)
+            change: Array = -splu(normal).solve(np.asarray(jacobian.T @ residual))
+            num = 3 * len(self.poses)
+            self.poses = self.poses + change[:num].reshape(-1, 3)
+            self.landmarks = self.landmarks + change[num:].reshape(-1, 3)
+            if np.abs(change).max() < SMALL_CHANGE:
+                break
+
+    def covariance(self) -> Array:
+        """(3, 3) of the last pose."""
+        return self._spread(np.arange(3)[None] + 3 * (len(self.poses) - 1))
+
+    def spread_between(self, number: int) -> Array:
+        """(3, 3) covariance of the difference of the last pose and an earlier one."""
+        both = self._spread(np.arange(3) + 3 * np.array([[number], [len(self.poses) - 1]]))
+        join = np.hstack([-np.eye(3), np.eye(3)])
+        return join @ both @ join.T
+
+    def _spread(self, unknowns: NDArray[np.intp]) -> Array:
+        """The covariance of some unknowns."""
+        jacobian, _ = self._equations()
+        rows = unknowns.ravel()
+        unit = np.zeros((jacobian.shape[1], len(rows)))
+        unit[rows, np.arange(len(rows))] = 1.0
+        spread: Array = splu(csc_array(jacobian.T @ jacobian)).solve(unit)[rows]
+        return (spread + spread.T) / 2.0
+
+    def _equations(self) -> tuple["csc_array[np.float64]", Array]:
+        """Derivatives (R, 3 N + 3 M) and residuals (R,), in standard deviations."""
+        parts = [self._anchor(), self._of_links(), self._of_bearings(), self._of_fronts()]
+        residual = np.concatenate([part.residual for part in parts])
+        starts = np.cumsum([0, *(len(part.residual) for part in parts)])
+        rows = np.concatenate([p.rows + start for p, start in zip(parts, starts, strict=False)])
+        columns = np.concatenate([part.columns for part in parts])
+        values = np.concatenate([part.values for part in parts])
+        shape = (len(residual), 3 * (len(self.poses) + len(self.landmarks)))
+        return csc_array((values, (rows, columns)), shape=shape), residual
+
+    def _anchor(self) -> "Block":
+        return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
+
+    def _of_links(self) -> "Block":
+        """What the way differs from the links."""
+        number = len(self.links)
+        rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
+        first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
+        c, s = np.cos(first[:, 2]), np.sin(first[:, 2])
+        ahead, aside, turn = np.array([link.step for link in self.links]).reshape(-1, 3).T
+        led = np.column_stack([c * ahead - s * aside, s * ahead + c * aside, turn])
+        off = second - first - led
+        off[:, 2] = _wrapped(off[:, 2])
+        by_first = -np.eye(3)[None].repeat(number, axis=0)
+        by_first[:, 0, 2], by_first[:, 1, 2] = led[:, 1], -led[:, 0]
+        by_second = np.eye(3)[None].repeat(number, axis=0)
+        information = np.array([link.information for link in self.links]).reshape(-1, 3, 3)
+        root = np.linalg.cholesky(information).swapaxes(1, 2)
+        residual = np.einsum("nij,nj->ni", root, off)
+        # A link of two pairs that do not show the same is off by far.
+        off_sq = np.where([link.is_sure for link in self.links], 0.0, (residual**2).sum(axis=1))
+        weight = 1.0 / np.sqrt(1.0 + off_sq / ROBUST**2)
+        derivative = root @ np.concatenate([by_first, by_second], axis=2) * weight[:, None, None]
+        columns = 3 * rows[:, [0, 0, 0, 1, 1, 1]] + np.tile(np.arange(3), 2)
+        return Block.of(
+            (residual * weight[:, None]).ravel(),
+            derivative.reshape(-1, 6),
+            columns.repeat(3, axis=0),
+        )
+
+    def _of_bearings(self) -> "Block":
+        """What sightings differ from where things should be seen."""
+        seen = self.bearings
+        pose = np.array([bearing.pose for bearing in seen], np.intp)
+        mark = np.array([bearing.landmark for bearing in seen], np.intp)
+        at, of = self.poses[pose], self.landmarks[mark]
+        offset = of[:, :2] - at[:, :2]
+        range_sq = np.maximum((offset**2).sum(axis=1), 1e-9)
+        distance = np.sqrt(range_sq)
+        measured = np.array([(b.azimuth_rad, b.distance) for b in seen]).reshape(-1, 2)
+        sigma = np.array([(b.azimuth_sigma, b.distance_sigma) for b in seen]).reshape(-1, 2)
+        azimuth = np.arctan2(offset[:, 1], offset[:, 0]) - at[:, 2]
+        aside, ahead = azimuth - measured[:, 0], distance - of[:, 2] - measured[:, 1]
+        off = np.column_stack([_wrapped(aside), ahead])
+        across = np.column_stack([-offset[:, 1], offset[:, 0]]) / range_sq[:, None]
+        along, one = offset / distance[:, None], np.ones((len(seen), 1))
+        derivative = np.stack(
+            [
+                np.column_stack([-across, -one, across, 0 * one]),
+                np.column_stack([-along, 0 * one, along, -one]),
+            ],
+            axis=1,
+        )
+        residual = off / sigma
+        # Cauchy's weights of both together: a thing that is taken for another is off in either.
+        weight = 1.0 / np.sqrt(1.0 + (residual**2).sum(axis=1) / ROBUST**2)
+        scaled = derivative / sigma[..., None] * weight[:, None, None]
+        columns = np.column_stack(
+            [3 * pose[:, None] + np.arange(3), 3 * (len(self.poses) + mark[:, None]) + np.arange(3)]
+        )
+        return Block.of(
+            (residual * weight[:, None]).ravel(), scaled.reshape(-1, 6), columns.repeat(2, axis=0)
+        )
+
+    def _of_fronts(self) -> "Block":
+        """What is known of the front of a thing beforehand."""
+        number = len(self.radii)
+        sigma = np.maximum(FRONT_SIGMA * self.radii, 1e-3)
+        columns = 3 * (len(self.poses) + np.arange(number)) + 2
+        off = self.landmarks[:, 2] - FRONT_SHARE * self.radii
+        return Block.of(off / sigma, 1.0 / sigma[:, None], columns[:, None])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Block:
+    """Some residuals and their derivatives, by row, column and value."""
+
+    residual: Array
+    rows: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    values: Array
+
+    @classmethod
+    def of(cls, residual: Array, derivative: Array, columns: NDArray[np.intp]) -> "Block":
+        """Residuals (R,) with derivatives (R, K) by the unknowns of columns (R, K)."""
+        rows = np.broadcast_to(np.arange(len(residual))[:, None], derivative.shape)
+        return cls(
+            residual=residual, rows=rows.ravel(), columns=columns.ravel(),
+            values=derivative.ravel(),
+        )  # fmt: skip
+
+
+def _wrapped(angle: Array) -> Array:
+    """Angles between minus and plus half a turn."""
+    wrapped: Array = np.angle(np.exp(1j * angle))
+    return wrapped

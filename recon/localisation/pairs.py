@@ -1,0 +1,169 @@
+"""Pairs laid on one another: the motion between two that show the same, in the plane."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import invert, pose, rotation_about_y, transform
+from recon.localisation.locate import points_of
+from recon.localisation.registration import Points, Prior, inverse, register
+from recon.localisation.surfels import Surfels
+from recon.records import PointCloud, StereoPair
+from recon.sequences.odometry.motion import linearise
+from recon.sequences.odometry.places import Place, meet, see
+from recon.voxelmap import VoxelMap
+
+Array = NDArray[np.float64]
+
+PLANAR = [3, 5, 1]
+"""x, z and the turn about the vertical, among the six of a `PoseEstimate`."""
+LEVEL_SIGMA = 1e-4
+"""Radians and world units: a robot neither lifts nor tilts its cameras."""
+SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
+"""What one pair's surface differs from another's, as a whole."""
+FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
+MIN_SHARE = 0.3
+"""Of points that lie on the other pair's surface."""
+MAX_OFF = 4.0
+"""Standard deviations of the guess between it and a motion that is believed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What a pair shows, in the frame of its camera."""
+
+    place: Place
+    cloud: PointCloud
+    """Left frame, axes of the world: turned level, x ahead is not."""
+    T_level_left: Array
+    """(4, 4) the camera's tilt: it stands at the origin and looks along its azimuth 0."""
+    points: Points
+    cell_size: float
+
+    @classmethod
+    def of(cls, pair: StereoPair, cloud: PointCloud, cell_size: float) -> "Shown":
+        """What a pair shows, whose cloud is in the world."""
+        assert pair.T_world_left is not None
+        ahead = pair.T_world_left[:3, 2]
+        azimuth = float(np.arctan2(ahead[2], ahead[0]))
+        T_level_left = pose(rotation_about_y(azimuth) @ pair.T_world_left[:3, :3], np.zeros(3))
+        in_left = cloud.transformed(invert(pair.T_world_left))
+        return cls(
+            place=see(pair),
+            cloud=in_left,
+            T_level_left=T_level_left,
+            points=points_of(in_left, pair.rig, cell_size),
+            cell_size=cell_size,
+        )
+
+    def at(self, planar: Array) -> Array:
+        """`T_world_left` (4, 4) at x, z and azimuth (3,), the height counted from the camera."""
+        x, z, azimuth = planar
+        return pose(rotation_about_y(-azimuth), [x, 0.0, z]) @ self.T_level_left
+
+    @cached_property
+    def surfels(self) -> Surfels:
+        """Of the sure points, in the frame of the camera."""
+        voxel_map = VoxelMap(self.cell_size)
+        sigma = self.cloud.sigma
+        assert sigma is not None
+        voxel_map.insert(self.cloud.select(sigma < 1.4 * self.cell_size))
+        return Surfels.of(voxel_map.occupied(3))
+
+
+def linked(first: Shown, second: Shown, poses: Array, spread: Array) -> tuple[Array, Array] | None:
+    """The poses (2, 3) of two pairs and the information (3, 3) of what is between them.
+
+    By features where they show the same side, else by the surfaces that both see.
+
+    Parameters
+    ----------
+    poses : (2, 3) array
+        x, z and azimuth, as far as they are known.
+    spread : (3, 3) array
+        Covariance of the second, where the first stands still.
+    """
+    for measure in (_by_features, _by_shape):
+        found = measure(first, second, poses, spread)
+        if found is not None and _is_likely(found, poses, spread):
+            return np.array([poses[0], found[0]]), found[1]
+    return None
+
+
+def _is_likely(found: tuple[Array, Array], poses: Array, spread: Array) -> bool:
+    off = found[0] - poses[1]
+    off[2] = np.angle(np.exp(1j * off[2]))
+    whole = spread + inverse(found[1])
+    return bool(off @ inverse(whole) @ off < MAX_OFF**2)
+
+
+def _by_features(
+    first: Shown, second: Shown, poses: Array, spread: Array
+) -> tuple[Array, Array] | None:
+    del spread
+    met = meet(first.place, second.place)
+    if met is None:
+        return None
+    T_world_left = first.at(poses[0]) @ invert(met.T_second_first)
+    at = linearise(met.T_second_first, met.tracks, second.place.rig)
+    weighted = at.by_motion * at.weights[:, None, None]
+    scale = max(1.0, float(np.median(at.distances)) / 1.54) ** 2
+    turn = np.kron(np.eye(2), T_world_left[:3, :3])
+    information = turn @ np.einsum("nij,nik->jk", weighted, at.by_motion) @ turn.T / scale
+    return _planar(T_world_left), _known(information, first, FEATURES_CELLS, FEATURES_DEG)
+
+
+def _by_shape(
+    first: Shown, second: Shown, poses: Array, spread: Array
+) -> tuple[Array, Array] | None:
+    if len(second.points) < 30 or len(first.surfels) < 10:
+        return None
+    T_first_second = invert(first.at(poses[0])) @ second.at(poses[1])
+    # In the frame of the first camera, turned level, as the plane is there.
+    level = first.T_level_left
+    start = level @ T_first_second
+    information = np.diag(np.full(6, LEVEL_SIGMA**-2.0))
+    turn = rotation_about_y(poses[0][2])
+    sign = np.diag([1.0, 1.0, -1.0])
+    about = np.eye(3)
+    about[:2, :2] = turn[np.ix_([0, 2], [0, 2])]
+    local = inverse(sign @ about @ spread @ about.T @ sign)
+    information[np.ix_(PLANAR, PLANAR)] = local
+    surfels = _turned(first.surfels, level)
+    found = register(second.points, surfels, Prior(T_world_left=start, information=information))
+    if found is None or found.contacts.num_points < MIN_SHARE * len(second.points):
+        return None
+    T_world_left = first.at(poses[0]) @ invert(level) @ found.T_world_left
+    scale = max(1.0, float(np.median(np.abs(found.contacts.residual))) / 0.6745) ** 2
+    world = np.kron(np.eye(2), first.at(poses[0])[:3, :3] @ level[:3, :3].T)
+    whole = world @ found.information @ world.T / scale
+    return _planar(T_world_left), _known(whole, first, SHAPE_CELLS, SHAPE_DEG)
+
+
+def _turned(surfels: Surfels, T_level_left: Array) -> Surfels:
+    """Surfels with the axes of the floor."""
+    from scipy.spatial import cKDTree
+
+    means = transform(T_level_left, surfels.means)
+    return Surfels(
+        means=means,
+        normals=surfels.normals @ T_level_left[:3, :3].T,
+        is_flat=surfels.is_flat,
+        cell_size=surfels.cell_size,
+        tree=cKDTree(means),
+    )
+
+
+def _planar(T_world_left: Array) -> Array:
+    ahead = T_world_left[:3, 2]
+    return np.array([*T_world_left[[0, 2], 3], np.arctan2(ahead[2], ahead[0])])
+
+
+def _known(information: Array, shown: Shown, cells: float, degrees: float) -> Array:
+    """(3, 3) of x, z and azimuth, where height and tilt are known, and no surer than a floor."""
+    sign = np.diag([1.0, 1.0, -1.0])
+    planar = sign @ information[np.ix_(PLANAR, PLANAR)] @ sign
+    least = np.array([cells * shown.cell_size, cells * shown.cell_size, np.radians(degrees)])
+    return inverse(inverse(planar + 1e-6 * np.eye(3)) + np.diag(least**2))

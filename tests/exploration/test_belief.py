@@ -1,0 +1,87 @@
+"""An agent that slips corrects itself by what it sees, and its map with it."""
+
+import numpy as np
+import pytest
+
+from recon.exploration.agent import explore
+from recon.exploration.belief import Belief, belief_of, planar
+from recon.exports.ply import CloudWriter, read_cloud_chunks
+from recon.records import PointCloud, Trajectory, View
+from recon.runs.door import explorers
+from recon.runs.outputs import move_cloud
+from recon.settings import Settings, updated
+from recon.world.world import World
+
+NOISE = {"motion": {"position_noise": 0.2, "heading_noise_deg": 2.0, "noise_seed": 2}}
+
+
+class Round:
+    """A controller that goes a round among the trees, looking at each."""
+
+    def __init__(self):
+        angles = np.radians([0.0, 40.0, 80.0, 120.0, 160.0])
+        self.places = [(-10 + 22 * np.sin(a), 5.0, -5 + 22 * np.cos(a)) for a in angles]
+
+    def next_view(self, state):
+        if not self.places:
+            return None
+        place = np.array(self.places.pop(0))
+        return View(position=place, target=np.array([-10.0, 5.0, -5.0]))
+
+    def info(self):
+        return "round"
+
+    def result(self):
+        return "controller ended"
+
+
+def walked():
+    settings = updated(explorers(Settings()), NOISE)
+    done = explore(World.from_file("village", settings), settings, controller=Round())
+    return done, done.reconstruction.trajectory.T_world_left, done.true_trajectory.T_world_left
+
+
+def off(believed, true):
+    both = zip(believed, true, strict=True)
+    return float(np.mean([np.hypot(*(planar(a) - planar(b))[:2]) for a, b in both]))
+
+
+def test_an_agent_knows_where_it_is_better_than_its_steps_tell(monkeypatch):
+    _, believed, true = walked()
+    corrected = off(believed, true)
+    monkeypatch.setattr(Belief, "correct", lambda self, sight, model: np.eye(4))
+    monkeypatch.setattr(Belief, "outdated", lambda self: None)
+    done, believed, true = walked()
+    assert corrected < 0.5 * off(believed, true)
+    assert done.metrics["pose_error_end"] > 0.0
+
+
+def test_exact_motion_needs_no_belief():
+    assert belief_of(Settings()) is None
+    assert belief_of(updated(Settings(), NOISE)).sigma == 0.0
+
+
+def test_an_unsure_agent_keeps_more_room_but_not_without_end(monkeypatch):
+    belief = belief_of(updated(Settings(), NOISE))
+    assert belief.cautious.exploration.walk_clearance == 3.0
+    monkeypatch.setattr(Belief, "sigma", 0.25)
+    assert belief.cautious.exploration.walk_clearance == pytest.approx(3.5)
+    monkeypatch.setattr(Belief, "sigma", 9.0)
+    assert belief.cautious.exploration.walk_clearance == pytest.approx(4.0)
+
+
+def test_points_on_disk_follow_the_poses_that_were_corrected(tmp_path):
+    path, poses = tmp_path / "cloud.ply", np.stack([np.eye(4), np.eye(4)])
+    with CloudWriter(path) as writer:
+        for number in (0, 1):
+            writer.append(PointCloud(points=np.full((2, 3), float(number))), number)
+    first = path.read_bytes()
+    trajectory = Trajectory(stamps_s=np.arange(2.0), T_world_left=poses)
+    move_cloud(path, list(poses), trajectory)
+    assert path.read_bytes() == first
+    moved = poses.copy()
+    moved[1, 0, 3] = 5.0
+    move_cloud(path, list(poses), Trajectory(stamps_s=np.arange(2.0), T_world_left=moved))
+    ((cloud, number),) = read_cloud_chunks(path)
+    assert number.tolist() == [0, 0, 1, 1]
+    assert cloud.points[:, 0].tolist() == [0.0, 0.0, 6.0, 6.0]
