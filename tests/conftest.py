@@ -17,3 +17,13 @@ def data_dir() -> Path:
             pytest.fail(message)
         pytest.skip(message)
     return folder
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is marked `slow`, unless marks are chosen: -m slow."""
+    if config.getoption("markexpr"):
+        return
+    left_out = pytest.mark.skip(reason="slow; chosen by -m slow")
+    for item in items:
+        if item.get_closest_marker("slow"):
+            item.add_marker(left_out)

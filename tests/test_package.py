@@ -96,10 +96,16 @@ def test_an_unknown_name_says_what_there_is():
         recon.VoxelMpa  # noqa: B018 -- the access is what is tested
 
 
-def test_the_version_is_that_of_the_project():
+def test_there_is_one_version():
+    """It stands in the package; releases, their tags and whoever cites them repeat it."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert project["version"] == recon.__version__
+    assert project["dynamic"] == ["version"]
+    assert "version" not in project
     assert f"## {recon.__version__}" in (ROOT / "CHANGELOG.md").read_text()
+    assert f"version: {recon.__version__}" in (ROOT / "CITATION.cff").read_text()
+    git = ["git", "-C", str(ROOT), "tag", "--points-at", "HEAD"]
+    tags = subprocess.run(git, capture_output=True, text=True, check=False).stdout.split()
+    assert [tag for tag in tags if re.match(r"v?\d", tag)] in ([], [f"v{recon.__version__}"])
 
 
 def test_every_folder_of_the_package_is_a_package():

@@ -1,0 +1,137 @@
+"""What is released: a source archive, the wheel made of it, and what they do on their own."""
+
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import recon
+
+ROOT = Path(__file__).parents[1]
+SUPPORTED = ("3.11", "3.12", "3.13")
+HELD = {
+    "recon/py.typed", "recon/stereo/vonmises_venus.json", "recon/world/shipped/village.scene",
+    "recon/world/shipped/brick.png", "recon/recognition/naming/catalogues/village.toml",
+}  # fmt: skip
+WITHOUT_LIBRARIES = """
+import compileall, recon, sys
+from pathlib import Path
+folder = Path(recon.__file__).parent
+sys.exit(not compileall.compile_dir(folder, quiet=1) or recon.__version__ != sys.argv[1])
+"""
+FROM_ELSEWHERE = """
+import recon
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.stereo.matching.vonmises import load_model
+from recon.world.library import find_scene, scene_names
+from recon.world.scene import read_scene
+from recon.world.textures import scene_files
+for name in scene_names():
+    assert all(file.is_file() for file in scene_files(read_scene(find_scene(name))))
+assert len(read_catalogues(["village", "household"])) > 5
+load_model(None)
+"""
+
+
+def run(*words, cwd=None):
+    done = subprocess.run([*map(str, words)], cwd=cwd, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def dist(tmp_path_factory):
+    """The two files of a release, made of a copy of the project."""
+    folder = tmp_path_factory.mktemp("release")
+    kept = shutil.ignore_patterns("__pycache__", "*.nb[ci]")
+    shutil.copytree(ROOT / "recon", folder / "recon", ignore=kept)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, folder)
+    run(sys.executable, "-m", "build", "--no-isolation", folder)
+    return folder / "dist"
+
+
+@pytest.fixture(scope="module")
+def wheel(dist):
+    (found,) = dist.glob("*.whl")
+    return found
+
+
+def test_the_wheel_holds_what_recon_needs_and_nothing_else(wheel):
+    assert wheel.name == f"recon_stereo-{recon.__version__}-py3-none-any.whl"
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert names >= HELD
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert [name for name in names if not name.startswith(("recon/", "recon_stereo-"))] == []
+    sources = {path.relative_to(ROOT).as_posix() for path in (ROOT / "recon").rglob("*.py")}
+    assert sources <= names
+    assert wheel.stat().st_size < 3_000_000
+
+
+def test_the_source_archive_holds_the_same(dist):
+    (archive,) = dist.glob("*.tar.gz")
+    with tarfile.open(archive) as held:
+        names = {name.partition("/")[2] for name in held.getnames()}
+    assert names >= HELD | {"LICENSE", "pyproject.toml"}
+
+
+def pythons():
+    """Every Python that recon supports and this machine has."""
+    found = []
+    for version in SUPPORTED:
+        places = [shutil.which(f"python{version}")]
+        places += sorted(Path.home().glob(f".pyenv/versions/{version}.*/bin/python"))
+        for place in filter(None, places):
+            words = [place, "-c", "import ensurepip"]
+            if subprocess.run(words, capture_output=True, check=False).returncode == 0:
+                found.append(pytest.param(place, id=version))
+                break
+    return found
+
+
+def environment(python, folder, wheel):
+    """A fresh environment with the wheel in it, and nothing that it depends on."""
+    run(python, "-m", "venv", "--without-pip", folder)
+    inner = folder / "bin" / "python"
+    pip = [sys.executable, "-m", "pip", "--python", inner, "install"]
+    run(*pip, "--quiet", "--no-index", "--no-deps", "--disable-pip-version-check", wheel)
+    return inner
+
+
+@pytest.mark.parametrize("python", pythons())
+def test_every_python_takes_the_wheel(python, wheel, tmp_path):
+    inner = environment(python, tmp_path / "env", wheel)
+    run(inner, "-I", "-c", WITHOUT_LIBRARIES, recon.__version__, cwd=tmp_path)
+
+
+@pytest.fixture(scope="module")
+def installed(wheel, tmp_path_factory):
+    """The same with the libraries of this environment, but not its recon."""
+    folder = tmp_path_factory.mktemp("installed")
+    inner = environment(sys.executable, folder / "env", wheel)
+    (site,) = folder.glob("env/lib/python*/site-packages")
+    (site / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return inner
+
+
+def test_an_installed_recon_finds_what_ships_with_it_from_any_folder(installed, tmp_path):
+    home = run(installed, "-I", "-c", "import recon; print(recon.__file__)", cwd=tmp_path)
+    assert Path(home.strip()).is_relative_to(installed.parents[1])
+    run(installed, "-I", "-c", FROM_ELSEWHERE, cwd=tmp_path)
+    program = installed.parent / "recon"
+    assert recon.__version__ in run(program, "--version", cwd=tmp_path)
+    run(program, "fetch", "motorcycle", "-o", "motorcycle", cwd=tmp_path)
+    assert (tmp_path / "motorcycle/left.png").is_file()
+
+
+@pytest.mark.slow
+def test_an_installed_recon_explores_and_shows(installed, tmp_path):
+    program = installed.parent / "recon"
+    run(program, "explore", "village", "--max-pairs", "2", cwd=tmp_path)
+    run(program, "demo", "--overwrite", "--set", "exploration.max_pairs=2", cwd=tmp_path)
+    assert (tmp_path / "runs/village/figures/overview.png").is_file()
