@@ -40,6 +40,11 @@ READ_ONLY = {
     "rectify left.png": "follows on that",
     "explore own.scene": "minutes of work; the scene itself is read here",
     "simulate own.scene": "a server",
+    "explore village --dense": "a minute of work; tests of surfaces explore less",
+    "mesh runs/drive": "follows on a drive; tests of surfaces make such meshes",
+    "render cottage": "a minute of work; the first hour renders it smaller",
+    "reconstruct ring": "follows on that",
+    "evaluate --surface runs/ring": "follows on that",
     "render village": "a minute of work; the first hour renders",
 }
 """Beginnings of commands that are read and not run, each with its reason."""
