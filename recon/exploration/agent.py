@@ -12,6 +12,7 @@ from recon.exploration.belief import Sight, belief_of
 from recon.exploration.controllers import Controller, check_view, make_controller, result_of
 from recon.exploration.explorable import Explorable, start_of
 from recon.exploration.floor import Array, check_floor
+from recon.exploration.focus import focusable, focusing
 from recon.exploration.metrics import length_of, pairs_until_objects, path_between
 from recon.exploration.outcome import STOP_REASONS, Exploration, Step
 from recon.exploration.referee import referee_of
@@ -66,7 +67,8 @@ def explore(
     """
     check_floor(settings)
     controller = controller or make_controller(settings.exploration.controller)
-    agent = Agent(source, settings, take or source.take, stopwatch or Stopwatch())
+    take = focusing(take or source.take, settings)
+    agent = Agent(source, focusable(settings), take, stopwatch or Stopwatch())
     try:
         for step in agent.steps(controller):
             if observe is not None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from recon.errors import check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.mapping.consistency import Consistency, Witness
-from recon.mapping.pair import PairResult, insert, match_points
+from recon.mapping.pair import PairResult, count_points, insert, match_points
 from recon.mapping.reached import Reached
 from recon.mapping.views import CellCounts, count_cells, with_views
 from recon.recognition import recognise
@@ -148,6 +148,22 @@ class Mapper:
         """The steps that still waited for a next pair."""
         with self._stopwatch.stage("map"):
             return self._confirmed(self.consistency.finish())
+
+    def repose(self, poses: NDArray[np.float64], clouds: Iterable[tuple[PointCloud, int]]) -> None:
+        """Make the map anew where poses were corrected.
+
+        Parameters
+        ----------
+        poses : (N, 4, 4) float64
+            `T_world_left` of all pairs.
+        clouds : iterable of (PointCloud, int)
+            Sure points, where they are now, with the number of their pair.
+        """
+        self._poses = list(poses)
+        self.voxel_map = new_map(self.settings.map)
+        with self._stopwatch.stage("map"):
+            for cloud, number in clouds:
+                count_points(cloud, poses[number, :3, 3], self.settings, self.voxel_map, number)
 
     def voxels(self) -> Voxels:
         """The occupied cells, by the rules of the settings."""

@@ -152,9 +152,20 @@ def insert(
         How many points were counted.
     """
     origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
+    num_counted = count_points(cloud, origin, settings, voxel_map, view)
+    return num_counted + voxel_map.insert_doubtful(doubtful)
+
+
+def count_points(
+    cloud: PointCloud,
+    origin: NDArray[np.float64] | None,
+    settings: Settings,
+    voxel_map: VoxelMap,
+    view: int | None = None,
+) -> int:
+    """Count points (world), seen from an origin, in their cells, or in coarser ones; how many."""
     fits = np.ones(len(cloud), np.bool_)
     if settings.map.max_sigma is not None and cloud.sigma is not None:
         fits = cloud.sigma <= settings.map.max_sigma * settings.map.cell_size
     voxel_map.insert(cloud.select(fits), origin, view)
-    coarse = voxel_map.insert_doubtful(cloud.select(~fits))
-    return int(fits.sum()) + coarse + voxel_map.insert_doubtful(doubtful)
+    return int(fits.sum()) + voxel_map.insert_doubtful(cloud.select(~fits))

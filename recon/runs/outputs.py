@@ -10,7 +10,7 @@ from recon.exports.ply import CloudWriter, read_cloud_chunks
 from recon.geometry import Array, invert
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import CellCounts, count_cells
-from recon.records import Recognition, Reconstruction, Trajectory
+from recon.records import PointCloud, Recognition, Reconstruction, Trajectory
 from recon.records.objects import as_json
 from recon.runfolder import RunFolder
 from recon.runs.work import Work
@@ -38,10 +38,15 @@ def move_cloud(path: Path, had: Sequence[Array], trajectory: Trajectory) -> None
     if all(np.array_equal(old, new) for old, new in zip(had, now, strict=False)):
         return
     with CloudWriter(path) as moved:
-        for cloud, number in read_cloud_chunks(path):
-            for pair in np.unique(number):
-                T_new_old = now[pair] @ invert(had[pair])
-                moved.append(cloud.select(number == pair).transformed(T_new_old), int(pair))
+        for cloud, pair in clouds_of(path):
+            moved.append(cloud.transformed(now[pair] @ invert(had[pair])), pair)
+
+
+def clouds_of(path: Path) -> Iterator[tuple[PointCloud, int]]:
+    """The points of a cloud file, pair by pair; those of one pair may come in two pieces."""
+    for cloud, number in read_cloud_chunks(path):
+        for pair in np.unique(number):
+            yield cloud.select(number == pair), int(pair)
 
 
 def write_places(work: Work, places: PlaceKeeper, trajectory: Trajectory) -> None:

@@ -16,6 +16,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.loops import close_drive, keeps_places
 from recon.runs.outputs import cells_hit, write_outputs, write_places
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
@@ -87,11 +88,12 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
             seen.append(SeenCamera(name=pair.name, rig=pair.rig))
             _note(mapper.process(pair, result), cloud, work)
             surface.take(pair)
-            if job.settings.map.places:
+            if keeps_places(job.settings):
                 places.add(pair, mapper.num_pairs - 1)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
     work.run.write_text(CAMERAS, as_document(seen))
+    loops = close_drive(source, mapper, places, work)
     num_voxels = _write(mapper, work)
     if job.settings.map.places:
         write_places(work, places, mapper.trajectory)
@@ -101,6 +103,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         | {"num_voxels": num_voxels, "num_skipped": len(source.skipped)}
         | _surface_distance(path, mapper)
         | source.metrics
+        | loops
         | surface.finish()
     )
 

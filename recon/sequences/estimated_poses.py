@@ -1,7 +1,7 @@
 """Poses of a recording that has none: stereo visual odometry, scale from the baseline."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -71,11 +71,16 @@ class EstimatedPoses(DerivedSource):
     def metrics(self) -> Metrics:
         """Also how many frames were carried, and the drift where the true poses are known."""
         numbers = super().metrics | {"num_carried": len(self.carried)}
-        both = [(e, t) for e, t in zip(self._estimated, self._true, strict=True) if t is not None]
-        if len(both) > 1:
-            estimated, true = np.array(both).swapaxes(0, 1)
-            numbers["drift_percent"] = drift_percent(estimated, true)
-        return numbers
+        drift = self.drift_percent_of(self._estimated)
+        return numbers if drift is None else numbers | {"drift_percent": drift}
+
+    def drift_percent_of(self, poses: Sequence[Array]) -> float | None:
+        """The drift of poses (N, 4, 4) of the pairs given so far; None without true ones."""
+        both = [(e, t) for e, t in zip(poses, self._true, strict=True) if t is not None]
+        if len(both) < 2:
+            return None
+        estimated, true = np.array(both).swapaxes(0, 1)
+        return drift_percent(estimated, true)
 
     def _motion(self, first: StereoPair, second: StereoPair, usual: Array) -> Array:
         """`T_first_second` (4, 4); the usual one where too little can be tracked."""

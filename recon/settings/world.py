@@ -45,6 +45,9 @@ class EyesSettings:
     """Height above the ground; a roof seen from below 5 gives next to no points."""
     gaze: Literal["shift", "toe-in"] = "shift"
     """Both cameras look at the target by shifted principal points, or by turning inwards."""
+    auto_focus: bool = False
+    """The explorer's cameras look twice: at the nearest thing the second time, and disparities are
+    searched from infinity to somewhat nearer than it."""
 
     @model_validator(mode="before")
     @classmethod

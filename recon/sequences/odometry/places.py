@@ -144,6 +144,8 @@ class Meeting:
     """(4, 4) of the left cameras."""
     num_agreeing: int
     """Points that agree on it."""
+    share: float
+    """Of the points that look alike."""
     tracks: Tracks
     """Those points, as the second rig sees them."""
 
@@ -159,4 +161,6 @@ def meet(first: Place, second: Place) -> Meeting | None:
     refined = refine_motion(T_second_first, kept, second.rig) if rows.sum() >= MIN_TRACKS else None
     if refined is None:
         return None
-    return Meeting(T_second_first=refined, num_agreeing=len(kept), tracks=kept)
+    return Meeting(
+        T_second_first=refined, num_agreeing=len(kept), share=len(kept) / len(tracks), tracks=kept
+    )

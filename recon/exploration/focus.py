@@ -1,0 +1,73 @@
+"""Auto focus: the cameras turn to the nearest thing, and match the disparities round it.
+
+The thesis leaves it to future work: "the camera parameters should be chosen by the distance of the
+objects". A first look measures, a second one is taken.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from recon.camera import StereoRig
+from recon.mapping.pair import match_points
+from recon.records import StereoPair, View
+from recon.settings import Settings, given_tree, updated
+
+Take = Callable[[View], StereoPair]
+
+NEAREST_SHARE = 0.02
+"""Of the points that are nearer than the nearest thing: noise."""
+MIN_POINTS = 20
+"""Fewer are not a thing."""
+ROOM = 1.5
+"""Things this much nearer than the nearest one are still matched."""
+ENDS_PX = 1
+"""Searched beyond both ends."""
+
+
+def focusing(take: Take, settings: Settings) -> Take:
+    """The way to take pairs that looks twice: with the gaze as it was asked for, then focused.
+
+    Where the first look shows nothing, its pair is what is given.
+    """
+    if not settings.eyes.auto_focus:
+        return take
+
+    whole = settings.matching.min_disparity, settings.matching.max_disparity
+
+    def take_focused(view: View) -> StereoPair:
+        pair = take(view)
+        distance = nearest_distance(pair, settings)
+        if distance is None:
+            return replace(pair, disparity_range=whole)
+        ahead = (view.target - view.position) / np.linalg.norm(view.target - view.position)
+        focused = take(replace(view, target=view.position + distance * ahead))
+        return replace(focused, disparity_range=range_of(focused.rig, distance))
+
+    return take_focused
+
+
+def nearest_distance(pair: StereoPair, settings: Settings) -> float | None:
+    """Distance of the nearest thing that a pair shows; None where it shows none."""
+    seen = match_points(replace(pair, T_world_left=np.eye(4)), settings).cloud
+    if len(seen) < MIN_POINTS:
+        return None
+    return float(np.quantile(np.linalg.norm(seen.points, axis=1), NEAREST_SHARE))
+
+
+def range_of(rig: StereoRig, distance: float) -> tuple[int, int]:
+    """The disparities from infinity to somewhat nearer than the nearest thing, in whole pixels."""
+    low, high = rig.disparity_offset_px, float(rig.disparity(distance / ROOM))
+    return math.floor(low) - ENDS_PX, math.ceil(high) + ENDS_PX
+
+
+def focusable(settings: Settings) -> Settings:
+    """The settings with a search range that pairs may state; as they are without auto focus."""
+    if not settings.eyes.auto_focus:
+        return settings
+    tree = given_tree(settings)
+    ends = ("min_disparity", "max_disparity")
+    matching = {name: value for name, value in tree["matching"].items() if name not in ends}
+    return updated(Settings(), {**tree, "matching": matching})

@@ -1,0 +1,52 @@
+"""Loops of a recorded drive closed: its poses, its points on disk and its map are corrected."""
+
+from recon.localisation.keeper import PlaceKeeper
+from recon.localisation.loops import close_loops
+from recon.mapping.mapper import Mapper
+from recon.records import PairSource, Trajectory
+from recon.runs.job import Numbers
+from recon.runs.outputs import clouds_of, move_cloud
+from recon.runs.work import Work
+from recon.sequences.estimated_poses import EstimatedPoses
+from recon.sequences.frames import DerivedSource
+from recon.settings import Settings
+
+
+def keeps_places(settings: Settings) -> bool:
+    """Whether what pairs show is kept: where asked to, and where loops may have to be closed."""
+    return settings.map.places or settings.sequence.poses == "estimated"
+
+
+def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: Work) -> Numbers:
+    """Correct a drive with estimated poses by its loops; their numbers, none without loops."""
+    estimated = _estimated_in(source)
+    if estimated is None:
+        return {}
+    before = mapper.trajectory
+    with work.stage("localise"):
+        closed = close_loops(before.T_world_left, places.atlas(before))
+    if closed is None:
+        return {"num_loops": 0}
+    path = work.run.path / "cloud.ply"
+    after = Trajectory(stamps_s=before.stamps_s, T_world_left=closed.poses)
+    move_cloud(path, list(before.T_world_left), after)
+    mapper.repose(closed.poses, clouds_of(path))
+    numbers: Numbers = {
+        "num_loops": closed.num_loops,
+        "closing_error_before": closed.error_before,
+        "closing_error": closed.error_after,
+    }
+    drift = estimated.drift_percent_of(list(closed.poses))
+    if drift is not None:
+        before_percent = estimated.drift_percent_of(list(before.T_world_left))
+        numbers |= {"drift_percent": drift, "drift_percent_before": before_percent}
+    return numbers
+
+
+def _estimated_in(source: PairSource) -> EstimatedPoses | None:
+    """The source of estimated poses that a source is made of; None where there is none."""
+    while isinstance(source, DerivedSource):
+        if isinstance(source, EstimatedPoses):
+            return source
+        source = source.source
+    return None
