@@ -1,6 +1,7 @@
 """The ground grid: what the agent knows of the floor, cell by cell: free, occupied, or unknown."""
 
 import math
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,6 +58,8 @@ class Floor:
     size_z: float
     cell_size: float = 1.0
     """World units, as the sizes."""
+    corner: Array = field(init=False)
+    """(2,) x, z of its lowest corner."""
     seen_from: Array = field(init=False)
     """(X, Z) smallest distance from which a view saw the cell free; infinite = never."""
     barred_from: Array = field(init=False)
@@ -68,6 +71,7 @@ class Floor:
 
     def __post_init__(self) -> None:
         shape = _shape(self.size_x, self.size_z, self.cell_size)
+        self.corner = -np.array([self.size_x, self.size_z]) / 2.0
         self.seen_from = np.full(shape, np.inf)
         self.barred_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
@@ -94,10 +98,16 @@ class Floor:
         nearest_free = self.seen_from + self.cell_size
         return np.isfinite(self.barred_from) & (self.barred_from <= nearest_free)
 
-    @property
-    def corner(self) -> Array:
-        """(2,) x, z of the floor's lowest corner."""
-        return -np.array([self.size_x, self.size_z]) / 2.0
+    def window(self, place_xz: Array, reach: float) -> "Floor":
+        """The part of the floor within reach of a place along x and z; it shares the arrays."""
+        low = self.cells(place_xz - reach).clip(0, self.shape)
+        high = (self.cells(place_xz + reach) + 1).clip(low, self.shape)
+        part, rows = copy(self), tuple(map(slice, low, high))
+        part.corner = self.corner + low * self.cell_size
+        part.size_x, part.size_z = (high - low) * self.cell_size
+        part.seen_from, part.barred_from = self.seen_from[rows], self.barred_from[rows]
+        part.occupied, part.touched = self.occupied[rows], self.touched[rows]
+        return part
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
         """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
@@ -172,8 +182,9 @@ class Floor:
 
     def see(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> None:
         """Note the free ground that a view shows."""
-        seen_from = self.visible(place_xz, azimuths_rad, limits)
-        self.seen_from = np.minimum(self.seen_from, seen_from)
+        part = self.window(place_xz, limits.max(initial=0.0))
+        seen_from = part.visible(place_xz, azimuths_rad, limits)
+        np.minimum(part.seen_from, seen_from, out=part.seen_from)
 
     def bar(self, place_xz: Array, azimuths_rad: Array, distances: Array) -> None:
         """Note the feet of obstacles that a view shows; infinitely far is none."""

@@ -3,12 +3,12 @@
 The round is planned anew after every pair, by what is known then.
 """
 
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from recon.exploration.floor import Array, Mask
+from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import ShortestPaths, plan, unexplored
@@ -25,6 +25,8 @@ from recon.exploration.viewpoints import (
 )
 from recon.records import View
 
+HORIZON = 1.5
+"""Rounds are planned over the floor within so many sight ranges, as long as they find a view."""
 MAX_WANTED = 24
 """A round goes past no more obstacles: the nearest."""
 
@@ -51,41 +53,41 @@ class FrontierController:
         """The first view of the round."""
         gaze = (state.view.target - state.view.position)[[0, 2]]
         self.taken.append((state.place, azimuth_of(gaze)))
-        paths, unknown = plan(state), unexplored(state.floor, state.obstacles)
-        wanted: list[Obstacle | Detection] = [*state.detections]
-        wanted += [obstacle for obstacle in state.obstacles if not is_known(obstacle)]
-        view = self._begin(state, paths, _nearest(wanted, state.place), unknown)
+        reach = HORIZON * state.settings.exploration.sight_range
+        view = self._plan(state.within(reach))
+        if view is None and max(state.floor.shape) * state.floor.cell_size > reach:
+            view = self._plan(state)
         if view is None:
-            self._end(wanted, unknown)
+            self._end(state)
         return view
 
-    def _begin(
-        self,
-        state: State,
-        paths: ShortestPaths,
-        wanted: Sequence[Obstacle | Detection],
-        unknown: Mask,
-    ) -> View | None:
+    def _plan(self, state: State) -> View | None:
         """Plan a round, and begin it."""
+        paths, unknown = plan(state), unexplored(state.floor, state.obstacles)
+        wanted = sorted(wanted_of(state), key=lambda one: math.dist(one.centre, state.place))
+        wanted = wanted[:MAX_WANTED]
         vantage = vantage_points(paths, unknown, state.scales)
-        round_them = viewpoints_round(paths, wanted, state)
-        places = np.vstack([state.place, vantage, round_them])
-        field_rad, exploration = field_of_view(state.pair), state.settings.exploration
-        visibility = Visibility.over(state.floor, places, field_rad, exploration.sight_range)
+        places = np.vstack([state.place, vantage, viewpoints_round(paths, wanted, state)])
+        field_rad, reach = field_of_view(state.pair), state.settings.exploration.sight_range
+        visibility = Visibility.over(state.floor, places, field_rad, reach)
         visibility = visibility.without(self.taken, state.scales.same_place)
         sides = Sides.of(wanted, places, state.floor, field_rad, state.sure_range, self.looks)
         stop = first_stop(paths.length(places), visibility, sides, unknown, state.scales)
-        if stop is None:
-            return None
-        number, azimuth = stop
-        self.looks += sides.looks(number, azimuth)
-        target = sides.target(number, azimuth)
-        if target is None:
-            return look_along(paths, places[number], azimuth, state)
-        return look_at(paths, places[number], target, state)
+        return None if stop is None else self._look(state, paths, sides, *stop)
 
-    def _end(self, wanted: Sequence[Obstacle | Detection], unknown: Mask) -> None:
+    def _look(
+        self, state: State, paths: ShortestPaths, sides: Sides, number: int, azimuth_rad: float
+    ) -> View:
+        """The view from a place of the round, on an obstacle if one is in the middle of it."""
+        self.looks += sides.looks(number, azimuth_rad)
+        target = sides.target(number, azimuth_rad)
+        if target is None:
+            return look_along(paths, sides.places[number], azimuth_rad, state)
+        return look_at(paths, sides.places[number], target, state)
+
+    def _end(self, state: State) -> None:
         """Note why there is nothing left to do."""
+        wanted, unknown = wanted_of(state), unexplored(state.floor, state.obstacles)
         unseen = [t for t in wanted if isinstance(t, Detection) or not len(t.bearings_rad)]
         is_left = bool(unseen) or unknown.mean() > MAX_UNKNOWN
         self.reason = "nothing reachable" if is_left else "all known"
@@ -94,9 +96,6 @@ class FrontierController:
             self.reason += f"; {barred} obstacles have a side that cannot be reached"
 
 
-def _nearest(
-    wanted: Sequence[Obstacle | Detection], place: Array
-) -> Sequence[Obstacle | Detection]:
-    """The obstacles that a round may go past."""
-    by_distance = sorted(wanted, key=lambda one: float(np.hypot(*(one.centre - place))))
-    return by_distance[:MAX_WANTED]
+def wanted_of(state: State) -> list[Obstacle | Detection]:
+    """What is to be looked at: what is not in the map, and obstacles that are not known."""
+    return [*state.detections, *(one for one in state.obstacles if not is_known(one))]

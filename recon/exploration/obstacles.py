@@ -8,10 +8,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
-from recon.records import FoundObject, PointCloud, Voxels
+from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
 
 MIN_POINTS_OF_VIEW = 30
 """A view has seen an obstacle well when it put this many sure points on it."""
+
+SURE = 0.9
+"""Probability from which a label is believed."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,6 +37,12 @@ class Obstacle:
     """Its name and shape, as last recognised."""
     num_named: int = 0
     """Number of its occupied cells then."""
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether its label is one of a catalogue, and believed."""
+        found = self.found
+        return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
 
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
         """(N,) which points (N, 2) lie within its disc, widened by a margin."""

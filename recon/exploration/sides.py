@@ -13,10 +13,7 @@ from recon.exploration.gains import AZIMUTHS_RAD, SPACING_RAD, turn
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
 from recon.exploration.sight import is_open
-from recon.records import UNKNOWN, FoundObject
 
-SURE = 0.9
-"""Probability from which a label is believed."""
 OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
 """An obstacle is known when no gap between its views is wider, with a sure label and without: three
 views or four, from all round."""
@@ -142,8 +139,7 @@ class Sides:
 
 def is_known(obstacle: Obstacle) -> bool:
     """Whether an obstacle was seen from enough sides for its label and its map."""
-    gap = OPEN_SURE_RAD if _is_sure(obstacle.found) else OPEN_RAD
-    return widest_gap(obstacle.bearings_rad) <= gap
+    return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if obstacle.is_sure else OPEN_RAD)
 
 
 def widest_gap(bearings_rad: Array) -> float:
@@ -156,12 +152,8 @@ def widest_gap(bearings_rad: Array) -> float:
 
 def _planned_gap(obstacle: Obstacle | Detection) -> float:
     """The gap that views may leave; what has no name yet is taken to get a sure one."""
-    found = obstacle.found if isinstance(obstacle, Obstacle) else None
-    return OPEN_SURE_RAD if found is None or _is_sure(found) else OPEN_RAD
-
-
-def _is_sure(found: FoundObject | None) -> bool:
-    return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
+    is_doubted = isinstance(obstacle, Obstacle) and obstacle.found and not obstacle.is_sure
+    return OPEN_RAD if is_doubted else OPEN_SURE_RAD
 
 
 def _missing(obstacle: Obstacle | Detection, arc: float, looks: Sequence[Look]) -> Mask:

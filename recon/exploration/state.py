@@ -1,8 +1,9 @@
 """What a controller is told, and the answer that it may give."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.exploration.explorable import KnownWorld
 from recon.exploration.floor import Array, Floor
@@ -49,6 +50,24 @@ class State:
     def scales(self) -> Scales:
         """Lengths to decide by."""
         return Scales.of(self.settings)
+
+    def within(self, reach: float) -> "State":
+        """What of it lies within reach of the agent along x and z."""
+        floor = self.floor.window(self.place, reach)
+        shift = floor.cells(self.floor.corner + 0.5 * floor.cell_size)
+        inside = [_inside(one, floor, shift) for one in self.obstacles]
+        return replace(
+            self,
+            floor=floor,
+            obstacles=tuple(one for one in inside if len(one.cells)),
+            detections=tuple(d for d in self.detections if floor.holds(floor.cells(d.centre))),
+        )
+
+
+def _inside(obstacle: Obstacle, floor: Floor, shift: NDArray[np.intp]) -> Obstacle:
+    """An obstacle with those of its cells that lie on a part of the floor, shifted (2,) to it."""
+    cells = obstacle.cells + shift
+    return replace(obstacle, cells=cells[floor.holds(cells)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

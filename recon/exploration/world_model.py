@@ -21,8 +21,8 @@ SURE_SIGMA = 1.0
 NEARLY_ALL = 0.9
 NUM_VIEWS = 3
 """An obstacle is named first when so many views have seen it well ..."""
-GROWTH = 1.25
-"""... and again when it has grown by this factor since."""
+GROWTH, SURE_GROWTH = 1.25, 2.0
+"""... and again when it has grown by this factor since: without a sure label, and with one."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -159,7 +159,8 @@ class WorldModel:
 
 
 def _is_due(obstacle: Obstacle) -> bool:
-    has_grown = len(obstacle.voxels) > GROWTH * obstacle.num_named
+    growth = SURE_GROWTH if obstacle.is_sure else GROWTH
+    has_grown = len(obstacle.voxels) > growth * obstacle.num_named
     return has_grown and len(obstacle.bearings_rad) >= NUM_VIEWS
 
 

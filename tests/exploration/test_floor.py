@@ -92,3 +92,23 @@ def test_a_floor_of_too_many_cells_is_refused_before_it_is_built(size, cell_size
     changes = {"world": {"size_x": size, "size_z": size}, "map": {"cell_size": cell_size}}
     with pytest.raises(InputError, match=r"world\.size_x.*at most 16000000 cells"):
         check_floor(updated(Settings(), changes))
+
+
+def test_a_window_is_a_part_of_the_floor_that_shares_its_cells():
+    floor = Floor(size_x=60, size_z=40, cell_size=0.5)
+    part = floor.window(np.array([28.0, 3.2]), 4.0)
+    assert part.shape == (12, 17)
+    assert np.allclose(part.corner, [24.0, -1.0])
+    point = np.array([26.3, 4.9])
+    part.occupied[tuple(part.cells(point))] = True
+    assert np.argwhere(floor.occupied).tolist() == [floor.cells(point).tolist()]
+    assert np.allclose(part.centres(part.cells(point)), floor.centres(floor.cells(point)))
+    assert not part.holds(part.cells([23.0, 0.0]))
+    assert floor.window(np.zeros(2), 100.0).shape == floor.shape
+
+
+def test_what_a_view_shows_does_not_depend_on_the_size_of_the_floor():
+    small, large = Floor(size_x=60, size_z=60), Floor(size_x=300, size_z=300)
+    for floor in (small, large):
+        seen(floor, [2.5, 1.5], 30.0, reach=20.0)
+    assert small.known_free.sum() == large.known_free.sum() > 100
