@@ -208,7 +208,7 @@ class Agent:
         return view
 
     def _answer(self, controller: Controller, step: Step) -> View | None:
-        """What a controller answers; None where there is a reason to stop."""
+        """The answer of a controller; None where there is a reason to stop."""
         state = self._state(step)
         try:
             with self.stopwatch.stage("plan"):

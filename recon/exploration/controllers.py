@@ -31,7 +31,7 @@ class Controller(Protocol):
         ...
 
     def result(self) -> str:
-        """What came of it; a stop reason at its beginning, before a ";", is the exploration's."""
+        """The result in words; a stop reason before a ";" at its beginning is the exploration's."""
         ...
 
 

@@ -27,7 +27,7 @@ class Explorable(Protocol):
 
 @runtime_checkable
 class KnownWorld(Explorable, Protocol):
-    """What is explored, where the truth about it is known."""
+    """An explored place whose truth is known."""
 
     objects: Sequence[TrueObject]
 

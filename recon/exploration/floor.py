@@ -124,7 +124,7 @@ class Floor:
         return places
 
     def holds(self, cells: NDArray[np.intp]) -> Mask:
-        """Which of the cells (..., 2) lie on the floor."""
+        """Tell which of the cells (..., 2) lie on the floor."""
         x, z = cells[..., 0], cells[..., 1]
         inside: Mask = (x >= 0) & (x < self.shape[0]) & (z >= 0) & (z < self.shape[1])
         return inside

@@ -97,5 +97,5 @@ class FrontierController:
 
 
 def wanted_of(state: State) -> list[Obstacle | Detection]:
-    """What is to be looked at: what is not in the map, and obstacles that are not known."""
+    """List the detections, and the obstacles that are not known: all that is to be looked at."""
     return [*state.detections, *(one for one in state.obstacles if not is_known(one))]

@@ -24,7 +24,7 @@ class Step(mapper.Step):
 
     view: View
     objects: tuple[FoundObject, ...] = ()
-    """What is recognised so far."""
+    """Objects recognised so far."""
     said: str = ""
     """The controller's result so far."""
     known_share: float = 0.0
@@ -33,7 +33,7 @@ class Step(mapper.Step):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exploration:
-    """What an exploration left."""
+    """The results of an exploration."""
 
     reconstruction: Reconstruction[VoxelMap]
     recognition: Recognition
@@ -50,4 +50,4 @@ class Exploration:
     metrics: dict[str, Any]
     """The numbers of metrics.json, but for `seconds`; what needs truth is None without it."""
     true_trajectory: Trajectory | None = None
-    """Where the pairs were really taken; None where motion is exact, or the truth not known."""
+    """True poses of the pairs; None where motion is exact, or the truth not known."""

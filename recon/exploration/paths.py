@@ -50,7 +50,7 @@ class ShortestPaths:
         return nearest
 
     def is_clear(self, start_xz: Array, end_xz: Array) -> bool:
-        """Whether the straight line between two points can be walked."""
+        """Tell whether the straight line between two points can be walked."""
         return is_clear(self.floor, self.walkable, start_xz, end_xz)
 
     def corners(self, end_xz: Array) -> Array:

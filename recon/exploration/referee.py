@@ -21,7 +21,7 @@ SAMPLE = 0.2
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Referee:
-    """What is measured while the agent walks; the agent itself never looks into it."""
+    """Measurements taken while the agent walks; the agent itself never looks into them."""
 
     world: KnownWorld
     settings: Settings

@@ -103,7 +103,7 @@ class Sides:
         return worth
 
     def after(self, place: int, azimuth_rad: float) -> "Sides":
-        """What is left when a view from a place was taken."""
+        """The sides that are left when a view from a place was taken."""
         missing = self.missing.copy()
         for row in self._in_view(place, azimuth_rad):
             missing[row] &= ~self._within(row, place)
@@ -138,7 +138,7 @@ class Sides:
 
 
 def is_known(obstacle: Obstacle) -> bool:
-    """Whether an obstacle was seen from enough sides for its label and its map."""
+    """Tell whether an obstacle was seen from enough sides for its label and its map."""
     return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if obstacle.is_sure else OPEN_RAD)
 
 

@@ -1,4 +1,4 @@
-"""What a controller is told, and the answer that it may give."""
+"""The state that a controller is told, and the walk that it may answer."""
 
 from dataclasses import dataclass, field, replace
 
@@ -34,7 +34,7 @@ class State:
     sure_range: float
     """Distance up to which a view shows an obstacle well enough for the map, world units."""
     objects: tuple[FoundObject, ...]
-    """What has been recognised so far."""
+    """Objects recognised so far."""
     simulator: KnownWorld | None
     """The world itself where it is a simulated one, else None; recon's own controllers do not
     look at it."""
@@ -52,7 +52,7 @@ class State:
         return Scales.of(self.settings)
 
     def within(self, reach: float) -> "State":
-        """What of it lies within reach of the agent along x and z."""
+        """The part of it within reach of the agent along x and z."""
         floor = self.floor.window(self.place, reach)
         shift = floor.cells(self.floor.corner + 0.5 * floor.cell_size)
         inside = [_inside(one, floor, shift) for one in self.obstacles]

@@ -97,7 +97,7 @@ class ThesisController:
         return any(_gap(done, obstacle.centre) <= 0.0 for done in self.finished)
 
     def _is_met(self, obstacle: Obstacle, state: State) -> bool:
-        """Whether the last view looked at an obstacle from in front of it."""
+        """Tell whether the last view looked at an obstacle from in front of it."""
         target = state.view.target[[0, 2]]
         near = _gap(obstacle, state.place) <= 1.5 * state.scales.clearance
         return near and bool(obstacle.holds(target[None], NEAR * state.scales.clearance)[0])

@@ -12,7 +12,7 @@ from recon.exploration.oracle import improved
 from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
 
-MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 12
+MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 8
 """A round is planned no farther: what comes after hardly changes where it begins."""
 MAX_UNKNOWN = 0.02
 """Share of the floor that may stay unseen in corners when all is called known."""
@@ -94,7 +94,7 @@ def add_objects(
     """Put views of new sides of obstacles into a round, ground besides where it is seen as well."""
     if not sides.missing.any():
         return
-    area = visibility.area(unknown)
+    area = visibility.area(unknown, np.flatnonzero(sides.shown().any(axis=0)))
     ground = scales.much_area * area / (area + scales.much_area)
     for _ in range(MAX_OBJECT_STOPS):
         worth = np.where(visibility.barred, 0.0, scales.side_area * sides.worth())

@@ -129,7 +129,7 @@ class WorldModel:
         self.detections = tuple(one for one in self.detections if not self._is_settled(one))
 
     def _is_settled(self, detection: Detection) -> bool:
-        """Whether a detection is in the map by now, or was noise.
+        """Tell whether a detection is in the map by now, or was noise.
 
         It was noise if a view from nearer saw the ground there free.
         """

@@ -22,7 +22,7 @@ LEAST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What a value line holds."""
+    """The values of a line."""
 
     need: str
     """For messages: what is needed."""

@@ -162,7 +162,7 @@ KINDS: tuple[Kind, ...] = (
     (_pine_tree, 4.0, 8.0),
     (_cottage, 4.0, 8.0),
 )
-"""What grows, and its least and greatest radius, world units."""
+"""The kinds that grow, and their least and greatest radius, world units."""
 
 COMPOSITES: tuple[Kind, ...] = (
     (house, 6.0, 9.0),

@@ -151,7 +151,7 @@ def _label_of_planes(visuals: list[Visual]) -> str:
 
 
 def _rise(polygon: PolygonVisual) -> float:
-    """How steep a polygon is: 0 level, 1 upright."""
+    """Steepness of a polygon: 0 level, 1 upright."""
     points = np.array([vertex.position for vertex in polygon.vertices])
     normal = np.linalg.svd(points - points.mean(axis=0))[2][-1]
     return float(np.hypot(normal[0], normal[2]))

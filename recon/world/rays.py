@@ -48,7 +48,7 @@ class RayScene:
         return distance
 
     def encloses(self, points: Array) -> NDArray[np.bool_]:
-        """Which points (N, 3) lie inside: their rays leave through an odd number of triangles."""
+        """Tell which points (N, 3) lie inside: their rays cross an odd number of triangles."""
         if self._scene is None:
             return np.zeros(len(points), bool)
         query = load_open3d().core.Tensor.from_numpy(points.astype(np.float32))
@@ -56,7 +56,7 @@ class RayScene:
         return inside
 
     def covers(self, points_xz: Array) -> NDArray[np.bool_]:
-        """Which upright lines through x, z (N, 2) meet a triangle."""
+        """Tell which upright lines through x, z (N, 2) meet a triangle."""
         rays = np.zeros((len(points_xz), 6), np.float32)
         rays[:, [0, 2]] = points_xz
         rays[:, 1] = self._corners[..., 1].max(initial=0.0) + 1.0

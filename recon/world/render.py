@@ -41,18 +41,18 @@ class Camera:
 
     @property
     def is_parallel(self) -> bool:
-        """Whether all rays have one direction."""
+        """True where all rays have one direction."""
         return not self.frame[[3, 5]].any()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """How a visual is drawn."""
+    """The look of a visual."""
 
     texture: int = NONE
     """Its number among the images, -1 = none."""
     one_sided: bool = False
-    """Whether it is not to be seen from behind."""
+    """True where it is not to be seen from behind."""
 
 
 class Raycaster:
@@ -172,7 +172,7 @@ def pixels(camera: Camera) -> Array:
 
 
 def backdrop(settings: RenderSettings) -> Backdrop:
-    """What the sky and the fog look like."""
+    """The look of sky and fog."""
     zenith = ZENITH_RGB if settings.sky else SKY_RGB
     return np.array(SKY_RGB), np.array(zenith), float(-np.log1p(-settings.fog))
 

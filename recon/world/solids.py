@@ -135,7 +135,7 @@ def polygon_triangles(visual: PolygonVisual) -> Triangles:
 
 
 def contains(visual: Visual, points: Array) -> NDArray[np.bool_]:
-    """Which points (N, 3) lie inside a sphere, an ellipsoid, or a cylinder closed at its ends."""
+    """Tell which points (N, 3) lie in a sphere, an ellipsoid, or a cylinder closed at its ends."""
     if isinstance(visual, SphereVisual | EllipsoidVisual):
         reach = visual.radius if isinstance(visual, SphereVisual) else np.array(visual.radii)
         inside: NDArray[np.bool_] = np.linalg.norm((points - visual.centre) / reach, axis=1) <= 1.0

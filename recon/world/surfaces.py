@@ -43,7 +43,7 @@ def visual_triangles(visual: Visual, folder: Path | None, tile: float) -> Triang
 
 
 def lids(scene: Scene) -> list[Triangles]:
-    """What closes the ends of a scene's open cylinders."""
+    """Lids that close the ends of a scene's open cylinders."""
     cylinders = (visual for visual in scene.visuals if isinstance(visual, CylinderVisual))
     return [lid.without_slivers() for visual in cylinders for lid in lid_triangles(visual)]
 
@@ -71,7 +71,7 @@ def _shaders(scene: Scene) -> list[Shader | None]:
 
 
 def _looks(scene: Scene) -> tuple[list[Look], list[NDArray[np.uint8]]]:
-    """How each visual looks, and the textures that any of them uses."""
+    """The look of each visual, and the textures that any of them uses."""
     names = [scene.texture_of(visual) for visual in scene.visuals]
     used = sorted({name for name in names if name is not None})
     looks = [

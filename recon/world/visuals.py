@@ -1,4 +1,4 @@
-"""What a geometry file holds: shaders, and the visuals a world is built of (thesis Appendix B)."""
+"""The contents of a geometry file: shaders, and visuals of a world (thesis Appendix B)."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -78,7 +78,7 @@ class PolygonVisual:
 
     kind: ClassVar[str] = "POLYGON"
     cull_back: bool
-    """Whether it is not to be seen from behind."""
+    """True where it is not to be seen from behind."""
     shader: int = NONE
     texture: int = NONE
     vertices: tuple[Vertex, ...]
@@ -107,7 +107,7 @@ class Scene:
     """Names as the file has them, "textures/wood.tga"."""
     visuals: tuple[Visual, ...]
     folder: Path | None = None
-    """Where textures and meshes are looked up; None where the scene was not read from a file."""
+    """Folder of its textures and meshes; None where the scene was not read from a file."""
 
     def texture_of(self, visual: Visual) -> str | None:
         """The name of a visual's texture."""

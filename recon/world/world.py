@@ -42,7 +42,7 @@ MAX_GROUND_CELLS = 100_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """What is really there, for each pixel of a view's LEFT image."""
+    """The truth, for each pixel of a view's LEFT image."""
 
     depth: Array
     """(H, W) along z of the left camera, world units; NaN = nothing."""
@@ -103,7 +103,7 @@ class World:
         return cls(read_scene(find_scene(path)), chosen.eyes, chosen.render, chosen.world)
 
     def start(self) -> View:
-        """Where the agent begins: the middle of the floor, looking along -z."""
+        """The first view: the middle of the floor, looking along -z."""
         height = self.eyes.eye_height
         return View(
             position=np.array([0.0, height, 0.0]),

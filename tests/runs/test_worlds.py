@@ -38,7 +38,7 @@ def test_true_objects_are_named_by_the_nearest_within_their_width():
 
 def test_one_world_from_the_command_line(tmp_path, capsys):
     out = tmp_path / "worlds"
-    argv = ["evaluate", "--worlds", "1", "-o", str(out), "--set", "exploration.max_pairs=12"]
+    argv = ["evaluate", "--worlds", "1", "-o", str(out), "--set", "exploration.max_pairs=5"]
     assert main([*argv, "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["robust"]["num_objects"] == report["thesis"]["num_objects"] == 6
