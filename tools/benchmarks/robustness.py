@@ -1,15 +1,22 @@
-"""The explorer where worlds are less than perfect: noise, grain, sky, shading, another unit.
+"""The explorer where worlds are less than perfect: noise, grain, sky, shading, another unit, touch.
 
 Every condition is explored in three generated worlds of six objects, whose seeds are the module's
-own; `--quick` takes the first world only. The clean world beside it gives the pairs.
+own; `--quick` takes the first world only. The clean worlds beside them give the pairs. Some rows
+alone, in worlds of other seeds:
+
+    python tools/benchmarks/robustness.py noise_5 touching --seed 205 --seed 206
 """
 
 import dataclasses
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
 from benchmarks import Measurement
 from recon.exploration.agent import Exploration, explore
 from recon.records import UNKNOWN
@@ -19,28 +26,46 @@ from recon.world.visuals import CylinderVisual, EllipsoidVisual, PolygonVisual, 
 from recon.world.world import World
 
 SEEDS = (102, 103, 104)
-NUM_OBJECTS, GAP = 6, 8.0
-CONDITIONS: dict[str, dict[str, Any]] = {
-    "noise_2": {"noise": 2.0},
-    "noise_5": {"noise": 5.0},
-    "noise_10": {"noise": 10.0},
-    "grain_2": {"noise": 2.0, "noise_grain_px": 0.8},
-    "grain_5": {"noise": 5.0, "noise_grain_px": 0.8},
-    "sky": {"sky": True},
-    "noise_2_sky_shading": {"noise": 2.0, "sky": True, "shading": True},
-}
-"""Settings of the renderer by condition."""
-SCALES = {"tenth": 0.1, "tenfold": 10.0}
+NUM_OBJECTS = 6
 LENGTHS = {
     "map": ("cell_size",),
     "eyes": ("baseline", "near", "far", "eye_height"),
     "exploration": ("clearance", "walk_clearance", "sight_range", "viewing_distance"),
     "world": ("size_x", "size_z", "height"),
     "recognition": ("ground_clearance",),
-    "motion": ("body_radius", "body_height"),
+    "motion": ("body_radius", "body_height", "position_noise"),
     "render": ("texture_tile",),
 }
 """Every setting that is a length, by stage."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """What is less than perfect in some worlds."""
+
+    render: dict[str, Any] = dataclasses.field(default_factory=dict)
+    """Settings of the renderer."""
+    scale: float = 1.0
+    """Of every length."""
+    gap: float = 8.0
+    """Least free ground between two objects, before lengths are scaled."""
+
+
+CLEAN = "clean"
+CONDITIONS = {
+    CLEAN: Condition(),
+    "noise_2": Condition(render={"noise": 2.0}),
+    "noise_5": Condition(render={"noise": 5.0}),
+    "noise_10": Condition(render={"noise": 10.0}),
+    "grain_2": Condition(render={"noise": 2.0, "noise_grain_px": 0.8}),
+    "grain_5": Condition(render={"noise": 5.0, "noise_grain_px": 0.8}),
+    "sky": Condition(render={"sky": True}),
+    "noise_2_sky_shading": Condition(render={"noise": 2.0, "sky": True, "shading": True}),
+    "tenth": Condition(scale=0.1),
+    "tenfold": Condition(scale=10.0),
+    "gap_1": Condition(gap=1.0),
+    "touching": Condition(gap=0.0),
+}
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +74,8 @@ class Row:
 
     right: int
     false: int
+    extra: int
+    """Objects found beyond those that are there."""
     pairs: int
     ended: int
     clearance: float
@@ -57,15 +84,17 @@ class Row:
 
 def measure(quick: bool) -> list[Measurement]:
     """Numbers of every condition, and of the clean worlds."""
-    seeds = SEEDS[:1] if quick else SEEDS
-    clean = row_of([explored(seed, {}) for seed in seeds])
-    found = list(measurements("clean", clean, clean))
-    for name, render in CONDITIONS.items():
-        row = row_of([explored(seed, {"render": render}) for seed in seeds])
-        found += measurements(name, row, clean)
-    for name, scale in SCALES.items():
-        row = row_of([explored(seed, {}, scale) for seed in seeds])
-        found += measurements(name, row, clean)
+    return rows(CONDITIONS, SEEDS[:1] if quick else SEEDS)
+
+
+def rows(names: Iterable[str], seeds: Sequence[int]) -> list[Measurement]:
+    """Numbers of some conditions in the worlds of some seeds."""
+    clean = row_of([explored(seed, CONDITIONS[CLEAN]) for seed in seeds])
+    found = list(measurements(CLEAN, clean, clean))
+    for name in names:
+        if name != CLEAN:
+            row = row_of([explored(seed, CONDITIONS[name]) for seed in seeds])
+            found += measurements(name, row, clean)
     return found
 
 
@@ -74,11 +103,11 @@ def settings_with(changes: dict[str, Any]) -> Settings:
     return updated(with_quality(Settings(), "fast"), merged(EXPLORER_BASE, changes))
 
 
-def explored(seed: int, changes: dict[str, Any], scale: float = 1.0) -> tuple[World, Exploration]:
+def explored(seed: int, condition: Condition) -> tuple[World, Exploration]:
     """A generated world, and its exploration."""
-    scene = random_scene(np.random.default_rng(seed), NUM_OBJECTS, GAP)
-    settings = in_units(settings_with(changes), scale)
-    world = World(scaled(scene, scale), settings.eyes, settings.render, settings.world)
+    scene = scaled(random_scene(np.random.default_rng(seed), NUM_OBJECTS, condition.gap), condition)
+    settings = in_units(settings_with({"render": condition.render}), condition.scale)
+    world = World(scene, settings.eyes, settings.render, settings.world)
     return world, explore(world, settings)
 
 
@@ -91,9 +120,10 @@ def in_units(settings: Settings, scale: float) -> Settings:
     return updated(settings, changes)
 
 
-def scaled(scene: Scene, scale: float) -> Scene:
+def scaled(scene: Scene, condition: Condition) -> Scene:
     """The scene with every length scaled."""
-    return dataclasses.replace(scene, visuals=tuple(_scaled(v, scale) for v in scene.visuals))
+    visuals = tuple(_scaled(visual, condition.scale) for visual in scene.visuals)
+    return dataclasses.replace(scene, visuals=visuals)
 
 
 def _scaled(visual: Any, scale: float) -> Any:
@@ -125,6 +155,7 @@ def row_of(runs: list[tuple[World, Exploration]]) -> Row:
     return Row(
         right=sum(right for right, _ in named),
         false=sum(false for _, false in named),
+        extra=sum(max(0, one["num_objects"] - NUM_OBJECTS) for one in metrics),
         pairs=sum(one["num_pairs"] for one in metrics),
         ended=sum(done.stop_reason == "all known" for _, done in runs),
         clearance=min(one["min_clearance"] for one in metrics),
@@ -151,6 +182,7 @@ def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
     """The numbers of one condition."""
     yield number(f"{condition}.named_right", row.right, "objects", "higher")
     yield number(f"{condition}.named_falsely", row.false, "objects")
+    yield number(f"{condition}.extra_pieces", row.extra, "objects")
     yield number(f"{condition}.all_known", row.ended, "worlds", "higher")
     yield number(f"{condition}.pairs", row.pairs / clean.pairs, "of the clean worlds'")
     yield number(f"{condition}.clearance", row.clearance, "units", "higher")
@@ -162,3 +194,16 @@ def number(name: str, value: float, unit: str, better: str = "lower") -> Measure
     return Measurement(
         name=f"robustness.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
     )
+
+
+@click.command()
+@click.argument("names", nargs=-1, type=click.Choice(list(CONDITIONS)))
+@click.option("--seed", "seeds", multiple=True, type=int, default=SEEDS, show_default=True)
+def main(names: tuple[str, ...], seeds: tuple[int, ...]) -> None:
+    """Print the numbers of some conditions, and of the clean worlds."""
+    for one in rows(names, seeds):
+        print(f"{one.name:44} {one.value:12.4g} {one.unit}")
+
+
+if __name__ == "__main__":
+    main()
