@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.exploration import sight
-from recon.exploration.floor import ROUNDING, Array, Floor, Mask
+from recon.exploration.floor import RAY_SPACING, ROUNDING, Array, Floor, Mask
 
 NUM_RAYS = 90
 SPACING_RAD = 2.0 * math.pi / NUM_RAYS
@@ -77,8 +77,9 @@ class Visibility:
     def left(self, unknown: Mask, place: Array, azimuth_rad: float) -> Mask:
         """(X, Z) the unknown cells that a view from a place (2,) would not show."""
         rays = self.floor.azimuths(azimuth_rad, self.field_rad, self.reach)
-        left, reach = unknown.copy(), self.reach / self.floor.cell_size
-        sight.see(left.ravel(), self.blocking, self.floor.in_cells(place), rays, reach)
+        number = round(self.reach / self.floor.cell_size / RAY_SPACING)
+        radii, left = RAY_SPACING * np.arange(number), unknown.copy()
+        sight.see(left.ravel(), self.blocking, self.floor.in_cells(place), rays, radii)
         return left
 
 

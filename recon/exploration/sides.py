@@ -183,23 +183,35 @@ def _apart(a_rad: float, b_rad: float) -> float:
 
 
 @njit(cache=True)
+def _new(bearing: float, missing: Mask, arc: float) -> int:
+    """Number of the missing bearings (BEARINGS,) that a view from a bearing makes known."""
+    new = 0
+    for number in range(len(BEARINGS_RAD)):
+        if missing[number] and _apart(bearing, BEARINGS_RAD[number]) <= arc:
+            new += 1
+    return new
+
+
+@njit(cache=True)
 def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
     """(O, C) share of a side of each obstacle that views from each place would make known."""
     shown = np.zeros(azimuth.shape)
     for row in range(azimuth.shape[0]):
-        total, side = missing[row].sum(), arc[row] * len(BEARINGS_RAD) / math.pi
-        for c in range(azimuth.shape[1]):
-            if total == 0 or slack[row, c] < 0.0:
-                continue
-            new = 0
-            for bearing in np.flatnonzero(missing[row]):
-                new += _apart(azimuth[row, c] + math.pi, BEARINGS_RAD[bearing]) <= arc[row]
-            share = new / side
-            if new == total:
-                shown[row, c] = max(share, LAST)
-            elif share >= LEAST or total < 2.0 * LEAST * side:
-                shown[row, c] = share
+        total = _new(0.0, missing[row], math.pi)
+        side = arc[row] * len(BEARINGS_RAD) / math.pi
+        for c in range(azimuth.shape[1] if total > 0 else 0):
+            if slack[row, c] >= 0.0:
+                new = _new(azimuth[row, c] + math.pi, missing[row], arc[row])
+                shown[row, c] = _share(new, total, side)
     return shown
+
+
+@njit(cache=True)
+def _share(new: int, total: int, side: float) -> float:
+    """Share of a side (of so many bearings) that new ones are worth, of all that are missing."""
+    if new == total:
+        return max(new / side, LAST)
+    return new / side if new >= LEAST * side or total < 2.0 * LEAST * side else 0.0
 
 
 @njit(cache=True)
@@ -207,8 +219,9 @@ def _worth(shown: Array, azimuth: Array, slack: Array) -> Array:
     """(C, NUM_RAYS) sum of what is shown (O, C), along the azimuths that keep it in the field."""
     worth = np.zeros((shown.shape[1], len(AZIMUTHS_RAD)))
     for row in range(shown.shape[0]):
-        for c in np.flatnonzero(shown[row]):
-            _add(worth[c], shown[row, c], azimuth[row, c], slack[row, c])
+        for c in range(shown.shape[1]):
+            if shown[row, c] > 0.0:
+                _add(worth[c], shown[row, c], azimuth[row, c], slack[row, c])
     return worth
 
 

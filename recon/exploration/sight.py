@@ -81,12 +81,11 @@ def fields(cell: Cells, places: NDArray[np.intp], unknown: Mask, area: Array, ha
 
 
 @njit(cache=True)
-def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, reach: float) -> None:
+def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, radii: Array) -> None:
     """Take the cells that rays from a place (2,) show out of the unknown (X * Z,), in place."""
-    radii = RAY_SPACING * np.arange(int(reach / RAY_SPACING))
     cell = np.empty(len(radii), np.int32)
-    for azimuth in azimuths:
-        _march(blocking, place, azimuth, radii, cell)
+    for a in range(len(azimuths)):
+        _march(blocking, place, azimuths[a], radii, cell)
         for number in cell:
             if number != HIDDEN:
                 unknown[number] = False

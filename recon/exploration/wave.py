@@ -11,9 +11,10 @@ NUM_BUCKETS = 3
 """Of a cell's width each: steps are one cell long at least and less than two, so that cells of one
 bucket cannot shorten each other's path, and none is put beyond the next but one."""
 DIAGONAL = 2.0**0.5
+Cells = NDArray[np.int32]
 
 
-def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, NDArray[np.int32]]:
+def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, Cells]:
     """Shortest paths from a cell to all others, by way of eight neighbours.
 
     Returns
@@ -27,7 +28,9 @@ def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, NDArray[np.
     width = padded.shape[1]
     around = np.array([1, width, width + 1, width - 1], np.int32)
     first = (start[0] + 1) * width + start[1] + 1
-    distance, before = _spread(padded.ravel(), first, np.concatenate([around, -around]))
+    waiting = np.empty((2, 8 * padded.size), np.int32)
+    steps = np.concatenate([around, -around])
+    distance, before = _spread(~padded.ravel(), first, steps, waiting[0], waiting[1])
     inner = (slice(1, -1), slice(1, -1))
     cells = np.stack(np.divmod(before, width), axis=-1).reshape(*padded.shape, 2) - 1
     return distance.reshape(padded.shape)[inner], cells[inner]
@@ -35,16 +38,15 @@ def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, NDArray[np.
 
 @njit(cache=True)
 def _spread(
-    walkable: Mask, start: int, around: NDArray[np.int32]
-) -> tuple[Array, NDArray[np.int32]]:
-    """Distance and cell before (N,) of the cells of a grid whose border is not walkable.
+    settled: Mask, start: int, around: Cells, cell: Cells, after: Cells
+) -> tuple[Array, Cells]:
+    """Distance and cell before (N,) of the cells of a grid that are not settled, whose border is.
 
-    The buckets are lists of the cells that wait, linked by `after`.
+    The buckets are lists of the cells that wait, linked by `after`; no cell waits more often than
+    it has neighbours.
     """
-    distance = np.full(len(walkable), np.inf)
-    before = np.full(len(walkable), NO_CELL, np.int32)
-    settled = ~walkable
-    cell, after = np.empty(1024, np.int32), np.empty(1024, np.int32)
+    distance = np.full(len(settled), np.inf)
+    before = np.full(len(settled), NO_CELL, np.int32)
     heads = np.full(NUM_BUCKETS, NO_CELL, np.int32)
     distance[start], before[start], settled[start] = 0.0, start, False
     cell[0], after[0], heads[0] = start, NO_CELL, 0
@@ -56,8 +58,6 @@ def _spread(
             continue
         empty, here = 0, cell[entry]
         heads[bucket % NUM_BUCKETS] = after[entry]
-        if number + len(around) > len(cell):
-            cell, after = np.append(cell, cell), np.append(after, after)
         for k in range(len(around) if not settled[here] else 0):
             there = here + around[k]
             length = distance[here] + (1.0 if k % 4 < 2 else DIAGONAL)

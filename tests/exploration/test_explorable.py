@@ -71,7 +71,7 @@ def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
 
 @pytest.mark.parametrize("scale", [0.1, 10.0])
 def test_a_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
-    one, other = explore_discs(TREES), explore_discs(TREES, scale=scale)
+    one, other = (explore_discs(TREES, size=80.0, scale=unit) for unit in (1.0, scale))
     assert other.stop_reason == one.stop_reason == "all known"
     assert len(other.recognition.objects) == len(one.recognition.objects) >= len(TREES)
     assert other.metrics["num_pairs"] == pytest.approx(one.metrics["num_pairs"], rel=0.1)
