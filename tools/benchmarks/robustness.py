@@ -113,9 +113,14 @@ def explored(seed: int, condition: Condition) -> tuple[World, Exploration]:
 
 def in_units(settings: Settings, scale: float) -> Settings:
     """The settings with every length scaled."""
-    changes = {
-        stage: {name: scale * getattr(getattr(settings, stage), name) for name in names}
+    lengths = {
+        stage: {name: getattr(getattr(settings, stage), name) for name in names}
         for stage, names in LENGTHS.items()
+    }
+    # A length of None follows from those that are scaled.
+    changes = {
+        stage: {name: scale * length for name, length in of_stage.items() if length is not None}
+        for stage, of_stage in lengths.items()
     }
     return updated(settings, changes)
 
