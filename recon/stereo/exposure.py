@@ -56,16 +56,16 @@ def with_gain_of(left: Grey, right: Grey) -> Grey:
     return brought
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=True)
 def _contrasts(grey: Grey) -> Array:
     """(B,) root mean square difference along the row, of each band."""
     height, width = grey.shape
     num = -(-height // _BAND_ROWS)
     energy, count = np.zeros(num), np.zeros(num)
     for v in range(0, height, _ROW_STEP):
-        row, total = grey[v], np.int64(0)
+        row, total = grey[v], np.float32(0)
         for u in range(width - _REACH_PX):
-            step = np.int32(row[u + _REACH_PX]) - np.int32(row[u])
+            step = np.float32(np.int16(row[u + _REACH_PX]) - np.int16(row[u]))
             total += step * step
         energy[v // _BAND_ROWS] += total
         count[v // _BAND_ROWS] += max(width - _REACH_PX, 1)
