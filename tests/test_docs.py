@@ -41,3 +41,43 @@ def test_the_table_of_parameters_is_the_preset():
 def test_no_difference_is_left_out():
     own, thesis = flat(Settings()), flat(with_preset(Settings(), "thesis"))
     assert {name for name in own if own[name] != thesis[name]} <= set(rows())
+
+
+def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
+    sources = "".join(path.read_text() for path in (DOCS.parent / "recon").rglob("*.py"))
+    # Texts go on in the next line; what stands in braces is told apart below.
+    sources = re.sub(r'"\s*\n\s*f?"', "", sources)
+    page = (DOCS / "troubleshooting.md").read_text()
+    known = [words for row in re.findall(r"^\| `(.+?)` \|", page, re.M) for words in pieces(row)]
+    assert len(known) > 15
+    assert [words for words in known if words not in sources] == []
+
+
+def pieces(message):
+    """The fixed parts of a message."""
+    shown = message.replace("different settings", "different ...").replace("las]", "...]")
+    return [words for part in shown.split("...") if len(words := part.strip(" :;()'")) > 3]
+
+
+WRONG = {
+    r"\b(an|the|of) own\b": "your own",
+    r"\bone's own\b": "your own",
+    r"(?<!there )\b(is|are) no [a-z]+\b": "is not a",
+    r"\bone an? (pair|row|point|cell)\b": "one per",
+    r"\bpictures?\b": "image",
+    r"\bcolor\b": "colour, but in code",
+    r"^#+ (Whether|Read an)\b": "a noun or a verb",
+    r"\b(teh|occured|seperate|recieve|wich|lenght|heigth|calibation|dispari(?!t)\w*)\b": "spelling",
+}
+
+
+def wrong_terms(text):
+    prose = re.sub(r"^```.*?^```|`[^`]*`", "", text, flags=re.M | re.S)
+    return [found[0] for term in WRONG for found in re.finditer(term, prose, re.M)]
+
+
+def test_the_pages_use_the_terms_of_the_field():
+    assert wrong_terms("It is no way to seperate a pair of an own rig.")
+    pages = [*DOCS.rglob("*.md"), DOCS.parent / "README.md", DOCS.parent / "CONTRIBUTING.md"]
+    found = {page.name: wrong for page in pages if (wrong := wrong_terms(page.read_text()))}
+    assert found == {}
