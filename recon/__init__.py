@@ -8,6 +8,7 @@ Mapper                       the loop from pairs to a map, one pair at a time
 reconstruct, explore         a whole recording; a whole world
 locate                       the pose of a pair in a known map
 VoxelMap, recognise, fit     cells that count points; named objects; one solid of one cloud
+PartitionedMap               a map larger than any memory, in a folder, read as it is asked for
 read, write                  clouds and maps in files of many formats
 Job, execute, Events         what the command line calls
 register                     parts of your own, by name
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from recon.exploration.state import State as State
     from recon.exports.formats import read as read
     from recon.exports.formats import write as write
+    from recon.exports.partitions.partitioned import PartitionedMap as PartitionedMap
     from recon.localisation.locate import locate as locate
     from recon.mapping.mapper import Mapper as Mapper
     from recon.mapping.mapper import Step as Step
@@ -99,6 +101,7 @@ _HOMES = {
     "exploration.outcome": "Exploration",
     "exploration.state": "State",
     "exports.formats": "read write",
+    "exports.partitions.partitioned": "PartitionedMap",
     "localisation.locate": "locate",
     "mapping.mapper": "Mapper Step",
     "mapping.pair": "PairResult match_pair process_pair",

@@ -21,6 +21,7 @@ from recon.settings.files import to_toml
 from recon.stereo.matching.vonmises import load_model
 from tests.contained import contained_files
 from tests.exports.maps import a_cloud, a_map
+from tests.fuzzed_runs import sound_runs
 from tests.sequences.fuzzed import sound_files
 
 WORDS = [b"-1", b"0", b"nan", b"1e308", b"99999999999999999999", b"", b"x", b"\xff", b"1e-300"]
@@ -111,7 +112,7 @@ def fault(reader: Reader, content: bytes, folder: Path) -> str | None:
 
 def readers(folder: Path) -> dict[str, Reader]:
     """Every reader with a sound file of its own, by name."""
-    recorded = [Reader(*one) for one in sound_files()]
+    recorded = [Reader(*one) for one in [*sound_files(), *sound_runs(folder)]]
     contained = [Reader(*one, share=CONTAINED_SHARE) for one in contained_files(folder)]
     found = [*_of_formats(folder), *_of_documents(), *recorded, *contained]
     return {one.name: one for one in found}

@@ -10,11 +10,16 @@ from numpy.typing import NDArray
 from recon.app.layers import Data, Layer, layer_of
 from recon.errors import InputError
 from recon.exports.formats import holds_mesh, read, read_mesh
+from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.partitions.store import is_partitioned
 from recon.exports.ply import read_cloud_chunks
 from recon.figures.partition import cells_of_mask
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
 from recon.runfolder import MANIFEST, read_manifest
+from recon.runs.figures import RECORDED
+from recon.runs.maps import map_path, shown
 from recon.runs.reading import read_reconstruction
+from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
 CLOUDS = {"dense": "dense.ply", "mesh": "mesh.ply"}
@@ -52,7 +57,7 @@ def open_exhibit(path: Path) -> Exhibit:
         raise InputError(f"{path} does not exist")
     if (path / MANIFEST).exists():
         return _open_run(path)
-    if path.is_dir() and path.suffix != ".zarr":
+    if path.is_dir() and path.suffix != ".zarr" and not is_partitioned(path):
         raise InputError(f"{path} is not a run folder: it has no {MANIFEST}")
     return Exhibit(path=path, layers={path.name: layer_of(_read(path))})
 
@@ -62,7 +67,9 @@ def _read(path: Path) -> Data:
     if holds_mesh(path):
         return read_mesh(path)
     data = read(path)
-    return data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    if isinstance(data, VoxelMap | PartitionedMap):
+        return shown(data, MapSettings(min_count=1))[0]
+    return data
 
 
 def _open_run(path: Path) -> Exhibit:
@@ -70,7 +77,7 @@ def _open_run(path: Path) -> Exhibit:
     layers: dict[str, Layer] = {}
     objects: tuple[FoundObject, ...] = ()
     trajectory = None
-    if (path / "map.npz").exists():
+    if map_path(path) is not None:
         run = read_reconstruction(path)
         objects, trajectory = run.objects, run.trajectory
         layers["map"] = layer_of(run.voxels, {"object": object_of(run.voxels, objects)})
@@ -79,7 +86,7 @@ def _open_run(path: Path) -> Exhibit:
     for name, file in CLOUDS.items():
         if (path / file).exists():
             layers[name] = layer_of(_read(path / file))
-    unit = "m" if manifest["command"] == "reconstruct" else "world units"
+    unit = "m" if manifest["command"] in RECORDED else "world units"
     return Exhibit(
         path=path, layers=layers, objects=objects, trajectory=trajectory, is_run=True, unit=unit
     )

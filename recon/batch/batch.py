@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from recon.batch.chunks import check_chunks, merging, spread
 from recon.batch.jobfile import NamedJob
 from recon.batch.schedulers import Scheduler, bound
 from recon.batch.worker import Outcome, do
 from recon.errors import InputError
+from recon.locks import locked
 from recon.runfolder import read_manifest
 
 SUMMARY = "summary.json"
@@ -20,7 +22,7 @@ Heard = Callable[[Outcome, int, int], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatchReport:
-    """What came of a batch."""
+    """The outcomes of all jobs of a batch."""
 
     folder: Path
     jobs: tuple[NamedJob, ...]
@@ -44,6 +46,7 @@ def run_batch(
     *,
     overwrite: bool = False,
     resume: bool = False,
+    chunk: int | None = None,
     heard: Heard = lambda outcome, done, total: None,
 ) -> BatchReport:
     """Do every job, whatever becomes of the others.
@@ -56,6 +59,9 @@ def run_batch(
     scheduler : Scheduler
     overwrite, resume : bool
         As of a run; resumed, a job that is done is skipped, and a failed one tried again.
+    chunk : int, optional
+        Reconstructions are cut into jobs of so many pairs, whose maps become one: the last job,
+        which is done where none of the others failed.
     heard : callable
         Told of every job as it ends.
 
@@ -68,7 +74,38 @@ def run_batch(
     InputError
         Where the folder holds anything but a batch, or a batch and neither flag is given.
     """
-    _prepare(folder, overwrite=overwrite, resume=resume)
+    if chunk is not None:
+        check_chunks(jobs)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    busy = f"{folder} is being written by another batch; wait for it, or give another -o"
+    with locked(folder.with_name(f".{folder.name}.lock"), busy):
+        _prepare(folder, overwrite=overwrite, resume=resume)
+        return _all_done(jobs, folder, scheduler, resume, chunk, heard)
+
+
+def _all_done(
+    jobs: Sequence[NamedJob],
+    folder: Path,
+    scheduler: Scheduler,
+    resume: bool,
+    chunk: int | None,
+    heard: Heard,
+) -> BatchReport:
+    """Do all jobs, and the one that puts them together."""
+    if chunk is not None:
+        jobs = spread(jobs, folder, chunk)
+    report = _done(jobs, folder, scheduler, resume, heard)
+    if chunk is None or report.num_failed:
+        return report
+    merged = _done([merging(jobs, folder)], folder, scheduler, resume, heard)
+    return BatchReport(
+        folder=folder, jobs=report.jobs + merged.jobs, outcomes=report.outcomes + merged.outcomes
+    )
+
+
+def _done(
+    jobs: Sequence[NamedJob], folder: Path, scheduler: Scheduler, resume: bool, heard: Heard
+) -> BatchReport:
     calls = [
         (job.name, bound(do, job, folder / job.name, resume and is_begun(folder / job.name)))
         for job in jobs
@@ -83,7 +120,7 @@ def run_batch(
 
 
 def is_begun(run: Path) -> bool:
-    """Whether a run folder is there to go on with."""
+    """True for a run folder that can be gone on with."""
     try:
         read_manifest(run)
     except InputError:

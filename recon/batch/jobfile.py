@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ FILE_KEYS = ("job", "sweep")
 CHOICES: dict[str, dict[str, Any]] = {"preset": dict(PRESETS), "quality": dict(QUALITIES.items())}
 """Named sets of settings, the later the stronger."""
 NAME = re.compile(r"[^\W.][\w.=+-]*")
-"""What may be the name of a job: it becomes the name of a folder."""
+"""Allowed names of a job, which become names of folders."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,12 +60,9 @@ def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
 
 
 def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
-    names = [job.name for job in jobs]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(
-                f"{source}: {names.count(name)} jobs are called {name!r}; give each its own name"
-            )
+    for name, number in Counter(job.name for job in jobs).items():
+        if number > 1:
+            raise InputError(f"{source}: {number} jobs are called {name!r}; give each its own name")
     return jobs
 
 
@@ -176,7 +174,7 @@ def _words(table: Mapping[str, Any], source: str) -> list[str]:
 
 
 def _matches(word: str, folder: Path, command: str) -> list[Path]:
-    """What a path, a glob or a shipped name stands for, relative to a folder.
+    """Paths that a word stands for: a path, a glob or a shipped name, relative to a folder.
 
     A path that is not there stays one: its job fails, and no other.
     """
@@ -193,7 +191,7 @@ def _matches(word: str, folder: Path, command: str) -> list[Path]:
 
 
 def _shipped(name: Path, command: str) -> Path | None:
-    """What ships with recon by a name; None where nothing does."""
+    """The file that ships with recon under a name; None where none does."""
     try:
         found = KINDS.load(command).find(name)
     except InputError:

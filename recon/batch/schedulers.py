@@ -1,5 +1,6 @@
 """Schedulers: who does the jobs of a batch, processes of this machine or a Dask cluster."""
 
+import logging
 import queue
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -9,11 +10,15 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, Protocol
 
-from recon.batch.worker import Outcome
-from recon.libraries import limit_threads, load_extra
+from recon.batch.progress import Pipes, begin_worker
+from recon.batch.worker import Outcome, Progress, hear_with, unheard
+from recon.errors import InputError
+from recon.libraries import THREAD_VARIABLES, load_extra
 
-Call = Callable[..., Outcome]
-"""Does one job; takes the function that hears of its progress."""
+Call = Callable[[], Outcome]
+"""Does one job."""
+TOPIC = "recon-progress"
+"""Events of Dask that tell the progress of jobs."""
 MAX_TRIES = 3
 """So often a job is begun whose worker is lost, as by the kernel for want of memory."""
 
@@ -22,7 +27,7 @@ class Scheduler(Protocol):
     """Does calls somewhere, in any order."""
 
     def outcomes(self, calls: Sequence[tuple[str, Call]]) -> Iterator[Outcome]:
-        """What comes of each named call, as it ends."""
+        """The outcome of each named call, as it ends."""
         ...
 
 
@@ -36,24 +41,31 @@ class Processes:
     num_workers : int
     num_threads : int
         Of each worker.
+    progress : callable
+        Hears how far each job is.
     """
 
-    def __init__(self, num_workers: int, num_threads: int = 1) -> None:
+    def __init__(
+        self, num_workers: int, num_threads: int = 1, progress: Progress = unheard
+    ) -> None:
         self._num_workers = num_workers
         self._num_threads = num_threads
-        self._idle: queue.SimpleQueue[ProcessPoolExecutor] = queue.SimpleQueue()
-        self._pools: list[ProcessPoolExecutor] = []
+        self._progress = progress
         self._lock = threading.Lock()
 
     def outcomes(self, calls: Sequence[tuple[str, Call]]) -> Iterator[Outcome]:
-        """What comes of each named call, as it ends."""
+        """The outcome of each named call, as it ends."""
+        self._pipes = Pipes(self._progress)
+        self._idle: queue.SimpleQueue[ProcessPoolExecutor] = queue.SimpleQueue()
+        self._pools: list[ProcessPoolExecutor] = []
         for _ in range(min(self._num_workers, len(calls))):
             self._idle.put(self._new_pool())
         threads = ThreadPoolExecutor(self._num_workers)
         try:
-            futures = [threads.submit(self._do, name, call) for name, call in calls]
-            for future in as_completed(futures):
-                yield future.result()
+            with self._pipes.listening():
+                futures = [threads.submit(self._do, name, call) for name, call in calls]
+                for future in as_completed(futures):
+                    yield future.result()
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
             for pool in self._pools:
@@ -63,8 +75,8 @@ class Processes:
         pool = ProcessPoolExecutor(
             1,
             mp_context=get_context("spawn"),
-            initializer=limit_threads,
-            initargs=(self._num_threads,),
+            initializer=begin_worker,
+            initargs=(self._num_threads, self._pipes.new()),
         )
         with self._lock:
             self._pools.append(pool)
@@ -92,34 +104,62 @@ class Dask:
         "local", or the address of a scheduler, "tcp://HOST:PORT".
     num_workers : int
         Of a local cluster.
+    progress : callable
+        Hears how far each job is.
     """
 
-    def __init__(self, address: str, num_workers: int) -> None:
+    def __init__(self, address: str, num_workers: int, progress: Progress = unheard) -> None:
+        self._progress = progress
         self._distributed: Any = load_extra("distributed", "cluster")
+        # It says a lot more than the one line that a fault deserves.
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)
         self._address = address
         self._num_workers = num_workers
 
     def outcomes(self, calls: Sequence[tuple[str, Call]]) -> Iterator[Outcome]:
-        """What comes of each named call, as it ends."""
+        """The outcome of each named call, as it ends."""
         with self._client() as client:
+            client.subscribe_topic(TOPIC, lambda event: self._progress(*event[1]))
             names = {}
             for name, call in calls:
-                future = client.submit(call, pure=False, key=f"recon-{name}")
+                future = client.submit(telling, call, pure=False, key=f"recon-{name}")
                 names[future] = name
             for future in self._distributed.as_completed(list(names)):
-                # A worker that died, again and again; what the job itself raises is an outcome.
-                if future.status != "finished":
-                    yield lost(names[future])
-                else:
-                    yield future.result()
+                yield self._outcome(names[future], future)
+
+    def _outcome(self, name: str, future: Any) -> Outcome:
+        """The outcome of a job; what the job itself raised is one, all else is Dask's."""
+        if future.status == "finished":
+            found: Outcome = future.result()
+            return found
+        if future.status != "error":
+            fault = f"the scheduler at {self._address} went away"
+        elif isinstance(error := future.exception(), self._distributed.KilledWorker):
+            return lost(name)
+        else:
+            fault = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return Outcome(name=name, state="failed", error=fault)
 
     def _client(self) -> Any:
         if self._address != "local":
-            return self._distributed.Client(self._address, timeout="10s")
+            try:
+                return self._distributed.Client(self._address, timeout="10s")
+            except (OSError, ValueError) as error:
+                raise InputError(f"no Dask scheduler answers at {self._address}") from error
         cluster = self._distributed.LocalCluster(
-            n_workers=self._num_workers, threads_per_worker=1, dashboard_address=None
+            n_workers=self._num_workers,
+            threads_per_worker=1,
+            dashboard_address=None,
+            env=dict.fromkeys(THREAD_VARIABLES, "1"),
         )
         return self._distributed.Client(cluster)
+
+
+def telling(call: Call) -> Outcome:
+    """Do a job on a worker of Dask, which tells its progress to whoever listens."""
+    worker = load_extra("distributed", "cluster").get_worker()
+    hear_with(lambda *progress: worker.log_event(TOPIC, progress))
+    return call()
 
 
 def lost(name: str) -> Outcome:
@@ -128,9 +168,13 @@ def lost(name: str) -> Outcome:
     return Outcome(name=name, state="failed", error=error)
 
 
-def make_scheduler(address: str | None, num_workers: int) -> Scheduler:
+def make_scheduler(
+    address: str | None, num_workers: int, progress: Progress = unheard
+) -> Scheduler:
     """Processes of this machine where no address is given, else a Dask cluster."""
-    return Processes(num_workers) if address is None else Dask(address, num_workers)
+    if address is None:
+        return Processes(num_workers, progress=progress)
+    return Dask(address, num_workers, progress)
 
 
 def bound(call: Callable[..., Outcome], *arguments: Any) -> Call:

@@ -3,23 +3,62 @@
 import csv
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from recon.batch.batch import SUMMARY, BatchReport
+from recon.batch.sheets import write_sheets
+from recon.batch.sweeps import USUAL, check_metrics, metrics_of, points_of, table
 from recon.files import atomic_path
 
 FIRST = ("name", "state", "error", "seconds")
 """Columns that every job has."""
 
 
-def write_summary(report: BatchReport) -> dict[str, Any]:
-    """Write `summary.json` and `summary.csv`; the document."""
-    document = report.as_json() | {"num_failed": report.num_failed}
+def write_summary(report: BatchReport, metrics: Sequence[str] = USUAL) -> dict[str, Any]:
+    """Write what a batch leaves besides its runs.
+
+    `summary.json` and `summary.csv`, a contact sheet of the figures, one confusion over all jobs
+    whose truth is known; of a sweep `sweep.csv`, and a figure for each of the metrics.
+
+    Returns
+    -------
+    dict
+        The document of `summary.json`.
+
+    Raises
+    ------
+    InputError
+        For a metric that no job has.
+    """
+    points = points_of(report)
+    document = report.as_json() | {"num_failed": report.num_failed} | _confusion(report)
+    if points:
+        document["sweep"] = table(points, metrics)
+        _write(report.folder / "sweep.csv", _csv(table(points, metrics_of(points))))
     _write(report.folder / SUMMARY, json.dumps(document, indent=2) + "\n")
     _write(report.folder / "summary.csv", as_csv(report))
+    # Only now: what was done is on disk, whatever is asked for.
+    check_metrics(points, metrics)
+    write_sheets(report, points, metrics)
     return document
+
+
+def _confusion(report: BatchReport) -> dict[str, Any]:
+    """Counts of given names by true name over all jobs; nothing where no truth is known."""
+    named = [name for one in report.outcomes for name in one.names]
+    if not named:
+        return {}
+    counts: dict[str, Counter[str]] = {}
+    for true, found in sorted(named):
+        counts.setdefault(true, Counter())[found] += 1
+    return {
+        "num_objects": len(named),
+        "num_right": sum(true == found for true, found in named),
+        "confusion": {true: dict(row) for true, row in counts.items()},
+    }
 
 
 def as_csv(report: BatchReport) -> str:
@@ -28,7 +67,12 @@ def as_csv(report: BatchReport) -> str:
         dict(job.swept) | dict(_flat(outcome.as_json()))
         for job, outcome in zip(report.jobs, report.outcomes, strict=True)
     ]
-    names = [*FIRST, *dict.fromkeys(key for row in rows for key in row if key not in FIRST)]
+    names = dict.fromkeys(key for row in rows for key in row if key not in FIRST)
+    return _csv(rows, [*FIRST, *names])
+
+
+def _csv(rows: Sequence[Mapping[str, Any]], names: Sequence[str] | None = None) -> str:
+    names = list(dict.fromkeys(key for row in rows for key in row)) if names is None else names
     text = io.StringIO()
     writer = csv.DictWriter(text, names, lineterminator="\n")
     writer.writeheader()

@@ -17,7 +17,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What came of one job."""
+    """The outcome of one job."""
 
     name: str
     state: State
@@ -26,6 +26,8 @@ class Outcome:
     seconds: float = 0.0
     numbers: Mapping[str, Any] = field(default_factory=dict)
     """Its `metrics.json`."""
+    names: tuple[tuple[str, str], ...] = ()
+    """The true name of each object and the one it was given, where truth is known."""
 
     def as_json(self) -> dict[str, Any]:
         """The outcome as an entry of `summary.json`."""
@@ -38,7 +40,16 @@ def unheard(name: str, done: int, total: int) -> None:
     """Nobody listens."""
 
 
-def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unheard) -> Outcome:
+_heard: list[Progress] = [unheard]
+"""The function that hears of progress in this process, last."""
+
+
+def hear_with(progress: Progress | None) -> None:
+    """Let a function hear of the progress of every job of this process."""
+    _heard[:] = [progress or unheard]
+
+
+def do(named: NamedJob, folder: Path, is_resumed: bool) -> Outcome:
     """Do one job in a run folder of its own.
 
     Nothing it raises gets out but a keyboard interrupt: a failed job never stops the others.
@@ -46,7 +57,8 @@ def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unh
     began = time.perf_counter()
     was_done = is_resumed and is_finished(folder)
     try:
-        numbers = _execute(named, folder, is_resumed, progress)
+        numbers = _execute(named, folder, is_resumed)
+        names = _names(named, folder)
     except (ReconError, OSError) as error:
         fault = " ".join(str(error).split())
     # A plug-in, or what nobody foresaw: the batch goes on.
@@ -55,17 +67,22 @@ def do(named: NamedJob, folder: Path, is_resumed: bool, progress: Progress = unh
     else:
         seconds = time.perf_counter() - began
         state: State = "skipped" if was_done else "done"
-        return Outcome(name=named.name, state=state, seconds=seconds, numbers=numbers)
+        return Outcome(name=named.name, state=state, seconds=seconds, numbers=numbers, names=names)
     seconds = time.perf_counter() - began
     return Outcome(name=named.name, state="failed", error=fault, seconds=seconds)
 
 
-def _execute(
-    named: NamedJob, folder: Path, is_resumed: bool, progress: Progress
-) -> Mapping[str, Any]:
+def _execute(named: NamedJob, folder: Path, is_resumed: bool) -> Mapping[str, Any]:
     # Late: the limits of threads have to come before the libraries that read them.
     from recon.runs.events import Events
     from recon.runs.execute import execute
 
-    events = Events(on_progress=lambda done, total: progress(named.name, done, total))
+    events = Events(on_progress=lambda done, total: _heard[-1](named.name, done, total))
     return execute(named.job, folder, events, resume=is_resumed).as_json()
+
+
+def _names(named: NamedJob, folder: Path) -> tuple[tuple[str, str], ...]:
+    """Pairs of true and given names, of a kind of job that knows the truth."""
+    from recon.runs.job import KINDS
+
+    return tuple(KINDS.load(named.job.kind).judged(named.job, folder))

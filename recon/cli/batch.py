@@ -5,8 +5,9 @@ from typing import Any
 
 import click
 
+from recon.cli.info import table
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
-from recon.cli.progress import shown_progress
+from recon.cli.progress import shown_jobs
 
 SOME_FAILED = 5
 
@@ -16,6 +17,19 @@ SOME_FAILED = 5
 @click.option("--command", help="What to do with each match of a glob: reconstruct, explore, ...")
 @click.option("-j", "num_workers", type=click.IntRange(min=1), help="Workers; one per processor.")
 @click.option("--scheduler", metavar="local|tcp://HOST:PORT", help="Do the jobs on a Dask cluster.")
+@click.option(
+    "--chunk",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Cut recordings into jobs of N pairs, and make one map of all: the run `merged`.",
+)
+@click.option(
+    "--metric",
+    "metrics",
+    multiple=True,
+    metavar="NAME",
+    help="A number of summary.csv to tabulate and plot over a sweep; may be repeated.",
+)
 @click.option("-o", "--output", type=PATH, help="The batch's folder; runs/NAME where not given.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing batch.")
 @click.option("--resume", is_flag=True, help="Skip what is done, try again what failed.")
@@ -31,26 +45,30 @@ def batch(jobs: str, **given: Any) -> int:
     from recon.batch.batch import run_batch
     from recon.batch.schedulers import make_scheduler
     from recon.batch.summary import write_summary
+    from recon.batch.sweeps import USUAL
     from recon.batch.threads import num_processors
 
     named = _named_jobs(jobs, given["command"])
     if given["dry_run"]:
         _list(named, given)
         return 0
-    scheduler = make_scheduler(given["scheduler"], given["num_workers"] or num_processors())
     folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
-    with shown_progress("jobs", given["quiet"]) as events:
+    with shown_jobs(given["quiet"]) as shown:
+        scheduler = make_scheduler(
+            given["scheduler"], given["num_workers"] or num_processors(), shown.progress
+        )
 
         def heard(outcome: Any, done: int, total: int) -> None:
-            events.on_progress(done, total)
+            shown.end(outcome.name, done, total)
             if outcome.state == "failed":
                 click.echo(f"recon: {outcome.name}: {outcome.error}", err=True)
 
         report = run_batch(
             named, folder, scheduler,
-            overwrite=given["overwrite"], resume=given["resume"], heard=heard,
+            overwrite=given["overwrite"], resume=given["resume"], chunk=given["chunk"],
+            heard=heard,
         )  # fmt: skip
-    document = write_summary(report)
+    document = write_summary(report, given["metrics"] or USUAL)
     if given["as_json"]:
         print_json(document)
     elif not given["quiet"]:
@@ -83,5 +101,9 @@ def _list(named: Any, given: dict[str, Any]) -> None:
 def _say(document: dict[str, Any], folder: Path) -> None:
     for row in document["jobs"]:
         click.echo(f"{row['name']:24} {row['state']:8} {row['seconds']:8.1f} s")
+    if "sweep" in document:
+        click.echo("\n".join(table(document["sweep"])))
+    if "num_right" in document:
+        click.echo(f"{document['num_right']} of {document['num_objects']} objects named right")
     click.echo(f"{len(document['jobs']) - document['num_failed']} of {len(document['jobs'])} done")
     click.echo(folder)

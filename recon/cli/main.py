@@ -25,6 +25,7 @@ from recon.cli.info import info
 from recon.cli.inspect import inspect
 from recon.cli.learn import learn
 from recon.cli.localise import localise
+from recon.cli.merge import merge
 from recon.cli.mesh import mesh
 from recon.cli.options import stop_logging
 from recon.cli.recognise import recognise
@@ -50,8 +51,8 @@ def program() -> None:
 
 
 for command in (
-    explore, reconstruct, mesh, render, disparity, evaluate, train, calibrate, rectify, recognise,
-    localise, learn, catalogue, fit, figure, export, info, inspect,
+    explore, reconstruct, merge, mesh, render, disparity, evaluate, train, calibrate, rectify,
+    recognise, localise, learn, catalogue, fit, figure, export, info, inspect,
     simulate, doctor, batch, settings, demo, fetch,
 ):  # fmt: skip
     program.add_command(command)

@@ -3,13 +3,16 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from tqdm import tqdm
 
 if TYPE_CHECKING:
     from recon.runs.events import Events
+
+MAX_NAMED = 3
+"""Running jobs that are named beside the bar."""
 
 
 @contextmanager
@@ -33,3 +36,30 @@ def shown_progress(unit: str, quiet: bool) -> Iterator["Events"]:
             bar.set_postfix_str(stage)
 
         yield Events(on_progress=show, on_stage=name)
+
+
+@contextmanager
+def shown_jobs(quiet: bool) -> Iterator["ShownJobs"]:
+    """A bar of all jobs, with how far those are that are being done."""
+    silent = quiet or not sys.stderr.isatty()
+    with tqdm(unit=" jobs", disable=silent, file=sys.stderr, leave=False) as bar:
+        yield ShownJobs(bar)
+
+
+class ShownJobs:
+    """The jobs of a batch on one line."""
+
+    def __init__(self, bar: "tqdm[Any]") -> None:
+        self._bar = bar
+        self._running: dict[str, str] = {}
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        """Show how far one job is."""
+        self._running[name] = f"{name} {done}/{total}"
+        self._bar.set_postfix_str(", ".join(list(self._running.values())[:MAX_NAMED]))
+
+    def end(self, name: str, done: int, total: int) -> None:
+        """Show that one more has ended."""
+        self._running.pop(name, None)
+        self._bar.total = total
+        self._bar.update(done - self._bar.n)

@@ -35,10 +35,16 @@ def parse_roi(
 @click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
 @click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
 @click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")
+@click.option(
+    "--chunk",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Hold N pairs of the map at a time: map.parquet in partitions, larger than any memory.",
+)
 @with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
-def reconstruct(sequence: Path, **given: Any) -> None:
+def reconstruct(sequence: Path, chunk: int | None, **given: Any) -> None:
     """Reconstruct what a calibrated stereo recording saw."""
-    do_job("reconstruct", (sequence,), given, say=_say)
+    do_job("reconstruct", (sequence,), given, say=_say, chunk=chunk)
 
 
 def _say(report: "Report") -> None:

@@ -1,6 +1,6 @@
 """The record of one file format, and the formats that are tables of points."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
@@ -35,6 +35,8 @@ class Format:
     write_mesh: Callable[[Path, Mesh], None] | None = None
     has_mesh: Callable[[Path], bool] = lambda _: True
     """True where a file holds triangles, where the format can."""
+    write_parts: "Callable[[Path, Iterator[Voxels], int], None] | None" = None
+    """Writes cells that come in pieces, and their number; None where it needs all at once."""
 
 
 MeshParts = tuple[
@@ -50,6 +52,7 @@ def table(
     options: frozenset[str] = frozenset(),
     keeps_crs: bool = False,
     mesh: MeshParts | tuple[None, None, Any] = (None, None, lambda _: False),
+    write_parts: Callable[[Path, Iterator[Columns], int], None] | None = None,
 ) -> Format:
     """A format that holds named columns.
 
@@ -57,6 +60,8 @@ def table(
     ----------
     read, write : callables
         Columns of a path, with the coordinate reference system where `keeps_crs`.
+    write_parts : callable, optional
+        Writes columns that come in pieces, given their number of rows; of a format with y up.
     """
 
     def read_table(path: Path, **given: Any) -> PointCloud | Voxels:
@@ -76,8 +81,13 @@ def table(
             drop_columns(["the coordinate reference system"], path)
         write(path, columns)
 
+    def write_cells(path: Path, parts: Iterator[Voxels], num: int) -> None:
+        assert write_parts is not None
+        write_parts(path, map(columns_of, parts), num)
+
     return Format(
         read=read_table,
+        write_parts=None if write_parts is None else write_cells,
         write=None if write is None else write_table,
         up=up,
         options=options,

@@ -11,6 +11,7 @@ from typing_extensions import TypeIs
 
 from recon.errors import InputError
 from recon.exports.format import Data, Format, Up
+from recon.exports.partitions.store import is_partitioned
 from recon.exports.triangles import sampled
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned
 from recon.files import PathLike, check_name, check_regular
@@ -19,6 +20,7 @@ from recon.plugins import Registry
 from recon.records import Mesh, PointCloud, Voxels
 
 if TYPE_CHECKING:  # maps bring their kernels, which tables of points do without
+    from recon.exports.partitions.partitioned import PartitionedMap
     from recon.voxelmap import VoxelMap
 
 Box = tuple[Sequence[float], Sequence[float]]
@@ -60,7 +62,9 @@ def format_of(path: PathLike) -> Format:
     return FORMATS.load(ending)
 
 
-def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None = None) -> None:
+def write(
+    data: "Data | PartitionedMap", path: PathLike, box: Box | None = None, *, up: Up | None = None
+) -> None:
     """Write a cloud, cells, a map or a mesh by the ending of `path`, whole or not at all.
 
     Formats of robots and surveyors (.las .laz .bt .ot .pgm) have z up; what is written there is
@@ -68,8 +72,9 @@ def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None =
 
     Parameters
     ----------
-    data : PointCloud, Voxels, VoxelMap or Mesh
-        Of a map, all cells with a point.
+    data : PointCloud, Voxels, VoxelMap, PartitionedMap or Mesh
+        Of a map, all cells with a point; one in partitions goes piece by piece into formats that
+        can (.ply .parquet .csv .xyz .txt .asc), into others as a whole.
     path : path
     box : (low, high), optional
         Only points, or cells whose middle, inside these corners (3,) of the world.
@@ -85,6 +90,13 @@ def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None =
     """
     form = format_of(path)
     check_name(path)
+    if is_in_partitions(data):
+        is_all = box is None and up in (None, form.up) and data.num_cells > 0
+        if form.write_parts and is_all:
+            form.write_parts(Path(path), (one.occupied(1) for one in data), data.num_cells)
+        else:
+            write(data.whole() if box is None else data.within(box), path, box, up=up)
+        return
     if box is not None:
         data = _inside(data, *np.asarray(box, dtype=np.float64))
         if not len_of(data):
@@ -92,6 +104,10 @@ def write(data: Data, path: PathLike, box: Box | None = None, *, up: Up | None =
     if up is not None and up != form.up:
         # The format turns it once more, by as much.
         data = turned(_cells_of(data), R_ZUP_YUP if up == "z" else R_YUP_ZUP)
+    _write_whole(data, path, form)
+
+
+def _write_whole(data: Data, path: PathLike, form: Format) -> None:
     if isinstance(data, Mesh):
         if form.write_mesh is None:
             raise InputError(f"{path}: a format that holds no triangles; give --sample N")
@@ -112,15 +128,21 @@ def _cannot_hold(form: Format, data: Data) -> str:
     return f"a format for {holds} cannot hold {kind}"
 
 
-def is_map(data: Data) -> "TypeIs[VoxelMap]":
+def is_map(data: "Data | PartitionedMap") -> "TypeIs[VoxelMap]":
     """Tell a map from other data; where its room is not loaded yet, there is none."""
     room = sys.modules.get("recon.voxelmap")
     return room is not None and isinstance(data, room.VoxelMap)
 
 
-def len_of(data: Data) -> int:
+def is_in_partitions(data: "Data | PartitionedMap") -> "TypeIs[PartitionedMap]":
+    """Tell a map in partitions from other data."""
+    room = sys.modules.get("recon.exports.partitions.partitioned")
+    return room is not None and isinstance(data, room.PartitionedMap)
+
+
+def len_of(data: "Data | PartitionedMap") -> int:
     """Number of points, cells or triangles."""
-    return data.num_cells if is_map(data) else len(data)
+    return data.num_cells if is_map(data) or is_in_partitions(data) else len(data)
 
 
 def read(
@@ -129,12 +151,13 @@ def read(
     columns: Sequence[str] | None = None,
     sample: int | None = None,
     seed: int = 0,
-) -> "PointCloud | Voxels | VoxelMap":
+) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
     """Read a cloud, cells or a map, with y up, by the ending of `path`.
 
     Parameters
     ----------
     path : path
+        A file; or the folder or URL of a map in partitions, which are read as they are asked for.
     columns : sequence of str, optional
         Names of the columns of a table of text.
     sample : int, optional
@@ -162,10 +185,15 @@ def read_silently(
     columns: Sequence[str] | None = None,
     sample: int | None = None,
     seed: int = 0,
-) -> "PointCloud | Voxels | VoxelMap":
+) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
     """The same as `read`, without a word on how it was turned."""
-    form = _readable(path)
     rng = np.random.default_rng(seed)
+    if is_partitioned(path):
+        from recon.exports.partitions.partitioned import PartitionedMap
+
+        found = PartitionedMap(path)
+        return found if sample is None else _drawn(found.whole(), sample, rng)
+    form = _readable(path)
     if sample is not None and holds_mesh(path):
         return sampled(read_mesh(path), sample, rng)
     assert form.read is not None
@@ -209,6 +237,8 @@ def _drawn(
 
 def holds_mesh(path: PathLike) -> bool:
     """True where a file holds triangles."""
+    if is_partitioned(path):
+        return False
     form = _readable(path)
     return form.read_mesh is not None and bool(_named(path, form.has_mesh))
 

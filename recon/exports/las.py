@@ -115,7 +115,8 @@ def _one_line(error: Exception) -> str:
 
 def _columns(file: Any) -> Columns:
     """Places and dimensions; of LAS's own dimensions those that are not 0 throughout."""
-    columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
+    with np.errstate(over="ignore"):  # what is not finite is left out later
+        columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
     extra = set(file.point_format.extra_dimension_names)
     for name in file.point_format.dimension_names:
         values = np.asarray(file[name])

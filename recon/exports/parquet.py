@@ -1,5 +1,7 @@
 """A table of points or cells as Parquet, by pyarrow."""
 
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +12,32 @@ from recon.errors import InputError
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
 from recon.exports.numbers import leave_out
-from recon.files import atomic_path, check_memory
+from recon.files import PathLike, atomic_path, check_memory
 from recon.libraries import load_extra
 
 
 def write(path: Path, columns: Columns) -> None:
     """Write columns under their names."""
-    parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
-    content = arrow.table({name: np.ascontiguousarray(v) for name, v in columns.items()})
+    parquet = load_extra("pyarrow.parquet", "tables")
     with atomic_path(path) as temporary:
-        parquet.write_table(content, temporary, compression="zstd")
+        parquet.write_table(_as_table(columns), temporary, compression="zstd")
+
+
+def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
+    """Write columns that come in pieces, a group of rows for each."""
+    parquet = load_extra("pyarrow.parquet", "tables")
+    first = _as_table(next(parts))
+    with (
+        atomic_path(path) as temporary,
+        parquet.ParquetWriter(temporary, first.schema, compression="zstd") as file,
+    ):
+        for content in itertools.chain([first], map(_as_table, parts)):
+            file.write_table(content)
+
+
+def _as_table(columns: Columns) -> Any:
+    arrow = load_extra("pyarrow", "tables")
+    return arrow.table({name: np.ascontiguousarray(v) for name, v in columns.items()})
 
 
 def read(path: Path) -> Columns:
@@ -34,7 +52,7 @@ def read(path: Path) -> Columns:
     try:
         with path.open("rb") as file:
             source = parquet.ParquetFile(file)
-            _check_size(source, path)
+            check_size(source, path)
             found = source.read()
     except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(f"not a whole Parquet file ({_one_line(error)})") from error
@@ -43,7 +61,7 @@ def read(path: Path) -> Columns:
     return {name: _values(arrow, found.column(name)) for name in kept}
 
 
-def _check_size(source: Any, path: Path) -> None:
+def check_size(source: Any, path: PathLike) -> None:
     """Against a column of one value, which packs to nothing: the rows count too."""
     about = source.metadata
     groups = [about.row_group(n) for n in range(about.num_row_groups)]
@@ -69,4 +87,4 @@ def _one_line(error: BaseException) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-FORMAT: Format = table(read, write)
+FORMAT: Format = table(read, write, write_parts=write_parts)

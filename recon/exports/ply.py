@@ -51,11 +51,13 @@ class CloudWriter:
         self._file.write(header(RUN_CLOUD, 0))
         return self
 
-    def append(self, cloud: PointCloud, pair_number: int) -> None:
-        """Add the world points of one pair; a sigma that is not known becomes NaN."""
+    def append(self, cloud: PointCloud, pair_number: int | NDArray[np.integer]) -> None:
+        """Add world points with the number of their pair; an unknown sigma becomes NaN."""
         columns = dict(zip(RGB, cloud.shown_colours.T, strict=True)) | columns_of(cloud)
         columns.setdefault("sigma", np.full(len(cloud), np.nan))
-        vertices = as_vertices(columns | {"pair": np.full(len(cloud), pair_number)}, RUN_CLOUD)
+        vertices = as_vertices(
+            columns | {"pair": np.broadcast_to(pair_number, len(cloud))}, RUN_CLOUD
+        )
         self._file.write(vertices.tobytes())
         self._count += len(vertices)
 
@@ -103,6 +105,21 @@ def write(path: Path, columns: Columns) -> None:
     _write(path, columns, None)
 
 
+def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
+    """The same of columns that come in pieces, with `num` rows together."""
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        for number, columns in enumerate(parts):
+            held = held_columns(columns, HELD, path)
+            dtype = _vertex_dtype(held)
+            if number == 0:
+                file.write(header(dtype, num))
+            file.write(as_vertices(held, dtype).tobytes())
+
+
+def _vertex_dtype(columns: Columns) -> np.dtype[np.void]:
+    return np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in columns.items()])
+
+
 def write_mesh(path: Path, mesh: Mesh) -> None:
     """Write vertices, with colours and normals where there are any, and triangles."""
     columns: Columns = dict(zip("xyz", mesh.vertices.T, strict=True))
@@ -118,7 +135,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
 
 def _write(path: Path, columns: Columns, faces: NDArray[np.void] | None) -> None:
     held = held_columns(columns, HELD, path)
-    dtype = np.dtype([(name, values.dtype.newbyteorder("<")) for name, values in held.items()])
+    dtype = _vertex_dtype(held)
     num_faces = None if faces is None else len(faces)
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         file.write(header(dtype, len(columns["x"]), num_faces))
@@ -189,4 +206,6 @@ def as_vertices(columns: Columns, dtype: np.dtype[np.void]) -> NDArray[np.void]:
     return vertices
 
 
-FORMAT: Format = table(read, write, mesh=(read_mesh, write_mesh, has_faces))
+FORMAT: Format = table(
+    read, write, mesh=(read_mesh, write_mesh, has_faces), write_parts=write_parts
+)

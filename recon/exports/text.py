@@ -2,7 +2,7 @@
 
 import codecs
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
@@ -167,7 +167,8 @@ def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
 
 def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
     """Possible meanings of three columns: unit normals, or colours of bytes or shares."""
-    lengths = np.linalg.norm(triple, axis=1)
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(triple, axis=1)
     is_unit = ((np.abs(lengths - 1.0) < 0.01) | (lengths == 0.0)).all() and lengths.any()
     is_levels = bool((triple >= 0.0).all() and (triple <= 65535.0).all())
     is_levels &= bool((triple <= 1.0).all() or (triple == np.floor(triple)).all())
@@ -186,12 +187,19 @@ def _typed(values: NDArray[np.float64], name: str, rows: Sequence[bytes]) -> NDA
 
 
 def write(path: Path, columns: Columns) -> None:
-    """Write a header of names and one row a point, every number to its last digit."""
-    held = held_columns(columns, _HELD, path)
+    """Write a header of names and one row per point, every number to its last digit."""
+    write_parts(path, iter([columns]), len(columns["x"]))
+
+
+def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
+    """The same of columns that come in pieces."""
     mark = "," if path.suffix.lower() == ".csv" else " "
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-        file.write(("" if mark == "," else "# ") + mark.join(held) + "\n")
-        _write_rows(file, held, mark)
+        for number, columns in enumerate(parts):
+            held = held_columns(columns, _HELD, path)
+            if number == 0:
+                file.write(("" if mark == "," else "# ") + mark.join(held) + "\n")
+            _write_rows(file, held, mark)
 
 
 def write_pts(path: Path, columns: Columns) -> None:
@@ -212,5 +220,5 @@ def _write_rows(file: TextIO, columns: Columns, mark: str) -> None:
         file.writelines(mark.join(map(repr, row)) + "\n" for row in zip(*parts, strict=True))
 
 
-FORMAT: Format = table(read, write, options=frozenset({"columns"}))
+FORMAT: Format = table(read, write, options=frozenset({"columns"}), write_parts=write_parts)
 PTS: Format = table(read, write_pts, options=frozenset({"columns"}))

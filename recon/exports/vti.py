@@ -103,7 +103,9 @@ def _check_cells(image: Any) -> None:
     spacing, counts = np.array(image.spacing), np.asarray(image.cell_data["counts"])
     if not ((spacing == spacing[0]).all() and 0 < spacing[0] < np.inf):
         raise InputError(f"its cells have sides {spacing.tolist()}, but cubes are needed")
-    if not (counts.ndim == 1 and counts.dtype.kind in "iu" and (counts >= 0).all()):
+    num_cells = int(np.prod(np.array(image.dimensions) - 1))
+    is_whole = counts.shape == (num_cells,) and counts.dtype.kind in "iu"
+    if not (is_whole and (counts >= 0).all()):
         raise InputError("its counts cannot come from points")
 
 

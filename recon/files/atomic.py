@@ -47,8 +47,8 @@ def atomic_path(path: PathLike) -> Iterator[Path]:
 
 
 def remove_temporaries(folder: Path) -> None:
-    """Remove what killed processes left in a folder that no other process writes to."""
-    for path in folder.glob(".*"):
+    """Remove what killed processes left in and below a folder that no other process writes to."""
+    for path in folder.rglob(".*"):
         if _TEMPORARY.fullmatch(path.name) and path.is_file():
             path.unlink(missing_ok=True)
 

@@ -42,6 +42,8 @@ class Witness:
         """(N,) of its own points."""
         self.is_confirmed = np.zeros(len(cloud), np.bool_)
         """(N,) true where another pair agreed."""
+        self.counts = True
+        """False for a pair that only confirms others."""
         self.sample = np.arange(0, len(cloud), SAMPLE_STEP)
         """(S,) some of the points."""
         self.distance = np.full(len(self.sample), np.inf)
@@ -90,9 +92,10 @@ class Consistency:
         self._num_points = self._num_confirmed = 0
         self._median_distances: list[float] = []
 
-    def add(self, pair: StereoPair, cloud: PointCloud) -> list[Witness]:
+    def add(self, pair: StereoPair, cloud: PointCloud, counts: bool = True) -> list[Witness]:
         """Take the next pair with its world points; give back the pair that is now settled."""
         new = Witness(pair, cloud)
+        new.counts = counts
         for earlier in self._recent:
             earlier.hold_against(new)
             new.hold_against(earlier)
@@ -115,6 +118,8 @@ class Consistency:
 
     def _settle(self) -> Witness:
         settled = self._recent.popleft()
+        if not settled.counts:
+            return settled
         near = settled.depth < self._max_depth
         self._num_points += int(near.sum())
         self._num_confirmed += int((settled.is_confirmed & near).sum())

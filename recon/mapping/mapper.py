@@ -1,7 +1,7 @@
 """The loop from pairs to the map, the same for recordings and for walks."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -50,6 +50,19 @@ class Step:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Numbers of the pairs of a recording that is done in parts."""
+
+    first: int = 0
+    """Of the first pair that is taken, in the whole recording."""
+    counts: Callable[[int], bool] = lambda number: True
+    """False for the number of a pair that only confirms others."""
+
+    def __contains__(self, number: int) -> bool:
+        return self.counts(number)
+
+
 class Mapper:
     """Puts pairs into a map, one at a time, and counts.
 
@@ -63,6 +76,8 @@ class Mapper:
         only confirmed points are wanted, a pair goes into the map when the next one has come.
     counts_views : bool
         Remember which cells each pair hit, so that `reconstruction` can count views of objects.
+    part : Part, optional
+        Where a recording is done in parts: numbers of the pairs, and of those that count.
     """
 
     def __init__(
@@ -72,6 +87,7 @@ class Mapper:
         stopwatch: Stopwatch | None = None,
         compares: bool = True,
         counts_views: bool = True,
+        part: "Part | None" = None,
     ) -> None:
         self.settings = Settings() if settings is None else settings
         check_type("settings", self.settings, Settings)
@@ -83,6 +99,8 @@ class Mapper:
         self.reached = Reached()
         self._stopwatch = stopwatch or Stopwatch()
         self._compares = compares
+        self._part = part or Part()
+        self._num_taken = 0
         self._seen: list[CellCounts] | None = [] if counts_views else None
         self._stamps_s: list[float] = []
         self._poses: list[NDArray[np.float64]] = []
@@ -93,6 +111,11 @@ class Mapper:
             f"Mapper({self.num_pairs} pairs, {self.num_points} points, "
             f"{self.voxel_map.num_cells} cells)"
         )
+
+    def release(self) -> VoxelMap:
+        """The map so far; an empty one takes its place, so that a recording can have no end."""
+        released, self.voxel_map = self.voxel_map, new_map(self.settings.map)
+        return released
 
     @property
     def num_pairs(self) -> int:
@@ -129,25 +152,33 @@ class Mapper:
         if result is None:
             with self._stopwatch.stage("stereo"):
                 result = match_points(pair, self.settings)
+        number = self._part.first + self._num_taken
+        self._num_taken += 1
         step = Step(
-            number=self.num_pairs,
+            number=number,
             pair=pair,
             matches=result.matches,
             cloud=result.cloud,
             doubtful=result.doubtful,
         )
+        if number in self._part:
+            self._count(step, result)
+        with self._stopwatch.stage("map"):
+            return [one for one in self._settle(step) if one.number in self._part]
+
+    def _count(self, step: Step, result: PairResult) -> None:
+        pose = step.pair.T_world_left
         self.reached.see(result)
-        self._stamps_s.append(pair.stamp_s)
-        self._poses.append(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
+        self._stamps_s.append(step.pair.stamp_s)
+        self._poses.append(LEVEL_CAMERA if pose is None else pose)
         if self.clearest is None or len(step.matches) > len(self.clearest.matches):
             self.clearest = step
-        with self._stopwatch.stage("map"):
-            return self._settle(step)
 
     def finish(self) -> list[Step]:
         """The steps that still waited for a next pair."""
         with self._stopwatch.stage("map"):
-            return self._confirmed(self.consistency.finish())
+            settled = self._confirmed(self.consistency.finish())
+            return [one for one in settled if one.number in self._part]
 
     def repose(self, poses: NDArray[np.float64], clouds: Iterable[tuple[PointCloud, int]]) -> None:
         """Make the map anew where poses were corrected.
@@ -198,7 +229,7 @@ class Mapper:
         """Put into the map what need not wait, or waits no longer."""
         if step.pair.T_world_left is None or not self._compares:
             return [self._insert(step)]
-        witnesses = self.consistency.add(step.pair, step.cloud)
+        witnesses = self.consistency.add(step.pair, step.cloud, step.number in self._part)
         if not self.settings.sequence.only_confirmed:
             return [self._insert(step)]
         self._waiting.append(step)
@@ -209,7 +240,7 @@ class Mapper:
         if not self._waiting:
             return []
         steps = [(self._waiting.popleft(), witness) for witness in witnesses]
-        if self.num_pairs == 1:
+        if self._num_taken == 1:
             return [self._insert(step) for step, _ in steps]
         chosen = ((step, step.cloud.select(seen.is_confirmed)) for step, seen in steps)
         nothing = slice(0, 0)
@@ -219,6 +250,8 @@ class Mapper:
         ]
 
     def _insert(self, step: Step) -> Step:
+        if step.number not in self._part:
+            return step
         self.reached.num_mapped += insert(
             step.cloud, step.doubtful, step.pair, self.settings, self.voxel_map, step.number
         )

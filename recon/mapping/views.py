@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from recon.records import PointCloud, Recognition, Voxels
 
+_REACH = 1 << 20
+"""Cells on either side of the origin that have a number."""
 MIN_POINTS_OF_VIEW = 10
 """A pair has seen an object when it put this many points on it."""
 
@@ -27,9 +29,10 @@ class CellCounts:
 def count_cells(
     cloud: PointCloud, pairs: NDArray[np.integer] | int, cell_size: float
 ) -> CellCounts:
-    """Count the points of a cloud in the world by cell and pair."""
-    keys = _keys(np.floor(cloud.points / cell_size).astype(np.int64))
-    numbers = np.broadcast_to(np.asarray(pairs, dtype=np.int64), keys.shape)
+    """Count the points of a cloud in the world by cell and pair; none that is out of reach."""
+    is_near = (np.abs(cloud.points) < _REACH * cell_size).all(axis=1)
+    keys = _keys(np.floor(cloud.points[is_near] / cell_size).astype(np.int64))
+    numbers = np.broadcast_to(np.asarray(pairs, dtype=np.int64), len(cloud))[is_near]
     rows, counts = np.unique(np.column_stack([keys, numbers]), axis=0, return_counts=True)
     return CellCounts(keys=rows[:, 0], pairs=rows[:, 1], counts=counts)
 
@@ -58,7 +61,7 @@ def _hits(
 
 
 def _keys(index: NDArray[np.int64]) -> NDArray[np.int64]:
-    shifted = index + (1 << 20)
+    shifted = index + _REACH
     keys: NDArray[np.int64] = (shifted[:, 0] << 42) | (shifted[:, 1] << 21) | shifted[:, 2]
     return keys
 

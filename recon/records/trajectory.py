@@ -11,6 +11,8 @@ from recon.geometry import pose
 
 Array = NDArray[np.float64]
 
+MIN_LENGTH = 1e-6
+"""Of a quaternion, which is 1 where it is sound."""
 MAX_NUMBER = 1e15
 """Of a pose or time: squares of larger ones lose all meaning, or overflow."""
 
@@ -71,8 +73,14 @@ class Trajectory:
             raise InputError(f"{name}: {error}, but eight numbers per row are needed") from error
         if rows.shape[1] != 8:
             raise InputError(f"{name}: {rows.shape[1]} numbers per row, but eight are needed")
-        if not (np.abs(rows) < MAX_NUMBER).all() or not rows[:, 4:].any(axis=1).all():
+        if not (np.abs(rows) < MAX_NUMBER).all() or not _turns(rows[:, 4:]).all():
             raise InputError(f"{name}: a row holds no pose, or numbers of {MAX_NUMBER:g} and more")
         turns = Rotation.from_quat(rows[:, 4:]).as_matrix() if len(rows) else np.empty((0, 3, 3))
         poses = [pose(*row) for row in zip(turns, rows[:, 1:4], strict=True)]
         return cls(stamps_s=rows[:, 0], T_world_left=np.array(poses).reshape(-1, 4, 4))
+
+
+def _turns(quaternions: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) true for quaternions long enough to be a rotation."""
+    is_long: NDArray[np.bool_] = np.linalg.norm(quaternions, axis=1) > MIN_LENGTH
+    return is_long

@@ -47,23 +47,23 @@ def match_ahead(source: Iterable[StereoPair], settings: Settings, work: Work) ->
         yield from _in_processes(pairs, settings, saved, work)
         return
     for number, pair in enumerate(pairs):
-        if number in saved:
-            yield pair, saved.load(number)
-            continue
-        with work.stage("stereo"):
-            result = match_points(pair, settings)
-        yield pair, saved.keep(number, result)
+        result = saved.load(number)
+        if result is None:
+            with work.stage("stereo"):
+                result = saved.keep(number, match_points(pair, settings))
+        yield pair, result
 
 
 def _in_processes(
     pairs: Iterator[StereoPair], settings: Settings, saved: SavedResults, work: Work
 ) -> Iterator[Matched]:
-    working: deque[tuple[int, StereoPair, Future[PairResult] | None]] = deque()
+    working: deque[tuple[int, StereoPair, Future[PairResult] | PairResult]] = deque()
     with ProcessPoolExecutor(
         work.num_workers, mp_context=get_context("spawn"), initializer=limit_threads, initargs=(1,)
     ) as pool:
         for number, pair in enumerate(pairs):
-            future = None if number in saved else pool.submit(match_points, pair, settings)
+            done = saved.load(number)
+            future = done or pool.submit(match_points, pair, settings)
             working.append((number, pair, future))
             if len(working) == DEPTH * work.num_workers:
                 yield _settled(*working.popleft(), saved, work)
@@ -74,13 +74,13 @@ def _in_processes(
 def _settled(
     number: int,
     pair: StereoPair,
-    future: Future[PairResult] | None,
+    future: Future[PairResult] | PairResult,
     saved: SavedResults,
     work: Work,
 ) -> Matched:
     """A pair with its result, once that is there."""
-    if future is None:
-        return pair, saved.load(number)
+    if isinstance(future, PairResult):
+        return pair, future
     with work.stage("stereo"):
         result = future.result()
     return pair, saved.keep(number, result)

@@ -63,6 +63,17 @@ def count(value: Any) -> int:
     return value
 
 
+def span(value: Any) -> tuple[int, int]:
+    """Two whole numbers from 0 on, the second the larger."""
+    is_pair = isinstance(value, list | tuple) and len(value) == 2
+    if not is_pair or not all(isinstance(one, int) for one in value):
+        raise ValueError("[first, end], two whole numbers,")
+    first, end = value
+    if not 0 <= first < end:
+        raise ValueError("a span from 0 on that is not empty")
+    return first, end
+
+
 def one_of(*choices: str) -> Argument:
     """One of some words."""
 

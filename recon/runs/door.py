@@ -10,12 +10,14 @@ from recon.exploration.agent import explore as lead
 from recon.exploration.controllers import Controller
 from recon.exploration.explorable import Explorable
 from recon.exploration.outcome import Exploration, Step
+from recon.exports.partitions.partitioned import PartitionedMap
 from recon.mapping.mapper import Mapper
 from recon.recognition import recognise as name_objects
 from recon.recognition import recognise_cloud
 from recon.recognition.clouds import Up
 from recon.records import PointCloud, Recognition, Reconstruction, Voxels
 from recon.runs.job import Job
+from recon.runs.maps import shown
 from recon.sequences import open_sequence as open_pairs
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier
@@ -24,7 +26,6 @@ from recon.sequences.frames import DerivedSource
 from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
 from recon.settings.keywords import by_keyword
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import occupied
 
 
 def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
@@ -134,7 +135,7 @@ def explorers(settings: Settings) -> Settings:
 
 
 def recognise(
-    data: VoxelMap | Voxels | PointCloud,
+    data: VoxelMap | PartitionedMap | Voxels | PointCloud,
     catalogue: str | Path | None = None,
     up: Up = "y",
     **settings: Any,
@@ -143,7 +144,7 @@ def recognise(
 
     Parameters
     ----------
-    data : VoxelMap, Voxels or PointCloud
+    data : VoxelMap, PartitionedMap, Voxels or PointCloud
     catalogue : str or path, optional
         A TOML file of names and their rules, or the name of one that ships.
     up : {"y", "-y", "z", "-z"}
@@ -159,8 +160,8 @@ def recognise(
     if catalogue is not None:
         settings["recognition.catalogue"] = str(catalogue)
     chosen = by_keyword(**settings)
-    if isinstance(data, VoxelMap):
-        data = occupied(data, chosen.map)
+    if isinstance(data, VoxelMap | PartitionedMap):
+        data, _ = shown(data, chosen.map)
     if isinstance(data, Voxels):
         if up == "y":
             return name_objects(data, chosen.recognition)

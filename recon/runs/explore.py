@@ -9,14 +9,17 @@ from recon.geometry import Array
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import with_views
 from recon.records import StereoPair, View
+from recon.records.objects import from_json
 from recon.runfolder import RunFolder
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, move_cloud, write_outputs, write_places
 from recon.runs.replay import SavedPairs
+from recon.runs.report import read_json
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
+from recon.runs.worlds import namings
 from recon.settings import EXPLORER_BASE, merged
 from recon.world.library import find_scene
 from recon.world.scene import read_scene
@@ -108,8 +111,16 @@ def _write(done: Exploration, work: Work) -> None:
         write_run_figures(run.path, done.reconstruction, done.clearest)
 
 
+def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
+    """The names of the world's objects, and what the run calls them."""
+    world = World.from_file(job.resolved().inputs[0], job.settings)
+    found = from_json(read_json(run_path / "objects.json"))
+    return [(one.true, one.found) for one in namings(world.objects, found)]
+
+
 EXPLORE = Kind(
     run=_explore,
+    judged=_judged,
     base=_base,
     find=find_scene,
     reads=_files,

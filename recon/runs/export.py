@@ -10,10 +10,12 @@ import numpy as np
 from recon.errors import InputError
 from recon.exports.format import Data, Up
 from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
+from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.turning import R_YUP_ZUP, turned_points
 from recon.notices import collected_notices, notify
 from recon.records import Mesh, PointCloud
 from recon.runfolder import MANIFEST
+from recon.runs.maps import map_path
 from recon.runs.posed import POSED, export_poses
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
@@ -57,7 +59,7 @@ def export_run(
     """
     if target.name in POSED:
         return export_poses(source, target, overwrite=overwrite)
-    source = source / "map.npz" if (source / MANIFEST).is_file() else source
+    source = (map_path(source) or source) if (source / MANIFEST).is_file() else source
     form = format_of(target)
     files = _files(target)
     for path in files:
@@ -81,7 +83,7 @@ def export_run(
     }
 
 
-def _read(source: Path, target: Path, selection: Selection) -> Data:
+def _read(source: Path, target: Path, selection: Selection) -> "Data | PartitionedMap":
     """Triangles where both sides know them and no sample is asked for; else points or cells."""
     if selection.sample is None and format_of(target).write_mesh and holds_mesh(source):
         return read_mesh(source)
@@ -107,7 +109,7 @@ def _files(target: Path) -> list[Path]:
     return [target.with_suffix(".pgm"), description]
 
 
-def _counted(data: Data) -> str:
+def _counted(data: "Data | PartitionedMap") -> str:
     if isinstance(data, Mesh):
         return "num_triangles"
     return "num_points" if isinstance(data, PointCloud) else "num_cells"

@@ -20,12 +20,13 @@ from recon.mapping.mapper import Step
 from recon.records import Mesh, Reconstruction
 from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
+from recon.runs.maps import map_path
 from recon.runs.reading import read_reconstruction
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
 """Figures that every run with a map leaves without being asked."""
-RECORDED = "reconstruct"
-"""The command whose runs saw the real world, in metres."""
+RECORDED = ("reconstruct", "merge")
+"""Commands whose runs saw the real world, in metres."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
@@ -115,7 +116,7 @@ def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tup
 def _mapped_subjects(
     run_path: Path, name: str, kind: Kind, wish: Wish
 ) -> Iterator[tuple[str, Subject]]:
-    if wish.kind is None and not (run_path / "map.npz").exists():
+    if wish.kind is None and map_path(run_path) is None:
         return
     subject = _subject(run_path, _read(run_path), wish.view)
     lack = kind.lack(subject)
@@ -126,7 +127,7 @@ def _mapped_subjects(
 
 
 def _with_mesh(run_path: Path) -> Subject:
-    has_map = (run_path / "map.npz").exists()
+    has_map = map_path(run_path) is not None
     cameras = _read(run_path).trajectory.positions if has_map else None
     return Subject(mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
 
@@ -134,7 +135,7 @@ def _with_mesh(run_path: Path) -> Subject:
 def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str, Subject]]:
     # The overview shows the disparity that the run kept, beside its map.
     source = "disparity" if name == "overview" else name
-    has_map = (run_path / "map.npz").exists()
+    has_map = map_path(run_path) is not None
     if name == "overview" and not has_map:
         return
     for path in sorted((run_path / "figures").glob("*.npz")):
@@ -150,7 +151,7 @@ def _read(run_path: Path) -> Reconstruction[Any]:
 
 
 def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "default") -> Subject:
-    is_recorded = read_manifest(run_path)["command"] == RECORDED
+    is_recorded = read_manifest(run_path)["command"] in RECORDED
     unit = "m" if is_recorded else "world units"
     return Subject(run=run, unit=unit, is_recorded=is_recorded, asked_view=view)
 

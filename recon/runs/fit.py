@@ -5,6 +5,7 @@ from typing import Any
 
 from recon.errors import ReconError
 from recon.exports.formats import read
+from recon.exports.partitions.partitioned import PartitionedMap
 from recon.notices import collected_notices, notify
 from recon.recognition.fitting.outliers import explain
 from recon.records import FitFailure, PointCloud, Voxels
@@ -49,9 +50,9 @@ def fit_run(path: Path) -> dict[str, Any]:
     }
 
 
-def as_cloud(data: VoxelMap | Voxels | PointCloud) -> PointCloud:
+def as_cloud(data: VoxelMap | PartitionedMap | Voxels | PointCloud) -> PointCloud:
     """Points as they are; of cells, the mean of each."""
     if isinstance(data, PointCloud):
         return data
-    voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
+    voxels = data if isinstance(data, Voxels) else data.occupied(min_count=1)
     return PointCloud(points=voxels.means, colours=voxels.colours)

@@ -101,6 +101,8 @@ class Kind:
     """The run folder where nobody names one; None = none is left."""
     stages: tuple[str, ...] = ()
     """Stages that `seconds` of metrics.json always names."""
+    judged: Callable[[Job, Path], list[tuple[str, str]]] = lambda job, run_path: []
+    """True names of the objects of a finished run, each with the one it was given."""
 
 
 KINDS: Registry[Kind] = Registry(
@@ -113,6 +115,7 @@ KINDS: Registry[Kind] = Registry(
         "evaluate": "recon.runs.evaluate:EVALUATE",
         "trajectory": "recon.runs.trajectory:TRAJECTORY",
         "worlds": "recon.runs.worlds:WORLDS",
+        "merge": "recon.runs.merge:MERGE",
         "recognise": "recon.runs.recognise:RECOGNISE",
         "learn": "recon.runs.learn:LEARN",
         "render": "recon.runs.render:RENDER",

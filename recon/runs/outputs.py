@@ -13,6 +13,7 @@ from recon.mapping.views import CellCounts, count_cells
 from recon.records import PointCloud, Recognition, Reconstruction, Trajectory
 from recon.records.objects import as_json
 from recon.runfolder import RunFolder
+from recon.runs.maps import WHOLE
 from recon.runs.work import Work
 from recon.voxelmap import VoxelMap
 
@@ -23,11 +24,10 @@ def cells_hit(cloud_path: Path, cell_size: float) -> Iterator[CellCounts]:
         yield count_cells(cloud, pair_number, cell_size)
 
 
-def write_outputs(
-    run: RunFolder, reconstruction: Reconstruction[VoxelMap], recognition: Recognition
-) -> None:
-    """Write the map, the objects and the trajectory."""
-    reconstruction.map.save(run.path / "map.npz")
+def write_outputs(run: RunFolder, reconstruction: Reconstruction, recognition: Recognition) -> None:
+    """Write the map where it is not there yet in partitions, the objects and the trajectory."""
+    if isinstance(reconstruction.map, VoxelMap):
+        reconstruction.map.save(run.path / WHOLE)
     run.write_json("objects.json", as_json(recognition))
     run.write_text("trajectory.txt", reconstruction.trajectory.as_tum())
 

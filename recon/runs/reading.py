@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-from recon.errors import InputError
+from recon.files.documents import read_text
 from recon.records import Reconstruction, Trajectory
 from recon.records.objects import from_json
+from recon.runs.maps import read_map, shown
 from recon.runs.report import read_json
 from recon.settings import Settings, read_toml, updated
-from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import occupied
 
 
 def read_settings(run_path: Path) -> Settings:
@@ -17,21 +16,25 @@ def read_settings(run_path: Path) -> Settings:
     return updated(Settings(), read_toml(path), str(path))
 
 
-def read_reconstruction(run_path: Path) -> Reconstruction[VoxelMap]:
-    """Map, objects and trajectory of a run folder.
+def read_reconstruction(run_path: Path) -> Reconstruction:
+    """Map, objects and trajectory of a run folder; of a map too large, a coarser form.
 
     Raises
     ------
     InputError
         Where the folder holds no map, or a file is damaged.
     """
-    if not (run_path / "map.npz").exists():
-        raise InputError(f"{run_path} holds no map.npz: its figures are drawn when it is made only")
-    voxel_map = VoxelMap.load(run_path / "map.npz")
-    trajectory_path = run_path / "trajectory.txt"
+    found = read_map(run_path)
+    voxels, voxel_map = shown(found, read_settings(run_path).map)
     return Reconstruction(
         map=voxel_map,
-        voxels=occupied(voxel_map, read_settings(run_path).map),
+        voxels=voxels,
         objects=from_json(read_json(run_path / "objects.json")),
-        trajectory=Trajectory.from_tum(trajectory_path.read_text("utf-8"), str(trajectory_path)),
+        trajectory=read_trajectory(run_path),
     )
+
+
+def read_trajectory(run_path: Path) -> Trajectory:
+    """The poses of a run."""
+    path = run_path / "trajectory.txt"
+    return Trajectory.from_tum(read_text(path), str(path))

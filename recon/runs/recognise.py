@@ -11,17 +11,19 @@ from recon.errors import InputError
 from recon.exports import ply
 from recon.exports.columns import columns_of
 from recon.exports.formats import read
+from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.partitions.store import is_partitioned
 from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
 from recon.records import PointCloud, Recognition, Voxels
 from recon.records.objects import as_json
 from recon.runs.arguments import flag, one_of, text
 from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.maps import PARTITIONED, map_path, shown
 from recon.runs.reading import read_reconstruction, read_settings
 from recon.runs.work import Work
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import occupied
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -36,8 +38,11 @@ class Scene:
 def run_of(path: Path) -> Path | None:
     """The run folder that a path is, or that a map lies in; None where it is not a run's."""
     folder = path if path.is_dir() else path.parent
-    is_run = (folder / "settings.toml").is_file() and (folder / "map.npz").is_file()
-    return folder if is_run and path in (folder, folder / "map.npz") else None
+    if path.name == PARTITIONED:
+        folder = path.parent
+    own = map_path(folder)
+    is_run = (folder / "settings.toml").is_file() and own is not None
+    return folder if is_run and path in (folder, own) else None
 
 
 def read_scene(path: Path, settings: Settings) -> Scene:
@@ -52,10 +57,12 @@ def read_scene(path: Path, settings: Settings) -> Scene:
     if run is not None:
         made = read_reconstruction(run)
         return Scene(data=made.voxels, T_world_left=made.trajectory.T_world_left)
-    if path.is_dir():
+    if path.is_dir() and not is_partitioned(path):
         raise InputError(f"{path} holds no map.npz with its settings.toml, but a run is needed")
     data = read(path)
-    return Scene(data=occupied(data, settings.map) if isinstance(data, VoxelMap) else data)
+    if isinstance(data, VoxelMap | PartitionedMap):
+        data, _ = shown(data, settings.map)
+    return Scene(data=data)
 
 
 def recognise_scene(scene: Scene, settings: Settings, up: Up = "y") -> Recognition:

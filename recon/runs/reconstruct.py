@@ -13,11 +13,15 @@ from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
+from recon.runs.arguments import count, span
+from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places
+from recon.runs.maps import ChunkedMap, Map, shown
 from recon.runs.outputs import cells_hit, write_outputs, write_places
+from recon.runs.parts import part_of, refined_of, without_poses
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
 from recon.sequences.contradictions.pairs import check_images
@@ -42,7 +46,7 @@ def _base(job: Job) -> Tree:
     # The images tell: no pose is needed, and none estimated.
     read = replace(job.settings.sequence, poses="none", roi=None)
     chosen = Settings(sequence=read)
-    source = open_sequence(path, chosen.sequence)
+    source = open_sequence(path, chosen.sequence, without_poses(refined_of(job)))
     low, high = source.disparity_range or DISPARITY_RANGE
     search = {"min_disparity": low, "max_disparity": high}
     cell_size = suggested_cell_size(next(iter(source)), updated(chosen, {"matching": search}))
@@ -77,16 +81,21 @@ def rounded(length: float) -> float:
 def _reconstruct(job: Job, work: Work) -> Numbers:
     """Rebuild what a recording saw and leave its run folder."""
     (path,) = job.inputs
-    source = open_sequence(path, job.settings.sequence)
+    source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
-    mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False)
+    mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
     surface = SurfaceWork(job.settings, work, unit="m")
     places = PlaceKeeper()
     seen: list[SeenCamera] = []
+    chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
-            seen.append(SeenCamera(name=pair.name, rig=pair.rig))
+            num_before = mapper.num_pairs
             _note(mapper.process(pair, result), cloud, work)
+            if mapper.num_pairs == num_before:  # it only confirms
+                continue
+            seen.append(SeenCamera(name=pair.name, rig=pair.rig))
+            chunked.take(mapper)
             surface.take(pair)
             if keeps_places(job.settings):
                 places.add(pair, mapper.num_pairs - 1)
@@ -94,7 +103,9 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         _note(mapper.finish(), cloud, work)
     work.run.write_text(CAMERAS, as_document(seen))
     loops = close_drive(source, mapper, places, work)
-    num_voxels = _write(mapper, work)
+    if loops.get("num_loops"):  # the map was made anew, of all points
+        chunked.forget()
+    num_voxels = _write(mapper, chunked.finish(mapper), work)
     if job.settings.map.places:
         write_places(work, places, mapper.trajectory)
     mapper.reached.say()
@@ -123,13 +134,13 @@ def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:
         work.events.on_step(step)
 
 
-def _write(mapper: Mapper, work: Work) -> int:
+def _write(mapper: Mapper, voxel_map: Map, work: Work) -> int:
     """Write what came of all pairs; the number of occupied cells."""
     run = work.run
-    voxels = mapper.voxels()
+    voxels, shown_map = shown(voxel_map, mapper.settings.map)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
     reconstruction = Reconstruction(
-        map=mapper.voxel_map,
+        map=shown_map,
         voxels=voxels,
         objects=recognition.objects,
         trajectory=mapper.trajectory,
@@ -158,6 +169,7 @@ def _surface_distance(path: Path, mapper: Mapper) -> dict[str, float]:
 RECONSTRUCT = Kind(
     run=_reconstruct,
     base=_base,
+    takes={"chunk": count, "part": span, "refined": file},
     folder=lambda job: Path("runs") / job.inputs[0].resolve().name,
     stages=("reading", "stereo", "map", "recognise", "figures", "write"),
 )

@@ -1,15 +1,22 @@
 """Pairs and results of a run, kept until it is finished, so that a cut run can go on."""
 
+import logging
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from recon.camera import StereoRig
+from recon.errors import InputError
 from recon.files import atomic_path
 from recon.mapping.pair import PairResult
 from recon.records import Matches, PointCloud, StereoPair
+from recon.voxelmap.archive import Columns, read_columns
+
+log = logging.getLogger(__name__)
+Record = TypeVar("Record")
 
 _PARTS = "matches", "cloud", "doubtful"
 """Of a result, kept field by field."""
@@ -37,17 +44,8 @@ class SavedPairs:
             )  # fmt: skip
 
     def load(self, number: int) -> StereoPair | None:
-        """Pair `number`, or None where it was not taken yet."""
-        if not self.path(number).exists():
-            return None
-        with np.load(self.path(number), allow_pickle=False) as saved:
-            values = dict(zip(RIG_FIELDS, saved["rig"].tolist(), strict=True))
-            whole = {name: int(values.pop(name)) for name in ("width", "height")}
-            return StereoPair(
-                left=saved["left"], right=saved["right"], T_world_left=saved["T_world_left"],
-                rig=StereoRig(**whole, **values),
-                stamp_s=float(saved["stamp_s"]), name=str(saved["name"]),
-            )  # fmt: skip
+        """Pair `number`, or None where it was not taken yet, or its file is damaged."""
+        return _loaded(self.path(number), _as_pair)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -59,9 +57,6 @@ class SavedResults:
     def path(self, number: int) -> Path:
         """File of the result of pair `number`."""
         return self.folder / f"{number:06d}.npz"
-
-    def __contains__(self, number: int) -> bool:
-        return self.path(number).exists()
 
     def keep(self, number: int, result: PairResult) -> PairResult:
         """Keep one result, whole; the same."""
@@ -75,18 +70,40 @@ class SavedResults:
             np.savez(stream, allow_pickle=False, image_noise=result.image_noise, **arrays)
         return result
 
-    def load(self, number: int) -> PairResult:
-        """The result of pair `number`."""
-        parts: dict[str, dict[str, Any]] = {part: {} for part in _PARTS}
-        with np.load(self.path(number), allow_pickle=False) as saved:
-            left, right = saved["image_noise"].tolist()
-            for name in saved.files:
-                part, _, field = name.partition(".")
-                if part in parts:
-                    parts[part][field] = saved[name]
-        return PairResult(
-            matches=Matches(**parts["matches"]),
-            cloud=PointCloud(**parts["cloud"]),
-            doubtful=PointCloud(**parts["doubtful"]),
-            image_noise=(left, right),
-        )
+    def load(self, number: int) -> PairResult | None:
+        """The result of pair `number`, or None where there is none, or its file is damaged."""
+        return _loaded(self.path(number), _as_result)
+
+
+def _loaded(path: Path, build: Callable[[Columns], Record]) -> Record | None:
+    """The record of a file; what is damaged is worked out again."""
+    try:
+        return build(read_columns(path)) if path.exists() else None
+    except (InputError, KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
+        log.warning("%s is damaged (%s); its pair is done again", path, error)
+        return None
+
+
+def _as_pair(saved: Columns) -> StereoPair:
+    values = dict(zip(RIG_FIELDS, saved["rig"].tolist(), strict=True))
+    whole = {name: int(values.pop(name)) for name in ("width", "height")}
+    return StereoPair(
+        left=saved["left"], right=saved["right"], T_world_left=saved["T_world_left"],
+        rig=StereoRig(**whole, **values),
+        stamp_s=float(saved["stamp_s"]), name=str(saved["name"]),
+    )  # fmt: skip
+
+
+def _as_result(saved: Columns) -> PairResult:
+    parts: dict[str, dict[str, Any]] = {part: {} for part in _PARTS}
+    left, right = saved["image_noise"].tolist()
+    for name, values in saved.items():
+        part, _, field = name.partition(".")
+        if part in parts:
+            parts[part][field] = values
+    return PairResult(
+        matches=Matches(**parts["matches"]),
+        cloud=PointCloud(**parts["cloud"]),
+        doubtful=PointCloud(**parts["doubtful"]),
+        image_noise=(left, right),
+    )

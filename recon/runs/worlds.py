@@ -13,7 +13,7 @@ from recon.recognition import recognise
 from recon.recognition.reliability import calibration_error
 from recon.records import FoundObject
 from recon.runs.arguments import count
-from recon.runs.figures import leave_figure
+from recon.runs.figures import leave_figure, read_arrays
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.settings import EXPLORER_BASE
@@ -118,8 +118,14 @@ def summary(named: list[Naming]) -> dict[str, Any]:
     }
 
 
+def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
+    arrays = read_arrays(run_path / "figures" / "confusion.npz")
+    return list(zip(arrays["true"].tolist(), arrays["found"].tolist(), strict=True))
+
+
 WORLDS = Kind(
     run=_worlds,
+    judged=_judged,
     base=lambda job: EXPLORER_BASE,
     takes={"worlds": count},
     stages=("render", "stereo", "map", "plan", "recognise", "figures"),

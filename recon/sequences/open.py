@@ -14,6 +14,7 @@ from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.estimated_poses import EstimatedPoses
 from recon.sequences.frames import DerivedSource
 from recon.sequences.readers.reader import Reader
+from recon.sequences.refined import Refined
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings
 
@@ -38,11 +39,19 @@ NESTED_LEVELS = 2
 """Folders that hold nothing but one recording are looked into so deep."""
 
 
-def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
+def open_sequence(
+    path: Path, settings: SequenceSettings, refined: Refined | None = None
+) -> DerivedSource:
     """The pairs of a recording, read one at a time as they are asked for.
 
     They are rectified, posed and cut to the region as the settings say, in recon's world (y up).
     Where the first pairs show that rows do not quite correspond, the right images are resampled.
+
+    Parameters
+    ----------
+    refined : Refined, optional
+        What was estimated of the recording before: then a part, `source[i:j]`, is read without
+        what lies before it; videos and bags have to be gone through, unconverted.
 
     Raises
     ------
@@ -53,7 +62,9 @@ def open_sequence(path: Path, settings: SequenceSettings) -> DerivedSource:
         RangedPairs(_recording(Path(path), settings)), has_given_poses=settings.poses == "given"
     )
     source: DerivedSource
-    if settings.poses == "estimated":
+    if refined is not None:
+        source = refined.pairs(recording)
+    elif settings.poses == "estimated":
         source = EstimatedPoses(recording)
     else:
         source = RefinedPairs(recording, row_residual)

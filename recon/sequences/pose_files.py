@@ -119,7 +119,8 @@ def _timed(table: _Table) -> GivenPoses:
     position, quaternion = _order(table)
     stamps = in_seconds(values[:, 0])
     kept = _rising(table, stamps)
-    norms = np.linalg.norm(values[:, quaternion], axis=1)
+    with np.errstate(over="ignore"):
+        norms = np.linalg.norm(values[:, quaternion], axis=1)
     bad = np.flatnonzero(np.abs(norms - 1.0) > 0.1)
     if bad.size:
         raise InputError(

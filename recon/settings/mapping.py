@@ -1,9 +1,12 @@
 """Settings of the voxel map."""
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from recon.settings.stage import Count, NonNegative, Positive, Share, table
 
+PartitionSize = Annotated[int, Field(ge=64, multiple_of=64)]
 OccupancyRule = Literal["count", "weight", "carving", "log-odds", "views"]
 
 
@@ -31,3 +34,5 @@ class MapSettings:
     """Space is free up to so many cells before a point, or two sigma of it if that is more."""
     places: bool = False
     """Whether a run keeps what its pairs show, so that `recon localise` needs no recording."""
+    partition_size: PartitionSize = 256
+    """Cells along a side of a partition, where a map is made in chunks; a multiple of 64."""

@@ -70,7 +70,9 @@ class CoarseMaps:
     def crop_from(self, other: "CoarseMaps", low: Any, high: Any) -> None:
         """Take over the cells of another map whose middle lies between two corners."""
         for level, theirs in sorted(other.levels.items()):
-            self.levels[level] = theirs.cropped(low, high)
+            inside = theirs.cropped(low, high)
+            if inside.num_cells:
+                self.levels[level] = inside
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The arrays of a file."""
@@ -82,8 +84,15 @@ class CoarseMaps:
 
     def restore(self, columns: Columns) -> None:
         """Take over the arrays of a file."""
-        for level in range(1, MAX_LEVEL + 1):
-            prefix = f"coarse{level}_"
-            own = {n.removeprefix(prefix): c for n, c in columns.items() if n.startswith(prefix)}
+        for level, own in enumerate(coarse_columns(columns), 1):
             if own:
                 self._at(level).add_rows(archive.rows_of(own))
+
+
+def coarse_columns(columns: Columns) -> list[dict[str, NDArray[Any]]]:
+    """The arrays of a file that each level from 1 on left there; none of a level without cells."""
+    prefixes = [f"coarse{level}_" for level in range(1, MAX_LEVEL + 1)]
+    return [
+        {name.removeprefix(prefix): c for name, c in columns.items() if name.startswith(prefix)}
+        for prefix in prefixes
+    ]

@@ -201,6 +201,10 @@ class VoxelMap:
             Only index, count and mean colour of the cells, in a third of the room; once loaded,
             the mean position of a cell is its middle.
         """
+        archive.save(path, self.columns(lean=lean))
+
+    def columns(self, *, lean: bool = False) -> dict[str, NDArray[Any]]:
+        """The arrays of a file."""
         order = order_of(self._hits.used["index"])
         channels = {} if lean else self._channels
         columns: dict[str, Any] = {
@@ -212,8 +216,7 @@ class VoxelMap:
         columns |= self.hit_columns(lean=lean)
         for channel in channels.values():
             columns |= channel.columns(order)
-        columns |= {} if lean else self._coarse.columns()
-        archive.save(path, columns)
+        return columns | ({} if lean else self._coarse.columns())
 
     def hit_columns(self, *, lean: bool = False) -> dict[str, NDArray[Any]]:
         """The arrays of a file that hold hits, places and colours, in the order of the cells."""
@@ -230,12 +233,13 @@ class VoxelMap:
         """
         content = archive.load(path)
         try:
-            return cls._of(content)
+            return cls.of(content)
         except (InputError, KeyError, ValueError, IndexError) as error:
             raise InputError(f"{path}: not a voxel map ({error})") from error
 
     @classmethod
-    def _of(cls, content: archive.Content) -> Self:
+    def of(cls, content: archive.Content) -> Self:
+        """The map that a file holds."""
         loaded = cls(content.cell_size, channels=content.channels, ray_margin=content.ray_margin)
         loaded.add_rows(content.rows)
         for channel in loaded._channels.values():
@@ -265,15 +269,11 @@ class VoxelMap:
         while stop < num:
             capacity = hits.CAPACITY[self._hits.rows.dtype]
             stop, self._hits.num_rows = kernel(things, capacity, self._hits.arrays, rows, stop)
-            if stop < num:
-                self._make_room()
+            if stop < num and self._hits.is_full:
+                self._hits.grow()
+            elif stop < num:
+                self._widen()
         return rows
-
-    def _make_room(self) -> None:
-        if self._hits.is_full:
-            self._hits.grow()
-        else:
-            self._widen()
 
     def _widen(self) -> None:
         if self._hits.rows.dtype == hits.WIDE:

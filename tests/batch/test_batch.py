@@ -54,6 +54,8 @@ def test_a_failed_job_stops_no_other_and_is_said(batch):
         ("nowhere", "failed"),
     ]
     assert jobs[0]["num_pairs"] == 2
+    assert (folder / "out" / "contact.png").exists()
+    assert json.loads((folder / "out" / "summary.json").read_text())["num_objects"] == 3
     assert "nowhere" in jobs[1]["error"]
     with (folder / "out" / "summary.csv").open() as stream:
         rows = list(csv.DictReader(stream))
@@ -133,6 +135,27 @@ def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
 
     calls = [("a", partial(die_once, tmp_path / "mark"))]
     assert [one.state for one in Processes(1).outcomes(calls)] == ["done"]
+
+
+def tell(name, num):
+    from recon.batch.worker import _heard
+
+    for done in range(num):
+        _heard[-1](name, done + 1, num)
+    return Outcome(name=name, state="done")
+
+
+def test_progress_of_every_job_is_heard_in_order():
+    from functools import partial
+
+    heard = []
+    calls = [(name, partial(tell, name, 3)) for name in "ab"]
+    scheduler = Processes(2, progress=lambda *said: heard.append(said))
+    for _ in range(2):
+        heard.clear()
+        assert sorted(one.name for one in scheduler.outcomes(calls)) == ["a", "b"]
+    for name in "ab":
+        assert [said for said in heard if said[0] == name] == [(name, n, 3) for n in (1, 2, 3)]
 
 
 def test_a_job_that_kills_every_worker_fails_in_a_line():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.exports.formats import FORMATS
+from recon.exports.partitions.store import is_partitioned
 from recon.files import check_regular
 from recon.notices import collected_notices
 from recon.runfolder import MANIFEST
@@ -60,8 +61,9 @@ def _place(path: Path) -> str:
         raise InputError(f"{path} does not exist")
     ending = path.suffix.lower()
     if path.is_dir():
-        folder = _RUN if (path / MANIFEST).exists() else _RECORDING
-        return _POINTS if ending == ".zarr" else folder
+        if ending == ".zarr" or is_partitioned(path):
+            return _POINTS
+        return _RUN if (path / MANIFEST).exists() else _RECORDING
     check_regular(path)
     if ending in _BY_ENDING:
         return _BY_ENDING[ending]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
+from recon.exports.columns import MAX_COORDINATE
 from recon.exports.text import names_points
 from recon.files.documents import read_json, read_text, read_toml, read_yaml
 from recon.recognition.naming.catalogue import read_catalogue
@@ -128,6 +129,8 @@ def of_trajectory(path: Path) -> Facts:
     if not len(found):
         raise InputError(f"{path}: holds no poses")
     places = found.poses[:, :3, 3]
+    if np.abs(places).max() > MAX_COORDINATE:
+        raise InputError(f"{path}: a pose is {np.abs(places).max():g} away")
     steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
     facts: Facts = {"kind": "trajectory", "num_poses": len(places), "length": float(steps.sum())}
     if found.stamps_s is not None:

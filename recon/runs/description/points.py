@@ -1,14 +1,24 @@
 """Descriptions of clouds, maps, meshes and matches."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.formats import format_of, holds_mesh, is_map, read, read_mesh
+from recon.exports.formats import (
+    format_of,
+    holds_mesh,
+    is_in_partitions,
+    is_map,
+    read,
+    read_mesh,
+)
 from recon.records import PointCloud, Voxels
 from recon.runs.description.facts import Facts, extent, spread
+
+if TYPE_CHECKING:  # it brings the kernels of maps
+    from recon.exports.partitions.partitioned import PartitionedMap
 
 _MATCHES = ("points_px", "disparity_px", "sigma_px", "score")
 _FIELDS = ("weights", "num_views", "hits", "passes")
@@ -19,6 +29,8 @@ def of_points(path: Path) -> Facts:
     if holds_mesh(path):
         return _of_mesh(path)
     data = read(path)
+    if is_in_partitions(data):
+        return _of_partitions(data)
     up = {"up_in_file": format_of(path).up}
     if isinstance(data, PointCloud):
         return {"kind": "cloud", "num_points": len(data)} | up | _of_cloud(data)
@@ -31,6 +43,23 @@ def of_points(path: Path) -> Facts:
         "num_points": int(voxels.counts.sum()),
         "channels": list(channels),
     } | up | extent(voxels.means)  # fmt: skip
+
+
+def _of_partitions(data: "PartitionedMap") -> Facts:
+    """A map in partitions, as its manifest tells: none of them is read."""
+    side = data.cell_size * data.form.partition_size
+    cubes = np.array([entry.index for entry in data.partitions]).reshape(-1, 3)
+    return {
+        "kind": "map",
+        "num_cells": data.num_cells,
+        "cell_size": data.cell_size,
+        "num_points": data.num_points,
+        "channels": list(data.channels),
+        "up_in_file": "y",
+        "num_partitions": len(data),
+        "partition_size": data.form.partition_size,
+        "largest_partition": max((entry.num_cells for entry in data.partitions), default=0),
+    } | extent(np.concatenate([cubes, cubes + 1]) * side)
 
 
 def _channels(voxels: Voxels) -> list[str]:

@@ -11,6 +11,9 @@ from recon.geometry import check_rigid, pose
 Array = NDArray[np.float64]
 
 
+MAX_NUMBER = 1e15
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
     """Intrinsics of one camera; pixel (0, 0) is the CENTRE of the top-left pixel."""
@@ -26,8 +29,9 @@ class Camera:
 
     def __post_init__(self) -> None:
         check_shape("camera matrix", self.matrix, (3, 3))
-        check_finite("camera matrix", self.matrix)
-        check_finite("distortion", self.distortion)
+        for name, values in (("camera matrix", self.matrix), ("distortion", self.distortion)):
+            check_finite(name, values)
+            check_magnitude(name, values)
         numbers = (0, 4) if self.is_fisheye else (0, 4, 5, 8, 12, 14)
         if self.distortion.shape not in [(number,) for number in numbers]:
             raise InputError(
@@ -58,6 +62,7 @@ class Calibration:
 
     def __post_init__(self) -> None:
         check_rigid("T_right_left", self.T_right_left)
+        check_magnitude("T_right_left", self.T_right_left)
         if not self.baseline > 0:
             raise InputError("the two cameras stand at one place, but a baseline is needed")
 
@@ -84,6 +89,13 @@ class Calibration:
         return bool(
             across and aligned and straight and _same_rows(self.left.matrix, self.right.matrix)
         )
+
+
+def check_magnitude(name: str, numbers: Array) -> None:
+    """Raise `InputError` for a number so large that its square means nothing."""
+    largest = float(np.abs(numbers).max(initial=0.0))
+    if largest > MAX_NUMBER:
+        raise InputError(f"{name} holds {largest:g}, but {MAX_NUMBER:g} is the most")
 
 
 def from_projections(

@@ -1,0 +1,68 @@
+"""Progress of jobs on its way from workers to whoever watches the batch."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection, Pipe, wait
+
+from recon.batch.worker import Progress, hear_with
+from recon.libraries import limit_threads
+
+INTERVAL_S = 0.2
+
+
+class Pipes:
+    """A pipe for every worker: one that is killed while it writes disturbs no other."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._ends: list[Connection] = []
+        self._is_over = threading.Event()
+
+    def new(self) -> Connection:
+        """The end that a new worker writes to."""
+        read, write = Pipe(duplex=False)
+        self._ends.append(read)
+        return write
+
+    @contextmanager
+    def listening(self) -> Iterator[None]:
+        """Pass on what workers write while the block runs."""
+        thread = threading.Thread(target=self._listen, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            self._is_over.set()
+            thread.join()
+
+    def _listen(self) -> None:
+        while not self._is_over.wait(0.0 if self._pass_on() else INTERVAL_S):
+            pass
+        while self._pass_on():  # what was written before the end
+            pass
+
+    def _pass_on(self) -> bool:
+        """Pass on one message of each worker that has one; False where none has."""
+        ready = wait(self._ends, timeout=0.0) if self._ends else []
+        for end in ready:
+            assert isinstance(end, Connection)
+            try:
+                self._progress(*end.recv())
+            except (EOFError, OSError):
+                self._ends.remove(end)
+        return bool(ready)
+
+
+def begin_worker(num_threads: int, end: Connection) -> None:
+    """Set up a worker process: its share of the processors, and where it tells its progress."""
+    limit_threads(num_threads)
+
+    def tell(name: str, done: int, total: int) -> None:
+        # Nobody may listen any more; the job goes on.
+        try:
+            end.send((name, done, total))
+        except OSError:
+            hear_with(None)
+
+    hear_with(tell)

@@ -1,0 +1,39 @@
+"""The figures of a batch: a contact sheet, one confusion, and a plot for each number of a sweep."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from recon.batch.batch import BatchReport
+from recon.batch.sweeps import Point, curves
+from recon.figures.canvas import save
+from recon.figures.confusion import confusion_matrix
+from recon.figures.contact import Print, contact
+from recon.figures.sweep import sweep
+
+SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh")
+"""Figures of a run of which the first that is there stands for it."""
+
+
+def write_sheets(report: BatchReport, points: Sequence[Point], metrics: Sequence[str]) -> None:
+    """Write `contact.png`, `confusion.png` where truth is known, and `sweep_METRIC.png`."""
+    prints = [
+        Print(name=one.name, path=_figure(report.folder / one.name), note=one.error or one.state)
+        for one in report.outcomes
+    ]
+    save(contact(prints), report.folder / "contact.png")
+    named = [name for one in report.outcomes for name in one.names]
+    if named:
+        figure = confusion_matrix([true for true, _ in named], [found for _, found in named])
+        save(figure, report.folder / "confusion.png")
+    for metric in metrics if points else ():
+        setting, runs = curves(points, metric)
+        figure = sweep(runs, setting, metric)
+        save(figure, report.folder / f"sweep_{re.sub(r'[^A-Za-z0-9_]+', '_', metric)}.png")
+
+
+def _figure(run: Path) -> Path | None:
+    """The image that stands for a run."""
+    found = [run / "figures" / f"{name}.png" for name in SHOWN]
+    others = sorted((run / "figures").glob("*.png"))
+    return next((path for path in [*found, *others] if path.is_file()), None)

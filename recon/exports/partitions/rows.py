@@ -1,0 +1,121 @@
+"""One partition as a Parquet file: a row for each cell, with what its points add up to."""
+
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.errors import InputError
+from recon.exports.parquet import check_size
+from recon.libraries import load_extra
+from recon.voxelmap import hits
+from recon.voxelmap.coarse import MAX_LEVEL
+from recon.voxelmap.sums import CellSums, is_ordered
+
+INDEX = ("level", "index_x", "index_y", "index_z")
+VIEWS = "views"
+MAX_SUM = hits.CAPACITY[hits.WIDE]
+
+
+def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
+    """The file of some cells; the same cells give the same bytes."""
+    parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
+    columns = dict(zip(INDEX, cells.index, strict=True)) | dict(cells.sums)
+    content = {name: arrow.array(values) for name, values in columns.items()}
+    if keeps_views:
+        rows = _rows_of_views(cells)
+        ends = np.cumsum(np.bincount(rows, minlength=len(cells)))
+        offsets = np.concatenate([[0], ends]).astype(np.int32)
+        content[VIEWS] = arrow.ListArray.from_arrays(offsets, arrow.array(cells.views[3]))
+    stream = io.BytesIO()
+    # Sums are as good as random: a dictionary of them only takes time.
+    parquet.write_table(
+        arrow.table(content), stream, compression="zstd", use_dictionary=["level"],
+        write_statistics=False,
+    )  # fmt: skip
+    return stream.getvalue()
+
+
+def _rows_of_views(cells: CellSums) -> NDArray[np.int64]:
+    """(P,) the cell that each view belongs to: both are in the order of the cells."""
+    begins = np.ones(cells.views.shape[1], np.bool_)
+    begins[1:] = (np.diff(cells.views[:3], axis=1) != 0).any(axis=0)
+    is_seen = (cells.index[0] == 0) & (cells.sums["count"] > 0)
+    rows: NDArray[np.int64] = np.flatnonzero(is_seen)[np.cumsum(begins) - 1]
+    return rows
+
+
+def from_parquet(content: bytes, names: tuple[str, ...], *, keeps_views: bool) -> CellSums:
+    """The cells of a file.
+
+    Raises
+    ------
+    InputError
+        Where it is cut short, lacks a column, or holds what cannot come from points.
+    """
+    parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
+    wanted = [*INDEX, *names, *([VIEWS] if keeps_views else [])]
+    try:
+        source = parquet.ParquetFile(arrow.BufferReader(content))
+        check_size(source, "it")
+        missing = set(wanted) - set(source.schema_arrow.names)
+        if missing:
+            raise InputError(f"it lacks the columns {', '.join(sorted(missing))}")
+        table = source.read(columns=wanted, use_threads=False).combine_chunks()
+        cells = _cells(table, names, keeps_views)
+    except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
+        raise InputError(f"not a whole partition ({' '.join(str(error).split())[:200]})") from error
+    _check(cells)
+    return cells
+
+
+def _cells(table: Any, names: tuple[str, ...], keeps_views: bool) -> CellSums:
+    index = np.vstack([_whole(table, name) for name in INDEX])
+    if len(table) and not (index.min() >= -(2**31) and index.max() < 2**31):
+        raise InputError("its cells are out of reach")
+    index = index.astype(np.int32, copy=False)
+    return CellSums(
+        index=index,
+        sums={name: _whole(table, name).astype(np.uint64, copy=False) for name in names},
+        views=_views(table, index) if keeps_views else np.zeros((4, 0), np.int32),
+    )
+
+
+def _whole(table: Any, name: str) -> NDArray[Any]:
+    values = table.column(name)
+    if values.null_count:
+        raise InputError(f"its {name} has gaps")
+    array: NDArray[Any] = values.to_numpy()
+    if array.dtype.kind not in "iu" or (array.dtype == np.uint64 and name in INDEX):
+        raise InputError(f"its {name} is {array.dtype}, but whole numbers are needed")
+    if array.dtype.kind == "i" and name not in INDEX and array.min(initial=0) < 0:
+        raise InputError(f"its {name} holds numbers below 0")
+    return array
+
+
+def _views(table: Any, index: NDArray[np.int32]) -> NDArray[np.int32]:
+    if not len(table):
+        return np.zeros((4, 0), np.int32)
+    lists = table.column(VIEWS).chunk(0)
+    lists.validate(full=True)
+    if lists.null_count or lists.values.null_count:
+        raise InputError("its views have gaps")
+    rows = np.repeat(np.arange(len(table)), lists.value_lengths().to_numpy())
+    views = lists.flatten().to_numpy().astype(np.int32, casting="same_kind", copy=False)
+    return np.vstack([index[1:, rows], views])
+
+
+def _check(cells: CellSums) -> None:
+    """Raise `InputError` for what no map gives."""
+    if not (is_ordered(cells.index) and is_ordered(cells.views)):
+        raise InputError("its cells are not in order, or not all different")
+    level, count = cells.index[0], cells.sums["count"]
+    if not ((level >= 0) & (level <= MAX_LEVEL)).all():
+        raise InputError(f"a level is not one of 0 to {MAX_LEVEL}")
+    most: dict[str, Any] = dict.fromkeys(("count", "hits", "passes"), np.uint64(MAX_SUM))
+    most["weight"] = count * np.uint64(hits.STEPS)
+    for name, values in cells.sums.items():
+        limit = count * np.uint64(255 if name.startswith("colour") else hits.STEPS - 1)
+        if not (values <= most.get(name, limit)).all():
+            raise InputError(f"its {name} cannot come from points")

@@ -1,0 +1,111 @@
+"""Partitioned maps written: of a map in memory, and of other partitioned maps, added up."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.exports.partitions.manifest import COARSEST, Entry, Form, Manifest
+from recon.exports.partitions.partitioned import PartitionedMap, summary
+from recon.exports.partitions.rows import to_parquet
+from recon.exports.partitions.store import MANIFEST, Place, store_of
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.summed import sums_of
+from recon.voxelmap.sums import CellSums, Key, added, split
+
+PARTITION_SIZE = 256
+"""Cells along a side of a partition where nobody says."""
+Parts = Iterable[tuple[Key, CellSums]]
+
+
+def write_partitions(
+    voxel_map: VoxelMap, place: Place, partition_size: int = PARTITION_SIZE
+) -> PartitionedMap:
+    """Write a map as a folder of partitions; the same map gives the same bytes.
+
+    Parameters
+    ----------
+    place : path or URL
+        The folder; a partitioned map that stands there is replaced.
+    partition_size : int
+        Cells along a side, a multiple of 64.
+    """
+    if partition_size < COARSEST or partition_size % COARSEST:
+        raise InputError(
+            f"partition_size is {partition_size}, but a multiple of {COARSEST} is needed"
+        )
+    form = Form(
+        cell_size=voxel_map.cell_size,
+        partition_size=partition_size,
+        channels=voxel_map.channels,
+        ray_margin=voxel_map.ray_margin,
+    )
+    return _write(split(sums_of(voxel_map), partition_size), form, place)
+
+
+def merge_partitions(
+    sources: Sequence[PartitionedMap], place: Place, first_views: Sequence[int] | None = None
+) -> PartitionedMap:
+    """Write the sum of some maps, partition by partition; the order of the maps does not matter.
+
+    At most as many cells as those of one partition in all maps are in memory.
+
+    Parameters
+    ----------
+    sources : sequence of PartitionedMap
+        Of one form, at least one.
+    place : path or URL
+        The folder to write.
+    first_views : sequence of int, optional
+        What is added to the numbers of the views of each map, so that views of different
+        recordings are not taken for the same.
+
+    Raises
+    ------
+    InputError
+        Where the maps are of different forms.
+    """
+    for source in sources:
+        if source.form != sources[0].form:
+            raise InputError(
+                f"{source.place} has {source.form}, but {sources[0].form} is needed, as of "
+                f"{sources[0].place}"
+            )
+    first = [0] * len(sources) if first_views is None else first_views
+    return _write(_merged(sources, first), sources[0].form, place)
+
+
+def _merged(
+    sources: Sequence[PartitionedMap], first_views: Sequence[int]
+) -> Iterator[tuple[Key, CellSums]]:
+    held: dict[Key, list[tuple[PartitionedMap, Entry, int]]] = {}
+    for source, view in zip(sources, first_views, strict=True):
+        for entry in source.partitions:
+            held.setdefault(entry.index, []).append((source, entry, view))
+    for key in sorted(held):
+        yield key, added(_renumbered(one.sums(entry), view) for one, entry, view in held[key])
+
+
+def _renumbered(cells: CellSums, first_view: int) -> CellSums:
+    if not first_view:
+        return cells
+    step = np.array([[0], [0], [0], [first_view]], np.int32)
+    return replace(cells, views=cells.views + step)
+
+
+def _write(parts: Parts, form: Form, place: Place) -> PartitionedMap:
+    """Write partitions, and last the manifest, without which there is no map."""
+    store = store_of(place)
+    store.remove(MANIFEST)
+    entries = []
+    for key, cells in parts:
+        entry = summary(key, cells)
+        store.write(entry.file, to_parquet(cells, keeps_views="views" in form.channels))
+        entries.append(entry)
+    known = {entry.file for entry in entries}
+    for name in store.names():
+        if name.startswith("cells_") and name not in known:
+            store.remove(name)
+    Manifest(form=form, partitions=tuple(entries)).write(store)
+    return PartitionedMap(place)

@@ -1,0 +1,103 @@
+"""The map of a run: one file, or a folder of partitions where it is made in chunks."""
+
+from pathlib import Path
+from typing import Any
+
+from recon.errors import InputError
+from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.partitions.store import is_partitioned
+from recon.exports.partitions.writing import merge_partitions, write_partitions
+from recon.mapping.mapper import Mapper
+from recon.notices import notify
+from recon.records import Voxels
+from recon.runs.work import Work
+from recon.settings import MapSettings
+from recon.voxelmap import VoxelMap
+from recon.voxelmap.occupancy import occupied
+
+WHOLE, PARTITIONED = "map.npz", "map.parquet"
+MAX_CELLS = 4_000_000
+"""More occupied cells are recognised and drawn in a coarser form."""
+
+Map = VoxelMap | PartitionedMap
+
+
+class ChunkedMap:
+    """The map of a run on its way: put aside after every chunk of pairs, and added up at the end.
+
+    Parameters
+    ----------
+    chunk : int, optional
+        Pairs of a chunk; all, in one file, where None.
+    """
+
+    def __init__(self, settings: MapSettings, work: Work, chunk: int | None) -> None:
+        self.settings = settings
+        self.work = work
+        self.chunk = chunk
+        self._parts: list[PartitionedMap] = []
+
+    def take(self, mapper: Mapper) -> None:
+        """Put the map aside where a chunk is full."""
+        if self.chunk is not None and mapper.num_pairs % self.chunk == 0:
+            self._put_aside(mapper)
+
+    def forget(self) -> None:
+        """Leave what was put aside: the map holds all points again."""
+        self._parts = []
+
+    def finish(self, mapper: Mapper) -> Map:
+        """The map of all pairs; a map in partitions is on disk then."""
+        if self.chunk is None:
+            return mapper.voxel_map
+        self._put_aside(mapper)
+        with self.work.stage("write"):
+            return merge_partitions(self._parts, self.work.run.path / PARTITIONED)
+
+    def _put_aside(self, mapper: Mapper) -> None:
+        with self.work.stage("write"):
+            place = self.work.run.partial / f"{len(self._parts):06d}.parquet"
+            part = write_partitions(mapper.release(), place, self.settings.partition_size)
+            self._parts.append(part)
+
+
+def map_path(run_path: Path) -> Path | None:
+    """The map that a run folder holds; None where it holds none."""
+    for path in (run_path / WHOLE, run_path / PARTITIONED):
+        if path.is_file() or is_partitioned(path):
+            return path
+    return None
+
+
+def read_map(run_path: Path) -> Map:
+    """The map of a run folder.
+
+    Raises
+    ------
+    InputError
+        Where it holds none, or one that is damaged.
+    """
+    path = map_path(run_path)
+    if path is None:
+        raise InputError(f"{run_path} holds no {WHOLE}: its figures are drawn when it is made only")
+    return VoxelMap.load(path) if path.name == WHOLE else PartitionedMap(path)
+
+
+def shown(voxel_map: Map, settings: MapSettings) -> tuple[Voxels, Any]:
+    """The occupied cells by the rules of the settings, and the map whose cells they are.
+
+    Of a map in partitions that has too many, they are made coarser, which is said; there is no
+    map of those.
+    """
+    if isinstance(voxel_map, VoxelMap):
+        return occupied(voxel_map, settings), voxel_map
+    found = voxel_map.fitting(lambda one: occupied(one, settings), MAX_CELLS)
+    if found.factor == 1:
+        return found.voxels, voxel_map
+    notify(
+        "map-coarsened",
+        f"{voxel_map.place} has {found.num_chosen} occupied cells of {voxel_map.cell_size:g}: "
+        f"{len(found.voxels)} of {found.voxels.cell_size:g} stand for them, as {MAX_CELLS} are "
+        "the most that are recognised and drawn",
+    )
+    return found.voxels, None

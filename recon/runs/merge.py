@@ -1,0 +1,131 @@
+"""Runs of one world put together: their maps added up, as if one recording had seen all."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from itertools import accumulate
+from pathlib import Path
+
+import numpy as np
+
+from recon.errors import InputError
+from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.partitions.writing import merge_partitions, write_partitions
+from recon.exports.ply import CloudWriter, read_cloud_chunks
+from recon.mapping.views import with_views
+from recon.recognition import recognise
+from recon.records import Reconstruction, Trajectory
+from recon.runfolder import is_finished, read_manifest
+from recon.runs.cameras import CAMERAS, as_document, read_cameras
+from recon.runs.figures import write_run_figures
+from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.maps import PARTITIONED, read_map, shown
+from recon.runs.outputs import cells_hit, write_outputs
+from recon.runs.reading import read_settings, read_trajectory
+from recon.runs.work import Work
+from recon.settings import Settings
+
+KEPT = ("map", "recognition", "sequence", "matching")
+"""Settings that a run of all takes over from the first one."""
+MATTERING = ("cell_size", "occupancy", "partition_size", "ray_margin")
+"""Settings of the map that have to agree."""
+
+
+def _base(job: Job) -> Tree:
+    """The settings of the first run, with which those of the others have to agree."""
+    found = [_settings(run) for run in job.inputs]
+    for run, settings in zip(job.inputs, found, strict=True):
+        for name in MATTERING:
+            own, first = getattr(settings.map, name), getattr(found[0].map, name)
+            if own != first:
+                raise InputError(
+                    f"{run} has map.{name} = {own}, but {first} is needed, as of {job.inputs[0]}"
+                )
+    first_settings = asdict(found[0])
+    return {stage: first_settings[stage] for stage in KEPT}
+
+
+def _settings(run: Path) -> Settings:
+    if not is_finished(run):
+        raise InputError(f"{run} is not a finished run, of which a map is needed")
+    return read_settings(run)
+
+
+def _merge(job: Job, work: Work) -> Numbers:
+    """Add up the maps of runs and leave a run folder of all."""
+    ways = [read_trajectory(run) for run in job.inputs]
+    first_views = _first_views(job.inputs, ways)
+    with work.stage("map"):
+        parts = list(_partitioned(job, work))
+        whole = merge_partitions(parts, work.run.path / PARTITIONED, first_views)
+    with work.stage("write"):
+        num_points = _write_cloud(job, work, first_views)
+    _write_cameras(job, work)
+    voxels, shown_map = shown(whole, job.settings.map)
+    way = _joined(ways)
+    with work.stage("recognise"):
+        found = recognise(voxels, job.settings.recognition, way.T_world_left)
+        found = with_views(found, voxels, cells_hit(work.run.path / "cloud.ply", voxels.cell_size))
+    all_of_it = Reconstruction(map=shown_map, voxels=voxels, objects=found.objects, trajectory=way)
+    with work.stage("write"):
+        write_outputs(work.run, all_of_it, found)
+    with work.stage("figures"):
+        write_run_figures(work.run.path, all_of_it, None)
+    return {
+        "num_runs": len(job.inputs),
+        "num_pairs": len(way),
+        "num_points": num_points,
+        "num_voxels": len(voxels),
+        "num_partitions": len(whole),
+    }
+
+
+def _first_views(runs: Sequence[Path], ways: list[Trajectory]) -> list[int]:
+    """Numbers to add to those of the pairs of each run; the pairs of a part begin where it does."""
+    before = [0, *accumulate(map(len, ways))]
+    starts = [(read_manifest(run).get("arguments") or {}).get("part", [0])[0] for run in runs]
+    return [number - start for number, start in zip(before, starts, strict=False)]
+
+
+def _partitioned(job: Job, work: Work) -> Iterator[PartitionedMap]:
+    """The map of every run in partitions; one that is a single file is put into some."""
+    for number, run in enumerate(job.inputs):
+        found = read_map(run)
+        if not isinstance(found, PartitionedMap):
+            place = work.run.partial / f"{number:06d}.parquet"
+            found = write_partitions(found, place, job.settings.map.partition_size)
+        yield found
+        work.progress(number + 1, len(job.inputs))
+
+
+def _write_cloud(job: Job, work: Work, first_views: list[int]) -> int:
+    """The points of all runs, their pairs numbered on; how many there are."""
+    num = 0
+    with CloudWriter(work.run.path / "cloud.ply") as cloud:
+        for run, first in zip(job.inputs, first_views, strict=True):
+            for points, numbers in read_cloud_chunks(run / "cloud.ply"):
+                cloud.append(points, numbers + first)
+                num += len(points)
+    return num
+
+
+def _write_cameras(job: Job, work: Work) -> None:
+    """The cameras of all pairs, where every run kept its own."""
+    files = [run / CAMERAS for run in job.inputs]
+    if all(file.is_file() for file in files):
+        seen = [one for file in files for one in read_cameras(file)]
+        work.run.write_text(CAMERAS, as_document(seen))
+
+
+def _joined(ways: list[Trajectory]) -> Trajectory:
+    return Trajectory(
+        stamps_s=np.concatenate([way.stamps_s for way in ways]),
+        T_world_left=np.concatenate([way.T_world_left for way in ways]),
+    )
+
+
+MERGE = Kind(
+    run=_merge,
+    base=_base,
+    folder=lambda job: Path("runs") / "merged",
+    stages=("map", "recognise", "figures", "write"),
+)

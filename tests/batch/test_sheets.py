@@ -1,0 +1,108 @@
+"""What a batch leaves to look at: a contact sheet, one confusion, a table and plots of a sweep."""
+
+import csv
+import json
+
+import pytest
+
+from recon.batch.batch import BatchReport
+from recon.batch.jobfile import NamedJob
+from recon.batch.summary import write_summary
+from recon.batch.worker import Outcome
+from recon.errors import InputError
+from recon.figures import contact
+from recon.figures.canvas import pixels, save
+from recon.figures.contact import Print, columns_of, thumbnail
+from recon.figures.sweep import sweep
+from recon.runs.job import Job
+
+SIDES = {1: 0.5, 2: 0.7, 5: 0.9}
+
+
+def a_report(folder, outcomes=None):
+    """A sweep of three values over two recordings, one of the jobs failed."""
+    jobs, found = [], []
+    for count, share in SIDES.items():
+        for name in ("a", "b"):
+            job = Job(kind="reconstruct", inputs=(name,))
+            swept = (("map.min_count", count), ("matching.matcher", "phase"))
+            jobs.append(NamedJob(name=f"{name}-{count}", job=job, swept=swept))
+            failed = (name, count) == ("b", 5)
+            found.append(
+                Outcome(
+                    name=f"{name}-{count}",
+                    state="failed" if failed else "done",
+                    error="the disk is full" if failed else None,
+                    numbers={} if failed else {"share": share + (name == "b") * 0.1, "curve": [1]},
+                    names=() if failed else (("pine", "pine"), ("bush", "pine")),
+                )
+            )
+            figures = folder / f"{name}-{count}" / "figures"
+            figures.mkdir(parents=True)
+            (figures / "broken.png").write_bytes(b"not a picture")
+    save(sweep({"x": [(1, 1.0)]}, "a", "b"), folder / "a-1" / "figures" / "overview.png")
+    return BatchReport(folder=folder, jobs=tuple(jobs), outcomes=tuple(outcomes or found))
+
+
+def test_a_sweep_is_tabulated_and_plotted(tmp_path):
+    document = write_summary(a_report(tmp_path), ["share"])
+    assert document["sweep"] == [
+        {"map.min_count": count, "matching.matcher": "phase", "jobs": jobs,
+         "share": pytest.approx(mean)}
+        for count, jobs, mean in ((1, 2, 0.55), (2, 2, 0.75), (5, 1, 0.9))
+    ]  # fmt: skip
+    with (tmp_path / "sweep.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["map.min_count"] for row in rows] == ["1", "2", "5"]
+    assert float(rows[2]["share"]) == pytest.approx(0.9)
+    assert (tmp_path / "sweep_share.png").exists()
+
+
+def test_one_confusion_counts_all_jobs_whose_truth_is_known(tmp_path):
+    document = write_summary(a_report(tmp_path), ["share"])
+    assert (document["num_objects"], document["num_right"]) == (10, 5)
+    assert document["confusion"] == {"bush": {"pine": 5}, "pine": {"pine": 5}}
+    assert (tmp_path / "confusion.png").exists()
+
+
+def test_the_contact_sheet_shows_every_job_and_is_the_same_again(tmp_path):
+    report = a_report(tmp_path / "one")
+    write_summary(report, ["share"])
+    first = (tmp_path / "one" / "contact.png").read_bytes()
+    write_summary(report, ["share"])
+    assert (tmp_path / "one" / "contact.png").read_bytes() == first
+    assert thumbnail(tmp_path / "one" / "a-1" / "figures" / "overview.png").shape[2] == 3
+    assert thumbnail(tmp_path / "one" / "b-1" / "figures" / "broken.png") is None
+
+
+def test_an_image_on_the_sheet_is_seen_and_a_missing_one_says_why(tmp_path):
+    save(sweep({"x": [(1, 1.0)]}, "a", "b"), tmp_path / "a.png")
+    blank, drawn, said = (
+        pixels(contact.contact([Print(name="a", path=path, note=note)]))
+        for path, note in ((None, ""), (tmp_path / "a.png", ""), (None, "failed"))
+    )
+    assert (drawn != blank).sum() > (said != blank).sum() > 50
+
+
+def test_a_sheet_of_many_is_about_as_wide_as_high():
+    for num in (1, 2, 7, 100, contact.MAX_SHOWN):
+        width, height = (
+            contact.CELL[0] * columns_of(num),
+            contact.CELL[1] * -(-num // columns_of(num)),
+        )
+        assert 0.5 <= width / height <= 2.9
+        assert max(width, height) <= 8192
+
+
+def test_words_are_swept_at_equal_distances_and_means_pass_through_them():
+    figure = sweep({"all": [("fast", 1.0), ("best", 3.0), ("fast", 2.0)]}, "quality", "rms")
+    (axes,) = figure.axes
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["fast", "best"]
+    _, line = axes.lines
+    assert line.get_ydata().tolist() == [1.5, 3.0]
+
+
+def test_an_unknown_metric_is_refused_after_everything_is_on_disk(tmp_path):
+    with pytest.raises(InputError, match="known are seconds, share"):
+        write_summary(a_report(tmp_path), ["shares"])
+    assert len(json.loads((tmp_path / "summary.json").read_text())["jobs"]) == 6

@@ -1,0 +1,155 @@
+"""Maps in partitions: the same cells as in one file, whatever way they came there."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+from recon.errors import InputError
+from recon.exports.partitions.manifest import MANIFEST
+from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.partitions.writing import merge_partitions, write_partitions
+from recon.files import memory_limit
+from tests.exports.maps import same
+from tests.voxelmap.test_sums import a_map, saved
+
+BOX = ((98.0, -1.0, -45.0), (104.0, 5.0, -38.0))
+
+
+def files(folder):
+    return {one.name: one.read_bytes() for one in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return a_map(range(6))
+
+
+@pytest.fixture(scope="module")
+def city(whole, tmp_path_factory):
+    return write_partitions(whole, tmp_path_factory.mktemp("city") / "map.parquet", 64)
+
+
+def test_a_map_in_partitions_is_the_map(whole, city, tmp_path):
+    assert len(city) > 1
+    assert (city.num_cells, city.channels) == (whole.num_cells, whole.channels)
+    assert saved(city.whole(), tmp_path) == saved(whole, tmp_path)
+    same(city.occupied(2), whole.occupied(2))
+    assert sum(one.num_cells for one in city) == whole.num_cells
+    same(city.sightings(), whole.sightings())
+
+
+@pytest.mark.parametrize("cuts", [[3], [1, 2], [1, 2, 3, 4, 5]])
+def test_any_chunks_merge_to_the_same_bytes(city, cuts, tmp_path):
+    chunks = np.split(np.arange(6), cuts)
+    parts = [
+        write_partitions(a_map(chunk.tolist()), tmp_path / f"{n}.parquet", 64)
+        for n, chunk in enumerate(chunks)
+    ]
+    merged = merge_partitions(parts[::-1], tmp_path / "all.parquet")
+    assert files(merged.place) == files(city.place)
+
+
+def test_a_box_reads_only_what_it_meets(whole, city, tmp_path):
+    copy = tmp_path / "map.parquet"
+    shutil.copytree(city.place, copy)
+    met = {entry.file for entry in city.meeting(BOX)}
+    assert 0 < len(met) < len(city)
+    for entry in city.partitions:
+        if entry.file not in met:
+            (copy / entry.file).unlink()
+    part = PartitionedMap(copy)
+    same(part.occupied(1, box=BOX), whole.cropped(*BOX).occupied(1))
+    assert saved(part.within(BOX), tmp_path) == saved(whole.cropped(*BOX), tmp_path)
+    with pytest.raises(InputError, match="is missing"):
+        part.whole()
+
+
+def test_views_of_other_recordings_are_others(tmp_path):
+    one = write_partitions(a_map([0], ("views",)), tmp_path / "one.parquet", 64)
+    both = [one, one]
+    alike = merge_partitions(both, tmp_path / "alike.parquet").occupied(2)
+    apart = merge_partitions(both, tmp_path / "apart.parquet", [0, 7]).occupied(2)
+    assert set(alike.num_views) == {1}
+    assert set(apart.num_views) == {2}
+
+
+def test_cells_that_do_not_fit_become_coarser(whole, city):
+    fine = whole.occupied(1)
+    fitting = city.fitting(lambda one: one.occupied(1), len(fine) // 3)
+    found = fitting.voxels
+    assert fitting.factor > 1
+    assert fitting.num_chosen == len(fine)
+    assert len(found) <= len(fine) // 3
+    assert found.counts.sum() == fine.counts.sum()
+    assert (found.means // found.cell_size == found.index).all()
+    centre = np.average(fine.means, axis=0, weights=fine.counts)
+    assert np.allclose(np.average(found.means, axis=0, weights=found.counts), centre)
+    as_they_are = city.fitting(lambda one: one.occupied(1), len(fine))
+    assert as_they_are.factor == 1
+    same(as_they_are.voxels, fine)
+
+
+def test_what_is_too_large_is_refused(city):
+    with memory_limit(1000), pytest.raises(InputError, match="of memory"):
+        city.whole()
+
+
+def test_a_map_on_another_store(whole, tmp_path):
+    pytest.importorskip("fsspec")
+    there = write_partitions(whole, "memory://town/map.parquet", 64)
+    assert saved(there.whole(), tmp_path) == saved(whole, tmp_path)
+    with pytest.raises(InputError, match="not a whole partitioned map"):
+        PartitionedMap("memory://elsewhere/map.parquet")
+    with pytest.raises(InputError, match="nowhere"):
+        PartitionedMap("nowhere://elsewhere/map.parquet")
+
+
+def test_a_smaller_map_leaves_nothing_of_the_one_before(city, tmp_path):
+    copy = tmp_path / "map.parquet"
+    shutil.copytree(city.place, copy)
+    small = write_partitions(a_map([]), copy, 64)
+    assert set(files(copy)) == {MANIFEST}
+    assert len(small) == 0
+    assert small.whole().num_cells == len(small.occupied(1)) == 0
+
+
+def changed(document, **values):
+    return json.dumps(document | values)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"version": 9}, "version 9"),
+        ({"cell_size": 0}, "cell_size"),
+        ({"partition_size": 65}, "multiple of 64"),
+        ({"partition_size": "x"}, "partition_size"),
+        ({"channels": ["views", "views"]}, "channels"),
+        ({"partitions": [{"index": [0, 0]}]}, "damaged"),
+        ({"partitions": None}, "damaged"),
+    ],
+)
+def test_a_manifest_that_cannot_be_is_refused(city, values, said, tmp_path):
+    copy = tmp_path / "map.parquet"
+    shutil.copytree(city.place, copy)
+    document = json.loads((copy / MANIFEST).read_text())
+    (copy / MANIFEST).write_text(changed(document, **values))
+    with pytest.raises(InputError, match=said):
+        PartitionedMap(copy)
+
+
+def test_a_file_of_another_place_is_refused(city, tmp_path):
+    copy = tmp_path / "map.parquet"
+    shutil.copytree(city.place, copy)
+    first, second = city.partitions[:2]
+    shutil.copy(copy / first.file, copy / second.file)
+    with pytest.raises(InputError, match="not the one of its manifest"):
+        PartitionedMap(copy).occupied(1)
+
+
+def test_maps_of_other_forms_do_not_add_up(city, tmp_path):
+    other = write_partitions(a_map(range(2), ()), tmp_path / "other.parquet", 64)
+    with pytest.raises(InputError, match="channels"):
+        merge_partitions([city, other], tmp_path / "both.parquet")
