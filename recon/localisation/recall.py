@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 NUM_CANDIDATES = 40
 """Places that look most alike, which are held against the pair point by point."""
 NUM_HYPOTHESES = 12
+MIN_AGREEING = 24
+"""Points that have to agree with those of a place, before it is taken for the same."""
 NUM_SHAPES = 24
 """Guesses by shape that are looked at closely."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
@@ -30,7 +32,7 @@ LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
 COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
 """A place is as good as the pose itself within this share of its depth, and 20 degrees: features
 would have told it."""
-PLACE_SIGMA_CELLS, PLACE_SIGMA_DEG = 0.2, 0.3
+PLACE_SIGMA_CELLS, PLACE_SIGMA_DEG = 0.05, 0.1
 """Of the pose of a place in its own map."""
 TILES_PER_E = 1.5
 """Tiles more in agreement that make a pose e times as likely: neighbours see one thing."""
@@ -38,7 +40,7 @@ MIN_TILES = 6.0
 """Fewer in agreement, less those that are not, are taken for chance."""
 MIN_SHARE = 0.85
 """Of tiles in agreement, at a pose that is believed."""
-MIN_PROBABILITY = 0.9
+MIN_PROBABILITY = 0.97
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -103,7 +105,7 @@ class KnownWorld:
         likeness = self.summaries @ query.summary
         nearest = np.argsort(-likeness, kind="stable")[:NUM_CANDIDATES]
         met = [(int(row), self._meet(int(row), query)) for row in nearest]
-        both = [(row, meeting) for row, meeting in met if meeting is not None]
+        both = [(row, one) for row, one in met if one and one.num_agreeing >= MIN_AGREEING]
         both.sort(key=lambda one: -one[1].num_agreeing)
         found = []
         for row, meeting in both[:NUM_HYPOTHESES]:
@@ -152,6 +154,8 @@ class KnownWorld:
         at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
         weighted = at.by_motion * at.weights[:, None, None]
         spread = max(1.0, float(np.median(at.distances)) / 1.54)
+        # Six numbers were fitted to the points that agree best.
+        spread *= np.sqrt(len(at.distances) / (len(at.distances) - 6.0))
         covariance = np.linalg.pinv(np.einsum("nij,nik->jk", weighted, at.by_motion)) * spread**2
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
         own = np.repeat([np.radians(PLACE_SIGMA_DEG), PLACE_SIGMA_CELLS * self.voxels.cell_size], 3)
