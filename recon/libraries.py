@@ -3,6 +3,7 @@
 import ctypes
 import functools
 import importlib
+import importlib.util
 import os
 import subprocess
 import sys
@@ -86,6 +87,12 @@ def load_extra(module: str, extra: str) -> ModuleType:
         raise MissingLibraryError(
             f"{module.partition('.')[0]} is not installed; run: pip install 'recon-stereo[{extra}]'"
         ) from error
+
+
+def check_extra(module: str, extra: str) -> None:
+    """Raise `MissingLibraryError` where a library is not installed, without loading it."""
+    if importlib.util.find_spec(module) is None:
+        load_extra(module, extra)
 
 
 def open3d_fault() -> str | None:

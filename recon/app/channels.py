@@ -14,7 +14,11 @@ PLAIN = "none"
 CHANNELS = (
     PLAIN, "x", "y", "z", "disparity", "depth", "sigma", "orientation", "score", "label",
 )  # fmt: skip
-UNITS = {"disparity": "px", "orientation": "deg"}
+UNITS = {
+    "disparity": "px", "orientation": "deg", "x": "units", "y": "units", "z": "units",
+    "depth": "units", "sigma": "units",
+}  # fmt: skip
+LABEL = "label"
 NO_OBJECT = -1.0
 
 
@@ -28,6 +32,8 @@ class Points:
     """(M, 2) the partners."""
     channels: Mapping[str, Array]
     """(M,) numbers by name."""
+    names: Mapping[int, str]
+    """Labels of objects by their ids, which the channel `label` holds."""
 
     def __len__(self) -> int:
         return len(self.left_px)
@@ -47,7 +53,10 @@ class Points:
         (u, v), (right_u, right_v) = self.left_px[number], self.right_px[number]
         lines += [f"left: {u:.2f}, {v:.2f} px", f"right: {right_u:.2f}, {right_v:.2f} px"]
         for name, values in self.channels.items():
-            lines.append(f"{name}: {values[number]:.5g} {UNITS.get(name, '')}".rstrip())
+            if name == LABEL:
+                lines.append(f"{name}: {self.names.get(int(values[number]), 'none')}")
+            else:
+                lines.append(f"{name}: {values[number]:.5g} {UNITS.get(name, '')}".rstrip())
         return "\n".join(lines)
 
 
@@ -72,8 +81,9 @@ def points_of(
             "sigma": pair.rig.depth_sigma(depth, matches.sigma_px),
             "orientation": np.degrees(left.orientation_rad[matches.index_left]).astype(np.float64),
             "score": matches.score,
-            "label": _object_of(points, objects),
+            LABEL: _object_of(points, objects),
         },
+        names={found.id: f"{found.label} {found.id}" for found in objects},
     )
 
 

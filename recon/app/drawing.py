@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from recon.app.filters import Shown
 from recon.app.layers import COLOUR, Layer
 from recon.app.orbit import Orbit
+from recon.exports.encoding import encode_image
 from recon.figures import scales
 from recon.figures.partition import part_colour
 from recon.figures.solids import triangles_of
 from recon.records import FoundObject, Voxels
-from recon.sequences.encoding import encode_image
 from recon.world.raster import Lens, Raster
 
 SIZE = (960, 600)
@@ -32,7 +32,9 @@ class Look:
     colour_by: str = COLOUR
     is_dark: bool = True
     is_quick: bool = False
-    """Leave out what costs time, while the view turns."""
+    """Coarsely, in half the pixels a side, while the view turns."""
+    unit: str = ""
+    """Of lengths, where it is known."""
     selected: int | None = None
     """Id of the object that stands out."""
     solids: tuple[FoundObject, ...] = ()
@@ -66,9 +68,20 @@ class View:
 def draw(
     layer: Layer, shown: Shown, orbit: Orbit, look: Look, size: tuple[int, int] = SIZE
 ) -> View:
-    """Draw the rows of a layer that are shown."""
-    lens = orbit.lens(*size)
-    raster = Raster(lens, DARK if look.is_dark else LIGHT)
+    """Draw the rows of a layer that are shown; quick ones get the numbers of a whole view, too."""
+    drawn = (size[0] // 2, size[1] // 2) if look.is_quick else size
+    raster = Raster(orbit.lens(*drawn), DARK if look.is_dark else LIGHT)
+    _add_rows(raster, layer, shown, look)
+    if look.solids and isinstance(layer.data, Voxels):
+        _add_solids(raster, layer.data, look.solids)
+    number = raster.number
+    if look.is_quick:
+        number = number.repeat(2, axis=0).repeat(2, axis=1)
+    return View(image=raster.image, number=number, lens=orbit.lens(*size), shown=shown)
+
+
+def _add_rows(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
+    """Cells, triangles or points, whatever the layer holds."""
     colours = row_colours(layer, shown.rows, look)
     numbers = shown.rows.astype(np.int32)
     if isinstance(layer.data, Voxels) and layer.covered is not None:
@@ -80,12 +93,9 @@ def draw(
     elif layer.triangles is not None:
         _add_mesh(raster, layer, shown, look)
     else:
-        raster.add_points(layer.places[shown.rows], colours, numbers, POINT_PX)
-        if not look.is_quick:
-            raster.shade()
-    if look.solids and isinstance(layer.data, Voxels):
-        _add_solids(raster, layer.data, look.solids)
-    return View(image=raster.image, number=raster.number, lens=lens, shown=shown)
+        side = 1 if look.is_quick else POINT_PX
+        raster.add_points(layer.places[shown.rows], colours, numbers, side)
+        raster.shade()
 
 
 def row_colours(layer: Layer, rows: NDArray[np.int64], look: Look) -> NDArray[np.uint8]:

@@ -7,20 +7,17 @@ import numpy as np
 
 from recon.app.drawing import View
 from recon.app.exhibit import Exhibit
-from recon.app.filters import AT_LEAST, AT_MOST, Filter
-from recon.app.layers import COLOUR, Layer
+from recon.app.filter_card import FilterCard
+from recon.app.layers import COLOUR, LENGTHS, Layer
 from recon.app.objects_table import ObjectsTable
 from recon.app.orbit import VIEWS
 from recon.app.pair_viewer import PairViewer
 from recon.app.taking import ENDINGS, packed
 from recon.app.threads import in_thread
 from recon.app.view_panel import ViewPanel
-from recon.app.widgets import card, chooser, nicegui, note, slider, testid
+from recon.app.widgets import card, chooser, nicegui, note, testid
 from recon.errors import InputError, ReconError
 from recon.records import PointCloud
-
-NUM_STEPS = 200
-"""Of a slider over numbers that are not counts."""
 
 
 class ExhibitPage:
@@ -40,7 +37,6 @@ class ExhibitPage:
         self.suffix = suffix
         self.layers = dict(exhibit.layers) or {"nothing": _nothing()}
         self.layer = next(iter(self.layers.values()))
-        self.filter = Filter()
         self._before: np.ndarray[Any, Any] | None = None
         ui = nicegui()
         with ui.element("div").classes("recon-main"):
@@ -69,6 +65,7 @@ class ExhibitPage:
         self.panel = ViewPanel(
             self.named("scene"), self.layer, self._clicked, self._drawn, lambda text: self.say(text)
         )
+        self.panel.look = replace(self.panel.look, unit=self.exhibit.unit)
         self.panel.trajectory = self.exhibit.trajectory
         self.panel.names = tuple(self.exhibit.objects)
         with ui.row().classes("w-full items-center gap-2"):
@@ -82,8 +79,10 @@ class ExhibitPage:
     def _add_cards(self) -> None:
         with card("What is shown, and in which colour"):
             self._add_choices()
-        with card("Thresholds and clip box"):
-            self._add_filters()
+        with card("Thresholds, slices and clip box"):
+            self.filters = FilterCard(
+                self.named, self.layer, self.exhibit.unit, self.panel.refilter
+            )
         with card("What was clicked"):
             self.info = note(self.named("point-info"), "click a cell or a point")
         with card("Objects"):
@@ -113,64 +112,6 @@ class ExhibitPage:
             names = [COLOUR, *self.layer.columns]
             chooser(self.named("colour-by"), "colour by", names, COLOUR,
                     lambda name: self._look(colour_by=name))  # fmt: skip
-
-    def _add_filters(self) -> None:
-        ui = nicegui()
-        counts = self.layer.counts
-        top = float(np.quantile(counts, 0.995)) if len(counts) else 1.0
-        self.least = note(text="at least 1 point")
-        slider(self.named("threshold-count"), (1, max(2.0, top), 1), 1, self._at_least("count"))
-        for name in (*AT_LEAST[1:], *AT_MOST):
-            if name in self.layer.columns:
-                self._add_threshold(name)
-        low, high = self.layer.box
-        with ui.element("div").classes("recon-fields"):
-            self.clips = [
-                self._add_clip(axis, float(low[axis]), float(high[axis])) for axis in range(3)
-            ]
-
-    def _add_threshold(self, name: str) -> None:
-        values = self.layer.columns[name]
-        known = values[np.isfinite(values)]
-        if not len(known) or known.min() == known.max():
-            return
-        low, high = float(known.min()), float(known.max())
-        is_most = name in AT_MOST
-        label = note(text=f"{name} at {'most' if is_most else 'least'} "
-                     f"{high if is_most else low:.4g}")  # fmt: skip
-
-        def change(value: float) -> None:
-            label.set_text(f"{name} at {'most' if is_most else 'least'} {value:.4g}")
-            old = self.filter
-            if is_most:
-                self._refilter(replace(old, most={**old.most, name: value}))
-            else:
-                self._refilter(replace(old, least={**old.least, name: value}))
-
-        step = (high - low) / NUM_STEPS
-        slider(self.named(f"threshold-{name}"), (low, high, step), high if is_most else low, change)
-
-    def _at_least(self, name: str) -> Any:
-        def change(value: float) -> None:
-            self.least.set_text(f"at least {value:.0f} {'point' if value == 1 else 'points'}")
-            self._refilter(replace(self.filter, least={**self.filter.least, name: value}))
-
-        return change
-
-    def _add_clip(self, axis: int, low: float, high: float) -> Any:
-        ui = nicegui()
-        with ui.column().classes("gap-0"):
-            ui.label("xyz"[axis]).classes("recon-note")
-            step = max((high - low) / NUM_STEPS, 1e-9)
-            clip = ui.range(min=low, max=high, step=step, value={"min": low, "max": high})
-            testid(clip, self.named(f"clip-{'xyz'[axis]}")).on_value_change(self._clip)
-        return clip
-
-    def _clip(self) -> None:
-        ends = [(clip.value["min"], clip.value["max"]) for clip in self.clips]
-        low, high = np.array(ends, np.float64).T
-        margin = 1e-6 * np.maximum(high - low, 1e-9)
-        self._refilter(replace(self.filter, low=low - margin, high=high + margin))
 
     def _add_export(self) -> None:
         ui = nicegui()
@@ -202,14 +143,11 @@ class ExhibitPage:
         self._offer_columns()
         self.panel.look = replace(self.panel.look, colour_by=COLOUR)
         self.panel.change_layer(self.layer)
+        self.filters.begin(self.layer)
 
     def _look(self, **changes: Any) -> None:
         self.panel.look = replace(self.panel.look, **changes)
         self.panel.painter.ask()
-
-    def _refilter(self, chosen: Filter) -> None:
-        self.filter = chosen
-        self.panel.refilter(chosen)
 
     def _select(self, number: int | None) -> None:
         self._look(selected=number)
@@ -220,7 +158,11 @@ class ExhibitPage:
             return
         layer = self.panel.layer
         lines = [f"{layer.noun.removesuffix('s')} {row}"]
-        lines += [f"{name}: {value:.6g}" for name, value in layer.values(row).items()]
+        unit = self.exhibit.unit
+        lines += [
+            f"{name}: {value:.6g}{f' {unit}' if name in LENGTHS else ''}".rstrip()
+            for name, value in layer.values(row).items()
+        ]
         place = layer.places[row]
         if self._before is not None:
             away = float(np.linalg.norm(place - self._before))

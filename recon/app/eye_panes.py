@@ -16,8 +16,8 @@ from recon.app.painter import Painter
 from recon.app.simulation import Sight, Simulation
 from recon.app.taking import archive
 from recon.app.widgets import card, chooser, nicegui, note, pane, testid
+from recon.exports.encoding import encode_image
 from recon.figures import scales
-from recon.sequences.encoding import encode_image
 
 REACH_PX = 6.0
 SIDES = ("left", "right")
@@ -67,7 +67,8 @@ class EyePanes:
             with ui.row().classes("w-full items-end no-wrap gap-2"):
                 chooser("channel", "channel", CHANNELS, PLAIN, self._choose)
                 button = ui.button("Export Frame", on_click=self._export)
-                testid(button.props("dense no-caps outline"), "export-frame")
+                button.props("dense no-caps outline no-wrap").style("flex: none")
+                testid(button, "export-frame")
             self.info = note("point-info", "click a feature point")
 
     def _toggle(self, sides: tuple[str, ...], *, is_on: bool) -> None:
@@ -113,12 +114,13 @@ class EyePanes:
 
     def _mark(self) -> None:
         points = None if self.sight is None else self.sight.points
+        eyes = self.simulation.settings.eyes
         for side in SIDES:
-            content = ""
+            content = marks.caption(f"{side} eye", (eyes.width, eyes.height))
             if points is not None and self.shown[side] and self.channel != PLAIN:
                 unit = UNITS.get(self.channel, "")
                 label = f"{self.channel} [{unit}]" if unit else self.channel
-                content = marks.scale(points.channels[self.channel], label, scales.disparity())
+                content += marks.scale(points.channels[self.channel], label, scales.disparity())
             if points is not None and self.picked is not None:
                 at = points.left_px if side == "left" else points.right_px
                 u, v = at[self.picked]

@@ -28,6 +28,8 @@ class Filter:
     low: Array | None = None
     high: Array | None = None
     """Corners (3,) of the clip box, world."""
+    slab: tuple[int, float, float] | None = None
+    """Axis, lowest and highest place of a slice."""
 
     def kept(self, layer: Layer) -> NDArray[np.bool_]:
         """(N,) rows that pass; what is not known passes."""
@@ -38,6 +40,9 @@ class Filter:
         for name, bound in self.most.items():
             if name in layer.columns:
                 kept &= ~(layer.columns[name] > bound)
+        if self.slab is not None:
+            axis, first, last = self.slab
+            kept &= (layer.places[:, axis] >= first) & (layer.places[:, axis] <= last)
         if self.low is not None and self.high is not None:
             kept &= ((layer.places >= self.low) & (layer.places <= self.high)).all(axis=1)
         return kept

@@ -19,6 +19,8 @@ GREY = 150
 COLOUR = "colour"
 HIDDEN = {"red", "green", "blue", "cell_size", "index_x", "index_y", "index_z"}
 MAX_COLUMNS = 40
+LENGTHS = {"x", "y", "z", "sigma", "depth", "height"}
+"""Columns that are lengths."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -54,6 +56,14 @@ class Layer:
             return np.full((len(self), 3), GREY, np.uint8)
         return self.data.colours
 
+    @property
+    def thickness(self) -> float:
+        """How thick a slice is: a cell, or a fiftieth of the longest side."""
+        if isinstance(self.data, Voxels):
+            return self.data.cell_size
+        low, high = self.box
+        return float((high - low).max()) / 50.0
+
     def select(self, rows: NDArray[np.bool_]) -> Data:
         """The data of the rows that are true; of a mesh the triangles all of whose corners are."""
         if not isinstance(self.data, Mesh):
@@ -85,6 +95,11 @@ class Layer:
         red, green, blue = (int(channel) for channel in self.colours[row])
         numbers = {name: float(column[row]) for name, column in self.columns.items()}
         return numbers | {"red": red, "green": green, "blue": blue}
+
+
+def with_unit(name: str, unit: str) -> str:
+    """A column's name with the unit of its numbers, where they have one that is known."""
+    return f"{name} [{unit}]" if unit and name in LENGTHS else name
 
 
 def layer_of(data: Data, more: Mapping[str, NDArray[np.float64]] | None = None) -> Layer:

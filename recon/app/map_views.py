@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.app import marks
 from recon.app.drawing import as_source
 from recon.app.map_panes import MapPane, front_pane, top_pane
 from recon.app.painter import Painter
@@ -52,7 +53,9 @@ class MapViews:
             symbols = shown.symbols(
                 simulation.position, simulation.target, simulation.settings.eyes.fov_deg
             )
-            self.images[name].set_content(way + symbols)
+            frame = marks.caption(f"{name} view", shown.size)
+            frame += marks.length_bar(1.0 / shown.unit, shown.size)
+            self.images[name].set_content(way + frame + symbols)
 
     def _base(self) -> Drawn:
         """The panes without a map, drawn once a world."""

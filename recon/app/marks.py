@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.app.drawing import Look, View
-from recon.app.layers import COLOUR, Layer
+from recon.app.layers import COLOUR, Layer, with_unit
 from recon.figures import scales
 from recon.records import FoundObject, Trajectory
 from recon.world.raster import Lens
@@ -15,8 +15,10 @@ from recon.world.raster import Lens
 Array = NDArray[np.float64]
 Names = tuple[FoundObject, ...]
 
-BAR = (14.0, 200.0)
-"""Width and height of a scale in pixels."""
+BAR = (1.1, 14.0)
+"""Width and height of a scale, of its font's size."""
+SCENE_FONT, EYE_FONT = 13.0, 8.5
+"""Pixels of a scale's letters, in a view in space and in an eye's pane."""
 STEPS = 32
 ACCENT = "#e8650a"
 FRUSTUM_SHARE = 0.04
@@ -74,10 +76,28 @@ def polyline(at: Array, colour: str, width: float) -> str:
 def text(u: float, v: float, words: str, size: float = 13.0, anchor: str = "middle") -> str:
     """Words that can be read over anything."""
     return (
-        f'<text x="{u:.1f}" y="{v:.1f}" font-size="{size:g}" text-anchor="{anchor}" '
-        'font-family="sans-serif" fill="#fff" stroke="#111" stroke-width="3" '
-        f'paint-order="stroke">{escape(words)}</text>'
+        f'<text class="recon-word" x="{u:.1f}" y="{v:.1f}" font-size="{size:g}" '
+        f'text-anchor="{anchor}" stroke-width="{0.18 * size:.2g}">{escape(words)}</text>'
     )
+
+
+def caption(words: str, size: tuple[int, int]) -> str:
+    """What a pane shows, below on the left of an image of `size` pixels."""
+    font = 0.028 * size[0]
+    return text(0.6 * font, size[1] - 0.6 * font, words, font, "start")
+
+
+def length_bar(unit_px: float, size: tuple[int, int]) -> str:
+    """A bar of 1, 2 or 5 times a power of ten units, below on the right of an image."""
+    width, height = size
+    power = 10.0 ** np.floor(np.log10(0.25 * width / unit_px))
+    length = power * max(digit for digit in (1, 2, 5) if digit * power * unit_px <= 0.25 * width)
+    font = 0.028 * width
+    right, low = width - 0.8 * font, height - 0.7 * font
+    line = np.array([[right - length * unit_px, low, 1.0], [right, low, 1.0]])
+    middle = right - 0.5 * length * unit_px
+    words = text(middle, low - 0.5 * font, f"{length:g} units", font)
+    return polyline(line, "#16191d", 4.0) + polyline(line, "#ffffff", 2.0) + words
 
 
 def _name(lens: Lens, found: FoundObject) -> str:
@@ -89,24 +109,24 @@ def _name(lens: Lens, found: FoundObject) -> str:
 def _scale(layer: Layer, look: Look) -> str:
     if look.colour_by == COLOUR or look.colour_by not in layer.columns:
         return ""
-    return scale(layer.columns[look.colour_by], look.colour_by, scales.COUNT, BAR)
+    label = with_unit(look.colour_by, look.unit)
+    return scale(layer.columns[look.colour_by], label, scales.COUNT, SCENE_FONT)
 
 
-def scale(values: Array, label: str, colours: Any, size: tuple[float, float] = (7.0, 90.0)) -> str:
+def scale(values: Array, label: str, colours: Any, font: float = EYE_FONT) -> str:
     """The colours of numbers (N,), with their ends and their middle."""
     mapped = scales.coloured(values, colours)
     low, high = mapped.get_clim()
-    width, tall = size
-    font = 6.5 + tall / 32.0
+    width, tall = BAR[0] * font, BAR[1] * font
     height = tall / STEPS
     rows = scales.rgb(mapped, np.linspace(high, low, STEPS)).tolist()
     blocks = [
-        f'<rect x="{font:.1f}" y="{2.4 * font + height * number:.1f}" width="{width}" '
+        f'<rect x="{font:.1f}" y="{2.4 * font + height * number:.1f}" width="{width:.1f}" '
         f'height="{height + 0.6:.1f}" fill="rgb({red},{green},{blue})"/>'
         for number, (red, green, blue) in enumerate(rows)
     ]
     words = [
-        text(1.6 * font + width, 2.8 * font + share * tall, f"{value:.4g}", font, "start")
+        text(1.6 * font + width, 2.8 * font + share * tall, f"{value:.3g}", font, "start")
         for share, value in ((0.0, high), (0.5, (low + high) / 2.0), (1.0, low))
     ]
     return "".join([*blocks, *words, text(font, 1.4 * font, label, font, "start")])

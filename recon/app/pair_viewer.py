@@ -1,13 +1,23 @@
-"""The pairs of a run with a slider: what the left camera saw, and its disparity."""
+"""The pairs of a run with a slider: what the left camera saw, and what was found in it."""
 
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.app import marks
 from recon.app.drawing import as_source
 from recon.app.exhibit import Exhibit
 from recon.app.painter import Painter
-from recon.app.pairs import Pairs, SeenPair, with_disparity
-from recon.app.widgets import nicegui, note, slider, testid
+from recon.app.pairs import SHOWN, SPARSE, Pairs, SeenPair
+from recon.app.widgets import chooser, nicegui, note, slider, testid
+from recon.figures import scales
+
+DIM = 0.45
+DOT_PX = 1
+FONT = 0.034
+"""Of the scale, of the image's width."""
 
 
 class PairViewer:
@@ -19,33 +29,72 @@ class PairViewer:
         ui = nicegui()
         self.pairs = Pairs(exhibit)
         self.number = 0
+        self.shown = SPARSE
         self.count = 0 if exhibit.trajectory is None else len(exhibit.trajectory)
-        self._chosen = chosen
+        self._chosen, self._complain = chosen, complain
         self.label = note(text=self._text())
         slider(f"trajectory-slider{suffix}", (0, max(self.count - 1, 1), 1), 0, self._choose)
-        with ui.element("div").classes("recon-panes w-full"):
-            self.left = testid(ui.image().classes("w-full recon-pane"), f"pair-left{suffix}")
-            self.disparity = testid(
-                ui.image().classes("w-full recon-pane"), f"pair-disparity{suffix}"
+        chooser(f"pair-shown{suffix}", "shown in it", SHOWN, SPARSE, self._show_other)
+        with ui.element("div").classes("recon-stack w-full recon-seen"):
+            self.left, self.disparity = (
+                testid(ui.interactive_image(sanitize=False).classes("w-full recon-pane"), name)
+                for name in (f"pair-left{suffix}", f"pair-disparity{suffix}")
             )
-        self.painter: Painter[SeenPair] = Painter(self._take, self._show, complain)
+        self.painter: Painter[SeenPair] = Painter(self._take, self._show, self._fail)
         if exhibit.is_run:
-            self.painter.ask()
+            self._ask()
+        else:
+            self.label.set_text("a file holds no pairs")
 
     def _text(self) -> str:
         return f"pair {self.number} of {self.count}" if self.count else "no trajectory"
 
     def _choose(self, value: float) -> None:
         self.number = min(round(value), max(self.count - 1, 0))
-        self.label.set_text(self._text())
         self._chosen(self.number)
+        self._ask()
+
+    def _show_other(self, shown: str) -> None:
+        self.shown = shown
+        self._ask()
+
+    def _ask(self) -> None:
+        self.label.set_text(f"{self._text()}: matching {self.shown} ...")
         self.painter.ask()
 
     def _take(self) -> SeenPair:
-        return self.pairs.take(self.number)
+        return self.pairs.take(self.number, self.shown)
+
+    def _fail(self, text: str) -> None:
+        self.label.set_text(self._text())
+        self._complain(text)
 
     def _show(self, seen: SeenPair) -> None:
         self.left.set_source(as_source(seen.left, ".jpg"))
-        self.disparity.set_source(as_source(with_disparity(seen), ".jpg"))
-        number = len(seen.arrays["disparity_px"])
-        self.label.set_text(f"{self._text()}: {number:,} matched points")
+        self.disparity.set_source(as_source(coloured(seen), ".jpg"))
+        font = FONT * seen.left.shape[1]
+        self.disparity.set_content(
+            marks.scale(seen.values, seen.label, scales.disparity(), font)
+            if len(seen.values)
+            else ""
+        )
+        self.label.set_text(f"{self._text()}: {seen.said}")
+
+
+def coloured(seen: SeenPair) -> NDArray[np.uint8]:
+    """The dimmed left image (H, W, 3) with every point in the colour of its number."""
+    left = seen.left if seen.left.ndim == 3 else np.repeat(seen.left[..., None], 3, axis=2)
+    grey = np.asarray(DIM * left.mean(axis=2), np.uint8)
+    image: NDArray[np.uint8] = np.repeat(grey[..., None], 3, axis=2)
+    if not len(seen.values):
+        return image
+    scale = scales.coloured(seen.values, scales.disparity())
+    colours = scales.rgb(scale, seen.values)
+    height, width = image.shape[:2]
+    u, v = np.rint(seen.points_px).astype(int).T
+    reach = 0 if seen.is_dense else DOT_PX
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            rows, columns = np.clip(v + down, 0, height - 1), np.clip(u + right, 0, width - 1)
+            image[rows, columns] = colours
+    return image

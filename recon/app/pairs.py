@@ -11,30 +11,44 @@ from numpy.typing import NDArray
 
 from recon.app.exhibit import Exhibit
 from recon.errors import InputError
-from recon.figures import scales
-from recon.figures.kept import kept_pair
-from recon.mapping.pair import match_images
-from recon.records import Matches, StereoPair, View
-from recon.runfolder import read_manifest
-from recon.runs.figures import read_arrays
+from recon.records import StereoPair, View
+from recon.runfolder import digest, read_manifest
 from recon.runs.reading import read_settings
-from recon.sequences.open import open_sequence
 from recon.settings import Settings
-from recon.world.world import World
+from recon.world.library import find_scene
+
+Array = NDArray[np.float64]
 
 AHEAD = 20.0
 """How far ahead a view that is taken again looks, world units: a run keeps poses, not targets."""
-DIM = 0.45
-DOT_PX = 1
+SPARSE, FEATURES, DENSE = "matched points", "features", "every pixel"
+SHOWN = (SPARSE, FEATURES, DENSE)
+"""What can be shown of a pair, besides its left image."""
+KEPT = {SPARSE: "disparity", DENSE: "dense"}
+"""The figure of a run without a map that keeps it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SeenPair:
-    """A pair of a run, and what was matched in it."""
+    """A pair of a run, and numbers at points of its left image."""
 
     left: NDArray[np.uint8]
-    arrays: Mapping[str, NDArray[Any]]
-    """`points_px` and `disparity_px` in it."""
+    points_px: Array
+    """(M, 2)"""
+    values: Array
+    """(M,) disparities in pixels, or orientations in degrees."""
+    label: str
+    """The numbers' name, with their unit."""
+    is_dense: bool = False
+
+    @property
+    def said(self) -> str:
+        """How much is shown."""
+        if not self.is_dense:
+            noun = "matched points" if self.label.startswith("disparity") else "features"
+            return f"{len(self.values):,} {noun}"
+        height, width = self.left.shape[:2]
+        return f"disparity of {len(self.values) / (height * width):.0%} of the pixels"
 
 
 class Pairs:
@@ -43,9 +57,10 @@ class Pairs:
     def __init__(self, exhibit: Exhibit) -> None:
         self.exhibit = exhibit
         self.take = lru_cache(maxsize=8)(self._take)
+        self._pair = lru_cache(maxsize=2)(self._source)
 
-    def _take(self, number: int) -> SeenPair:
-        """One pair.
+    def _take(self, number: int, shown: str = SPARSE) -> SeenPair:
+        """One pair, and one of SHOWN in it.
 
         Raises
         ------
@@ -53,36 +68,37 @@ class Pairs:
             Where what the run was made of is not there any more.
         """
         if self.exhibit.trajectory is None:
-            return self._kept()
+            return self._kept(shown)
         settings = read_settings(self.exhibit.path)
-        pair = self._source(number, settings)
-        matches = match_images(pair.left, pair.right, settings, pair.disparity_range)
-        return _seen(pair, matches)
+        return _seen(self._pair(number), shown, settings)
 
-    def _kept(self) -> SeenPair:
+    def _kept(self, shown: str) -> SeenPair:
         """The pair that a run without a map kept for its figure."""
-        path = self.exhibit.path / "figures" / "disparity.npz"
-        if not path.exists():
-            raise InputError(f"{self.exhibit.path} keeps no pair")
-        arrays = read_arrays(path)
-        return SeenPair(left=arrays["left"], arrays=arrays)
+        from recon.runs.figures import read_arrays
 
-    def _source(self, number: int, settings: Settings) -> StereoPair:
+        path = self.exhibit.path / "figures" / f"{KEPT.get(shown, shown)}.npz"
+        if not path.exists():
+            raise InputError(f"{self.exhibit.path} keeps no pair with its {shown}")
+        arrays = read_arrays(path)
+        if shown == DENSE:
+            return _dense(arrays["left"], np.asarray(arrays["disparity_px"]))
+        return _sparse(arrays["left"], arrays["points_px"], arrays["disparity_px"])
+
+    def _source(self, number: int) -> StereoPair:
         manifest = read_manifest(self.exhibit.path)
+        settings = read_settings(self.exhibit.path)
         if manifest["command"] == "explore":
-            return self._world(settings).take(self._view(number, settings))
+            from recon.world.world import World
+
+            world = World.from_file(self._input(manifest), settings)
+            return world.take(self._view(number, settings))
         return _nth(self._input(manifest), number, settings)
 
     def _input(self, manifest: Mapping[str, Any]) -> Path:
         paths = [Path(path) for path in manifest.get("input_paths", [])]
         if not paths:
             raise InputError(f"{self.exhibit.path} does not say where its pairs are")
-        if not paths[0].exists():
-            raise InputError(f"{paths[0]}, of which the run was made, is not there any more")
-        return paths[0]
-
-    def _world(self, settings: Settings) -> World:
-        return World.from_file(self._input(read_manifest(self.exhibit.path)), settings)
+        return paths[0] if paths[0].exists() else _shipped(paths[0], manifest)
 
     def _view(self, number: int, settings: Settings) -> View:
         assert self.exhibit.trajectory is not None
@@ -91,31 +107,53 @@ class Pairs:
         return View(position=middle, target=middle + AHEAD * T[:3, 2])
 
 
+def _shipped(path: Path, manifest: Mapping[str, Any]) -> Path:
+    """The scene that ships under the name of one that is gone, where it is the same."""
+    fault = f"{path}, of which the run was made, is not there any more"
+    try:
+        found = find_scene(Path(path.stem))
+    except InputError as error:
+        raise InputError(fault) from error
+    if digest(found) != manifest["inputs"][0]["sha256"]:
+        raise InputError(fault)
+    return found
+
+
 def _nth(path: Path, number: int, settings: Settings) -> StereoPair:
-    for place, pair in enumerate(open_sequence(path, settings.sequence)):
-        if place == number:
-            return pair
-    raise InputError(f"{path} has no pair {number}")
+    from recon.sequences.open import open_sequence
+
+    for pair in open_sequence(path, settings.sequence)[number : number + 1]:
+        return pair
+    raise InputError(f"{path} has no pair {number} any more")
 
 
-def _seen(pair: StereoPair, matches: Matches) -> SeenPair:
-    return SeenPair(left=pair.left, arrays=kept_pair(pair.left, matches))
+def _seen(pair: StereoPair, shown: str, settings: Settings) -> SeenPair:
+    from recon.mapping.pair import match_images
+    from recon.stereo.dense.dense import match_every_pixel
+    from recon.stereo.features import detect
+
+    images = pair.left, pair.right
+    if shown == DENSE:
+        dense = match_every_pixel(*images, settings, pair.disparity_range)
+        return _dense(pair.left, dense.disparity_px)
+    if shown == FEATURES:
+        found = detect(pair.left, settings.features)
+        return SeenPair(
+            left=pair.left, points_px=np.asarray(found.points_px, np.float64),
+            values=np.degrees(found.orientation_rad).astype(np.float64), label="orientation [deg]",
+        )  # fmt: skip
+    matches = match_images(*images, settings, pair.disparity_range)
+    return _sparse(pair.left, matches.points_px, matches.disparity_px)
 
 
-def with_disparity(seen: SeenPair) -> NDArray[np.uint8]:
-    """The dimmed left image (H, W, 3) with every matched point in the colour of its disparity."""
-    left = seen.left if seen.left.ndim == 3 else np.repeat(seen.left[..., None], 3, axis=2)
-    grey = np.asarray(DIM * left.mean(axis=2), np.uint8)
-    image: NDArray[np.uint8] = np.repeat(grey[..., None], 3, axis=2)
-    values = np.asarray(seen.arrays["disparity_px"], np.float64)
-    if not len(values):
-        return image
-    scale = scales.coloured(values, scales.disparity())
-    colours = scales.rgb(scale, values)
-    height, width = image.shape[:2]
-    u, v = np.rint(seen.arrays["points_px"]).astype(int).T
-    for down in range(-DOT_PX, DOT_PX + 1):
-        for right in range(-DOT_PX, DOT_PX + 1):
-            rows, columns = np.clip(v + down, 0, height - 1), np.clip(u + right, 0, width - 1)
-            image[rows, columns] = colours
-    return image
+def _sparse(left: NDArray[np.uint8], points_px: Array, disparity_px: Array) -> SeenPair:
+    values = np.asarray(disparity_px, np.float64)
+    return SeenPair(left=left, points_px=points_px, values=values, label="disparity [px]")
+
+
+def _dense(left: NDArray[np.uint8], disparity_px: NDArray[np.floating]) -> SeenPair:
+    v, u = np.nonzero(np.isfinite(disparity_px))
+    return SeenPair(
+        left=left, points_px=np.stack([u, v], axis=1).astype(np.float64),
+        values=disparity_px[v, u].astype(np.float64), label="disparity [px]", is_dense=True,
+    )  # fmt: skip

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from recon.app.visit import Visit
 
 RUNS = Path("runs")
+LONG_S = 5.0
+"""A stage that takes longer says how long."""
 BUTTONS = ("step", "run", "pause", "stop")
 
 
@@ -52,9 +54,10 @@ class RunCard:
         walk = self.visit.walk
         if walk is None:
             return
-        text = f"{walk.state}: {walk.number} pairs, {len(walk.objects)} objects"
-        if walk.stage and not walk.is_over:
-            text += f" ({walk.stage})"
+        count = len(walk.objects)
+        text = f"{walk.state}: {walk.number} pairs, {count} object{'' if count == 1 else 's'}"
+        if walk.stage and walk.state in ("running", "stopping"):
+            text += f" ({_stage(walk)})"
         said = walk.error or walk.said
         if walk.report is not None:
             said = f"ended: {walk.report['stop_reason']}. {walk.said}"
@@ -108,6 +111,13 @@ class RunCard:
             self._complain(str(error))
         else:
             self._complain(f"run written to {RUNS / name}")
+
+
+def _stage(walk: Walk) -> str:
+    """What is being done, and for how long where that is long."""
+    if walk.waited_s < LONG_S:
+        return walk.stage
+    return f"{walk.stage}, for {walk.waited_s:.0f} s"
 
 
 def _fault(walk: Walk | None, name: str) -> str | None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from recon.app.guard import Guard, is_loopback
 from recon.errors import InputError
-from recon.libraries import load_extra
+from recon.libraries import check_extra, load_extra
 
 DEFAULT_PORT = 8600
 NUM_TRIED = 20
@@ -79,22 +79,25 @@ def serve(
     address : Address
     title : str
     announce : callable
-        Called when the page can be asked for.
+        Called when the socket listens, before what serves the page is loaded.
     """
+    # A browser takes a while to open; the socket is there already, and answers when all is loaded.
+    check_extra("nicegui", "app")
+    announce()
     nicegui = load_extra("nicegui", "app")
     fastapi = load_extra("fastapi", "app")
     uvicorn = load_extra("uvicorn", "app")
     inner = fastapi.FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     nicegui.ui.page("/", title=title)(build)
     nicegui.ui.run_with(
-        inner, title=title, storage_secret=secrets.token_urlsafe(32), reconnect_timeout=20.0,
+        inner, title=title, tailwind=False, storage_secret=secrets.token_urlsafe(32),
+        reconnect_timeout=20.0,
         session_middleware_kwargs={"session_cookie": f"recon_session_{address.port}"},
     )  # fmt: skip
     guarded = Guard(inner, address.host, address.token, f"recon_token_{address.port}")
     config = uvicorn.Config(
         guarded, log_level="warning", access_log=False, lifespan="on", timeout_graceful_shutdown=2,
     )  # fmt: skip
-    announce()
     uvicorn.Server(config).run(sockets=[address.listener])
 
 

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from recon.app.channels import Points, points_of
 from recon.errors import InputError
-from recon.mapping.sparse import match_features
 from recon.records import FoundObject, StereoPair, View
 from recon.settings import EXPLORER_BASE, Settings, updated
-from recon.stereo.features import detect
 from recon.world.world import World
 
 Array = NDArray[np.float64]
@@ -127,6 +125,10 @@ class Simulation:
             pair = self.world.take(self.view)
         if not with_points:
             return Sight(pair=pair, points=None)
+        # Late: the first image does not wait for what matches it.
+        from recon.mapping.sparse import match_features
+        from recon.stereo.features import detect
+
         settings = self.settings
         left, right = (detect(side, settings.features) for side in (pair.left, pair.right))
         matches = match_features(left, right, settings, pair.disparity_range)

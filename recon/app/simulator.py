@@ -1,25 +1,13 @@
-"""The simulator: four panes, the cameras in hand, and an exploration that is watched."""
+"""The simulator: a world in a browser."""
 
 from pathlib import Path
 from typing import Any
 
-from recon.app.camera_card import CameraCard
-from recon.app.eye_panes import EyePanes
-from recon.app.map_views import MapViews
-from recon.app.run_card import RunCard
 from recon.app.serving import Address, serve
-from recon.app.settings_card import SettingsCard
-from recon.app.visit import Visit
 from recon.app.visitors import Visitors
-from recon.app.walk import Walk
-from recon.app.widgets import header, nicegui, note
-from recon.errors import ReconError
 from recon.settings import Settings
 from recon.world.library import find_scene
 from recon.world.scene import read_scene
-
-POLL_S = 0.4
-"""How often the page looks what the exploration has done."""
 
 
 def simulate(scene: Path, settings: Settings | None, address: Address, announce: Any) -> None:
@@ -32,74 +20,17 @@ def simulate(scene: Path, settings: Settings | None, address: Address, announce:
     """
     path = find_scene(scene)
     read_scene(path)
-    visitors = Visitors(lambda: Visit(path, settings))
 
     def build() -> None:
+        # Late: the browser starts meanwhile.
+        from recon.app.simulator_page import SimulatorPage
+
         SimulatorPage(visitors.current())
 
+    def visit() -> Any:
+        from recon.app.visit import Visit
+
+        return Visit(path, settings)
+
+    visitors: Visitors[Any] = Visitors(visit)
     serve(build, address, f"recon simulate {path.stem}", announce)
-
-
-class SimulatorPage:
-    """The page of one visitor."""
-
-    def __init__(self, visit: Visit) -> None:
-        self.visit = visit
-        self.simulation = visit.simulation
-        ui = nicegui()
-        header("recon simulate", self.simulation.scene.name)
-        with ui.element("div").classes("recon-page"):
-            with ui.element("div").classes("recon-main"):
-                with ui.element("div").classes("recon-panes recon-four"):
-                    self.eyes = EyePanes(self.simulation, self.say)
-                    self.maps = MapViews(visit, self.moved, self.say)
-                self.message = note("message", "", "recon-message")
-            with ui.element("div").classes("recon-side"):
-                self.camera = CameraCard(self.simulation, self.moved, self.say)
-                self.eyes.add_card()
-                self.run = RunCard(visit, self.say)
-                SettingsCard(self.simulation, self.changed, self.say)
-        self._drawn = -1
-        ui.timer(POLL_S, self._poll)
-        self.changed()
-
-    def say(self, text: str) -> None:
-        """Say what is wrong; nothing where all is well."""
-        self.message.set_text(text)
-
-    def moved(self) -> None:
-        """The cameras stand elsewhere, or are others."""
-        self.say("")
-        self.camera.show()
-        self.maps.mark()
-        self.eyes.painter.ask()
-
-    def changed(self) -> None:
-        """The world looks different."""
-        self.maps.painter.ask()
-        self.moved()
-
-    def _poll(self) -> None:
-        walk = self.visit.walk
-        if walk is None:
-            return
-        walk.check()
-        self.run.show()
-        if walk.number != self._drawn or walk.is_over:
-            self._drawn = walk.number
-            self._follow(walk)
-
-    def _follow(self, walk: Walk) -> None:
-        """Show where the exploration is, and what it has mapped."""
-        simulation = self.simulation
-        if simulation.objects != walk.objects:
-            simulation.objects = walk.objects
-            self.run.show_objects(walk.objects)
-        if walk.last is not None and not walk.is_over:
-            try:
-                simulation.move(walk.last.view.position, walk.last.view.target)
-            except ReconError as error:
-                self.say(str(error))
-            self.camera.show()
-            self.eyes.painter.ask()
-        self.maps.painter.ask()

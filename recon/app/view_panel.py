@@ -8,7 +8,7 @@ import numpy as np
 
 from recon.app import drawing, marks
 from recon.app.drawing import Look, View, draw
-from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, shown
+from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, Shown, shown
 from recon.app.layers import Layer
 from recon.app.orbit import VIEWS, Orbit
 from recon.app.painter import Painter
@@ -66,6 +66,7 @@ class ViewPanel:
         self._pressed: tuple[float, float, float] | None = None
         self._last = (0.0, 0.0)
         self._kept = np.ones(len(layer), bool)
+        self._chosen: dict[int, Shown] = {}
         self.painter = Painter(self._draw, self._show, complain)
         self.image = pane(name, drawing.SIZE, self._on_mouse, EVENTS)
         self.image.on("wheel.prevent", self._on_wheel, ["deltaY"], throttle=0.05)
@@ -82,6 +83,7 @@ class ViewPanel:
         """Show other rows."""
         self.filter = chosen
         self._kept = chosen.kept(self.layer)
+        self._chosen = {}
         self.painter.ask()
 
     @property
@@ -96,7 +98,9 @@ class ViewPanel:
     def _draw(self) -> View:
         most = MOST_MOVING if self._is_moving else MOST_AT_REST
         look = replace(self.look, is_quick=self._is_moving)
-        return draw(self.layer, shown(self.layer, self._kept, most), self.orbit, look)
+        if most not in self._chosen:
+            self._chosen = {**self._chosen, most: shown(self.layer, self._kept, most)}
+        return draw(self.layer, self._chosen[most], self.orbit, look)
 
     def _show(self, view: View) -> None:
         self.view = view

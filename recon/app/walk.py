@@ -7,19 +7,20 @@ import threading
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, ReconError
-from recon.exploration.outcome import Step
-from recon.mapping.mapper import Step as MappedStep
 from recon.records import FoundObject
-from recon.runs.events import Events
-from recon.runs.execute import execute
 from recon.runs.job import Job
 from recon.runs.report import Report
 from recon.settings import Settings
+
+if TYPE_CHECKING:
+    from recon.exploration.outcome import Step
+    from recon.mapping.mapper import Step as MappedStep
 
 log = logging.getLogger(__name__)
 
@@ -46,6 +47,7 @@ class Walk:
         """Cells that hold points so far, with a colour each."""
         self.said = ""
         self.stage = ""
+        self._stage_began = 0.0
         self.error = ""
         self.report: Report | None = None
         self._permits = 0
@@ -131,7 +133,16 @@ class Walk:
         if self._thread.ident is None:
             self._thread.start()
 
+    @property
+    def waited_s(self) -> float:
+        """Seconds since the stage began."""
+        return time.monotonic() - self._stage_began
+
     def _go(self) -> None:
+        # Late: the page does not wait for what an exploration needs.
+        from recon.runs.events import Events
+        from recon.runs.execute import execute
+
         events = Events(
             on_step=self._on_step, on_stage=self._on_stage,
             is_cancelled=lambda: self._cancelled_at is not None,
@@ -156,10 +167,10 @@ class Walk:
             self.error = text
 
     def _on_stage(self, name: str) -> None:
-        self.stage = name
+        self.stage, self._stage_began = name, time.monotonic()
 
-    def _on_step(self, step: MappedStep) -> None:
-        assert isinstance(step, Step)
+    def _on_step(self, mapped: "MappedStep") -> None:
+        step = cast("Step", mapped)
         self.number = step.number + 1
         self.last = step
         self.objects = tuple(replace(found, id=number) for number, found in enumerate(step.objects))
@@ -172,7 +183,7 @@ class Walk:
                 lambda: self._is_free or self._permits > 0 or self._cancelled_at is not None
             )
 
-    def _grow(self, step: Step) -> None:
+    def _grow(self, step: "Step") -> None:
         settings = self.job.settings.map
         size, cloud = settings.cell_size, step.cloud
         if settings.max_sigma is not None and cloud.sigma is not None:

@@ -8,9 +8,18 @@ from recon.libraries import load_extra
 HEAD = """
 <style>
   body { font-feature-settings: "tnum"; }
+  .body--dark { --q-primary: #56b4e9 !important; }
+  .w-full { width: 100%; } .gap-0 { gap: 0; } .gap-2 { gap: 8px; } .gap-3 { gap: 12px; }
+  .recon-page .q-table th, .recon-page .q-table td { padding: 2px 5px; }
+  .recon-word { fill: #16191d; stroke: #fff; paint-order: stroke; font-family: sans-serif;
+                pointer-events: none; }
+  .body--dark .recon-word, .recon-seen .recon-word { fill: #fff; stroke: #16191d; }
+  .nicegui-content { padding: 0; gap: 0; }
+  .recon-head { display: flex; flex-wrap: nowrap; align-items: center; gap: 14px; width: 100%;
+                height: 40px; padding: 0 12px; box-sizing: border-box; }
   .recon-page { display: flex; flex-wrap: nowrap; width: 100%; gap: 10px;
-                height: calc(100vh - 44px); padding: 8px 10px; box-sizing: border-box; }
-  .recon-side { width: 430px; min-width: 360px; overflow-y: auto; padding-right: 4px; }
+                height: calc(100vh - 40px); padding: 4px 10px 8px; box-sizing: border-box; }
+  .recon-side { flex: 0 0 430px; overflow-y: auto; padding-right: 4px; }
   .recon-main { flex: 1 1 auto; min-width: 0; overflow-y: auto; }
   .recon-panes { display: grid; grid-template-columns: 1fr 1fr; gap: 8px; }
   .recon-card { padding: 8px 12px; width: 100%; gap: 4px; margin-bottom: 8px; box-shadow: none;
@@ -19,6 +28,7 @@ HEAD = """
   .recon-note { font-size: 12px; opacity: .8; white-space: pre-line; overflow-wrap: anywhere; }
   .recon-fields { display: grid; grid-template-columns: repeat(3, 1fr); width: 100%;
                   gap: 2px 10px; }
+  .recon-stack { display: grid; gap: 8px; }
   .recon-four { max-width: calc(100vh - 90px); margin: 0 auto; }
   .recon-range { width: 100%; accent-color: #0072b2; }
   .recon-pane { border: 1px solid rgba(128, 128, 128, .35); border-radius: 4px; overflow: hidden;
@@ -26,7 +36,7 @@ HEAD = """
   .recon-message { min-height: 20px; font-size: 13px; color: #d55e00; overflow-wrap: anywhere; }
   .recon-bar { height: 10px; width: 100%; border-radius: 3px; }
   @media (max-width: 1000px) { .recon-page { flex-wrap: wrap; height: auto; }
-                               .recon-side { width: 100%; } }
+                               .recon-side { flex: 1 0 100%; } }
 </style>
 """
 
@@ -91,7 +101,7 @@ def header(title: str, subtitle: str) -> Any:
     ui.add_head_html(HEAD)
     ui.colors(primary="#0072b2")
     dark = ui.dark_mode(True)
-    with ui.row().classes("w-full items-center no-wrap").style("height: 40px; padding: 0 12px"):
+    with ui.element("div").classes("recon-head"):
         ui.label(title).style("font-weight: 700")
         ui.label(subtitle).classes("recon-note")
         ui.space()
