@@ -45,12 +45,12 @@ def draw_grid(axes: Any, grid: GroundGrid, values: NDArray[Any], **look: Any) ->
     x, z = grid.origin_xz
     far_x, far_z = grid.origin_xz + np.array(grid.cells.shape[:2]) * grid.cell_size
     return axes.imshow(
-        np.moveaxis(values, 0, 1), extent=(x, far_x, far_z, z), interpolation="none", zorder=2,
-        **look,
+        np.moveaxis(values, 0, 1), extent=(x, far_x, far_z, z), interpolation="none",
+        **{"zorder": 2, **look},
     )  # fmt: skip
 
 
-def draw_occupied(axes: Any, voxels: Voxels, colour: str) -> None:
+def draw_occupied(axes: Any, voxels: Voxels, colour: str, **look: Any) -> None:
     """Floor cells over which something is, in one colour."""
     from matplotlib.colors import ListedColormap
 
@@ -59,7 +59,7 @@ def draw_occupied(axes: Any, voxels: Voxels, colour: str) -> None:
     grid = height_sum(voxels)
     is_empty = np.asarray(grid.cells, np.float64) <= 0
     shown = np.ma.masked_where(is_empty, np.ones(is_empty.shape))
-    draw_grid(axes, grid, shown, cmap=ListedColormap([colour]))
+    draw_grid(axes, grid, shown, cmap=ListedColormap([colour]), **look)
 
 
 def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
@@ -72,12 +72,18 @@ def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
     place = {"transform": axes.transAxes, "zorder": 10, "clip_on": False}
     axes.plot([0.03, 0.03 + share], [0.025, 0.025], color=INK, lw=2.2, solid_capstyle="butt",
               scalex=False, scaley=False, **place)  # fmt: skip
-    axes.text(0.03 + share / 2.0, 0.035, f"{length:g} {unit}", ha="center", va="bottom", color=INK,
+    axes.text(0.03, 0.035, f"{length:g} {unit}", ha="left", va="bottom", color=INK,
               fontsize=0.9 * sheet.font_size, bbox=_halo(), **place)  # fmt: skip
 
 
-def add_north(sheet: Sheet, axes: Any, ahead: Array) -> None:
-    """An arrow along the first camera's direction (2,) in x, z, above on the left."""
+def add_north(sheet: Sheet, axes: Any, ahead: Array) -> Array:
+    """An arrow along the first camera's direction (2,) in x, z, above on the left.
+
+    Returns
+    -------
+    (4,) ndarray
+        Left, top, right and bottom of what it takes, pixels of the axes, y down.
+    """
     window = axes.get_window_extent()
     reach = 1.4 * sheet.line_px
     towards = ahead / max(float(np.linalg.norm(ahead)), 1e-12) * (1.0, -1.0)
@@ -91,6 +97,8 @@ def add_north(sheet: Sheet, axes: Any, ahead: Array) -> None:
     beyond = (middle + (reach + 0.6 * sheet.line_px) * towards) / (window.width, window.height)
     axes.text(*beyond, "N", transform=axes.transAxes, ha="center", va="center", color=INK,
               fontsize=sheet.font_size, weight="bold", zorder=10, bbox=_halo())  # fmt: skip
+    corner = np.array([middle[0], window.height - middle[1]])
+    return np.concatenate([corner - 2.6 * sheet.line_px, corner + 2.6 * sheet.line_px])
 
 
 def _halo() -> dict[str, Any]:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.canvas import FAINT, INK, QUIET, Sheet
+from recon.figures.canvas import FAINT, INK, POINTS_PER_INCH, QUIET, Sheet
 from recon.figures.cover import Cover
+from recon.figures.names import LETTER_WIDTH
 from recon.figures.viewpoint import Box, Viewpoint
 
 Array = NDArray[np.float64]
@@ -162,8 +163,11 @@ def _number(sheet: Sheet, axes: Any, edge: Edge) -> None:
 
 
 def _write(axes: Any, at: Array, text: str, out: Array, **font: Any) -> None:
-    edge = float(font["fontsize"])
-    at = np.clip(at, edge, np.array(axes_size(axes)) - edge)
+    letter = float(font["fontsize"]) * axes.figure.dpi / POINTS_PER_INCH
     across = "left" if out[0] > 0.5 else "right" if out[0] < -0.5 else "center"
+    width = LETTER_WIDTH * letter * len(text)
+    share = {"left": 0.0, "center": 0.5, "right": 1.0}[across]
+    room = np.array([[share * width, 0.7 * letter], [(1.0 - share) * width, 0.7 * letter]])
+    at = np.clip(at, room[0] + 2.0, np.array(axes_size(axes)) - room[1] - 2.0)
     upright = "top" if out[1] > 0.5 else "bottom" if out[1] < -0.5 else "center"
     axes.text(*at, text, ha=across, va=upright, zorder=5, **font)

@@ -42,6 +42,15 @@ class Standpoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stage:
+    """The box under and round a figure in space, and what its lengths are called."""
+
+    box: Box
+    unit: str
+    with_numbers: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawn:
     """What a figure in space shows."""
 
@@ -138,7 +147,8 @@ def valued(
 
 def heading(voxels: Voxels, unit: str) -> str:
     """The title of a map: how many cells, and how large."""
-    return f"Map: {len(voxels):,} occupied cells of {voxels.cell_size:g} {unit}"
+    one = unit.removesuffix("s") if voxels.cell_size == 1.0 else unit
+    return f"Map: {len(voxels):,} occupied cells of {voxels.cell_size:g} {one}"
 
 
 def whole_box(voxels: Voxels, objects: Sequence[FoundObject]) -> Box:
@@ -167,22 +177,32 @@ def space_axes(sheet: Sheet, title: str, *, with_bar: bool) -> Any:
 
 def _draw(sheet: Sheet, axes: Any, scene: Scene, view: Viewpoint, drawn: Drawn) -> None:
     """Render a scene over its grid into axes, number the grid and name the objects."""
-    size = width, height = frame.axes_size(axes)
-    scene.add_lines(frame.floor_lines(drawn.box), max(1.0, width / 900))
-    image = scene.image(view, is_clear=sheet.style.background == "transparent")
-    axes.imshow(image, extent=(0, width, height, 0), aspect="auto", interpolation="none")
-    axes.set(xlim=(0, width), ylim=(height, 0))
+    size = frame.axes_size(axes)
     at = view.project(drawn.voxels.centres, size)
     at = at[at[:, 2] > 0]
     pixels = view.pixels_per_unit(at[:, 2], size) * drawn.voxels.cell_size
     cover = Cover(at[:, :2], 0.75 * pixels, size)
-    numbered = frame.add_numbers(sheet, axes, drawn.box, view, cover) if drawn.with_numbers else []
-    note = f"{', '.join(numbered)} in {drawn.unit}" if numbered else ""
-    grid = f"grid {frame.step_of(drawn.box):g} {drawn.unit}"
+    stage = Stage(box=drawn.box, unit=drawn.unit, with_numbers=drawn.with_numbers)
+    show_scene(sheet, axes, (scene, view), stage, cover)
+    _name(sheet, axes, drawn, view, cover)
+
+
+def show_scene(
+    sheet: Sheet, axes: Any, seen: tuple[Scene, Viewpoint], stage: Stage, cover: Cover
+) -> None:
+    """Render a scene over the grid of its floor into axes, and number the grid."""
+    scene, view = seen
+    width, height = frame.axes_size(axes)
+    scene.add_lines(frame.floor_lines(stage.box), max(1.0, width / 900))
+    image = scene.image(view, is_clear=sheet.style.background == "transparent")
+    axes.imshow(image, extent=(0, width, height, 0), aspect="auto", interpolation="none")
+    axes.set(xlim=(0, width), ylim=(height, 0))
+    numbered = frame.add_numbers(sheet, axes, stage.box, view, cover) if stage.with_numbers else []
+    note = f"{', '.join(numbered)} in {stage.unit}" if numbered else ""
+    grid = f"grid {frame.step_of(stage.box):g} {stage.unit}"
     axes.text(width - 0.6 * sheet.line_px, height - 0.5 * sheet.line_px,
               "; ".join(filter(None, (note, grid))), ha="right", va="bottom", color=QUIET,
               fontsize=0.85 * sheet.font_size)  # fmt: skip
-    _name(sheet, axes, drawn, view, cover)
 
 
 def _name(sheet: Sheet, axes: Any, drawn: Drawn, view: Viewpoint, cover: Cover) -> None:

@@ -114,7 +114,9 @@ def _mesh(subject: Subject, sheet: Sheet) -> Any:
     if subject.mesh is None:
         raise InputError("the run holds no mesh.ply, but this kind of figure shows it")
     cameras = np.empty((0, 3)) if subject.cameras is None else subject.cameras
-    return mesh.mesh(subject.mesh, cameras, sheet=sheet)
+    first = None if subject.run is None else subject.first
+    standpoint = Standpoint(view=subject.asked_view, first=first, unit=subject.unit)
+    return mesh.mesh(subject.mesh, cameras, standpoint=standpoint, sheet=sheet)
 
 
 def _mesh_arrays(subject: Subject) -> Arrays:
@@ -125,7 +127,7 @@ def _mesh_arrays(subject: Subject) -> Arrays:
     return arrays if colours is None else {**arrays, "colours": colours}
 
 
-MESH = Kind(draw=_mesh, data=_mesh_arrays, size=mesh.SIZE, needs_mesh=True)
+MESH = Kind(draw=_mesh, data=_mesh_arrays, size=mesh.SIZE, needs_mesh=True, has_view=True)
 MAP3D = Kind(draw=_map3d, data=_objects, size=map3d.SIZE, has_view=True)
 SOLIDS = Kind(draw=_solids, data=_objects, size=map3d.SIZE, has_view=True)
 COUNTS = Kind(draw=_counts, data=_cells, size=map3d.SIZE, has_view=True)

@@ -6,22 +6,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.canvas import Sheet, Size
+from recon.figures.cover import Cover
 from recon.figures.frame import axes_size
-from recon.figures.map3d import space_axes
+from recon.figures.map3d import Stage, Standpoint, show_scene, space_axes
 from recon.figures.scene import Scene
-from recon.figures.viewpoint import Viewpoint
-from recon.geometry import look_at
+from recon.figures.viewpoint import Box, Viewpoint, framed
 from recon.records import Mesh
 
 Array = NDArray[np.float64]
 SIZE: Size = (1600, 800)
 
-_VIEW_ANGLE_DEG = 30.0
-_STRAY = 0.02
+_STRAY = 0.002
 """Share of the vertices, on each side, that may lie outside the image."""
+_MARGIN = 0.02
+_DOT_PX = 4.0
+_RISE = 0.25
+"""Of the place it is seen from, to one of distance, at least."""
 
 
-def mesh(surface: Mesh, cameras: Array, *, sheet: Sheet | None = None) -> Any:
+def mesh(
+    surface: Mesh,
+    cameras: Array,
+    *,
+    standpoint: Standpoint | None = None,
+    sheet: Sheet | None = None,
+) -> Any:
     """A mesh twice, side by side: with its colours, and without.
 
     Parameters
@@ -29,7 +38,8 @@ def mesh(surface: Mesh, cameras: Array, *, sheet: Sheet | None = None) -> Any:
     surface : Mesh
         World, y up.
     cameras : (N, 3)
-        Where the cameras stood; it is seen from their side.
+        Where the cameras stood; by default it is seen from their side.
+    standpoint : Standpoint, optional
     sheet : Sheet, optional
 
     Returns
@@ -37,31 +47,41 @@ def mesh(surface: Mesh, cameras: Array, *, sheet: Sheet | None = None) -> Any:
     matplotlib Figure
     """
     sheet = sheet or Sheet.of(SIZE)
+    standpoint = standpoint or Standpoint()
     titles = f"Mesh: {len(surface):,} triangles", "Its shape"
     for panel, title, is_bare in zip(sheet.panels(1, 2)[0], titles, (False, True), strict=True):
         axes = space_axes(panel, title, with_bar=False)
         if not len(surface):
             continue
-        scene = Scene(axes_size(axes))
+        size = axes_size(axes)
+        scene = Scene(size)
         scene.add_surface(surface, is_bare=is_bare)
-        shot = scene.image(
-            _viewpoint(surface, cameras), is_clear=sheet.style.background == "transparent"
-        )
-        axes.imshow(shot, aspect="auto", interpolation="none")
+        box = _box(surface)
+        view = _viewpoint(box, cameras, standpoint, size)
+        at = view.project(surface.vertices, size)
+        cover = Cover(at[at[:, 2] > 0, :2], _DOT_PX, size)
+        show_scene(panel, axes, (scene, view), Stage(box=box, unit=standpoint.unit), cover)
     return sheet.figure
 
 
-def _viewpoint(surface: Mesh, cameras: Array) -> Viewpoint:
-    """From the side on which most of the cameras stood, to the middle of the mesh."""
-    low, high = np.quantile(surface.vertices, (_STRAY, 1 - _STRAY), axis=0)
-    middle = (low + high) / 2
-    reach = float(np.linalg.norm(high - low)) or 1.0
+def _box(surface: Mesh) -> Box:
+    low, high = np.quantile(surface.vertices, (_STRAY, 1.0 - _STRAY), axis=0)
+    margin = _MARGIN * (float((high - low).max()) or 1.0)
+    return low - margin, high + margin
+
+
+def _viewpoint(box: Box, cameras: Array, standpoint: Standpoint, size: Size) -> Viewpoint:
+    """From the side on which most of the cameras stood, where no other view is asked for."""
+    if standpoint.view != "default":
+        return standpoint.viewpoint(box, size)
+    middle, reach = (box[0] + box[1]) / 2.0, float(np.linalg.norm(box[1] - box[0]))
     side = np.mean(cameras, axis=0) - middle if len(cameras) else np.zeros(3)
-    if len(cameras) and np.linalg.norm(side) < 0.1 * reach:
+    if len(cameras) and np.hypot(side[0], side[2]) < 0.1 * reach:
         # Cameras all round: from the first one's side.
         side = cameras[0] - middle
     if np.hypot(side[0], side[2]) < 1e-9 * reach:
         side = np.array([0.0, 0.3, 1.0])
-    distance = 0.75 * reach / 2 / np.tan(np.radians(_VIEW_ANGLE_DEG) / 2)
-    place = middle + distance * side / np.linalg.norm(side)
-    return Viewpoint(T_world_cam=look_at(place, middle), angle_deg=_VIEW_ANGLE_DEG)
+    level = float(np.hypot(side[0], side[2]))
+    # A little from above, so that the floor is seen.
+    side[1] = max(side[1], _RISE * level)
+    return framed(side, box, size)

@@ -28,14 +28,20 @@ class Name:
 
 
 def place(
-    names: Sequence[Name], sizes: Array, extent: Array, gap: float, cover: Cover | None = None
+    names: Sequence[Name],
+    sizes: Array,
+    extent: Array,
+    gap: float,
+    cover: Cover | None = None,
+    reserved: Sequence[Array] = (),
 ) -> Array:
     """Boxes (M, 4) for texts of `sizes` (M, 2) inside `extent` (4,), y down.
 
     One after the other takes the nearest place that covers nothing drawn, no object and no
-    earlier name; where everything is covered, the place that covers the least.
+    earlier name, and no `reserved` box; where everything is covered, the place that covers the
+    least.
     """
-    taken = [] if cover else [name.box for name in names]
+    taken = [*reserved, *([] if cover else [name.box for name in names])]
     placed = []
     for name, size in zip(names, sizes, strict=True):
         spots = _spots(name.box, size, gap)
@@ -82,12 +88,18 @@ def text_sizes(sheet: Sheet, texts: Sequence[str]) -> Array:
     return np.column_stack([width, height]).reshape(-1, 2) + 0.6 * sheet.line_px
 
 
-def write(sheet: Sheet, axes: Any, names: Sequence[Name], cover: Cover | None = None) -> None:
+def write(
+    sheet: Sheet,
+    axes: Any,
+    names: Sequence[Name],
+    cover: Cover | None = None,
+    reserved: Sequence[Array] = (),
+) -> None:
     """Write names into axes that have their place, with a line to what lies further off."""
     window = axes.get_window_extent()
     sizes = text_sizes(sheet, [name.text for name in names])
     extent = np.array([0.0, 0.0, window.width, window.height])
-    boxes = place(names, sizes, extent, sheet.line_px, cover)
+    boxes = place(names, sizes, extent, sheet.line_px, cover, reserved)
     for name, box in zip(names, boxes, strict=True):
         middle = (box[:2] + box[2:]) / 2.0
         nearest = np.clip(middle, name.box[:2], name.box[2:])

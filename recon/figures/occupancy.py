@@ -1,15 +1,16 @@
 """Occupancy of the floor with names (thesis figures 30 to 32), and without."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures import floor, footprints, names, scales
-from recon.figures.canvas import ACCENT, FAINT, INK, QUIET, Sheet, Size
+from recon.figures.canvas import ACCENT, FAINT, INK, Sheet, Size
 from recon.figures.cover import Cover
 from recon.figures.map3d import UNITS
+from recon.figures.partition import cells_of
 from recon.records import UNKNOWN, FoundObject, GroundGrid, Voxels
 from recon.voxelmap import ground
 
@@ -19,6 +20,7 @@ SIZE: Size = (1000, 860)
 # Okabe and Ito's colours, which any colour vision tells apart.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 STATES = {ground.UNKNOWN: "#dfe3e6", ground.FREE: "#ffffff", ground.OCCUPIED: "#4a4f55"}
+WAY = "#9aa1a8"
 OCCUPIED = STATES[ground.OCCUPIED]
 
 
@@ -86,16 +88,17 @@ def labels(
     handles = _draw_states(axes, states) if states is not None else _draw_occupied(axes, voxels)
     floor.show(axes, floor.extent_of(voxels), way, *outlines)
     handles += _draw_way(axes, way)
-    handles += _draw_footprints(axes, objects, outlines)
+    handles += _draw_footprints(axes, objects, outlines, voxels)
     if trajectory is not None and len(trajectory):
-        handles.append(floor.line("N: where the first\ncamera looked", lw=0))
+        handles.append(floor.line("N: ahead of the\nfirst camera", marker="^", color=INK, lw=0))
     if with_legend:
         floor.add_legend(sheet, handles)
     sheet.settle()
+    reserved = []
     if trajectory is not None and len(trajectory):
-        floor.add_north(sheet, axes, trajectory[0, [0, 2], 2])
+        reserved.append(floor.add_north(sheet, axes, trajectory[0, [0, 2], 2]))
     floor.add_scale_bar(sheet, axes, unit)
-    _write_names(sheet, axes, objects, outlines, voxels)
+    _write_names(sheet, axes, zip(objects, outlines, strict=True), (voxels, reserved))
     return sheet.figure
 
 
@@ -124,15 +127,16 @@ def _draw_states(axes: Any, states: GroundGrid) -> list[Any]:
 def _draw_way(axes: Any, way: Array) -> list[Any]:
     if not len(way):
         return []
-    axes.plot(*way.T, color=QUIET, lw=0.9, zorder=3, scalex=False, scaley=False)
+    axes.plot(*way.T, color=WAY, lw=1.0, zorder=3, scalex=False, scaley=False)
     axes.plot(*way[0], "o", color=ACCENT, ms=5, zorder=6, scalex=False, scaley=False)
     start = floor.line("first camera", marker="o", color=ACCENT, ms=5, lw=0)
-    return [start, floor.line("way of the camera")] if len(way) > 1 else [start]
+    return [start, floor.line("way of the camera", color=WAY)] if len(way) > 1 else [start]
 
 
 def _draw_footprints(
-    axes: Any, objects: Sequence[FoundObject], outlines: Sequence[Array]
+    axes: Any, objects: Sequence[FoundObject], outlines: Sequence[Array], voxels: Voxels
 ) -> list[Any]:
+    """Outline and cells of every object, in the colour of its kind."""
     from matplotlib.patches import Polygon
 
     kinds = sorted({found.label for found in objects} - {UNKNOWN})
@@ -144,7 +148,8 @@ def _draw_footprints(
         line = "-" if is_known else "--"
         axes.add_patch(Polygon(outline, fc="none", ls=line, zorder=5, **look))
         if is_known:
-            axes.add_patch(Polygon(outline, fc=colour, ec="none", alpha=0.22, zorder=4))
+            axes.add_patch(Polygon(outline, fc=colour, ec="none", alpha=0.18, zorder=3.5))
+            floor.draw_occupied(axes, cells_of(voxels, found), colour, zorder=4, alpha=0.75)
     handles = [floor.patch(kind, fc=(colour, 0.22), ec=colour) for kind, colour in colours.items()]
     if any(found.label == UNKNOWN for found in objects):
         handles.append(floor.patch("object without a name", fc="none", ec=INK, ls="--"))
@@ -154,24 +159,26 @@ def _draw_footprints(
 def _write_names(
     sheet: Sheet,
     axes: Any,
-    objects: Sequence[FoundObject],
-    outlines: Sequence[Array],
-    voxels: Voxels,
+    objects: Iterable[tuple[FoundObject, Array]],
+    drawn: tuple[Voxels, Sequence[Array]],
 ) -> None:
+    """The name of every known object with its outline, off the cells and the reserved boxes."""
+    voxels, reserved = drawn
     window = axes.get_window_extent()
     at = names.to_pixels(axes, voxels.centres[:, [0, 2]])
     across = np.ptp(names.to_pixels(axes, np.array([[0.0, 0.0], [voxels.cell_size, 0.0]]))[:, 0])
     cover = Cover(at, 0.5 * float(across), (int(window.width), int(window.height)))
-    boxes = []
-    for outline in outlines:
-        at = names.to_pixels(axes, outline)
-        boxes.append(np.concatenate([at.min(axis=0), at.max(axis=0)]))
     texts = [
-        names.Name(text=_name(found), box=box)
-        for found, box in zip(objects, boxes, strict=True)
+        names.Name(text=_name(found), box=_box(names.to_pixels(axes, outline)))
+        for found, outline in objects
         if found.label != UNKNOWN
     ]
-    names.write(sheet, axes, texts, cover)
+    names.write(sheet, axes, texts, cover, reserved)
+
+
+def _box(at: Array) -> Array:
+    """Left, top, right and bottom (4,) of points (N, 2)."""
+    return np.concatenate([at.min(axis=0), at.max(axis=0)])
 
 
 def _name(found: FoundObject) -> str:

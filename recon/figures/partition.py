@@ -10,6 +10,7 @@ from recon.records import FoundObject, Voxels
 MARGIN_CELLS = 1.0
 """Cells so far outside the box of an object still belong to it."""
 GREY = (138, 138, 138)
+NUM_HUES = 18
 RGB = tuple[int, int, int]
 
 
@@ -35,16 +36,37 @@ def nearest_part(voxels: Voxels, found: FoundObject) -> NDArray[np.intp]:
 
 def part_colour(voxels: Voxels, found: FoundObject, number: int) -> RGB:
     """The middle colour of a part's own cells; where it has none, that of its hue."""
-    own = cells_of(voxels, found)
-    own = own.select(nearest_part(own, found) == number)
+    own = _cells_of_part(voxels, found, number)
     hue = found.parts[number].hue_deg
     if len(own):
-        red, green, blue = np.median(own.colours, axis=0).astype(int).tolist()
+        red, green, blue = np.median(_of_one_hue(own.colours), axis=0).astype(int).tolist()
         return red, green, blue
     if hue is None:
         return GREY
     red, green, blue = (round(255 * share) for share in colorsys.hsv_to_rgb(hue / 360, 0.7, 0.75))
     return red, green, blue
+
+
+def _cells_of_part(voxels: Voxels, found: FoundObject, number: int) -> Voxels:
+    """The cells of a part; of those, where two parts meet, the half that is farther from others."""
+    own = cells_of(voxels, found)
+    own = own.select(np.flatnonzero(nearest_part(own, found) == number))
+    others = [part.solid for place, part in enumerate(found.parts) if place != number]
+    if not len(own) or not others:
+        return own
+    away = np.min([np.abs(solid.distances(own.means)) for solid in others], axis=0)
+    return own.select(np.flatnonzero(away >= np.median(away)))
+
+
+def _of_one_hue(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The colours (M, 3) round the commonest hue: where two meet, their mean is neither."""
+    hues = np.array([colorsys.rgb_to_hsv(*row)[0] for row in (colours / 255.0).tolist()])
+    counts = np.bincount((hues * NUM_HUES).astype(int) % NUM_HUES, minlength=NUM_HUES)
+    smooth = counts + np.roll(counts, 1) + np.roll(counts, -1)
+    middle = (np.argmax(smooth) + 0.5) / NUM_HUES
+    away = np.abs((hues - middle + 0.5) % 1.0 - 0.5)
+    chosen: NDArray[np.uint8] = colours[away <= 1.5 / NUM_HUES]
+    return chosen
 
 
 def by_hue(voxels: Voxels) -> NDArray[np.uint8]:

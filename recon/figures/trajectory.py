@@ -38,7 +38,11 @@ def trajectory(
     matplotlib Figure
     """
     sheet = sheet or Sheet.of(SIZE)
-    axes = floor.floor_axes(sheet, f"Trajectory: {len(T_world_left)} pairs", unit)
+    axes = floor.floor_axes(
+        sheet,
+        f"Trajectory: {len(T_world_left)} {'pair' if len(T_world_left) == 1 else 'pairs'}",
+        unit,
+    )
     if len(voxels):
         floor.draw_occupied(axes, voxels, MAPPED)
     at, gaze = T_world_left[:, :3, 3][:, [0, 2]], T_world_left[:, :3, 2][:, [0, 2]]

@@ -84,7 +84,7 @@ def viewpoint(view: str, box: Box, size: tuple[int, int], first: Array | None = 
     """
     check(view)
     if view in DIRECTIONS:
-        return _framed(np.array(DIRECTIONS[view]), box, size, is_flat=view in FLAT)
+        return framed(np.array(DIRECTIONS[view]), box, size, is_flat=view in FLAT)
     if view not in FROM_CAMERA:
         return _placed(view, box)
     if first is None:
@@ -94,7 +94,7 @@ def viewpoint(view: str, box: Box, size: tuple[int, int], first: Array | None = 
     behind = -first[:3, 2] * (1.0, 0.0, 1.0)
     length = float(np.linalg.norm(behind))
     away = behind / length + (0.0, EGO_RISE, 0.0) if length > 1e-9 else np.array([0.0, 1.0, 1e-9])
-    return _framed(away, box, size, angle_deg=EGO_ANGLE_DEG)
+    return framed(away, box, size, angle_deg=EGO_ANGLE_DEG)
 
 
 def check(view: str) -> None:
@@ -126,10 +126,11 @@ def _placed(view: str, box: Box) -> Viewpoint:
     return Viewpoint(T_world_cam=look_at(numbers[:3], target), angle_deg=CAMERA_ANGLE_DEG)
 
 
-def _framed(
+def framed(
     away: Array, box: Box, size: tuple[int, int], *, is_flat: bool = False,
     angle_deg: float = VIEW_ANGLE_DEG,
 ) -> Viewpoint:  # fmt: skip
+    """The camera that lies in the direction `away` (3,), as near as the whole box allows."""
     low, high = box
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     rotation = look_at(away, np.zeros(3))

@@ -65,7 +65,7 @@ def leave_figure(run_path: Path, kind: str, arrays: Arrays, name: str | None = N
 
 def leave_mesh_figure(run_path: Path, surface: Mesh, cameras: NDArray[np.float64]) -> None:
     """Draw a run's mesh, seen from its cameras (N, 3)."""
-    subject = Subject(mesh=surface, cameras=cameras)
+    subject = replace(_subject(run_path, None), mesh=surface, cameras=cameras)
     _write(run_path, "mesh", KINDS.load("mesh"), subject, Wish())
 
 
@@ -104,7 +104,8 @@ def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tup
         found = list(_kept_subjects(run_path, name, wish))
         lack = f"kept nothing that {name} could be drawn from"
     elif kind.needs_mesh:
-        found = [(name, _with_mesh(run_path))] if (run_path / "mesh.ply").exists() else []
+        has_mesh = (run_path / "mesh.ply").exists()
+        found = [(name, _with_mesh(run_path, wish.view))] if has_mesh else []
         lack = f"holds no mesh.ply, which {name} shows"
     else:
         return (yield from _mapped_subjects(run_path, name, kind, wish))
@@ -126,10 +127,11 @@ def _mapped_subjects(
         raise InputError(f"{run_path}: {lack}")
 
 
-def _with_mesh(run_path: Path) -> Subject:
-    has_map = map_path(run_path) is not None
-    cameras = _read(run_path).trajectory.positions if has_map else None
-    return Subject(mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
+def _with_mesh(run_path: Path, view: str) -> Subject:
+    run = _read(run_path) if map_path(run_path) is not None else None
+    cameras = None if run is None else run.trajectory.positions
+    subject = _subject(run_path, run, view)
+    return replace(subject, mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
 
 
 def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str, Subject]]:
