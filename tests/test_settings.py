@@ -12,10 +12,12 @@ from recon.settings import (
     parse_overrides,
     read_toml,
     to_toml,
+    tolerated,
     updated,
     with_preset,
     with_quality,
 )
+from recon.settings.files import to_tree
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -71,3 +73,15 @@ def test_a_file_that_is_no_toml_is_named(tmp_path):
     file.write_text("map = {")
     with pytest.raises(InputError, match=r"broken\.toml.*TOML file is needed"):
         read_toml(file)
+
+
+def test_settings_of_an_older_recon_are_read_as_far_as_they_are_known():
+    tree = to_tree(updated(Settings(), {"eyes": {"near": 200.0, "far": 300.0}}))
+    tree["eyes"]["gone"] = 1
+    tree["old"] = {"stage": True}
+    tree["map"]["cell_size"] = -1.0
+    settings, ignored = tolerated(tree)
+    assert set(ignored) == {"eyes.gone", "old.stage", "map.cell_size"}
+    assert (settings.eyes.near, settings.eyes.far) == (200.0, 300.0)
+    assert settings.map == Settings().map
+    assert tolerated(to_tree(Settings())) == (Settings(), ())

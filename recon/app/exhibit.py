@@ -1,7 +1,7 @@
 """What an argument of `recon inspect` names: a run folder, or points, cells or a mesh in a file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
 from recon.exports.ply import read_cloud_chunks
 from recon.figures.partition import cells_of_mask
+from recon.notices import collected_notices
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
 from recon.runfolder import MANIFEST, read_manifest
 from recon.runs.figures import RECORDED
@@ -38,6 +39,8 @@ class Exhibit:
     is_run: bool = False
     unit: str = ""
     """Of lengths, where it is known."""
+    notices: tuple[str, ...] = ()
+    """Findings about it, as the command line says them."""
 
     @property
     def figures(self) -> tuple[Path, ...]:
@@ -56,7 +59,9 @@ def open_exhibit(path: Path) -> Exhibit:
     if not path.exists():
         raise InputError(f"{path} does not exist")
     if (path / MANIFEST).exists():
-        return _open_run(path)
+        with collected_notices() as notices:
+            exhibit = _open_run(path)
+        return replace(exhibit, notices=tuple(notice.text for notice in notices))
     if path.is_dir() and path.suffix != ".zarr" and not is_partitioned(path):
         raise InputError(f"{path} is not a run folder: it has no {MANIFEST}")
     return Exhibit(path=path, layers={path.name: layer_of(_read(path))})

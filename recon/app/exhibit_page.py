@@ -46,6 +46,7 @@ class ExhibitPage:
         if is_alone:
             with ui.element("div").classes("recon-side"):
                 self._add_cards()
+        self.say("\n".join(exhibit.notices))
         self.panel.painter.ask()
 
     def named(self, name: str) -> str:

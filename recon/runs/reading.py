@@ -2,18 +2,26 @@
 
 from pathlib import Path
 
+from recon.errors import InputError
 from recon.files.documents import read_text
+from recon.notices import notify
 from recon.records import Reconstruction, Trajectory
 from recon.records.objects import from_json
 from recon.runs.maps import read_map, shown
 from recon.runs.report import read_json
-from recon.settings import Settings, read_toml, updated
+from recon.settings import Settings, read_toml, tolerated, updated
 
 
 def read_settings(run_path: Path) -> Settings:
-    """The settings that a run used."""
+    """The settings that a run used; those of an older recon are left out where they are unknown."""
     path = run_path / "settings.toml"
-    return updated(Settings(), read_toml(path), str(path))
+    tree = read_toml(path)
+    try:
+        return updated(Settings(), tree, str(path))
+    except InputError:
+        settings, ignored = tolerated(tree)
+        notify("settings-ignored", f"{path}: not known to this recon: {', '.join(ignored)}")
+        return settings
 
 
 def read_reconstruction(run_path: Path) -> Reconstruction:

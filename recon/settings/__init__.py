@@ -1,7 +1,15 @@
 """Settings: one frozen dataclass a stage, read from and saved as TOML, unknown names refused."""
 
 from recon.settings.exploration import ExplorationSettings
-from recon.settings.files import given_tree, merged, parse_overrides, read_toml, to_toml, updated
+from recon.settings.files import (
+    given_tree,
+    merged,
+    parse_overrides,
+    read_toml,
+    to_toml,
+    tolerated,
+    updated,
+)
 from recon.settings.mapping import MapSettings
 from recon.settings.presets import (
     EXPLORER_BASE,
@@ -46,6 +54,7 @@ __all__ = [
     "parse_overrides",
     "read_toml",
     "to_toml",
+    "tolerated",
     "updated",
     "with_preset",
     "with_quality",

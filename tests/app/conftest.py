@@ -54,11 +54,12 @@ def browser():
 
 
 @contextmanager
-def served(*argv, folder):
-    """The address of a page that a process of its own serves."""
+def served(*argv, folder, path=()):
+    """The address of a page that a process of its own serves; `path` is looked through, too."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, [ROOT, *path]))}
     process = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *argv, "--port", "0", "--no-browser"], cwd=folder,
-        stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE, text=True, env=environment,
     )  # fmt: skip
     try:
         url = process.stdout.readline().strip()
@@ -67,7 +68,7 @@ def served(*argv, folder):
         yield url
     finally:
         process.terminate()
-        process.wait(30)
+        process.wait(PATIENCE_S)
         process.stdout.close()
 
 
@@ -84,7 +85,7 @@ def wait_for(url):
 
 def explored(folder):
     """A small run of the explorer."""
-    argv = ["explore", "village", "--max-pairs", "8", "-o", str(folder), "-q"]
+    argv = ["explore", "village", "--max-pairs", "6", "-o", str(folder), "-q"]
     assert main(argv) == 0
     return folder
 
@@ -100,7 +101,7 @@ def page_of(browser, url, first):
     page = context.new_page()
     page.faults = []
     page.on("pageerror", lambda error: page.faults.append(str(error)))
-    page.set_default_timeout(60_000)
+    page.set_default_timeout(1000.0 * PATIENCE_S)
     page.goto(url)
     drawn(page, first)
     return page

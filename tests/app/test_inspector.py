@@ -1,12 +1,15 @@
 """The inspector in a real browser: all that can be clicked, dragged and typed, by what it shows."""
 
+import json
 import re
+import shutil
 
 import numpy as np
 import pytest
 
 from recon.exports.formats import read, write
 from recon.records import Mesh, PointCloud
+from recon.world.library import find_scene
 from tests.app.conftest import choose, drawn, page_of, says, served, slide, source
 
 
@@ -75,16 +78,33 @@ def test_a_row_selects_in_the_scene_and_a_click_selects_the_row(page):
 def test_a_click_tells_what_lies_there(page):
     page.get_by_role("button", name="top").click()
     says(page, "shown-share", "(100%)")
-    box = page.get_by_test_id("scene").bounding_box()
-    info = page.get_by_test_id("point-info")
-    for across in np.linspace(0.15, 0.85, 15):
-        for down in np.linspace(0.15, 0.85, 9):
-            page.mouse.click(box["x"] + across * box["width"], box["y"] + down * box["height"])
-            page.wait_for_timeout(120)
-            if "from the last click" in info.inner_text():
-                assert "count:" in info.inner_text()
-                return
-    raise AssertionError("no cell was hit twice")
+    # From the top an object's name stands over it.
+    box = page.get_by_test_id("scene").locator("svg text").first.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.click(x, y)
+    says(page, "point-info", "count:")
+    page.mouse.click(x + 2, y)
+    says(page, "point-info", "from the last click")
+    says(page, "point-info", "world units")
+    page.get_by_role("button", name="default").click()
+
+
+def test_a_slice_is_a_cell_thick(page):
+    choose(page, "slice", "y")
+    says(page, "shown-share", "filtered out")
+    page.get_by_text(re.compile(r"y \[world units\] from [\d.]+ to [\d.]+")).wait_for()
+    choose(page, "slice", "none")
+    says(page, "shown-share", "(100%)")
+
+
+def test_the_keyboard_turns_and_shows_from_the_top(page):
+    before = source(page, "scene")
+    page.get_by_test_id("scene").focus()
+    page.keyboard.press("ArrowLeft")
+    turned = drawn(page, "scene", before)
+    page.keyboard.press("5")
+    drawn(page, "scene", turned)
+    page.get_by_role("button", name="default").click()
 
 
 def test_the_slider_shows_the_pairs(page):
@@ -92,7 +112,12 @@ def test_the_slider_shows_the_pairs(page):
     before = drawn(page, "pair-disparity")
     slide(page, "trajectory-slider", 2)
     drawn(page, "pair-disparity", before)
-    page.get_by_text(re.compile(r"pair 2 of 8: [\d,]+ matched points")).wait_for()
+    page.get_by_text(re.compile(r"pair 2 of 6: [\d,]+ matched points")).wait_for()
+    for shown, said in (("every pixel", r"\d+% of the pixels"), ("features", "[\\d,]+ features")):
+        before = source(page, "pair-disparity")
+        choose(page, "pair-shown", shown)
+        drawn(page, "pair-disparity", before)
+        page.get_by_text(re.compile(f"pair 2 of 6: .*{said}")).wait_for()
 
 
 def test_what_is_shown_is_exported(page, tmp_path):
@@ -139,5 +164,29 @@ def test_a_cloud_and_a_mesh_stand_side_by_side(browser, tmp_path):
         page.mouse.up()
         says(page, "shown-share", "(100%)")
         drawn(page, "scene-2", before)
+        assert page.faults == []
+        page.context.close()
+
+
+def test_what_is_gone_is_a_message_and_what_was_shown_stays(browser, run, tmp_path):
+    copy = shutil.copytree(run, tmp_path / "walk")
+    with (copy / "settings.toml").open("a") as settings:
+        settings.write("\n[gone]\nname = 1\n")
+    scene = tmp_path / "mine.scene"
+    shutil.copy(find_scene("village"), scene)
+    scene.write_text(scene.read_text() + "\n")
+    manifest = json.loads((copy / "manifest.json").read_text())
+    manifest["input_paths"] = [str(scene)]
+    (copy / "manifest.json").write_text(json.dumps(manifest))
+    with served("inspect", "walk", folder=tmp_path) as url:
+        scene.unlink()
+        page = page_of(browser, url, "scene")
+        says(page, "message", "is not there any more")
+        before = source(page, "scene")
+        shutil.rmtree(copy)
+        slide(page, "trajectory-slider", 1)
+        says(page, "message", "walk")
+        drawn(page, "scene", before)
+        says(page, "shown-share", "(100%)")
         assert page.faults == []
         page.context.close()

@@ -12,14 +12,43 @@ from tests.app.conftest import choose, drawn, page_of, says, served, source
 PANES = ("pane-left", "pane-right", "pane-top", "pane-front")
 
 
+NAUGHTY = """
+import time
+
+class Raises:
+    def next_view(self, state):
+        raise RuntimeError("no idea where to go")
+    def info(self):
+        return "raises"
+    def result(self):
+        return ""
+
+class Hangs(Raises):
+    def next_view(self, state):
+        time.sleep(1e6)
+"""
+ENTRIES = "[recon.controllers]\nraises = naughty:Raises\nhangs = naughty:Hangs\n"
+
+
+def naughty_controllers(folder):
+    """An installed package whose controllers do what none should."""
+    (folder / "naughty.py").write_text(NAUGHTY)
+    about = folder / "naughty-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: naughty\nVersion: 1\n")
+    (about / "entry_points.txt").write_text(ENTRIES)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("simulate")
 
 
 @pytest.fixture(scope="module")
-def page(browser, folder):
-    with served("simulate", "village", folder=folder) as url:
+def page(browser, folder, tmp_path_factory):
+    plugins = tmp_path_factory.mktemp("plugins")
+    naughty_controllers(plugins)
+    with served("simulate", "village", folder=folder, path=[plugins]) as url:
         page = page_of(browser, url, "pane-left")
         for name in PANES:
             drawn(page, name)
@@ -43,17 +72,14 @@ def drag(page, pane, symbol, right, down):
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + right, y + down, steps=3)
-    page.mouse.up()
-    # Marks follow the numbers; the next drag begins where they are then.
-    before = None
-    while before != (before := fields(page)):
-        page.wait_for_timeout(700)
-
-
-def fields(page):
-    return page.evaluate(
-        "() => [...document.querySelectorAll('[data-testid^=field-]')].map(one => one.value).join()"
+    # The next drag begins where the mark is then.
+    page.wait_for_function(
+        "([pane, symbol, x, y]) => { const box = document.querySelector("
+        "`[data-testid=${pane}] [data-testid=${symbol}]`).getBoundingClientRect();"
+        "return Math.hypot(box.x + box.width / 2 - x, box.y + box.height / 2 - y) < 3 }",
+        arg=[pane, symbol, x + right, y + down],
     )
+    page.mouse.up()
 
 
 def test_everything_is_in_the_page_from_the_start(page):
@@ -118,7 +144,6 @@ def test_points_are_coloured_and_a_click_marks_the_partner(page):
     for name, number in (("target-x", -10), ("target-z", -5), ("target-y", 6), ("x", 0), ("z", 8)):
         enter(page, name, str(number))
     page.wait_for_function("() => document.querySelector('[data-testid=field-z]').value == 8")
-    page.wait_for_timeout(1000)
     before = source(page, "pane-left")
     page.get_by_test_id("toggle-features").click()
     plain = drawn(page, "pane-left", before)
@@ -129,10 +154,9 @@ def test_points_are_coloured_and_a_click_marks_the_partner(page):
     box = left.bounding_box()
     info = page.get_by_test_id("point-info")
     for share in np.linspace(0.05, 0.95, 40):
-        old = info.inner_text()
         page.mouse.click(box["x"] + share * box["width"], box["y"] + 0.45 * box["height"])
         page.wait_for_timeout(150)
-        if info.inner_text() != old and "disparity" in info.inner_text():
+        if "disparity" in info.inner_text():
             break
     for channel in ("x:", "depth:", "sigma:", "orientation:", "score:", "label:"):
         assert channel in info.inner_text()
@@ -179,12 +203,54 @@ def test_an_exploration_is_led_found_again_and_saved(page, folder):
     assert read_manifest(folder / "runs" / "mine")["command"] == "explore"
 
 
+def test_a_right_click_exports_a_frame(page):
+    page.get_by_test_id("pane-right").click(button="right")
+    with page.expect_download() as download:
+        page.get_by_role("menuitem").or_(page.locator(".q-menu .q-item")).first.click()
+    assert download.value.suggested_filename.startswith("village-")
+    says(page, "message", "frame written to")
+
+
+def lead(page, controller, *buttons):
+    choose(page, "controller", controller)
+    for button in buttons:
+        page.get_by_test_id(button).click()
+
+
+def test_a_controller_that_raises_is_a_message(page):
+    lead(page, "raises", "run")
+    says(page, "controller-result", "failed")
+    says(page, "controller-result", "no idea where to go")
+
+
+def test_a_controller_that_never_returns_is_left_behind(page):
+    lead(page, "hangs", "run")
+    says(page, "controller-result", "plan")
+    page.get_by_test_id("stop").click()
+    # The page answers meanwhile, and refuses what cannot be.
+    kept = value(page, "x")
+    box = page.get_by_test_id("pane-top").bounding_box()
+    symbol = page.get_by_test_id("pane-top").get_by_test_id("camera-symbol").bounding_box()
+    page.mouse.move(symbol["x"] + symbol["width"] / 2, symbol["y"] + symbol["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] + 40, box["y"] + 50)
+    page.mouse.move(box["x"] + box["width"] - 1, box["y"] - 20)
+    page.mouse.up()
+    assert -100 <= value(page, "x") <= 100
+    enter(page, "x", "1000")
+    says(page, "message", "the world ends there")
+    assert abs(value(page, "x")) <= 100, kept
+    says(page, "controller-result", "left behind")
+    lead(page, "frontier", "step")
+    says(page, "controller-result", "1 pairs")
+    page.get_by_test_id("stop").click()
+
+
 def test_a_second_visitor_has_his_own_cameras(page, browser):
     other = page_of(browser, page.url_of_server, "pane-left")
     assert value(other, "x") == 0
     enter(other, "x", "7")
     other.wait_for_function("() => document.querySelector('[data-testid=field-x]').value == 7")
-    page.wait_for_timeout(300)
     assert value(page, "x") != 7
     other.context.close()
 
