@@ -1,4 +1,4 @@
-"""What is known of every matched point, by the names of the channel menu (thesis figure 23)."""
+"""Channels of matched points, by the names of the channel menu (thesis figure 23)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

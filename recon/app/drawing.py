@@ -27,7 +27,7 @@ SEE_THROUGH = 0.55
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Look:
-    """How a layer is shown."""
+    """Choices of how a layer is shown."""
 
     colour_by: str = COLOUR
     is_dark: bool = True

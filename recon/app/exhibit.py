@@ -1,4 +1,4 @@
-"""What an argument of `recon inspect` names: a run folder, or points, cells or a mesh in a file."""
+"""Exhibits, as `recon inspect` takes them: a run folder, or points, cells or a mesh in a file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
 CLOUDS = {"dense": "dense.ply", "mesh": "mesh.ply"}
-"""What a run may hold besides its map and its cloud, by the names of layers."""
+"""Files that a run may hold besides its map and its cloud, by the names of layers."""
 NOBODY = -1.0
 
 

@@ -24,7 +24,7 @@ SIDES = ("left", "right")
 PLAIN_COLOUR = np.array([20, 20, 20], np.uint8)
 MARK = "#e8650a"
 FRAMES = Path("frames")
-"""Where exported frames lie, below the folder in which the program was started."""
+"""Folder of exported frames, below the one in which the program was started."""
 
 
 class EyePanes:
@@ -50,7 +50,7 @@ class EyePanes:
                 ui.menu_item("Export Frame", on_click=self._export)
 
     def add_card(self) -> None:
-        """What is shown over the eyes, and what was clicked there."""
+        """Add the card for the points over the eyes, and for the one that was clicked."""
         ui = nicegui()
         with card("Feature points"):
             with ui.row().classes("items-center gap-2"):

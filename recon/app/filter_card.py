@@ -1,4 +1,4 @@
-"""What is left out of a view: thresholds, a slice, a clip box."""
+"""Filters of a view: thresholds, a slice, a clip box."""
 
 from collections.abc import Callable
 from dataclasses import replace

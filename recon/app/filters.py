@@ -1,4 +1,4 @@
-"""Which rows of a layer are shown: thresholds, a box, and no more than can be drawn quickly."""
+"""Rows of a layer that are shown: thresholds, a box, and no more than can be drawn quickly."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ MOST_MOVING = 120_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Filter:
-    """What is left out."""
+    """Bounds on the rows that are shown."""
 
     least: Mapping[str, float] = field(default_factory=dict)
     most: Mapping[str, float] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class Shown:
     num_all: int
 
     def share(self, noun: str) -> str:
-        """What part is shown, in words."""
+        """The share that is shown, in words."""
         drawn = 1.0 if not self.num_kept else len(self.rows) / self.num_kept
         text = f"shows {len(self.rows):,} of {self.num_all:,} {noun}"
         if len(self.rows) < self.num_kept:

@@ -1,4 +1,4 @@
-"""Who may ask: only this machine, and whoever has the token."""
+"""The guard of the pages: only this machine is answered, and whoever has the token."""
 
 import hmac
 import ipaddress
@@ -17,7 +17,7 @@ LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a server that listens on `host`."""
+    """True where only this machine reaches a server that listens on `host`."""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:

@@ -1,4 +1,4 @@
-"""What the inspector shows of a file: points, cells or triangles, with columns of numbers."""
+"""Contents of a file for the inspector: points, cells or triangles, with columns of numbers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -44,7 +44,7 @@ class Layer:
 
     @property
     def noun(self) -> str:
-        """What one row is called, in the plural."""
+        """Name of the rows, in the plural."""
         if isinstance(self.data, Mesh):
             return "vertices"
         return "cells" if isinstance(self.data, Voxels) else "points"
@@ -58,7 +58,7 @@ class Layer:
 
     @property
     def thickness(self) -> float:
-        """How thick a slice is: a cell, or a fiftieth of the longest side."""
+        """Thickness of a slice: a cell, or a fiftieth of the longest side."""
         if isinstance(self.data, Voxels):
             return self.data.cell_size
         low, high = self.box

@@ -11,7 +11,7 @@ from recon.settings import WorldSettings
 Array = NDArray[np.float64]
 
 GRAB_PX = 22.0
-"""How near to a symbol the mouse has to be."""
+"""Reach of the mouse round a symbol."""
 CAMERA, TARGET, WAY = "#e8650a", "#0072b2", "#ffffff"
 SKY = (198, 213, 228)
 
@@ -45,7 +45,7 @@ class MapPane:
         return moved
 
     def grabbed(self, at: tuple[float, float], position: Array, target: Array) -> str | None:
-        """Which symbol a pixel grabs: "camera", "target" or none."""
+        """The symbol that a pixel grabs: "camera", "target" or none."""
         places = self.to_pixels(np.array([position, target]))
         away = np.hypot(*(places - at).T)
         if away.min() > GRAB_PX:

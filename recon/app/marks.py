@@ -82,7 +82,7 @@ def text(u: float, v: float, words: str, size: float = 13.0, anchor: str = "midd
 
 
 def caption(words: str, size: tuple[int, int]) -> str:
-    """What a pane shows, below on the left of an image of `size` pixels."""
+    """The name of a pane, below on the left of an image of `size` pixels."""
     font = 0.028 * size[0]
     return text(0.6 * font, size[1] - 0.6 * font, words, font, "start")
 

@@ -20,10 +20,10 @@ from recon.world.library import find_scene
 Array = NDArray[np.float64]
 
 AHEAD = 20.0
-"""How far ahead a view that is taken again looks, world units: a run keeps poses, not targets."""
+"""Distance of the target of a view that is taken again, world units: a run keeps poses only."""
 SPARSE, FEATURES, DENSE = "matched points", "features", "every pixel"
 SHOWN = (SPARSE, FEATURES, DENSE)
-"""What can be shown of a pair, besides its left image."""
+"""Choices of what is shown of a pair, besides its left image."""
 KEPT = {SPARSE: "disparity", DENSE: "dense"}
 """The figure of a run without a map that keeps it."""
 
@@ -43,7 +43,7 @@ class SeenPair:
 
     @property
     def said(self) -> str:
-        """How much is shown."""
+        """The amount that is shown, in words."""
         if not self.is_dense:
             noun = "matched points" if self.label.startswith("disparity") else "features"
             return f"{len(self.values):,} {noun}"

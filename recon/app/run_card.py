@@ -114,14 +114,14 @@ class RunCard:
 
 
 def _stage(walk: Walk) -> str:
-    """What is being done, and for how long where that is long."""
+    """The stage, and its duration so far where that is long."""
     if walk.waited_s < LONG_S:
         return walk.stage
     return f"{walk.stage}, for {walk.waited_s:.0f} s"
 
 
 def _fault(walk: Walk | None, name: str) -> str | None:
-    """Why a button does nothing now."""
+    """The reason why a button does nothing now; None where it does something."""
     is_going_on = walk is not None and not walk.is_over
     if name in ("pause", "stop") and not is_going_on:
         return "no run is going on"

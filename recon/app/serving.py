@@ -18,7 +18,7 @@ NUM_TRIED = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Address:
-    """Where a page is, and the socket that listens there."""
+    """The address of a page, and the socket that listens there."""
 
     host: str
     listener: socket.socket
@@ -31,7 +31,7 @@ class Address:
 
     @property
     def url(self) -> str:
-        """What a browser is given."""
+        """The address as a browser takes it."""
         shown = {"0.0.0.0": socket.gethostname(), "::": socket.gethostname()}.get(
             self.host, f"[{self.host}]" if ":" in self.host else self.host
         )

@@ -26,7 +26,7 @@ ROUND = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sight:
-    """What both cameras see now."""
+    """The images of both cameras now."""
 
     pair: StereoPair
     points: Points | None
@@ -47,7 +47,7 @@ class Simulation:
 
     @property
     def view(self) -> View:
-        """Where the cameras stand, what they look at, and what they are."""
+        """Place, target and parameters of the cameras."""
         eyes = self.settings.eyes
         return View(
             position=self.position, target=self.target, fov_deg=eyes.fov_deg,
@@ -120,7 +120,7 @@ class Simulation:
         self.settings = chosen
 
     def look(self, *, with_points: bool) -> Sight:
-        """What both cameras see."""
+        """The images of both cameras, with their matched points where wanted."""
         with self._lock:
             pair = self.world.take(self.view)
         if not with_points:

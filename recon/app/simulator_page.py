@@ -11,7 +11,7 @@ from recon.app.widgets import header, nicegui, note
 from recon.errors import ReconError
 
 POLL_S = 0.4
-"""How often the page looks what the exploration has done."""
+"""Seconds between looks at what the exploration has done."""
 
 
 class SimulatorPage:

@@ -1,4 +1,4 @@
-"""What is shown as a file of any format, to be taken along."""
+"""The rows that are shown as a file of any format, to be taken along."""
 
 import io
 import tempfile

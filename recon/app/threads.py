@@ -10,7 +10,7 @@ Made = TypeVar("Made")
 
 
 async def in_thread(make: Callable[[], Made]) -> Made:
-    """What `make` gives, or raises, in a thread of its own; the page answers meanwhile."""
+    """The result of `make`, or its error, from a thread of its own; the page answers meanwhile."""
     loop = asyncio.get_running_loop()
     done: asyncio.Future[Made] = loop.create_future()
 

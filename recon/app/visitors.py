@@ -1,4 +1,4 @@
-"""What belongs to one visitor, kept while the page is away: a cookie finds it again."""
+"""Belongings of visitors, kept while the page is away: a cookie finds them again."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -20,7 +20,7 @@ class Visitors(Generic[Kept]):
         self._kept: OrderedDict[str, Kept] = OrderedDict()
 
     def current(self) -> Kept:
-        """What belongs to whoever opens the page now."""
+        """The thing of whoever opens the page now."""
         name = str(load_extra("nicegui", "app").app.storage.browser["id"])
         if name not in self._kept:
             self._kept[name] = self._make()

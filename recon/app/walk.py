@@ -72,7 +72,7 @@ class Walk:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will come."""
+        """True where nothing more will come."""
         return self.state in ("failed", "done")
 
     def step(self) -> None:

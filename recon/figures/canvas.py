@@ -31,7 +31,7 @@ POINTS_PER_INCH = 72.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Style:
-    """What a figure shall look like, whatever it shows."""
+    """Looks of a figure, whatever it shows."""
 
     dpi: int = DPI
     font_size: float | None = None

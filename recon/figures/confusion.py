@@ -1,4 +1,4 @@
-"""How often labels are right, and whether probabilities mean what they say."""
+"""Confusion of labels, and reliability of their probabilities."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Which places of an image are covered by what is drawn, for texts that must stay off it."""
+"""Places of an image that are covered by what is drawn, for texts that must stay off them."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -22,7 +22,7 @@ _LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 def kept_dense(
     left: NDArray[np.uint8], found: Mapping[str, DisparityMap], truth_px: NDArray[np.floating]
 ) -> dict[str, NDArray[Any]]:
-    """What `dense_errors` and `dense_sigmas` are drawn from: disparities by matcher."""
+    """Arrays that `dense_errors` and `dense_sigmas` are drawn from: disparities by matcher."""
     kept: dict[str, NDArray[Any]] = {"left": left, "truth_px": truth_px.astype(np.float32)}
     for name, one in found.items():
         kept |= {f"{name}/disparity_px": one.disparity_px, f"{name}/sigma_px": one.sigma_px}

@@ -106,7 +106,7 @@ def _halo() -> dict[str, Any]:
 
 
 def add_legend(sheet: Sheet, handles: list[Any]) -> None:
-    """What the marks stand for, to the right of the sheet."""
+    """Add the legend of the marks, to the right of the sheet."""
     sheet.figure.legend(
         handles=handles, loc="outside right upper", frameon=False, fontsize=0.9 * sheet.font_size,
         labelcolor=INK, borderaxespad=0.3, handlelength=1.6,

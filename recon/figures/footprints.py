@@ -1,4 +1,4 @@
-"""What solids and objects cover of the floor: outlines in x and z, counter-clockwise in (x, -z)."""
+"""Footprints of solids and objects: outlines in x and z, counter-clockwise in (x, -z)."""
 
 import numpy as np
 from numpy.typing import NDArray

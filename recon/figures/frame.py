@@ -127,14 +127,14 @@ def _edge(
 
 
 def _covered(sheet: Sheet, edge: Edge, cover: Cover) -> int:
-    """How many of an edge's numbers would lie on something."""
+    """Number of an edge's numbers that would lie on something."""
     at = edge.at + edge.out * 1.2 * sheet.line_px
     reach = 0.7 * sheet.line_px
     return int((cover.area(np.hstack([at - reach, at + reach])) > 0).sum())
 
 
 def _outside(edge: Edge, middle: Array) -> float:
-    """How far out an edge lies: below for x and z, on the left for y."""
+    """Distance outwards of an edge: below for x and z, on the left for y."""
     away = edge.at.mean(axis=0) - middle
     return float(-away[0] if edge.axis == 1 else away[1])
 

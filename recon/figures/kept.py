@@ -17,7 +17,7 @@ LABEL_HEIGHT = 1.5
 
 
 def kept_pair(left: NDArray[np.uint8], matches: Matches) -> dict[str, NDArray[Any]]:
-    """What `disparity` is drawn from."""
+    """Arrays that `disparity` is drawn from."""
     return {
         "left": left, "points_px": matches.points_px, "disparity_px": matches.disparity_px
     }  # fmt: skip

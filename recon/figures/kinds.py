@@ -1,4 +1,4 @@
-"""What a kind of figure is, and what it is drawn from."""
+"""Kinds of figures, and the subjects they are drawn from."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from recon.figures.canvas import Sheet
 
 Arrays = Mapping[str, NDArray[Any]]
-"""What a figure shows, by name: what its `.npz` holds."""
+"""Arrays that a figure shows, by name, as its `.npz` holds them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Subject:
-    """What is drawn: a run with a map, or the arrays that a run kept for one figure, or both."""
+    """Subject of a figure: a run with a map, or the arrays that it kept for one figure, or both."""
 
     run: Reconstruction[Any] | None = None
     kept: Arrays | None = None
@@ -30,7 +30,7 @@ class Subject:
     unit: str = "world units"
     """Of lengths."""
     is_recorded: bool = False
-    """Whether the run saw the real world; by default it is then seen from behind the camera."""
+    """True where the run saw the real world; by default it is then seen from behind the camera."""
     asked_view: str = "default"
 
     @property
@@ -48,7 +48,7 @@ class Subject:
 
     @property
     def arrays(self) -> Arrays:
-        """What the run kept for this figure.
+        """The arrays that the run kept for this figure.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class Subject:
 
     @property
     def view(self) -> str:
-        """Where a figure in space is seen from."""
+        """The view of a figure in space."""
         is_seen = self.is_recorded and self.run is not None and len(self.run.trajectory) > 0
         return "ego" if self.asked_view == "default" and is_seen else self.asked_view
 
@@ -73,7 +73,7 @@ class Subject:
 
     @property
     def has_rays(self) -> bool:
-        """Whether the map knows what was looked through."""
+        """True where the map knows what was looked through."""
         return "rays" in getattr(self.mapped.map, "channels", ())
 
     @property
@@ -107,10 +107,10 @@ class Kind:
     size: tuple[int, int] = (1200, 900)
     """Pixels where nobody says."""
     has_view: bool = False
-    """Whether it is seen from somewhere."""
+    """True where it is seen from somewhere."""
     is_kept: bool = False
-    """Whether it is drawn from arrays that the run kept, not from its map."""
+    """True where it is drawn from arrays that the run kept, not from its map."""
     needs_mesh: bool = False
-    """Whether it shows the run's mesh."""
+    """True where it shows the run's mesh."""
     lack: Callable[[Subject], str | None] = _drawable
-    """What a run with a map lacks for it; None where it can be drawn."""
+    """The thing that a run with a map lacks for it; None where it can be drawn."""

@@ -25,7 +25,7 @@ UNITS = "world units"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standpoint:
-    """Where a figure in space is looked at from, and what its lengths are called."""
+    """Viewpoint of a figure in space by name, and the unit of its lengths."""
 
     view: str = "default"
     """As `viewpoint` takes it."""
@@ -52,7 +52,7 @@ class Stage:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawn:
-    """What a figure in space shows."""
+    """Contents of a figure in space."""
 
     voxels: Voxels
     objects: tuple[FoundObject, ...]

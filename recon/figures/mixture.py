@@ -1,4 +1,4 @@
-"""What right pairs look like to the von Mises matcher (thesis figure 17)."""
+"""Right pairs as the von Mises matcher sees them (thesis figure 17)."""
 
 from collections.abc import Sequence
 from typing import Any

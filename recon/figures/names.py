@@ -16,7 +16,7 @@ LETTER_WIDTH = 0.56
 """Of a letter, to its height, on average."""
 NUM_AROUND = 16
 RINGS = (0.0, 1.0, 2.0, 3.5, 5.5, 8.0)
-"""How many lines of text away from an object a name is tried."""
+"""Distances from an object at which a name is tried, lines of text."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,4 +1,4 @@
-"""Whose cells are whose: those of an object, and of each of its parts."""
+"""Cells by owner: those of an object, and of each of its parts."""
 
 import colorsys
 

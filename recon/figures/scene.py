@@ -1,4 +1,4 @@
-"""What stands in a figure in space: cells, solids and the grid under them, as pyvista's Plotter."""
+"""Scene of a figure in space: cells, solids and the grid under them, as pyvista's Plotter."""
 
 from collections.abc import Sequence
 from typing import Any

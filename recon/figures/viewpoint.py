@@ -1,4 +1,4 @@
-"""Where a figure in space is looked at from: named views, the recording's own, or six numbers."""
+"""Viewpoints of figures in space: named views, the recording's own, or six numbers."""
 
 from dataclasses import dataclass, replace
 
@@ -29,7 +29,7 @@ VIEWS = (*DIRECTIONS, *FROM_CAMERA)
 VIEW_ANGLE_DEG = 28.0
 EGO_ANGLE_DEG = 42.0
 EGO_RISE = 0.42
-"""How far the place behind the camera lies above it, to one of distance."""
+"""Height of the place behind the camera above it, to one of distance."""
 CAMERA_ANGLE_DEG = 60.0
 FRAME = 1.08
 """Room round what is looked at, for names and numbers."""
