@@ -15,7 +15,7 @@ AT_MOST = ("sigma",)
 """Columns that a slider cuts: below it, and above it."""
 
 MOST_AT_REST = 2_000_000
-MOST_MOVING = 120_000
+MOST_MOVING = 80_000
 """Rows that are drawn while the view stands still, and while it turns."""
 
 

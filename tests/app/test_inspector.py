@@ -160,7 +160,7 @@ def test_a_cloud_and_a_mesh_stand_side_by_side(browser, tmp_path):
         page.mouse.move(box["x"] + 100, box["y"] + 100)
         page.mouse.down()
         page.mouse.move(box["x"] + 160, box["y"] + 120, steps=3)
-        says(page, "shown-share", "30% of the 400,000 that pass, drawn by lot")
+        says(page, "shown-share", "20% of the 400,000 that pass, drawn by lot")
         page.mouse.up()
         says(page, "shown-share", "(100%)")
         drawn(page, "scene-2", before)
