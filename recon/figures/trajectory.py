@@ -56,7 +56,8 @@ def trajectory(
         _draw_directions(sheet, axes, at, gaze)
     if len(voxels):
         handles.append(floor.patch("occupied", color=MAPPED))
-    axes.legend(handles=handles, loc="best", frameon=False, fontsize=0.9 * sheet.font_size)
+    axes.legend(handles=handles, loc="best", framealpha=0.85, edgecolor="none",
+                fontsize=0.9 * sheet.font_size)  # fmt: skip
     sheet.settle()
     floor.add_scale_bar(sheet, axes, unit)
     return sheet.figure

@@ -1,13 +1,15 @@
 """The simulator in a real browser: cameras in hand, points, frames, and an exploration."""
 
+import http.client
 import json
+import urllib.parse
 import zipfile
 
 import numpy as np
 import pytest
 
 from recon.runfolder import read_manifest
-from tests.app.conftest import choose, drawn, page_of, says, served, source
+from tests.app.conftest import PATIENCE_S, choose, drawn, page_of, says, served, source
 
 PANES = ("pane-left", "pane-right", "pane-top", "pane-front")
 
@@ -244,6 +246,24 @@ def test_a_controller_that_never_returns_is_left_behind(page):
     lead(page, "frontier", "step")
     says(page, "controller-result", "1 pairs")
     page.get_by_test_id("stop").click()
+
+
+@pytest.mark.parametrize(
+    ("host", "origin", "status"),
+    [("evil.example", None, 403), (None, "http://evil.example", 403), (None, None, 101)],
+)
+def test_a_foreign_page_opens_no_socket(page, host, origin, status):
+    own = urllib.parse.urlsplit(page.url_of_server).netloc
+    connection = http.client.HTTPConnection(own, timeout=PATIENCE_S)
+    headers = {
+        "Host": host or own, "Origin": origin or f"http://{host or own}", "Upgrade": "websocket",
+        "Connection": "Upgrade", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
+        "Sec-WebSocket-Version": "13",
+    }  # fmt: skip
+    path = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
+    connection.request("GET", path, headers=headers)
+    assert connection.getresponse().status == status
+    connection.close()
 
 
 def test_a_second_visitor_has_his_own_cameras(page, browser):
