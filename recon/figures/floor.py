@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.canvas import INK, QUIET, Sheet
+from recon.figures.cover import Cover
 from recon.figures.scene import box_of
 from recon.records import GroundGrid, Voxels
 from recon.voxelmap.ground import height_sum
@@ -14,6 +15,8 @@ Array = NDArray[np.float64]
 
 MARGIN = 0.06
 """Room round what is shown, of its longer side."""
+NORTH_LINES = 5.4
+"""Room for the arrow to the north, lines of text."""
 SCALE_SHARE = 0.22
 """Length of the scale bar, of the sheet's width, about."""
 
@@ -76,8 +79,8 @@ def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
               fontsize=0.9 * sheet.font_size, bbox=_halo(), **place)  # fmt: skip
 
 
-def add_north(sheet: Sheet, axes: Any, ahead: Array) -> Array:
-    """An arrow along the first camera's direction (2,) in x, z, above on the left.
+def add_north(sheet: Sheet, axes: Any, ahead: Array, cover: Cover) -> Array:
+    """An arrow along the first camera's direction (2,) in x, z, in the emptiest corner.
 
     Returns
     -------
@@ -87,7 +90,8 @@ def add_north(sheet: Sheet, axes: Any, ahead: Array) -> Array:
     window = axes.get_window_extent()
     reach = 1.4 * sheet.line_px
     towards = ahead / max(float(np.linalg.norm(ahead)), 1e-12) * (1.0, -1.0)
-    middle = np.array([2.6 * sheet.line_px, window.height - 2.8 * sheet.line_px])
+    box = _emptiest_corner(sheet, (window.width, window.height), cover)
+    middle = (box[:2] + box[2:]) / 2.0 * (1.0, -1.0) + (0.0, window.height)
     tail, head = ((middle + sign * reach * towards) / (window.width, window.height)
                   for sign in (-1.0, 1.0))  # fmt: skip
     axes.annotate(
@@ -97,8 +101,17 @@ def add_north(sheet: Sheet, axes: Any, ahead: Array) -> Array:
     beyond = (middle + (reach + 0.6 * sheet.line_px) * towards) / (window.width, window.height)
     axes.text(*beyond, "N", transform=axes.transAxes, ha="center", va="center", color=INK,
               fontsize=sheet.font_size, weight="bold", zorder=10, bbox=_halo())  # fmt: skip
-    corner = np.array([middle[0], window.height - middle[1]])
-    return np.concatenate([corner - 2.6 * sheet.line_px, corner + 2.6 * sheet.line_px])
+    return box
+
+
+def _emptiest_corner(sheet: Sheet, size: tuple[float, float], cover: Cover) -> Array:
+    """Left, top, right and bottom of room for an arrow; below on the left lies the scale bar."""
+    room = NORTH_LINES * sheet.line_px
+    right, bottom = size[0] - room, size[1] - room
+    corners = np.array([[0.0, 0.0], [right, 0.0], [right, bottom]])
+    boxes = np.hstack([corners, corners + room])
+    box: Array = boxes[np.argmin(cover.area(boxes))]
+    return box
 
 
 def _halo() -> dict[str, Any]:

@@ -165,7 +165,7 @@ def _number(sheet: Sheet, axes: Any, edge: Edge) -> None:
 def _write(axes: Any, at: Array, text: str, out: Array, **font: Any) -> None:
     letter = float(font["fontsize"]) * axes.figure.dpi / POINTS_PER_INCH
     across = "left" if out[0] > 0.5 else "right" if out[0] < -0.5 else "center"
-    width = LETTER_WIDTH * letter * len(text)
+    width = LETTER_WIDTH * letter * (len(text) + 0.5)
     share = {"left": 0.0, "center": 0.5, "right": 1.0}[across]
     room = np.array([[share * width, 0.7 * letter], [(1.0 - share) * width, 0.7 * letter]])
     at = np.clip(at, room[0] + 2.0, np.array(axes_size(axes)) - room[1] - 2.0)

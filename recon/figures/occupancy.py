@@ -94,11 +94,11 @@ def labels(
     if with_legend:
         floor.add_legend(sheet, handles)
     sheet.settle()
-    reserved = []
+    cover, reserved = _cover(axes, voxels), []
     if trajectory is not None and len(trajectory):
-        reserved.append(floor.add_north(sheet, axes, trajectory[0, [0, 2], 2]))
+        reserved.append(floor.add_north(sheet, axes, trajectory[0, [0, 2], 2], cover))
     floor.add_scale_bar(sheet, axes, unit)
-    _write_names(sheet, axes, zip(objects, outlines, strict=True), (voxels, reserved))
+    _write_names(sheet, axes, zip(objects, outlines, strict=True), (cover, reserved))
     return sheet.figure
 
 
@@ -160,20 +160,23 @@ def _write_names(
     sheet: Sheet,
     axes: Any,
     objects: Iterable[tuple[FoundObject, Array]],
-    drawn: tuple[Voxels, Sequence[Array]],
+    taken: tuple[Cover, Sequence[Array]],
 ) -> None:
     """The name of every known object with its outline, off the cells and the reserved boxes."""
-    voxels, reserved = drawn
-    window = axes.get_window_extent()
-    at = names.to_pixels(axes, voxels.centres[:, [0, 2]])
-    across = np.ptp(names.to_pixels(axes, np.array([[0.0, 0.0], [voxels.cell_size, 0.0]]))[:, 0])
-    cover = Cover(at, 0.5 * float(across), (int(window.width), int(window.height)))
     texts = [
         names.Name(text=_name(found), box=_box(names.to_pixels(axes, outline)))
         for found, outline in objects
         if found.label != UNKNOWN
     ]
-    names.write(sheet, axes, texts, cover, reserved)
+    names.write(sheet, axes, texts, *taken)
+
+
+def _cover(axes: Any, voxels: Voxels) -> Cover:
+    """The pixels of the axes over which cells lie."""
+    window = axes.get_window_extent()
+    at = names.to_pixels(axes, voxels.centres[:, [0, 2]])
+    across = np.ptp(names.to_pixels(axes, np.array([[0.0, 0.0], [voxels.cell_size, 0.0]]))[:, 0])
+    return Cover(at, 0.5 * float(across), (int(window.width), int(window.height)))
 
 
 def _box(at: Array) -> Array:

@@ -195,3 +195,16 @@ def test_a_mesh_is_seen_from_its_cameras():
         image = pixels(mesh(surface, np.array([[0.0, 0.0, side]]), sheet=small(600, 300)))
         red, blue = (columns_of(image[:, :300], channel).mean() for channel in (0, 2))
         assert sign * (blue - red) > 30
+
+
+def test_a_mesh_has_a_grid_and_other_views(tmp_path):
+    vertices = np.array([[-1, 0, 0], [1, 0, 0], [1, 2, 0], [-1, 2, 0.0]])
+    surface = Mesh(vertices=vertices, triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32))
+    cameras = np.array([[0.0, 1.0, 5.0]])
+    shares = {}
+    for view in ("default", "top"):
+        figure = mesh(surface, cameras, standpoint=Standpoint(view=view, unit="m"), sheet=small())
+        assert any("grid" in text.get_text() for text in figure.axes[0].texts)
+        shares[view] = (pixels(figure).max(axis=2) < 215).mean()
+    # From the top an upright square is a line.
+    assert shares["top"] < 0.5 * shares["default"]

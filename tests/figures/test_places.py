@@ -13,9 +13,22 @@ from recon.figures.cover import Cover
 from recon.figures.footprints import least_rectangle, of_object, of_solid
 from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
+from recon.figures.occupancy import labels
+from recon.figures.partition import part_colour
 from recon.figures.viewpoint import VIEWS, viewpoint
 from recon.geometry import look_at, rotation_about_y
-from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Sphere, TruncatedCone, Voxels
+from recon.records import (
+    Box,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    FoundObject,
+    Part,
+    Plane,
+    Sphere,
+    TruncatedCone,
+    Voxels,
+)
 
 SIZE = (800, 600)
 BOX = np.array([-20.0, 0.0, -35.0]), np.array([30.0, 16.0, 25.0])
@@ -197,3 +210,44 @@ def test_seen_ground_is_free_and_what_stands_on_it_is_not():
     assert (states.cells[[0, 4, 6, 19]] == FREE).all()
     np.testing.assert_array_equal(states.origin_xz, [0.0, 0.0])
     assert states_by_ground(voxels.select(slice(0))) is None
+
+
+def two_balls():
+    """A red ball under a blue one; the lower half of the blue one's cells took red from below."""
+    centres = np.array([[0.0, 2.0, 0.0], [0.0, 6.0, 0.0]])
+    parts = tuple(
+        Part(role=role, solid=Sphere(centre=at, radius=2.0), hue_deg=None, num_voxels=9, rms=0.1)
+        for role, at in zip(("body", "roof"), centres, strict=True)
+    )
+    index = np.array([[x, y, z] for x in (-2, 1) for y in range(8) for z in (-2, 1)])
+    is_blue = index[:, 1:2] >= 6
+    return Voxels(
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(len(index), 9),
+        colours=np.where(is_blue, [[20, 20, 220]], [[220, 20, 20]]).astype(np.uint8),
+        cell_size=1.0,
+    ), FoundObject(
+        id=0, label="cottage", probability=0.9, centre=np.array([0.0, 4.0, 0.0]),
+        size=np.array([4.0, 8.0, 4.0]), num_voxels=len(index), parts=parts,
+    )  # fmt: skip
+
+
+def test_a_part_has_its_own_colour_where_two_meet():
+    voxels, found = two_balls()
+    assert part_colour(voxels, found, 0) == (220, 20, 20)
+    assert part_colour(voxels, found, 1) == (20, 20, 220)
+
+
+@pytest.mark.parametrize(("x", "corner"), [(0, "right"), (40, "left")])
+def test_north_is_where_nothing_is(voxels, x, corner):
+    # Cells above on one side only.
+    index = np.array([[x + a, 0, b] for a in range(8) for b in range(8)] + [[20, 0, 40]])
+    cells = Voxels(
+        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(len(index), 9),
+        colours=np.full((len(index), 3), 99, np.uint8), cell_size=1.0,
+    )  # fmt: skip
+    ahead = np.diag([1.0, -1.0, -1.0, 1.0])
+    ahead[:3, 3] = 20.0, 0.0, 38.0
+    figure = labels(cells, trajectory=ahead[None])
+    (north,) = [text for text in figure.axes[0].texts if text.get_text() == "N"]
+    assert (north.get_position()[0] > 0.5) == (corner == "right")
+    assert north.get_position()[1] > 0.5
