@@ -16,7 +16,7 @@ from recon.figures.solids import triangles_of
 from recon.records import FoundObject, Voxels
 from recon.world.raster import Lens, Raster
 
-SIZE = (960, 600)
+SIZE = (960, 720)
 """Width and height of a view in pixels."""
 LIGHT, DARK = (250, 250, 249), (24, 27, 31)
 MARKED = np.array([255, 140, 0], np.uint8)

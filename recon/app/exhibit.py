@@ -17,7 +17,6 @@ from recon.figures.partition import cells_of_mask
 from recon.notices import collected_notices
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
 from recon.runfolder import MANIFEST, read_manifest
-from recon.runs.figures import RECORDED
 from recon.runs.maps import map_path, shown
 from recon.runs.reading import read_reconstruction
 from recon.settings import MapSettings
@@ -91,6 +90,9 @@ def _open_run(path: Path) -> Exhibit:
     for name, file in CLOUDS.items():
         if (path / file).exists():
             layers[name] = layer_of(_read(path / file))
+    # Late: it brings all that draws figures.
+    from recon.runs.figures import RECORDED
+
     unit = "m" if manifest["command"] in RECORDED else "world units"
     return Exhibit(
         path=path, layers=layers, objects=objects, trajectory=trajectory, is_run=True, unit=unit

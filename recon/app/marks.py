@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from recon.app.drawing import Look, View
 from recon.app.layers import COLOUR, Layer, with_unit
 from recon.figures import scales
-from recon.records import FoundObject, Trajectory
+from recon.records import UNKNOWN, FoundObject, Trajectory
 from recon.world.raster import Lens
 
 Array = NDArray[np.float64]
@@ -103,7 +103,9 @@ def length_bar(unit_px: float, size: tuple[int, int]) -> str:
 def _name(lens: Lens, found: FoundObject) -> str:
     top = found.centre + np.array([0.0, 0.55 * found.size[1], 0.0])
     u, v, depth = lens.project(top[None])[0]
-    return text(u, v, found.label) if depth > 0 else ""
+    # Many objects of a recording have no name: the table tells them by their ids.
+    words = f"#{found.id}" if found.label == UNKNOWN else found.label
+    return text(u, v, words) if depth > 0 else ""
 
 
 def _scale(layer: Layer, look: Look) -> str:

@@ -28,7 +28,9 @@ HEAD = """
   .recon-note { font-size: 12px; opacity: .8; white-space: pre-line; overflow-wrap: anywhere; }
   .recon-fields { display: grid; grid-template-columns: repeat(3, 1fr); width: 100%;
                   gap: 2px 10px; }
-  .recon-stack { display: grid; gap: 8px; }
+  .recon-main > .recon-pane { max-width: calc((100vh - 110px) * 4 / 3); margin: 0 auto; }
+  .recon-stack { display: grid; gap: 8px;
+                 grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); }
   .recon-four { max-width: calc(100vh - 90px); margin: 0 auto; }
   .recon-range { width: 100%; accent-color: #0072b2; }
   .recon-pane { border: 1px solid rgba(128, 128, 128, .35); border-radius: 4px; overflow: hidden;
