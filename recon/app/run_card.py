@@ -58,10 +58,7 @@ class RunCard:
         text = f"{walk.state}: {walk.number} pairs, {count} object{'' if count == 1 else 's'}"
         if walk.stage and walk.state in ("running", "stopping"):
             text += f" ({_stage(walk)})"
-        said = walk.error or walk.said
-        if walk.report is not None:
-            said = f"ended: {walk.report['stop_reason']}. {walk.said}"
-        self.result.set_text(f"{text}\n{said}" if said else text)
+        self.result.set_text("\n".join(line for line in (text, *_said(walk)) if line))
 
     def show_objects(self, objects: tuple[FoundObject, ...]) -> None:
         """Show what is found."""
@@ -111,6 +108,14 @@ class RunCard:
             self._complain(str(error))
         else:
             self._complain(f"run written to {RUNS / name}")
+
+
+def _said(walk: Walk) -> list[str]:
+    """Lines of the controller, of how the run ended, and of what is wrong."""
+    if walk.report is None:
+        return [walk.error or walk.said]
+    warnings = [notice.text for notice in walk.report.warnings]
+    return [f"ended: {walk.report['stop_reason']}. {walk.said}", *warnings]
 
 
 def _stage(walk: Walk) -> str:

@@ -22,6 +22,7 @@ from recon.exploration.world_model import WorldModel
 from recon.mapping import mapper
 from recon.mapping.mapper import Mapper
 from recon.mapping.pair import match_points
+from recon.notices import notify
 from recon.records import Recognition, Reconstruction, StereoPair, View
 from recon.settings import Settings
 from recon.stopwatch import Stopwatch
@@ -129,8 +130,10 @@ class Agent:
     def stop(self, reason: str, message: str) -> None:
         """Note why the exploration ended."""
         self.stop_reason, self.message = reason, message
-        level = logging.WARNING if reason == "controller failed" else logging.INFO
-        log.log(level, "%s: %s", reason, message)
+        if reason == "controller failed":
+            notify("controller-failed", message)
+        else:
+            log.info("%s: %s", reason, message)
 
     def _check_start(self) -> None:
         """Raise `InputError` where the agent cannot begin."""

@@ -227,7 +227,7 @@ def lead(page, controller, *buttons):
 
 def test_a_controller_that_raises_is_a_message(page):
     lead(page, "raises", "run")
-    says(page, "controller-result", "failed")
+    says(page, "controller-result", "controller failed")
     says(page, "controller-result", "no idea where to go")
 
 
