@@ -56,7 +56,10 @@ def browser():
 @contextmanager
 def served(*argv, folder, path=()):
     """The address of a page that a process of its own serves; `path` is looked through, too."""
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, [ROOT, *path]))}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(map(str, [ROOT, *path])),
+        "TMPDIR": str(folder),
+    }
     process = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *argv, "--port", "0", "--no-browser"], cwd=folder,
         stdout=subprocess.PIPE, text=True, env=environment,
