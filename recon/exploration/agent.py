@@ -22,7 +22,6 @@ from recon.exploration.world_model import WorldModel
 from recon.mapping import mapper
 from recon.mapping.mapper import Mapper
 from recon.mapping.pair import match_points
-from recon.notices import notify
 from recon.records import Recognition, Reconstruction, StereoPair, View
 from recon.settings import Settings
 from recon.stopwatch import Stopwatch
@@ -130,10 +129,7 @@ class Agent:
     def stop(self, reason: str, message: str) -> None:
         """Note why the exploration ended."""
         self.stop_reason, self.message = reason, message
-        if reason == "controller failed":
-            notify("controller-failed", message)
-        else:
-            log.info("%s: %s", reason, message)
+        log.info("%s: %s", reason, message)
 
     def _check_start(self) -> None:
         """Raise `InputError` where the agent cannot begin."""

@@ -8,6 +8,7 @@ from recon.exports.ply import CloudWriter
 from recon.geometry import Array
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.views import with_views
+from recon.notices import notify
 from recon.records import StereoPair, View
 from recon.records.objects import from_json
 from recon.runfolder import RunFolder
@@ -44,6 +45,8 @@ def _explore(job: Job, work: Work) -> Numbers:
     recorder = Recorder(world, job, work)
     with CloudWriter(work.run.path / "cloud.ply") as recorder.cloud:
         done = explore(world, job.settings, recorder.observe, recorder.take, work.stopwatch)
+    if done.stop_reason == "controller failed":
+        notify("controller-failed", done.message)
     if done.stop_reason == "interrupted":
         work.run.interrupt()
     work.run.write_text(CAMERAS, as_document(recorder.seen))
