@@ -13,6 +13,7 @@ from recon.exports.columns import columns_of
 from recon.exports.formats import read
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
+from recon.notices import notify
 from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
 from recon.records import PointCloud, Recognition, Voxels
@@ -60,6 +61,8 @@ def read_scene(path: Path, settings: Settings) -> Scene:
     if path.is_dir() and not is_partitioned(path):
         raise InputError(f"{path} holds no map.npz with its settings.toml, but a run is needed")
     data = read(path)
+    if isinstance(data, PointCloud) and data.colours is None:
+        notify("colour-missing", f"{path} has no colours: what objects have is grey")
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, settings.map)
     return Scene(data=data)

@@ -52,6 +52,13 @@ def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
     assert main(["recognise", str(desk), "-o", str(target)]) == 2
 
 
+def test_a_cloud_without_colours_says_that_those_of_objects_are_not_known(tmp_path, capsys):
+    plain = np.concatenate(things(np.random.default_rng(0), table=False))[::8]
+    write(PointCloud(points=plain), tmp_path / "plain.ply")
+    report = run_json(capsys, "recognise", tmp_path / "plain.ply")
+    assert [one["code"] for one in report["warnings"]] == ["colour-missing"]
+
+
 def test_names_with_sizes_need_a_scale(desk, capsys):
     named = run_json(capsys, "recognise", desk, "--catalogue", "household", "--unit", "m")
     assert sorted(one["label"] for one in named["objects"]) == ["ball", "mug"]
