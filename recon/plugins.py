@@ -1,6 +1,7 @@
 """Plug-ins: parts by name, recon's own and those of installed packages, loaded when first used."""
 
 import difflib
+import functools
 import logging
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
@@ -41,6 +42,12 @@ def register(group: str, name: str, part: Any) -> None:
     if group not in GROUPS:
         raise InputError(f"group is {group!r}, but one of {', '.join(GROUPS)} is needed")
     _registered.setdefault(f"recon.{group}", {})[name] = part
+
+
+@functools.cache
+def say_once(fault: str) -> None:
+    """Warn of a fault of a plug-in; a process hears of the same one once."""
+    log.warning("%s", fault)
 
 
 class Registry(Generic[Part]):
@@ -101,7 +108,7 @@ class Registry(Generic[Part]):
             try:
                 part = self._part(name, entries)
             except InputError as error:
-                log.warning("%s; it is left out", error)
+                say_once(f"{error}; it is left out")
             else:
                 yield name, part
 

@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint, EntryPoints
 import pytest
 
 from recon.errors import InputError
-from recon.plugins import Registry, register
+from recon.plugins import Registry, register, say_once
 
 OWN = {"join": "os.path:join"}
 PLUGINS = {"split": "os.path:split", "broken": "no_such_module:part", "join": "os.path:basename"}
@@ -49,3 +49,9 @@ def test_what_is_registered_is_found_but_replaces_nothing(monkeypatch):
     assert dict(matchers.parts())["mine"] is len
     with pytest.raises(InputError, match=r"group is 'matcher', but one of .*matchers"):
         register("matcher", "mine", len)
+
+
+def test_the_same_fault_is_said_once(caplog):
+    for _ in range(2):
+        say_once("format 'one of a test' fails")
+    assert [record.getMessage() for record in caplog.records] == ["format 'one of a test' fails"]

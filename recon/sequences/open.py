@@ -1,13 +1,12 @@
 """One door to recordings of every form."""
 
-import logging
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 from recon.errors import InputError
 from recon.geometry import LEVEL_CAMERA
-from recon.plugins import Registry
+from recon.plugins import Registry, say_once
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import RefinedPairs, row_residual
 from recon.sequences.contradictions.checked import CheckedPairs
@@ -17,8 +16,6 @@ from recon.sequences.readers.reader import Reader
 from recon.sequences.refined import Refined
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings
-
-log = logging.getLogger(__name__)
 
 _ROOM = "recon.sequences.readers"
 READERS: Registry[Reader] = Registry(
@@ -155,6 +152,11 @@ def find_recording(path: Path) -> tuple[Reader, Path] | None:
     return None
 
 
+def name_of(reader: Reader) -> str | None:
+    """The name of a form, as `--format` has it."""
+    return next((name for name, one in READERS.parts() if one is reader), None)
+
+
 def _inside(place: Path) -> list[Path]:
     return sorted(one for one in place.iterdir() if one.name[0] != ".") if place.is_dir() else []
 
@@ -167,7 +169,7 @@ def _reader_of(path: Path) -> Reader | None:
                 return reader
         # A package of somebody else's may fail in any way.
         except Exception as error:
-            log.warning("format %r fails on %s (%s); it is left out", name, path, error)
+            say_once(f"format {name!r} fails ({error}); it is left out")
     return None
 
 

@@ -9,9 +9,11 @@ import pytest
 from recon.cli import main
 from recon.exports import write
 from recon.records import Mesh, PointCloud
+from recon.runs.description import describe
 from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.voxelmap import VoxelMap
+from tests.sequences.recordings import write_folder, write_ros1
 
 POINTS = np.array([[1.0, 2, 3], [4, 5, 6], [7, 8, 9]])
 
@@ -127,3 +129,12 @@ def test_damaged_documents_are_one_line(tmp_path, capsys, name, content):
     assert captured.out == ""
     assert captured.err.count("\n") == 1
     assert name in captured.err
+
+
+def test_a_folder_with_a_bag_tells_its_topics_and_its_format(tmp_path):
+    write_ros1(tmp_path / "drive")
+    facts = describe(tmp_path / "drive")
+    assert facts["format"] == "bag"
+    assert len(facts["topics"]) == 4
+    write_folder(tmp_path / "plain")
+    assert describe(tmp_path / "plain")["format"] == "folder"

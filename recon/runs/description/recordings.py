@@ -8,7 +8,7 @@ from recon.errors import InputError
 from recon.runs.description.facts import Facts, spread
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_pixels
-from recon.sequences.open import open_sequence
+from recon.sequences.open import find_recording, name_of, open_sequence
 from recon.sequences.readers.bag import is_bag
 from recon.sequences.readers.bag_file import connections
 from recon.sequences.truth import read_truth_file
@@ -18,9 +18,10 @@ from recon.world.scene import read_scene
 
 def of_recording(path: Path) -> Facts:
     """A recording; of a bag whose cameras are not told by their names, its topics alone."""
-    topics = _topics(path)
+    found = find_recording(path)
+    topics = _topics(path if found is None else found[1])
     try:
-        return _of_pairs(path) | topics
+        return _of_pairs(path, None if found is None else name_of(found[0])) | topics
     except InputError as error:
         if not topics:
             raise
@@ -34,7 +35,7 @@ def _topics(path: Path) -> Facts:
     return {"topics": rows}
 
 
-def _of_pairs(path: Path) -> Facts:
+def _of_pairs(path: Path, form: str | None) -> Facts:
     source = open_sequence(path, SequenceSettings())
     pair = next(iter(source), None)
     if pair is None:
@@ -42,6 +43,7 @@ def _of_pairs(path: Path) -> Facts:
     rig = {name: getattr(pair.rig, name) for name in type(pair.rig).__slots__}
     return {
         "kind": "recording",
+        "format": form,
         "num_pairs": len(source),
         "skipped": len(source.skipped),
         "has_poses": pair.T_world_left is not None,
