@@ -27,7 +27,7 @@ DRIFT_SHARE = 0.1
 SAME_VIEW_COSINE = 0.5
 NUM_CANDIDATES = 3
 """Places that look most alike, which are held against each place."""
-MIN_AGREEING, MIN_AGREEING_SHARE = 40, 0.4
+MIN_AGREEING, MIN_AGREEING_SHARE = 24, 0.4
 """Points, and share of those that look alike, that have to agree on one motion."""
 MAX_NODES = 300
 """Of the graph; what lies between two of them is carried along."""
