@@ -108,7 +108,7 @@ def _job(
     return Job(
         kind=command,
         inputs=inputs,
-        arguments=dict(table.get("arguments", {})),
+        arguments=_table(table, "arguments", source),
         settings=_settings(table, point, source),
         seed=_seed(table, source),
     )
@@ -120,12 +120,16 @@ def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -
     for key in CHOICES:
         if key in table:
             tree = merged(tree, _choice(_text(table, key, source), key, source))
-    given = table.get("settings", {})
-    if not isinstance(given, Mapping):
-        raise InputError(f"{source}: settings is {given!r}, but a table is needed")
-    for changes in (given, point):
+    for changes in (_table(table, "settings", source), point):
         tree = merged(tree, _tree(changes))
     return updated(Settings(), tree, source)
+
+
+def _table(table: Mapping[str, Any], key: str, source: str) -> dict[str, Any]:
+    given = table.get(key, {})
+    if not isinstance(given, Mapping):
+        raise InputError(f"{source}: {key} is {given!r}, but a table is needed")
+    return dict(given)
 
 
 def _choice(word: str, key: str, source: str) -> Mapping[str, Any]:
@@ -142,6 +146,8 @@ def _tree(values: Mapping[str, Any]) -> Mapping[str, Any]:
     tree: Mapping[str, Any] = {}
     for key, value in values.items():
         stage, dot, name = key.partition(".")
+        if not dot and not isinstance(value, Mapping):
+            raise InputError(f"{key} = {value!r} is not a setting, but stage.name = value is")
         tree = merged(tree, {stage: {name: value}} if dot else {stage: value})
     return tree
 

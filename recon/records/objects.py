@@ -194,6 +194,8 @@ def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
         return tuple(_object_from_json(found) for found in document["objects"])
     except (KeyError, TypeError) as error:
         raise InputError(f"objects.json lacks {error}, which every object needs") from error
+    except (ValueError, AttributeError, IndexError) as error:
+        raise InputError(f"objects.json is damaged ({' '.join(str(error).split())})") from error
 
 
 def _object_from_json(found: dict[str, Any]) -> FoundObject:
