@@ -12,7 +12,6 @@ from recon.batch.schedulers import Scheduler, bound
 from recon.batch.worker import Outcome, do
 from recon.errors import InputError
 from recon.locks import locked
-from recon.runfolder import read_manifest
 
 SUMMARY = "summary.json"
 """The file that every batch leaves first and last, so that its folder is told by it."""
@@ -80,36 +79,32 @@ def run_batch(
     busy = f"{folder} is being written by another batch; wait for it, or give another -o"
     with locked(folder.with_name(f".{folder.name}.lock"), busy):
         _prepare(folder, overwrite=overwrite, resume=resume)
-        return _all_done(jobs, folder, scheduler, resume, chunk, heard)
+        return _all_done(jobs, folder, scheduler, chunk, heard)
 
 
 def _all_done(
     jobs: Sequence[NamedJob],
     folder: Path,
     scheduler: Scheduler,
-    resume: bool,
     chunk: int | None,
     heard: Heard,
 ) -> BatchReport:
     """Do all jobs, and the one that puts them together."""
     if chunk is not None:
         jobs = spread(jobs, folder, chunk)
-    report = _done(jobs, folder, scheduler, resume, heard)
+    report = _done(jobs, folder, scheduler, heard)
     if chunk is None or report.num_failed:
         return report
-    merged = _done([merging(jobs, folder)], folder, scheduler, resume, heard)
+    merged = _done([merging(jobs, folder)], folder, scheduler, heard)
     return BatchReport(
         folder=folder, jobs=report.jobs + merged.jobs, outcomes=report.outcomes + merged.outcomes
     )
 
 
 def _done(
-    jobs: Sequence[NamedJob], folder: Path, scheduler: Scheduler, resume: bool, heard: Heard
+    jobs: Sequence[NamedJob], folder: Path, scheduler: Scheduler, heard: Heard
 ) -> BatchReport:
-    calls = [
-        (job.name, bound(do, job, folder / job.name, resume and is_begun(folder / job.name)))
-        for job in jobs
-    ]
+    calls = [(job.name, bound(do, job, folder / job.name)) for job in jobs]
     ended: dict[str, Outcome] = {}
     for outcome in scheduler.outcomes(calls):
         ended[outcome.name] = outcome
@@ -117,15 +112,6 @@ def _done(
     return BatchReport(
         folder=folder, jobs=tuple(jobs), outcomes=tuple(ended[job.name] for job in jobs)
     )
-
-
-def is_begun(run: Path) -> bool:
-    """True for a run folder that can be gone on with."""
-    try:
-        read_manifest(run)
-    except InputError:
-        return False
-    return True
 
 
 def _prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:

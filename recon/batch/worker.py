@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from recon.batch.jobfile import NamedJob
-from recon.errors import ReconError
-from recon.runfolder import is_finished
+from recon.errors import InputError, ReconError
+from recon.runfolder import is_finished, read_manifest
 
 State = Literal["done", "failed", "skipped"]
 Progress = Callable[[str, int, int], None]
@@ -49,15 +49,15 @@ def hear_with(progress: Progress | None) -> None:
     _heard[:] = [progress or unheard]
 
 
-def do(named: NamedJob, folder: Path, is_resumed: bool) -> Outcome:
-    """Do one job in a run folder of its own.
+def do(named: NamedJob, folder: Path) -> Outcome:
+    """Do one job in a run folder of its own, or go on with it where a worker was lost at it.
 
     Nothing it raises gets out but a keyboard interrupt: a failed job never stops the others.
     """
     began = time.perf_counter()
-    was_done = is_resumed and is_finished(folder)
+    was_done = is_finished(folder)
     try:
-        numbers = _execute(named, folder, is_resumed)
+        numbers = _execute(named, folder)
         names = _names(named, folder)
     except (ReconError, OSError) as error:
         fault = " ".join(str(error).split())
@@ -72,13 +72,22 @@ def do(named: NamedJob, folder: Path, is_resumed: bool) -> Outcome:
     return Outcome(name=named.name, state="failed", error=fault, seconds=seconds)
 
 
-def _execute(named: NamedJob, folder: Path, is_resumed: bool) -> Mapping[str, Any]:
+def is_begun(run: Path) -> bool:
+    """True for a run folder that can be gone on with."""
+    try:
+        read_manifest(run)
+    except InputError:
+        return False
+    return True
+
+
+def _execute(named: NamedJob, folder: Path) -> Mapping[str, Any]:
     # Late: the limits of threads have to come before the libraries that read them.
     from recon.runs.events import Events
     from recon.runs.execute import execute
 
     events = Events(on_progress=lambda done, total: _heard[-1](named.name, done, total))
-    return execute(named.job, folder, events, resume=is_resumed).as_json()
+    return execute(named.job, folder, events, resume=is_begun(folder)).as_json()
 
 
 def _names(named: NamedJob, folder: Path) -> tuple[tuple[str, str], ...]:

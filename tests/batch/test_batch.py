@@ -114,7 +114,7 @@ def test_what_nobody_foresaw_is_an_outcome_too(tmp_path, monkeypatch):
 
     monkeypatch.setattr("recon.batch.worker._execute", broken)
     (tmp_path / "jobs.toml").write_text(JOBS)
-    outcome = do(read_jobs(tmp_path / "jobs.toml")[0], tmp_path / "run", False)
+    outcome = do(read_jobs(tmp_path / "jobs.toml")[0], tmp_path / "run")
     assert (outcome.state, outcome.error) == ("failed", "ZeroDivisionError: division by zero")
 
 
@@ -124,6 +124,17 @@ def die_once(mark):
         mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return Outcome(name="a", state="done")
+
+
+def test_a_job_whose_worker_was_lost_goes_on_with_its_run(batch):
+    folder, _ = batch
+    job = read_jobs(folder / "jobs.toml")[0]
+    assert do(job, folder / "out" / "walk").state == "skipped"
+    manifest = folder / "out" / "walk" / "manifest.json"
+    whole = manifest.read_text()
+    manifest.write_text(whole.replace('"finished"', '"running"'))
+    again = do(job, folder / "out" / "walk")
+    assert (again.state, again.error) == ("done", None)
 
 
 def die():
