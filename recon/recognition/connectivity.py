@@ -2,9 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
+
+from recon.recognition.unions import joined_roots, linked_roots, numbered
 
 NUM_LINKS = 24
 """Neighbours that a point may be linked to: as many as lie within the reach on a surface."""
@@ -55,11 +55,10 @@ def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     if count < 2:
         return np.arange(len(points), dtype=np.int32)
     distances, near = map(np.asarray, cKDTree(points).query(points, k=count))
-    spacing = distances[:, min(SPACING_RANK, count - 1)]
     # The denser side decides: a speck far off joins nothing.
-    reach = np.maximum(LINK_SPACINGS * np.minimum(spacing[:, None], spacing[near]), least)
-    first, slot = np.nonzero(distances <= reach)
-    return joined(np.column_stack([first, near[first, slot]]), len(points))
+    reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, count - 1)]
+    label: NDArray[np.int32] = numbered(linked_roots(distances, near, reach, least))
+    return label
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
@@ -71,10 +70,8 @@ def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
 
 def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:
     """Number of the component of each node of a graph, in the order of their first nodes."""
-    ones = np.ones(len(pairs), dtype=np.int8)
-    graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(num_nodes, num_nodes))
-    _, label = connected_components(graph, directed=False)
-    return in_order_of_appearance(label)
+    label: NDArray[np.int32] = numbered(joined_roots(pairs.astype(np.int64), num_nodes))
+    return label
 
 
 def in_order_of_appearance(label: NDArray[np.integer]) -> NDArray[np.int32]:

@@ -15,8 +15,10 @@ from recon.errors import InputError
 Array = NDArray[np.float64]
 Parameters = dict[str, float | list[float] | list[list[float]]]
 
-NUM_HALVINGS = 60
-"""Of an interval of a few units, down to the last bit."""
+MOST_STEPS = 60
+"""Bound of the work; some ten are enough."""
+CONVERGED = 1e-15
+"""A step of so little has arrived."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -215,18 +217,21 @@ def _foot_on_ellipsoid(local: Array, radii: Array) -> Array:
     """Nearest surface points of points in the positive octant.
 
     The foot of p is ``r^2 p / (t + r^2)`` for the one root t > -min(r)^2 of
-    ``sum (r p / (t + r^2))^2 = 1``; it is bracketed, so that halving always ends.
+    ``sum (r p / (t + r^2))^2 = 1``. The sum falls and is convex, so that Newton's steps from below
+    the root rise to it; they begin where no term exceeds 1.
     """
     scale = float(radii.max())
     squares = (radii / scale) ** 2
     # Points on a plane of symmetry are moved off it a little: their root is then single.
     points = np.maximum(local / scale, 1e-9)
     weighted = points * radii / scale
-    low = weighted[:, np.argmin(squares)] - squares.min()
-    high = np.linalg.norm(weighted, axis=1) - squares.min()
-    for _ in range(NUM_HALVINGS):
-        middle = (low + high) / 2.0
-        outside = ((weighted / (middle[:, None] + squares)) ** 2).sum(axis=1) > 1.0
-        low, high = np.where(outside, middle, low), np.where(outside, high, middle)
-    foot: Array = scale * squares * points / (((low + high) / 2.0)[:, None] + squares)
+    root = (weighted - squares).max(axis=1, initial=-np.inf)
+    for _ in range(MOST_STEPS):
+        from_pole = root[:, None] + squares
+        terms = (weighted / from_pole) ** 2
+        step = (terms.sum(axis=1) - 1.0) / (2.0 * (terms / from_pole).sum(axis=1))
+        root = root + np.maximum(step, 0.0)
+        if (step <= CONVERGED * (1.0 + np.abs(root))).all():
+            break
+    foot: Array = scale * squares * points / (root[:, None] + squares)
     return foot

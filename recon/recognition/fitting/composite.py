@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.least_squares import Estimate, minimise
-from recon.recognition.fitting.profiles import NUM_RADII, distance
+from recon.recognition.fitting.profiles import NUM_RADII, OUTLINES, to_parts
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
 
 Array = NDArray[np.float64]
@@ -84,27 +84,18 @@ class CompositeModel:
 
     def nearest(self, composite: Composite) -> tuple[Array, Array, NDArray[np.intp]]:
         """Signed distances (N,), derivatives (N, P), and the nearest part (N,)."""
-        offset = self.points[:, ::2] - composite.axis
-        rho = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-12)
-        profile = np.column_stack([rho, self.points[:, 1]])
-        num_parts = len(composite.shapes)
-        best = np.full(len(rho), np.inf)
-        nearest = np.zeros(len(rho), dtype=np.intp)
-        gradient = np.zeros((len(rho), 2 + num_parts + sum(map(len, composite.radii))))
-        column = 2 + num_parts
-        for part, (shape, radii) in enumerate(zip(composite.shapes, composite.radii, strict=True)):
-            ends = composite.heights[part : part + 2]
-            signed, normal, by_numbers = distance(shape, profile, ends, radii)
-            rows = np.abs(signed) < np.abs(best)
-            best[rows], nearest[rows] = signed[rows], part
-            gradient[rows] = 0.0
-            gradient[rows, :2] = -(normal[:, :1] * offset / rho[:, None])[rows]
-            # The lowest end is the ground, which is known.
-            first = 1 if part == 0 else 0
-            gradient[rows, 1 + part + first : 3 + part] = by_numbers[rows, first:2]
-            gradient[rows, column : column + len(radii)] = by_numbers[rows, 2:]
-            column += len(radii)
-        return best, gradient, nearest
+        radii = np.zeros((len(composite.shapes), 2))
+        for row, own in zip(radii, composite.radii, strict=True):
+            row[: len(own)] = own
+        signed, gradient, nearest = to_parts(
+            self.points,
+            composite.axis,
+            composite.heights,
+            np.array([OUTLINES[shape] for shape in composite.shapes]),
+            radii,
+            np.array([len(own) for own in composite.radii]),
+        )
+        return signed, gradient, nearest
 
     def transformed(self, composite: Composite, step: Array) -> Composite:
         """The composite after a step; sizes stay positive, ends in order."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.axes import across_axis
+from recon.recognition.fitting.faces import to_box
 from recon.records import Box, FitFailure, Plane, Solid
 
 Array = NDArray[np.float64]
@@ -77,23 +78,14 @@ class BoxModel:
 
     def residuals(self, state: Box) -> tuple[Array, Array]:
         """Signed distances (N,), inside negative, and derivatives (N, 9)."""
-        local = (self.points - state.centre) @ state.axes.T
-        side = np.where(local < 0, -1.0, 1.0)
-        beyond = side * local - state.sizes / 2.0
-        outside = np.maximum(beyond, 0.0)
-        length = np.linalg.norm(outside, axis=1)
-        face = np.eye(3)[np.argmax(beyond, axis=1)]
-        pull = np.where(length[:, None] > 0, outside / np.maximum(length, 1e-300)[:, None], face)
-        normal = side * pull
-        distance = np.where(length > 0, length, beyond.max(axis=1))
-        turn = np.cross(local, normal)
-        return distance, np.column_stack([-normal @ state.axes, turn, -pull])
+        signed, jacobian = to_box(self.points, state.centre, state.axes, state.sizes / 2.0)
+        return signed, jacobian
 
     def transformed(self, state: Box, step: Array) -> Box:
         """The box after a step."""
-        turned = state.axes + np.cross(step[3:6], state.axes.T).T
-        axes = np.linalg.qr(turned.T)[0].T
-        axes *= np.sign(np.einsum("ij,ij->i", axes, turned))[:, None]
+        x, y, z = step[3:6]
+        turn = np.array([[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]])
+        axes = _orthonormal(turn @ state.axes)
         sizes = np.maximum(state.sizes + 2.0 * step[6:], 0.0)
         return replace(state, centre=state.centre + step[:3], axes=axes, sizes=sizes)
 
@@ -120,6 +112,15 @@ class BoxModel:
         if np.sort(np.bincount(face, minlength=3))[1] < SECOND_FACE * len(face):
             return "the points lie on one face of a box"
         return ""
+
+
+def _orthonormal(rows: Array) -> Array:
+    """Three rows made unit and square to each other, one after the other (Gram, Schmidt)."""
+    first = rows[0] / np.sqrt(rows[0] @ rows[0])
+    second = rows[1] - (rows[1] @ first) * first
+    second = second / np.sqrt(second @ second)
+    third = rows[2] - (rows[2] @ first) * first - (rows[2] @ second) * second
+    return np.stack([first, second, third / np.sqrt(third @ third)])
 
 
 def _commonest(normals: Array) -> Array:

@@ -10,6 +10,13 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.fitting.student import (
+    damped_step,
+    deviance,
+    normal_equations,
+    rescaled,
+)
+
 Array = NDArray[np.float64]
 State = TypeVar("State")
 
@@ -58,12 +65,6 @@ class Estimate(Generic[State]):
         return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
 
 
-def _deviance(residuals: Array, sigma: float, share: Array) -> float:
-    squares = (residuals / sigma) ** 2
-    tails = float(share @ np.log1p(squares / DEGREES_OF_FREEDOM))
-    return (DEGREES_OF_FREEDOM + 1.0) * tails + 2.0 * len(residuals) * float(np.log(sigma))
-
-
 def student_deviance(residuals: Array, floor: float) -> float:
     """Deviance of distances (N,) at their likeliest scale, `floor` or more."""
     share = np.ones(len(residuals))
@@ -71,19 +72,13 @@ def student_deviance(residuals: Array, floor: float) -> float:
     return _deviance(residuals, _rescaled(residuals, start, share, floor), share)
 
 
-def _weights(residuals: Array, sigma: float, share: Array) -> Array:
-    """Weight of each residual in a step: its share, less the further off it is."""
-    tails = DEGREES_OF_FREEDOM + (residuals / sigma) ** 2
-    weights: Array = share * (DEGREES_OF_FREEDOM + 1.0) / tails
-    return weights
+def _deviance(residuals: Array, sigma: float, share: Array) -> float:
+    return float(deviance(residuals, sigma, share, DEGREES_OF_FREEDOM))
 
 
 def _rescaled(residuals: Array, sigma: float, share: Array, floor: float) -> float:
     """The scale after a few rounds of expectation maximisation."""
-    for _ in range(NUM_RESCALINGS):
-        variance = np.mean(_weights(residuals, sigma, share) * residuals**2)
-        sigma = max(floor, float(np.sqrt(variance)))
-    return sigma
+    return float(rescaled(residuals, sigma, share, floor, DEGREES_OF_FREEDOM, NUM_RESCALINGS))
 
 
 def minimise(
@@ -109,36 +104,34 @@ def minimise(
     residuals, jacobian = model.residuals(state)
     share = np.ones(len(residuals)) if weights is None else weights / weights.mean()
     sigma = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
-    deviance = _deviance(residuals, sigma, share)
+    lowest = _deviance(residuals, sigma, share)
     for _ in range(max_steps):
-        step = _damped_step(residuals, jacobian, _weights(residuals, sigma, share), damping)
+        step = damped_step(*_equations(residuals, jacobian, sigma, share), damping)
         moved = model.transformed(state, step)
         moved_residuals, moved_jacobian = model.residuals(moved)
-        if _deviance(moved_residuals, sigma, share) < deviance:
+        if _deviance(moved_residuals, sigma, share) < lowest:
             state, residuals, jacobian = moved, moved_residuals, moved_jacobian
             sigma = _rescaled(residuals, sigma, share, floor)
-            before, deviance = deviance, _deviance(residuals, sigma, share)
+            before, lowest = lowest, _deviance(residuals, sigma, share)
             damping = max(damping / 5.0, 1e-9)
-            if before - deviance < CONVERGED:
+            if before - lowest < CONVERGED:
                 break
         else:
             damping *= 10.0
             if damping > MAX_DAMPING:
                 break
-    weighted = jacobian * _weights(residuals, sigma, share)[:, None]
+    information, _ = _equations(residuals, jacobian, sigma, share)
     return Estimate(
         state=state,
         residuals=residuals,
         sigma=sigma,
-        information=weighted.T @ jacobian / sigma**2,
-        deviance=deviance,
+        information=information / sigma**2,
+        deviance=lowest,
     )
 
 
-def _damped_step(residuals: Array, jacobian: Array, weights: Array, damping: float) -> Array:
-    weighted = jacobian * weights[:, None]
-    normal = weighted.T @ jacobian
-    diagonal = normal.diagonal()
-    normal.flat[:: len(normal) + 1] += damping * diagonal + 1e-12 * diagonal.max() + 1e-300
-    step = -np.linalg.solve(normal, weighted.T @ residuals)
-    return step.astype(np.float64)
+def _equations(
+    residuals: Array, jacobian: Array, sigma: float, share: Array
+) -> tuple[Array, Array]:
+    normal, right = normal_equations(residuals, jacobian, sigma, share, DEGREES_OF_FREEDOM)
+    return normal, right

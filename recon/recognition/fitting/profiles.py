@@ -1,79 +1,112 @@
-"""Distances of profile points (rho, y) to the outline of upright parts of revolution.
+"""Distances of points to upright parts of revolution, compiled.
 
 An upright part seen in the half plane (rho, y), rho = distance from the vertical axis, is a curve:
 a straight line for a cylinder and a cone, an arc for a sphere and an ellipsoid.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Profile = tuple[float, float]
+"""rho and y."""
 
 NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "truncated cone": 2}
 """Numbers of a part beside its lower and upper end."""
+SEGMENT, ARC = 0, 1
+"""Outlines of a part."""
+OUTLINES = {"cylinder": SEGMENT, "sphere": ARC, "ellipsoid": ARC, "truncated cone": SEGMENT}
 
 
-def distance(shape: str, profile: Array, ends: Array, radii: Array) -> tuple[Array, Array, Array]:
-    """Signed distance of profile points to a part.
+@njit(cache=True)
+def to_parts(
+    points: Array, axis: Array, heights: Array, outlines: Numbers, radii: Array, counts: Numbers
+) -> tuple[Array, Array, Numbers]:
+    """Distances of points to the nearest of the upright parts on one axis.
 
     Parameters
     ----------
-    shape : str
-        A key of `NUM_RADII`.
-    profile : (N, 2) float64
-        rho and y.
-    ends : (2,) float64
-        Lower and upper end.
-    radii : (NUM_RADII[shape],) float64
-        Cylinder: its radius; truncated cone: bottom and top; ellipsoid: horizontal.
+    points : (N, 3)
+    axis : (2,) x and z
+    heights : (parts + 1,) of the ends
+    outlines : (parts,) `SEGMENT` or `ARC`
+    radii : (parts, 2) those of each part; what it has not is not read
+    counts : (parts,) how many each part has
 
     Returns
     -------
-    distance : (N,)
-    normal : (N, 2)
-        Derivative by the point.
-    gradient : (N, 2 + len(radii))
-        Derivative by the ends and the radii.
+    signed : (N,)
+    gradient : (N, 2 + parts + sum(counts))
+        By the axis, the heights above the ground, and the radii.
+    nearest : (N,) number of the part
     """
-    if shape in ("sphere", "ellipsoid"):
-        return _arc(profile, ends, radii)
-    signed, normal, by_corner = _segment(profile, ends, radii[0], radii[-1])
-    if shape == "cylinder":
-        by_corner = np.column_stack([by_corner[:, :2], by_corner[:, 2] + by_corner[:, 3]])
-    return signed, normal, by_corner
+    num_parts = len(outlines)
+    signed = np.full(len(points), np.inf)
+    nearest = np.zeros(len(points), dtype=np.int64)
+    gradient = np.zeros((len(points), 2 + num_parts + counts.sum()))
+    numbers = np.empty(7)
+    for i in range(len(points)):
+        x, z = points[i, 0] - axis[0], points[i, 2] - axis[1]
+        profile = max(np.hypot(x, z), 1e-12), points[i, 1]
+        column = 2 + num_parts
+        for part in range(num_parts):
+            own = radii[part, : counts[part]]
+            _to_part(profile, heights[part : part + 2], outlines[part], own, numbers)
+            if abs(numbers[0]) < abs(signed[i]):
+                signed[i], nearest[i] = numbers[0], part
+                gradient[i] = 0.0
+                gradient[i, 0] = -numbers[1] * x / profile[0]
+                gradient[i, 1 + part : 3 + part] = numbers[3:5]
+                gradient[i, column : column + len(own)] = numbers[5 : 5 + len(own)]
+                # The lowest end is the ground, which is known.
+                gradient[i, 1] = -numbers[1] * z / profile[0]
+            column += len(own)
+    return signed, gradient, nearest
 
 
-def _segment(profile: Array, ends: Array, bottom: float, top: float) -> tuple[Array, Array, Array]:
-    start = np.array([bottom, ends[0]])
-    along = np.array([top, ends[1]]) - start
-    share = np.clip((profile - start) @ along / max(along @ along, 1e-12), 0.0, 1.0)
-    offset = profile - start - share[:, None] * along
-    length = np.hypot(offset[:, 0], offset[:, 1])
-    side = np.where(offset @ np.array([along[1], -along[0]]) < 0, -1.0, 1.0)
-    normal = side[:, None] * offset / np.maximum(length, 1e-12)[:, None]
+@njit(cache=True)
+def _to_part(profile: Profile, ends: Array, outline: int, radii: Array, out: Array) -> None:
+    """Write signed distance, its derivatives by rho, y, both ends and the radii."""
+    if outline == ARC:
+        _to_arc(profile, ends, radii, out)
+    else:
+        _to_segment(profile, ends, radii, out)
+
+
+@njit(cache=True)
+def _to_segment(profile: Profile, ends: Array, radii: Array, out: Array) -> None:
+    (rho, y), low, high = profile, ends[0], ends[1]
+    bottom, top = radii[0], radii[-1]
+    run, rise = top - bottom, high - low
+    share = ((rho - bottom) * run + (y - low) * rise) / max(run * run + rise * rise, 1e-12)
+    share = min(max(share, 0.0), 1.0)
+    across, up = rho - bottom - share * run, y - low - share * rise
+    length = np.hypot(across, up)
+    side = -1.0 if across * rise - up * run < 0 else 1.0
+    normal_rho, normal_y = side * across / max(length, 1e-12), side * up / max(length, 1e-12)
     # The nearest point stays at its share of the segment: the derivative of a distance.
-    by_y, by_rho = -normal[:, 1], -normal[:, 0]
-    stay, go = 1.0 - share, share
-    return (
-        side * length,
-        normal,
-        np.column_stack([stay * by_y, go * by_y, stay * by_rho, go * by_rho]),
-    )
+    out[0], out[1], out[2] = side * length, normal_rho, normal_y
+    out[3], out[4] = -(1.0 - share) * normal_y, -share * normal_y
+    out[5], out[6] = -(1.0 - share) * normal_rho, -share * normal_rho
+    if len(radii) == 1:
+        out[5] += out[6]
 
 
-def _arc(profile: Array, ends: Array, radii: Array) -> tuple[Array, Array, Array]:
-    middle, half = ends.mean(), max(float(ends[1] - ends[0]) / 2.0, 1e-6)
-    radius = max(float(radii[0]), 1e-6) if len(radii) else half
-    u, v = profile[:, 0] / radius, (profile[:, 1] - middle) / half
-    level = np.maximum(np.hypot(u, v), 1e-9)
-    slope = np.column_stack([u / radius, v / half]) / level[:, None]
-    # The first-order distance: level over its slope, which is held while it is differentiated.
-    scale = 1.0 / np.maximum(np.hypot(slope[:, 0], slope[:, 1]), 1e-9)
-    by_middle = -slope[:, 1]
-    by_half = -v * v / level / half
-    by_radius = -u * u / level / radius
-    if not len(radii):
-        by_half = by_half + by_radius
-    columns = [by_middle / 2 - by_half / 2, by_middle / 2 + by_half / 2]
-    gradient = np.column_stack(columns + ([by_radius] if len(radii) else []))
-    return (level - 1.0) * scale, slope * scale[:, None], gradient * scale[:, None]
+@njit(cache=True)
+def _to_arc(profile: Profile, ends: Array, radii: Array, out: Array) -> None:
+    (rho, y), low, high = profile, ends[0], ends[1]
+    middle, half = (low + high) / 2.0, max((high - low) / 2.0, 1e-6)
+    wide = max(radii[0], 1e-6) if len(radii) else half
+    u, v = rho / wide, (y - middle) / half
+    level = max(np.hypot(u, v), 1e-9)
+    slope_rho, slope_y = u / wide / level, v / half / level
+    # Level over its slope, which is held while it is differentiated.
+    scale = 1.0 / max(np.hypot(slope_rho, slope_y), 1e-9)
+    by_half, by_radius = -v * v / level / half, -u * u / level / wide
+    if len(radii) == 0:
+        by_half += by_radius
+    out[0], out[1], out[2] = (level - 1.0) * scale, slope_rho * scale, slope_y * scale
+    out[3], out[4] = (-slope_y - by_half) / 2.0 * scale, (-slope_y + by_half) / 2.0 * scale
+    out[5] = by_radius * scale

@@ -12,7 +12,7 @@ from recon.records import Voxels
 Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
 
-MOST_CELLS, COARSE_CELLS = 3000, 1500
+MOST_CELLS, COARSE_CELLS = 2000, 1500
 """Cells of a thing from which larger ones show its creases as well, and about how many of them."""
 PATCH_CELLS = 3.0
 """Reach of a patch: wide enough for a normal, narrower than a thing."""
@@ -110,11 +110,11 @@ def _means(rows: Array, label: NDArray[np.integer]) -> Array:
 def _touching(cells: Voxels, patches: _Patches) -> NDArray[np.intp]:
     """Pairs (E, 2) of patches that meet, the smaller number first."""
     pairs = cKDTree(cells.means).query_pairs(LINK_CELLS * cells.cell_size, output_type="ndarray")
-    ends = np.sort(patches.label[pairs], axis=1)
-    ends = ends[ends[:, 0] != ends[:, 1]]
-    edges, counts = np.unique(ends, axis=0, return_counts=True)
-    kept: NDArray[np.intp] = edges[counts >= SMALLEST_TOUCH].reshape(-1, 2)
-    return kept
+    first, second = patches.label[pairs].T.astype(np.int64)
+    low, high = np.minimum(first, second), np.maximum(first, second)
+    numbers = (low * len(patches.middles) + high)[low != high]
+    edges, counts = np.unique(numbers, return_counts=True)
+    return np.column_stack(np.divmod(edges[counts >= SMALLEST_TOUCH], len(patches.middles)))
 
 
 def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:

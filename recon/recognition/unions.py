@@ -1,0 +1,77 @@
+"""Disjoint sets, compiled: nodes that pairs join have one root, the first of them (Tarjan 1975)."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+
+@njit(cache=True)
+def joined_roots(pairs: Numbers, num_nodes: int) -> Numbers:
+    """Root (N,) of each node after the pairs (E, 2) were joined."""
+    parent = np.arange(num_nodes)
+    for e in range(len(pairs)):
+        _join(parent, pairs[e, 0], pairs[e, 1])
+    _settle(parent)
+    return parent
+
+
+@njit(cache=True)
+def linked_roots(distances: Array, near: Numbers, reach: Array, least: float) -> Numbers:
+    """Root (N,) of each point after it was joined with those of its neighbours within reach.
+
+    Parameters
+    ----------
+    distances, near : (N, K)
+        Of each point to its neighbours, and these.
+    reach : (N,)
+        Of each point; of two the smaller one counts, but `least` always.
+    """
+    parent = np.arange(len(near))
+    for i in range(len(near)):
+        for k in range(near.shape[1]):
+            j = near[i, k]
+            if distances[i, k] <= max(min(reach[i], reach[j]), least):
+                _join(parent, i, j)
+    _settle(parent)
+    return parent
+
+
+@njit(cache=True)
+def numbered(roots: Numbers) -> NDArray[np.int32]:
+    """Groups (N,) as 0, 1, ... in the order of their first members, which are their roots."""
+    label = np.empty(len(roots), dtype=np.int32)
+    count = 0
+    for i in range(len(roots)):
+        if roots[i] == i:
+            label[i] = count
+            count += 1
+        else:
+            label[i] = label[roots[i]]
+    return label
+
+
+@njit(cache=True)
+def _join(parent: Numbers, first: int, second: int) -> None:
+    a, b = _root(parent, first), _root(parent, second)
+    if a < b:
+        parent[b] = a
+    elif b < a:
+        parent[a] = b
+
+
+@njit(cache=True)
+def _root(parent: Numbers, node: int) -> int:
+    while parent[node] != node:
+        parent[node] = parent[parent[node]]
+        node = parent[node]
+    return node
+
+
+@njit(cache=True)
+def _settle(parent: Numbers) -> None:
+    """Give every node its root; parents come before their children."""
+    for i in range(len(parent)):
+        parent[i] = parent[parent[i]]
