@@ -34,6 +34,9 @@ PIECES_SHARE, EXPLAINED_SHARE = 0.8, 0.7
 """Share of a thing's cells on pieces that are solids, and share of a piece's cells on its solid."""
 ON_SOLID_CELLS = 0.75
 """A cell nearer than this share of a cell lies on a solid."""
+BETTER = 0.1
+"""More of the cells that pieces must explain than one solid does: a round side is no row of walls.
+"""
 MOST_FITTED = 300
 """Cells of a piece that a solid is fitted to."""
 MOST_ROUNDS = 20
@@ -98,7 +101,7 @@ def cut_at_creases(
     """A thing without a name as its convex pieces, where solids explain these.
 
     Convexity alone breaks single things: it is believed where most cells lie on pieces that are
-    solids, each of its own.
+    solids, each of its own, and these explain more than one solid does.
 
     Parameters
     ----------
@@ -113,20 +116,24 @@ def cut_at_creases(
     piece = convex_pieces(cells, None if eyes is None else eyes.mean(axis=0), smallest)
     piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
-    known = sum(len(part) for part in parts if _is_solid(cells.select(part)))
-    if len(parts) < 2 or known < PIECES_SHARE * len(rows):
+    shares = [_explained(cells.select(part)) for part in parts] if len(parts) > 1 else []
+    sizes = [len(part) for part in parts]
+    known = sum(size for size, share in zip(sizes, shares, strict=False) if share > EXPLAINED_SHARE)
+    if known < PIECES_SHARE * len(rows):
+        return [whole]
+    if np.dot(sizes, shares) < (_explained(cells) + BETTER) * len(rows):
         return [whole]
     return [(name(rows[part]), rows[part]) for part in parts]
 
 
-def _is_solid(cells: Voxels) -> bool:
-    """Whether one solid explains a piece."""
+def _explained(cells: Voxels) -> float:
+    """Share of the cells that lie on the one solid that fits them best."""
     step = max(1, len(cells) // MOST_FITTED)
     solid = fit(cells.means[::step])
     if isinstance(solid, FitFailure):
-        return False
+        return 0.0
     on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
-    return bool(on_it.mean() >= EXPLAINED_SHARE)
+    return float(on_it.mean())
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:

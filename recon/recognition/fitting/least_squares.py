@@ -72,6 +72,12 @@ def student_deviance(residuals: Array, floor: float) -> float:
     return _deviance(residuals, _rescaled(residuals, start, share, floor), share)
 
 
+def deviance_a_residual(residuals: Array, sigma: float) -> Array:
+    """Deviance (N,) of each residual at a known scale."""
+    tails: Array = np.log1p((residuals / sigma) ** 2 / DEGREES_OF_FREEDOM)
+    return (DEGREES_OF_FREEDOM + 1.0) * tails + 2.0 * float(np.log(sigma))
+
+
 def _deviance(residuals: Array, sigma: float, share: Array) -> float:
     return float(deviance(residuals, sigma, share, DEGREES_OF_FREEDOM))
 

@@ -36,8 +36,8 @@ class Assembly:
 
 def assemblies(cells: Voxels, kinds: Sequence[Kind]) -> list[Assembly]:
     """Every kind whose parts are all found among the pieces of an object."""
-    pieces = flat_pieces(cells)
-    found = [_assembled(cells, pieces, kind) for kind in kinds]
+    ways = [flat_pieces(cells), flat_pieces(cells, is_square=True)]
+    found = [_assembled(cells, pieces, kind) for kind in kinds for pieces in ways]
     return [one for one in found if one is not None]
 
 

@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.composite import Composite, fit_composite, solids
+from recon.recognition.fitting.least_squares import Estimate
 from recon.recognition.fitting.shapes import Candidate, candidates
 from recon.recognition.naming.assembly import Assembly, assemblies
 from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.kinds import Kind
+from recon.recognition.naming.lead import lead_of_parts
 from recon.recognition.naming.limits import RATIO_SPREAD, log_within, size_chance
 from recon.recognition.naming.probability import FORM, NEARNESS, ORDERED, Evidence
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
@@ -172,18 +174,19 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
         chances = [_log_chance(fit.state, kind, cells) for kind in own]
         if np.isfinite(chances).any():
             seen = coverage(of_no_kind.solids, cells)
-            evidence = _evidence(case, fit.state, criterion, seen)
+            evidence = _evidence(case, fit, criterion, seen)
             for kind, chance in zip(own, chances, strict=True):
                 yield _rated(case, of_no_kind, kind, chance - LOG_NO_KIND, evidence)
 
 
-def _evidence(case: Case, composite: Composite, criterion: float, seen: Array) -> Evidence:
+def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
     """What speaks for a fit of upright parts."""
     rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
+    composite = fit.state
     narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
     return Evidence(
         criterion=criterion,
-        lead=rival - criterion,
+        lead=max(rival - criterion, lead_of_parts(fit, case.cells, case.alone)),
         seen=seen,
         widths=narrowest / case.cells.cell_size,
         num_cells=len(case.cells),

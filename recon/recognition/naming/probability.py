@@ -56,7 +56,7 @@ class Evidence:
     criterion: float
     """BIC a cell, less that of a thing of no form."""
     lead: float
-    """How much lower it is than that of the best rival of no kind."""
+    """How much lower it is than that of the best rival of no kind, on all cells or on a part's."""
     seen: Array
     """(parts,) share of each part's surface with a cell near it."""
     widths: Array

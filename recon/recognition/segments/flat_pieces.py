@@ -1,16 +1,20 @@
 """Flat pieces of an object and what is left between them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Through = Callable[[Array], Plane]
+"""The plane through some points."""
 
 NUM_DRAWS = 300
 NUM_NEIGHBOURS = 40
@@ -24,6 +28,8 @@ LEAST_WIDTH_CELLS = 1.8
 """Narrower strips are not planes but bars."""
 LEAST_BAR = 3
 MOST_PLANES = 10
+FILLED = 0.5
+"""Share of the cells of a board's area that it must have: a ring of walls has few."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,14 +51,26 @@ class FlatPiece:
         return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
 
 
-def flat_pieces(cells: Voxels) -> list[FlatPiece]:
-    """Planes of an object, the largest first, then the bars between them."""
+def flat_pieces(cells: Voxels, is_square: bool = False) -> list[FlatPiece]:
+    """Planes of an object, the largest first, then the bars between them.
+
+    Parameters
+    ----------
+    is_square : bool
+        A level board is taken out first, then upright planes only: stereo errs along its rays,
+        which are nearly level, so that the lean of a low board is the least known of it.
+    """
     rng = np.random.default_rng(0)
     rest = np.arange(len(cells))
     pieces: list[FlatPiece] = []
     least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
+    through = _upright_through if is_square else _through
+    board = _board(cells, least) if is_square else None
+    if board is not None:
+        pieces.append(_piece(cells, board, _level(cells.means[board])))
+        rest = np.setdiff1d(rest, board)
     while len(rest) >= least and len(pieces) < MOST_PLANES:
-        found = _largest_plane(cells.means[rest], cells.cell_size, least, rng)
+        found = _largest_plane(cells.means[rest], through, (cells.cell_size, least), rng)
         if found is None:
             break
         plane, own = found
@@ -61,22 +79,47 @@ def flat_pieces(cells: Voxels) -> list[FlatPiece]:
     return [*pieces, *_bars(cells, rest)]
 
 
+def _board(cells: Voxels, least: int) -> Rows | None:
+    """Cells of the fullest level board; None where none has enough of them on its area."""
+    heights = np.sort(cells.means[:, 1])
+    reach = ON_PLANE_CELLS * cells.cell_size
+    counts = np.searchsorted(heights, heights + 2.0 * reach, side="right") - np.arange(len(cells))
+    middle = heights[int(np.argmax(counts))] + reach
+    rows = np.flatnonzero(np.abs(cells.means[:, 1] - middle) <= reach)
+    rows = rows[_largest_group(cells.means[rows], LINK_CELLS * cells.cell_size)]
+    if len(rows) < least or len(rows) < FILLED * _footprint(cells.means[rows]) / cells.cell_size**2:
+        return None
+    return rows
+
+
+def _footprint(points: Array) -> float:
+    """Area that points cover from above."""
+    try:
+        return float(ConvexHull(points[:, ::2]).volume)
+    except QhullError:
+        return 0.0
+
+
+def _level(points: Array) -> Plane:
+    return Plane(point=points.mean(axis=0), normal=np.array(WORLD_UP))
+
+
 def _largest_plane(
-    points: Array, cell_size: float, least: int, rng: np.random.Generator
+    points: Array, through: Through, needs: tuple[float, int], rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
-    """The plane with most connected points on it, and these."""
-    planes = _drawn(points, rng)
+    """The plane with most connected points on it, and these; it needs so many, cells so wide."""
+    planes = _drawn(points, through, rng)
     if not len(planes):
         return None
     # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
     offsets = np.einsum("ij,ij->i", planes[:, 0], planes[:, 1])
-    away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * cell_size)
+    away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * needs[0])
     votes = np.clip(1.0 - away**2, 0.0, 1.0).sum(axis=0)
     point, normal = planes[int(np.argmax(votes))]
-    return _refined(points, Plane(point=point, normal=normal), cell_size, least)
+    return _refined(points, Plane(point=point, normal=normal), through, *needs)
 
 
-def _drawn(points: Array, rng: np.random.Generator) -> Array:
+def _drawn(points: Array, through: Through, rng: np.random.Generator) -> Array:
     """Planes (D, 2, 3), a point and a unit normal each, through three neighbouring points."""
     count = min(NUM_NEIGHBOURS, len(points))
     first = rng.integers(len(points), size=NUM_DRAWS)
@@ -84,6 +127,8 @@ def _drawn(points: Array, rng: np.random.Generator) -> Array:
     others = rng.integers(1, count, size=(NUM_DRAWS, 2))
     second, third = points[np.take_along_axis(near, others, axis=1)].swapaxes(0, 1)
     normals = np.cross(second - points[first], third - points[first])
+    if through is _upright_through:
+        normals[:, 1] = 0.0
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     # Three points on a line span no plane.
     spans = lengths[:, 0] > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2
@@ -93,20 +138,20 @@ def _drawn(points: Array, rng: np.random.Generator) -> Array:
 
 
 def _refined(
-    points: Array, plane: Plane, cell_size: float, least: int
+    points: Array, plane: Plane, through: Through, cell_size: float, least: int
 ) -> tuple[Plane, Rows] | None:
     """The plane through the connected points on one; None where they are too few or a strip."""
     best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
-    plane = _through(points[best])
+    plane = through(points[best])
     best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
     best = best[_largest_group(points[best], LINK_CELLS * cell_size)]
     if len(best) < least or _width(points[best]) < LEAST_WIDTH_CELLS * cell_size:
         return None
-    return _through(points[best]), best
+    return through(points[best]), best
 
 
 def _width(points: Array) -> float:
@@ -126,6 +171,12 @@ def _through(points: Array) -> Plane:
     middle = points.mean(axis=0)
     normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1]
     return Plane(point=middle, normal=normal)
+
+
+def _upright_through(points: Array) -> Plane:
+    middle = points.mean(axis=0)
+    x, z = np.linalg.svd((points - middle)[:, ::2], full_matrices=False)[2][-1]
+    return Plane(point=middle, normal=np.array([x, 0.0, z]))
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
