@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule
-from recon.recognition.naming.probability import EXPLAINED
-from recon.recognition.segments.flat_pieces import FlatPiece, flat_pieces
+from recon.recognition.naming.probability import EXPLAINED, SHOWN
+from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -27,23 +27,22 @@ class Assembly:
     kind: Kind
     bic: float
     explained: float
-    """Chance that so many of the cells on its pieces are enough."""
+    """Chance that so many of the cells on its pieces, and on each that it needs, are enough."""
     seen: float
     """Share of the cells that lie on its pieces."""
     solids: tuple[Solid, ...]
     roles: tuple[str, ...]
 
 
-def assemblies(cells: Voxels, kinds: Sequence[Kind]) -> list[Assembly]:
-    """Every kind whose parts are all found among the pieces of an object."""
-    ways = [flat_pieces(cells), flat_pieces(cells, is_square=True)]
-    found = [_assembled(cells, pieces, kind) for kind in kinds for pieces in ways]
+def assemblies(cells: Voxels, ways: Sequence[list[FlatPiece]], kind: Kind) -> list[Assembly]:
+    """The kind in every way in which all its parts are found among the pieces of an object."""
+    found = [_assembled(cells, pieces, kind) for pieces in ways]
     return [one for one in found if one is not None]
 
 
 def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly | None:
     """The kind's parts among the pieces; None where one of them is missing."""
-    waiting, before = list(pieces), list[FlatPiece]()
+    waiting, before, shown = list(pieces), list[FlatPiece](), 1.0
     parts: list[tuple[str, FlatPiece]] = []
     for rule in kind.parts:
         fitting = [one for one in waiting if _fits(rule, one, before, cells)]
@@ -53,16 +52,23 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
             return None
         waiting = [one for one in waiting if not any(one is taken for taken in before)]
         parts += [(rule.role, one) for one in before]
+        shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
     share = sum(len(one.rows) for one in own) / len(cells)
     return Assembly(
         kind=kind,
         bic=_bic(cells, own),
-        explained=float(EXPLAINED.chance(share)),
+        explained=float(EXPLAINED.chance(share)) * shown,
         seen=share,
         solids=tuple(one.solid for one in own),
         roles=tuple(role for role, _ in parts),
     )
+
+
+def _shown(needed: list[FlatPiece]) -> float:
+    """Chance that the planes among the needed pieces have cells enough."""
+    counts = [len(one.rows) for one in needed if isinstance(one.solid, Plane)]
+    return float(SHOWN.chance(np.log(counts)).prod()) if counts else 1.0
 
 
 def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.composite import Composite, fit_composite, solids
 from recon.recognition.fitting.least_squares import Estimate
-from recon.recognition.fitting.shapes import Candidate, candidates
 from recon.recognition.naming.assembly import Assembly, assemblies
+from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.kinds import Kind
@@ -17,19 +17,10 @@ from recon.recognition.naming.lead import lead_of_parts
 from recon.recognition.naming.limits import RATIO_SPREAD, log_within, size_chance
 from recon.recognition.naming.probability import FORM, NEARNESS, ORDERED, Evidence
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
-from recon.records import FitFailure, Solid, Voxels
+from recon.records import Solid, Voxels
 
 Array = NDArray[np.float64]
 
-FORMLESS_NOISE = 0.5
-"""Scale of the residuals, in cells, that a thing of no form would leave."""
-MEAN_DEVIANCE = 2.27
-"""(nu + 1) E[log(1 + t^2 / nu)] of Student-t noise of nu = 3 degrees of freedom."""
-MOST_CELLS, MOST_FOR_SOLIDS = 600, 300
-"""Cells that a whole fit and one of a lone solid are made on: more do not change them."""
-INDEPENDENT_CELLS = 60.0
-"""Cells of an object err together: all of them weigh no more than so many that do not. Set where
-probabilities come true over simulated orbits."""
 LOG_NO_KIND = -4.0
 """Log of how much rarer a composite of no kind is than one of the catalogue."""
 LARGEST_TO_EXTENT = 2.0
@@ -62,50 +53,6 @@ class Hypothesis:
     """Of the solids, where they are not one for each part of the kind."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Case:
-    """The cells of one object, and what is known of them whatever the kind."""
-
-    cells: Voxels
-    """At most `MOST_CELLS` of them."""
-    ground: float
-    """Height of what it stands on."""
-    is_metric: bool
-    """Whether lengths are metres."""
-    alone: tuple[Candidate, ...]
-    """Lone solids through at most `MOST_FOR_SOLIDS` of the cells, the best first."""
-
-    @property
-    def formless(self) -> float:
-        """Deviance a cell that a thing of no form would leave on average."""
-        return MEAN_DEVIANCE + 2.0 * float(np.log(FORMLESS_NOISE * self.cells.cell_size))
-
-    def criterion(self, bic: float) -> float:
-        """BIC a cell, less that of a thing of no form."""
-        return bic / len(self.cells) - self.formless
-
-    def lone_criterion(self, one: Candidate) -> float:
-        """The same of a lone solid."""
-        return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - self.formless
-
-    def evidence(self, criterion: float) -> float:
-        """Log likelihood of a fit, as far as its cells are independent."""
-        return -0.5 * criterion * min(INDEPENDENT_CELLS, len(self.cells))
-
-
-def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
-    """The case of one object that stands on the ground."""
-    cells = _thinned(voxels, MOST_CELLS)
-    few = _thinned(cells, MOST_FOR_SOLIDS)
-    alone = candidates(few.means, _weights(few))
-    return Case(
-        cells=cells,
-        ground=ground,
-        is_metric=is_metric,
-        alone=() if isinstance(alone, FitFailure) else alone,
-    )
-
-
 def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
     """All hypotheses about the cells of one object; at least that it is nothing known."""
     upright = tuple(kind for kind in kinds if kind.is_upright and len(kind.parts) > 1)
@@ -121,19 +68,6 @@ def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
         Hypothesis(kind=None, evidence=case.evidence(0.0), criterion=0.0),
         *_of_no_kind(case),
     ]
-
-
-def _thinned(voxels: Voxels, most: int) -> Voxels:
-    if len(voxels) <= most:
-        return voxels
-    rows = np.random.default_rng(0).choice(len(voxels), most, replace=False)
-    return voxels.select(np.sort(rows))
-
-
-def _weights(cells: Voxels) -> Array:
-    """Cells of few points lie off the surface more often than on it."""
-    weights: Array = np.clip(cells.counts / np.median(cells.counts), 0.1, 4.0)
-    return weights
 
 
 def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
@@ -152,10 +86,9 @@ def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
 def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
     """Fits of every combination of shapes that the kinds know, with and without a name."""
     cells, ground = case.cells, case.ground
-    weights = _weights(cells)
     combinations = sorted({shapes for kind in kinds for shapes in kind.composites})
     fits = [
-        fit_composite(shapes, cells.means, ground, cells.cell_size, weights)
+        fit_composite(shapes, cells.means, ground, cells.cell_size, case.weights)
         for shapes in combinations
     ]
     fits = [fit for fit in fits if _is_whole(fit.state, cells)]
@@ -261,24 +194,28 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
 
 
 def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
-    """Kinds of parts beside and under each other."""
-    wanted = [kind for kind in kinds if len(kind.parts) > 1 and not kind.is_upright]
-    found: list[Assembly] = assemblies(case.cells, wanted) if wanted else []
-    rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
-    for one in found:
-        criterion = case.criterion(one.bic)
-        chance = FORM.chance(-criterion) * ORDERED.chance(rival - criterion) * one.explained
-        sizes = size_chance(one.kind, one.solids, case.cells) if case.is_metric else 1.0
-        seen = one.seen
-        yield Hypothesis(
-            kind=one.kind,
-            evidence=case.evidence(criterion) + float(np.log(max(sizes, 1e-9))),
-            criterion=criterion,
-            whole=float(chance) * sizes if seen >= one.kind.min_seen else 0.0,
-            seen=seen,
-            solids=one.solids,
-            roles=one.roles,
-        )
+    """Kinds of parts beside and under each other, each in the way that shows it best."""
+    for kind in kinds:
+        if len(kind.parts) > 1 and not kind.is_upright:
+            found = [_ordered(case, one) for one in assemblies(case.cells, case.pieces, kind)]
+            yield from sorted(found, key=lambda one: -one.whole)[:1]
+
+
+def _ordered(case: Case, one: Assembly) -> Hypothesis:
+    """Pieces in their places as a thing of the kind."""
+    criterion = case.criterion(one.bic)
+    lead = case.seen_criterion - criterion
+    chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
+    sizes = size_chance(one.kind, one.solids, case.cells) if case.is_metric else 1.0
+    return Hypothesis(
+        kind=one.kind,
+        evidence=case.evidence(criterion) + float(np.log(max(sizes, 1e-9))),
+        criterion=criterion,
+        whole=chance * sizes if one.seen >= one.kind.min_seen else 0.0,
+        seen=one.seen,
+        solids=one.solids,
+        roles=one.roles,
+    )
 
 
 def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:

@@ -1,7 +1,8 @@
 """Flat pieces of an object and what is left between them."""
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,8 @@ from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
-Through = Callable[[Array], Plane]
-"""The plane through some points."""
+Step = Literal["board", "upright", "any"]
+"""A level board; upright planes; planes of any lean."""
 
 NUM_DRAWS = 300
 NUM_NEIGHBOURS = 40
@@ -51,45 +52,56 @@ class FlatPiece:
         return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
 
 
-def flat_pieces(cells: Voxels, is_square: bool = False) -> list[FlatPiece]:
-    """Planes of an object, the largest first, then the bars between them.
+def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> list[FlatPiece]:
+    """Planes of an object, those of each step by falling size, then the bars between them.
 
     Parameters
     ----------
-    is_square : bool
-        A level board is taken out first, then upright planes only: stereo errs along its rays,
-        which are nearly level, so that the lean of a low board is the least known of it.
+    way : sequence of str
+        Planes that are taken out, one step after the other. Stereo errs along its rays, which are
+        nearly level, so that heights are known best, and the lean of a low board least.
     """
     rng = np.random.default_rng(0)
     rest = np.arange(len(cells))
     pieces: list[FlatPiece] = []
-    least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
-    through = _upright_through if is_square else _through
-    board = _board(cells, least) if is_square else None
-    if board is not None:
-        pieces.append(_piece(cells, board, _level(cells.means[board])))
-        rest = np.setdiff1d(rest, board)
-    while len(rest) >= least and len(pieces) < MOST_PLANES:
-        found = _largest_plane(cells.means[rest], through, (cells.cell_size, least), rng)
-        if found is None:
-            break
-        plane, own = found
-        pieces.append(_piece(cells, rest[own], plane))
-        rest = np.delete(rest, own)
+    for step in way:
+        for plane, own in _peeled(cells, rest, step, rng):
+            pieces.append(_piece(cells, own, plane))
+            rest = np.setdiff1d(rest, own)
     return [*pieces, *_bars(cells, rest)]
 
 
-def _board(cells: Voxels, least: int) -> Rows | None:
-    """Cells of the fullest level board; None where none has enough of them on its area."""
-    heights = np.sort(cells.means[:, 1])
-    reach = ON_PLANE_CELLS * cells.cell_size
-    counts = np.searchsorted(heights, heights + 2.0 * reach, side="right") - np.arange(len(cells))
+def _peeled(
+    cells: Voxels, rest: Rows, step: Step, rng: np.random.Generator
+) -> Iterator[tuple[Plane, Rows]]:
+    """The planes of one step, at most `MOST_PLANES`, and their cells."""
+    least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
+    for _ in range(1 if step == "board" else MOST_PLANES):
+        points = cells.means[rest]
+        if len(rest) < least:
+            return
+        if step == "board":
+            found = _board(points, cells.cell_size, least)
+        else:
+            found = _largest_plane(points, step, (cells.cell_size, least), rng)
+        if found is None:
+            return
+        plane, own = found
+        yield plane, rest[own]
+        rest = np.delete(rest, own)
+
+
+def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | None:
+    """The fullest level board and its points; None where none has enough of them on its area."""
+    heights = np.sort(points[:, 1])
+    reach = ON_PLANE_CELLS * cell_size
+    counts = np.searchsorted(heights, heights + 2.0 * reach, side="right") - np.arange(len(points))
     middle = heights[int(np.argmax(counts))] + reach
-    rows = np.flatnonzero(np.abs(cells.means[:, 1] - middle) <= reach)
-    rows = rows[_largest_group(cells.means[rows], LINK_CELLS * cells.cell_size)]
-    if len(rows) < least or len(rows) < FILLED * _footprint(cells.means[rows]) / cells.cell_size**2:
+    rows = np.flatnonzero(np.abs(points[:, 1] - middle) <= reach)
+    rows = rows[_largest_group(points[rows], LINK_CELLS * cell_size)]
+    if len(rows) < least or len(rows) < FILLED * _footprint(points[rows]) / cell_size**2:
         return None
-    return rows
+    return Plane(point=points[rows].mean(axis=0), normal=np.array(WORLD_UP)), rows
 
 
 def _footprint(points: Array) -> float:
@@ -100,15 +112,11 @@ def _footprint(points: Array) -> float:
         return 0.0
 
 
-def _level(points: Array) -> Plane:
-    return Plane(point=points.mean(axis=0), normal=np.array(WORLD_UP))
-
-
 def _largest_plane(
-    points: Array, through: Through, needs: tuple[float, int], rng: np.random.Generator
+    points: Array, step: Step, needs: tuple[float, int], rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
     """The plane with most connected points on it, and these; it needs so many, cells so wide."""
-    planes = _drawn(points, through, rng)
+    planes = _drawn(points, step, rng)
     if not len(planes):
         return None
     # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
@@ -116,10 +124,10 @@ def _largest_plane(
     away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * needs[0])
     votes = np.clip(1.0 - away**2, 0.0, 1.0).sum(axis=0)
     point, normal = planes[int(np.argmax(votes))]
-    return _refined(points, Plane(point=point, normal=normal), through, *needs)
+    return _refined(points, Plane(point=point, normal=normal), step, *needs)
 
 
-def _drawn(points: Array, through: Through, rng: np.random.Generator) -> Array:
+def _drawn(points: Array, step: Step, rng: np.random.Generator) -> Array:
     """Planes (D, 2, 3), a point and a unit normal each, through three neighbouring points."""
     count = min(NUM_NEIGHBOURS, len(points))
     first = rng.integers(len(points), size=NUM_DRAWS)
@@ -127,7 +135,7 @@ def _drawn(points: Array, through: Through, rng: np.random.Generator) -> Array:
     others = rng.integers(1, count, size=(NUM_DRAWS, 2))
     second, third = points[np.take_along_axis(near, others, axis=1)].swapaxes(0, 1)
     normals = np.cross(second - points[first], third - points[first])
-    if through is _upright_through:
+    if step == "upright":
         normals[:, 1] = 0.0
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     # Three points on a line span no plane.
@@ -138,20 +146,20 @@ def _drawn(points: Array, through: Through, rng: np.random.Generator) -> Array:
 
 
 def _refined(
-    points: Array, plane: Plane, through: Through, cell_size: float, least: int
+    points: Array, plane: Plane, step: Step, cell_size: float, least: int
 ) -> tuple[Plane, Rows] | None:
     """The plane through the connected points on one; None where they are too few or a strip."""
     best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
-    plane = through(points[best])
+    plane = _through(points[best], step)
     best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
     best = best[_largest_group(points[best], LINK_CELLS * cell_size)]
     if len(best) < least or _width(points[best]) < LEAST_WIDTH_CELLS * cell_size:
         return None
-    return through(points[best]), best
+    return _through(points[best], step), best
 
 
 def _width(points: Array) -> float:
@@ -167,16 +175,19 @@ def _largest_group(points: Array, reach: float) -> NDArray[np.bool_]:
     return largest
 
 
-def _through(points: Array) -> Plane:
+def _through(points: Array, step: Step) -> Plane:
+    """The plane of least squares, of any lean or none."""
     middle = points.mean(axis=0)
-    normal = np.linalg.svd(points - middle, full_matrices=False)[2][-1]
-    return Plane(point=middle, normal=normal)
-
-
-def _upright_through(points: Array) -> Plane:
-    middle = points.mean(axis=0)
-    x, z = np.linalg.svd((points - middle)[:, ::2], full_matrices=False)[2][-1]
+    if step == "any":
+        return Plane(point=middle, normal=_least(points - middle))
+    x, z = _least((points - middle)[:, ::2])
     return Plane(point=middle, normal=np.array([x, 0.0, z]))
+
+
+def _least(offsets: Array) -> Array:
+    """Direction in which offsets from their mean vary least."""
+    direction: Array = np.linalg.svd(offsets, full_matrices=False)[2][-1]
+    return direction
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
