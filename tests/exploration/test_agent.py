@@ -148,7 +148,6 @@ def test_an_obstacle_at_the_border_is_seen_from_where_one_can_stand(explore_disc
     assert len(done.recognition.objects) >= 1
 
 
-@pytest.mark.xfail(reason="recognition cuts the round side of a wide lone cylinder into walls")
 def test_every_lone_cylinder_is_one_object(explore_discs):
     assert len(explore_discs(TREES).recognition.objects) == len(TREES)
 

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 TOUCH_CELLS = 2.0
 """Pieces of one object are nearer to each other than so many cells."""
+ON_SOLID_CELLS = 0.75
+"""A cell nearer than this share of a cell lies on a solid."""
 NUMBERS_OF_PIECE = 3
 """Of a plane; a bar counts as much."""
 
@@ -54,7 +56,7 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
         parts += [(rule.role, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
-    share = sum(len(one.rows) for one in own) / len(cells)
+    share = sum(_num_explained(one, cells) for one in own) / len(cells)
     return Assembly(
         kind=kind,
         bic=_bic(cells, own),
@@ -63,6 +65,12 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
         solids=tuple(one.solid for one in own),
         roles=tuple(role for role, _ in parts),
     )
+
+
+def _num_explained(piece: FlatPiece, cells: Voxels) -> int:
+    """Cells of a piece that lie on its solid: what is left between planes need not be a bar."""
+    away = piece.solid.distances(cells.means[piece.rows])
+    return int((away < ON_SOLID_CELLS * cells.cell_size).sum())
 
 
 def _shown(needed: list[FlatPiece]) -> float:
