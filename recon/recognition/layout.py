@@ -12,6 +12,7 @@ from recon.recognition.frames import moved, moved_cells
 from recon.recognition.naming.visibility import is_hovering
 from recon.recognition.segments.focus import Focus
 from recon.recognition.segments.ground import level_plane
+from recon.recognition.segments.supports import Support, find_supports
 from recon.recognition.segments.walls import find_walls
 from recon.records import FoundPlane, Plane, Voxels
 from recon.records.objects import PlaneRole
@@ -48,7 +49,9 @@ class Layout:
     planes: tuple[FoundPlane, ...]
     """World."""
     component: Labels
-    """(K,) 0, 1, ...; -1 = on a plane."""
+    """(K,) 0, 1, ...; -1 = on a plane, or of what holds one up."""
+    supports: tuple[Support, ...] = ()
+    """Those of the planes that are raised, in their order."""
 
     @property
     def has_floor(self) -> bool:
@@ -60,11 +63,28 @@ class Layout:
         """How many components there are."""
         return int(self.component.max(initial=-1)) + 1
 
+    def height_under(self, cells: Voxels) -> float:
+        """Height of what cells stand on: of the highest support under them, else of the floor."""
+        under = self._under(cells)
+        return self.floor if under is None else self.supports[under].height
+
     def support(self, cells: Voxels) -> int | None:
         """Id of the plane that cells stand on; None where nothing that is known holds them."""
-        if not self.has_floor or is_hovering(cells, self.floor):
+        under = self._under(cells)
+        role = "ground" if under is None else "support"
+        if not self.has_floor or is_hovering(cells, self.height_under(cells)):
             return None
-        return next(plane.id for plane in self.planes if plane.role == "ground")
+        return [plane.id for plane in self.planes if plane.role == role][under or 0]
+
+    def _under(self, cells: Voxels) -> int | None:
+        """Number of the highest support that most of the cells lie over."""
+        low = float(cells.means[:, 1].min())
+        under = [
+            (one.height, number)
+            for number, one in enumerate(self.supports)
+            if one.height < low + cells.cell_size and one.holds(cells).mean() > 0.5
+        ]
+        return max(under)[1] if under else None
 
 
 def lay_out(voxels: Voxels, settings: RecognitionSettings, focus: Focus | None = None) -> Layout:
@@ -88,12 +108,11 @@ def lay_out(voxels: Voxels, settings: RecognitionSettings, focus: Focus | None =
 
 def _on_known_ground(voxels: Voxels, settings: RecognitionSettings, ground: float) -> Layout:
     above = voxels.centres[:, 1] >= ground + settings.clearance(voxels.cell_size)
-    up = Plane(point=np.array([0.0, ground, 0.0]), normal=np.array(WORLD_UP))
     return Layout(
         cells=voxels,
         T_world_level=np.eye(4),
         floor=ground,
-        planes=(_plane(0, up, voxels.select(~above), "ground"),),
+        planes=(_plane(0, _board(ground), voxels.select(~above), "ground"),),
         component=_numbered(voxels, above),
     )
 
@@ -113,9 +132,9 @@ def _without_floor(voxels: Voxels, focus: Focus | None) -> Layout:
 def _on_found_floor(
     voxels: Voxels, cells: Voxels, T_level_world: Array, on_floor: Mask, focus: Focus | None
 ) -> Layout:
-    """The floor and the walls taken off; what lies deeper than the floor is seen beside it."""
+    """Floor, walls and supports taken off; what lies deeper than the floor is seen beside it."""
     T_world_level = invert(T_level_world)
-    floor = moved(Plane(point=np.zeros(3), normal=np.array(WORLD_UP)), T_world_level)
+    floor = moved(_board(0.0), T_world_level)
     planes = [_plane(0, floor, voxels.select(on_floor), "ground")]
     standing = ~on_floor
     tolerance = WALL_CELLS * cells.cell_size
@@ -125,6 +144,11 @@ def _on_found_floor(
         own = rows[wall.mask]
         standing[own] = False
         planes.append(_plane(number, moved(wall.plane, T_world_level), voxels.select(own), "wall"))
+    supports = [] if focus else find_supports(cells, standing)
+    for number, support in enumerate(supports, start=len(planes)):
+        standing[support.board] = standing[support.legs] = False
+        board = moved(_board(support.height), T_world_level)
+        planes.append(_plane(number, board, voxels.select(support.board), "support"))
     component = _numbered(cells, standing)
     return Layout(
         cells=cells,
@@ -132,6 +156,7 @@ def _on_found_floor(
         floor=0.0,
         planes=tuple(planes),
         component=_gathered(component, voxels.means, focus),
+        supports=tuple(supports),
     )
 
 
@@ -177,6 +202,10 @@ def _footprint(points: Array) -> float:
         return float(ConvexHull(points[:, ::2]).volume)
     except (QhullError, ValueError):
         return 0.0
+
+
+def _board(height: float) -> Plane:
+    return Plane(point=np.array([0.0, height, 0.0]), normal=np.array(WORLD_UP))
 
 
 def _plane(number: int, plane: Plane, cells: Voxels, role: PlaneRole) -> FoundPlane:

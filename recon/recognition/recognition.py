@@ -105,7 +105,12 @@ def _warn_of_scale(kinds: tuple[Kind, ...], settings: RecognitionSettings) -> No
 def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...]) -> Namer:
     """What names the object that rows of the map are."""
     recogniser = RECOGNISERS.load(settings.recogniser)
-    return lambda rows: recogniser(layout.cells.select(rows), layout.floor, kinds, settings)
+
+    def name(rows: Rows) -> Naming:
+        cells = layout.cells.select(rows)
+        return recogniser(cells, layout.height_under(cells), kinds, settings)
+
+    return name
 
 
 def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str]) -> list[Rows]:

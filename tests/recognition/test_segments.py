@@ -150,3 +150,49 @@ def test_what_all_views_look_at_is_one_object():
     ringed = recognise(cells, SETTINGS, ring(16, 1.0))
     assert len(alone.objects) == 2
     assert [one.num_voxels for one in ringed.objects] == [len(cells)]
+
+
+def room(rng, top_height=0.75, is_box=False, things=2):
+    """A floor, a table of four legs or a box as large, and things on it and beside it."""
+    solids = [Cylinder(point=np.array([1.1, 0.0, 0.9]), axis=UP, radius=0.12, height=0.3)]
+    places = [(-0.3, 0.1), (0.35, -0.1)][:things]
+    solids += [
+        Cylinder(point=np.array([x, top_height, z]), axis=UP, radius=0.06, height=0.2)
+        for x, z in places
+    ]
+    boards = []
+    if is_box:
+        block = box([0.0, top_height / 2.0, 0.0], [1.4, top_height, 0.8])
+        boards.append(surface([block], 40_000, rng).points)
+    else:
+        half = [0.7, 0.0, 0.4]
+        low, high = np.subtract([0.0, top_height, 0.0], half), np.add([0.0, top_height, 0.0], half)
+        boards.append(rng.uniform(low, high, (9000, 3)))
+        solids += [
+            Cylinder(point=np.array([x, 0.0, z]), axis=UP, radius=0.03, height=top_height)
+            for x in (-0.6, 0.6)
+            for z in (-0.3, 0.3)
+        ]
+    points = [surface([one], 6000, rng).points for one in solids]
+    floor = rng.uniform([-2.0, 0.0, -1.5], [2.0, 0.0, 1.5], (40_000, 3))
+    return cloud_of(*(p + 0.002 * rng.normal(size=p.shape) for p in [*points, *boards, floor]))
+
+
+@pytest.mark.parametrize("height", [0.45, 0.75])
+def test_a_table_top_is_a_support_and_things_stand_on_it(height):
+    found = recognise_cloud(room(np.random.default_rng(6), height), SETTINGS)
+    assert [plane.role for plane in found.planes] == ["ground", "support"]
+    top = found.planes[1]
+    assert top.point[1] == pytest.approx(height, abs=0.03)
+    assert top.area == pytest.approx(1.4 * 0.8, rel=0.4)
+    on_top = [one for one in found.objects if one.support == top.id]
+    assert sorted(one.centre[0] for one in on_top) == pytest.approx([-0.3, 0.35], abs=0.05)
+    assert [one.box.sizes[1] for one in on_top] == pytest.approx([0.2, 0.2], abs=0.06)
+    (beside,) = [one for one in found.objects if one.support == 0]
+    assert beside.centre[::2] == pytest.approx([1.1, 0.9], abs=0.05)
+
+
+def test_a_bare_table_and_the_top_of_a_box_are_no_supports():
+    rng = np.random.default_rng(7)
+    for scene in (room(rng, things=0), room(rng, is_box=True)):
+        assert [plane.role for plane in recognise_cloud(scene, SETTINGS).planes] == ["ground"]
