@@ -2,16 +2,19 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from recon.errors import InputError
 from recon.exports.ply import CloudWriter
 from recon.geometry import transform
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import PairSource, Reconstruction, StereoPair
+from recon.runfolder import read_manifest
 from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
@@ -27,6 +30,7 @@ from recon.runs.work import Work
 from recon.sequences.contradictions.pairs import check_images
 from recon.sequences.open import open_sequence
 from recon.sequences.readers.ring import is_ring
+from recon.sequences.readers.simulated import is_simulated
 from recon.sequences.truth import read_truth
 from recon.settings import Settings, updated, with_quality
 
@@ -55,9 +59,26 @@ def _base(job: Job) -> Tree:
     return {
         "matching": search,
         "map": {"cell_size": cell_size, "min_count": min(2, len(source)), **rules},
-        "recognition": {"ground": None, "catalogue": (), "unit": "m"},
+        "recognition": {"ground": None, "catalogue": (), "unit": unit_of(path)},
         "sequence": {"only_confirmed": True} if is_ring(path) else {},
     }
+
+
+def unit_of(path: Path) -> Literal["m"] | None:
+    """Unit of a recording's lengths: a calibration counts in metres.
+
+    None where the scale is not known: of a ring, whose file has a world of its own, and of
+    simulated views.
+    """
+    no_scale = is_ring(path) or is_simulated(path) or _is_rendered(path)
+    return None if no_scale else "m"
+
+
+def _is_rendered(path: Path) -> bool:
+    try:
+        return bool(read_manifest(path)["command"] == "render")
+    except InputError:
+        return False
 
 
 def suggested_cell_size(pair: StereoPair, settings: Settings) -> float:

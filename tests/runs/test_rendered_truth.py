@@ -9,6 +9,7 @@ import pytest
 from recon.cli import main
 from recon.exports.ply import read_mesh, write_mesh
 from recon.records import Mesh
+from recon.runs.reconstruct import unit_of
 from recon.sequences.open import open_sequence
 from recon.sequences.pfm import decode_pfm
 from recon.settings import SequenceSettings
@@ -49,6 +50,13 @@ def drive(boxes, tmp_path_factory):
     settings = argv_of([*SMALL, "eyes.baseline=0.4"])
     assert main(["render", str(boxes), "--views", "drive:3", *settings, "-o", str(folder)]) == 0
     return folder
+
+
+def test_the_scale_of_a_calibration_is_metres_and_of_a_rendered_world_unknown(drive, tmp_path):
+    (tmp_path / "par.txt").write_text("0\n")
+    assert unit_of(drive.parent) == "m"
+    assert unit_of(drive) is None
+    assert unit_of(tmp_path) is None
 
 
 def test_a_rendered_recording_is_read_with_its_poses_and_truth(drive):
