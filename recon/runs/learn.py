@@ -106,6 +106,7 @@ def _report(name: str, target: Path, lesson: Lesson) -> Numbers:
         "catalogue": str(target),
         "num_examples": lesson.num_examples,
         "threshold": lesson.learned.threshold,
+        "highest_probability": lesson.learned.ceiling,
         "descriptors": [
             {"name": group.name, "used": group.used, "reason": group.reason}
             for group in lesson.groups

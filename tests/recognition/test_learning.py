@@ -7,7 +7,9 @@ from recon.errors import InputError
 from recon.recognition.clouds import gathered
 from recon.recognition.fitting.surface_points import surface
 from recon.recognition.naming.descriptors import describe
+from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.learning import learn
+from recon.recognition.naming.naming import name_object
 from recon.records import Box, Cylinder, PointCloud, Sphere
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -52,6 +54,18 @@ def test_a_learned_kind_takes_its_own_and_refuses_others(mugs):
     assert np.mean(np.array(own) <= kind.threshold) >= 0.6
     assert min(others) > kind.threshold
     assert {group.name for group in lesson.groups} == {"size", "profile", "surface", "solids"}
+
+
+def test_one_example_makes_nobody_sure(mugs):
+    chances = []
+    for count in (1, 3, 8):
+        kinds = (Kind(name="mug", learned=learn("mug", mugs[:count], {}).learned),)
+        found = name_object(mugs[0], 0.0, kinds)
+        assert found.label == "mug"
+        chances.append(found.probability)
+    assert chances == sorted(chances)
+    assert 0.5 < chances[0] < 0.7
+    assert chances[2] > 0.85
 
 
 def test_two_names_for_one_thing_are_refused(mugs):

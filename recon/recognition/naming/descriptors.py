@@ -52,6 +52,16 @@ class Learned:
     unit: str | None = None
     """Of the sizes: "m", or None where it was not known."""
 
+    @property
+    def num_examples(self) -> int:
+        """Examples it was learned from."""
+        return len(next(iter(self.groups.values())).examples)
+
+    @property
+    def ceiling(self) -> float:
+        """Highest probability that so few examples allow: Laplace's rule of succession."""
+        return (self.num_examples + 1) / (self.num_examples + 2)
+
     def distance(self, described: dict[str, Array]) -> float:
         """Distance of a thing to the nearest example, 1 where examples usually are."""
         rows = [

@@ -228,5 +228,5 @@ def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
                 kind=kind,
                 evidence=-0.5 * (2.0 * distance) ** 2,
                 criterion=0.0,
-                whole=float(NEARNESS.chance(-float(np.log(max(distance, 1e-9))))),
+                whole=kind.learned.ceiling * float(NEARNESS.chance(-np.log(max(distance, 1e-9)))),
             )

@@ -18,8 +18,9 @@ ROOM = 1.3
 """The next example is a little further from the others than these are from each other."""
 LEAST = 1.3
 """Threshold of examples that are all but copies: the next one is seen from elsewhere."""
-ALONE = 1.5
-"""Threshold where one example says nothing of how examples differ, in usual distances."""
+ALONE = 1.8
+"""Threshold where one example says nothing of how examples differ, in usual distances: wide, as
+what is accepted has no high probability."""
 PRIOR_EXAMPLES = 2.0
 """Examples that the usual distance of two of one kind counts for."""
 TELLS = 1.5
