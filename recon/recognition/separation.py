@@ -157,15 +157,20 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     for second, touch in _cuts(voxels.select(rows), min_voxels):
         halves = [(name(part), part) for part in (rows[~second], rows[second])]
         deviance = sum(half.deviance for half, _ in halves)
-        if deviance < least and _are_objects([half for half, _ in halves], touch):
+        if deviance < least and _are_objects(naming, [half for half, _ in halves], touch):
             best, least = halves, deviance
     return best
 
 
-def _are_objects(halves: list[Naming], touch: float) -> bool:
-    """Whether two sides are things of their own: with names, or with solids and a waist."""
-    named = all(half.label != UNKNOWN for half in halves)
-    return named or (touch < WAIST and all(half.parts for half in halves))
+def _are_objects(whole: Naming, halves: list[Naming], touch: float) -> bool:
+    """Whether two sides are things of their own: with names, or with solids and a waist.
+
+    What has a name as a whole is not parted into things without one.
+    """
+    if all(half.label != UNKNOWN for half in halves):
+        return True
+    is_known = whole.label != UNKNOWN
+    return not is_known and touch < WAIST and all(half.parts for half in halves)
 
 
 def _elongation(floor: Array) -> float:

@@ -43,7 +43,7 @@ ORDERED = Logistic(middle=-0.9, steepness=4.0)
 """The same of an assembly, whose parts in their places say more than how near the cells lie."""
 ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
 """Log of the count of cells: a handful of them lies on anything."""
-EXPLAINED = Logistic(middle=0.66, steepness=14.0)
+EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
 """Log of the count of cells of a plane that an assembly needs: any few lie on one."""
