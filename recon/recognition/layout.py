@@ -144,7 +144,7 @@ def _on_found_floor(
         own = rows[wall.mask]
         standing[own] = False
         planes.append(_plane(number, moved(wall.plane, T_world_level), voxels.select(own), "wall"))
-    supports = [] if focus else find_supports(cells, standing)
+    supports = [] if focus else find_supports(cells, standing, int(on_floor.sum()))
     for number, support in enumerate(supports, start=len(planes)):
         standing[support.board] = standing[support.legs] = False
         board = moved(_board(support.height), T_world_level)

@@ -62,6 +62,10 @@ class Learned:
         """Highest probability that so few examples allow: Laplace's rule of succession."""
         return (self.num_examples + 1) / (self.num_examples + 2)
 
+    def believed(self, chance: float) -> float:
+        """A chance over a half, lowered to the ceiling; what is accepted stays accepted."""
+        return min(chance, 0.5 + (2.0 * self.ceiling - 1.0) * (chance - 0.5))
+
     def distance(self, described: dict[str, Array]) -> float:
         """Distance of a thing to the nearest example, 1 where examples usually are."""
         rows = [

@@ -224,9 +224,10 @@ def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
     for kind in kinds:
         if kind.learned is not None:
             distance = kind.learned.distance(described) / kind.learned.threshold
+            chance = float(NEARNESS.chance(-np.log(max(distance, 1e-9))))
             yield Hypothesis(
                 kind=kind,
                 evidence=-0.5 * (2.0 * distance) ** 2,
                 criterion=0.0,
-                whole=kind.learned.ceiling * float(NEARNESS.chance(-np.log(max(distance, 1e-9)))),
+                whole=kind.learned.believed(chance),
             )

@@ -15,13 +15,15 @@ Rows = NDArray[np.intp]
 
 SHARE = 0.1
 """Share of the standing cells that a support must hold."""
+OF_FLOOR = 0.04
+"""Its size as a share of the floor's: the top of a box on a table is smaller."""
 LEAST_CELLS = 60
 """Cells that a support needs: fewer are the top of a thing."""
 FILLED = 0.5
 """Share of the columns of its box that a support must fill."""
 COVERED = 0.4
 """Share of a support that the things on it may cover."""
-OPEN = 0.35
+OPEN = 0.2
 """Share of its rim under which a support may have cells: a box has sides, a table has legs."""
 LEAST_ON_IT = 12
 """Cells over a support from which something stands on it."""
@@ -51,7 +53,7 @@ class Support:
         return _at(self.columns, _columns(cells) - self.corner)
 
 
-def find_supports(cells: Voxels, standing: Mask) -> list[Support]:
+def find_supports(cells: Voxels, standing: Mask, num_floor: int) -> list[Support]:
     """The supports of a level map, the fullest first.
 
     A support is a level board, filled and mostly bare, that something stands on, and open beneath.
@@ -62,10 +64,12 @@ def find_supports(cells: Voxels, standing: Mask) -> list[Support]:
         Means level, y up.
     standing : (K,) bool
         Cells over the floor and before the walls.
+    num_floor : int
+        Cells of the floor.
     """
     supports: list[Support] = []
     rest = np.flatnonzero(standing)
-    least = max(LEAST_CELLS, SHARE * len(rest))
+    least = max(LEAST_CELLS, SHARE * len(rest), OF_FLOOR * num_floor)
     heights = cells.means[:, 1]
     tried = np.zeros(len(cells), dtype=bool)
     for _ in range(MOST_SUPPORTS):
