@@ -27,6 +27,7 @@ FOLLOWED = {
     "docs/hour.md": "test_pages",
     "docs/concepts/occupancy.md": "test_pages",
     "docs/plugin/README.md": "test_plugin_example",
+    "docs/howto/large.md": "tests of partitioned maps and of chunks, on smaller data",
     "docs/howto/localise.md": "tests of localisation, which render what it needs",
 }
 """Pages that other tests follow from the first line to the last."""
