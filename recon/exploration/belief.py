@@ -180,7 +180,7 @@ class Belief:
         )
 
     def _things(self, sight: Sight, model: WorldModel) -> list[Detection]:
-        """What stands before the cameras."""
+        """The surface before the cameras."""
         place = sight.view.position[[0, 2]]
         standing = model.standing(place, sight.cloud)
         return detections(standing, place, model.scales) if len(standing) else []

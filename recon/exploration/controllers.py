@@ -74,7 +74,7 @@ def check_view(view: View) -> None:
 
 
 def result_of(controller: Controller) -> str:
-    """What a controller says came of it so far; a plug-in that fails at that says nothing."""
+    """A controller's own words on its result so far; none of a plug-in that fails to say any."""
     try:
         return str(controller.result())
     except Exception:

@@ -16,7 +16,7 @@ SIZE: Size = (1000, 760)
 def kept_depth(
     left: NDArray[np.uint8], depth: NDArray[np.floating], unit: str
 ) -> dict[str, NDArray[Any]]:
-    """What `depth` is drawn from."""
+    """Arrays that `depth` is drawn from."""
     return {"left": left, "depth": depth.astype(np.float32), "unit": np.array(unit)}
 
 

@@ -43,7 +43,7 @@ class Bearing:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """What is known of the way from one pose to another."""
+    """A measurement of the way from one pose to another."""
 
     first: int
     second: int
@@ -52,7 +52,7 @@ class Link:
     information: Array
     """(3, 3) of x, z and azimuth, world."""
     is_sure: bool = False
-    """Whether it cannot be of two pairs that do not show the same: a step."""
+    """True for a step, which cannot join two pairs that show unlike things."""
 
     @classmethod
     def between(cls, numbers: tuple[int, int], poses: Array, information: Array) -> "Link":
@@ -156,7 +156,7 @@ class Graph:
         return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
 
     def _of_links(self) -> "Block":
-        """What the way differs from the links."""
+        """Residuals of the links along the way."""
         number = len(self.links)
         rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
         first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
@@ -183,7 +183,7 @@ class Graph:
         )
 
     def _of_bearings(self) -> "Block":
-        """What sightings differ from where things should be seen."""
+        """Residuals of the sightings: seen minus expected places of things."""
         seen = self.bearings
         pose = np.array([bearing.pose for bearing in seen], np.intp)
         mark = np.array([bearing.landmark for bearing in seen], np.intp)
@@ -217,7 +217,7 @@ class Graph:
         )
 
     def _of_fronts(self) -> "Block":
-        """What is known of the front of a thing beforehand."""
+        """Prior knowledge of the front of a thing."""
         number = len(self.radii)
         sigma = np.maximum(FRONT_SIGMA * self.radii, 1e-3)
         columns = 3 * (len(self.poses) + np.arange(number)) + 2

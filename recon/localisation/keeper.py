@@ -45,7 +45,7 @@ class PlaceKeeper:
         return atlas_of(self._places, trajectory)
 
     def _is_known(self, T_world_left: Array) -> bool:
-        """Whether the last place shows the same."""
+        """True where the last place shows the same."""
         if not self._places:
             return False
         number = next(reversed(self._places))

@@ -1,4 +1,4 @@
-"""What a pair shows, held against what a map would show from a pose, tile by tile of the image.
+"""A pair held against what a map would show from a pose, tile by tile of the image.
 
 Texture repeats, and one tree looks like another; what stands behind, and what does not, tells
 places apart.

@@ -22,7 +22,7 @@ PLANAR = [3, 5, 1]
 LEVEL_SIGMA = 1e-4
 """Radians and world units: a robot neither lifts nor tilts its cameras."""
 SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
-"""What one pair's surface differs from another's, as a whole."""
+"""Difference of one pair's surface from another's, as a whole."""
 FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
 MIN_SHARE = 0.3
 """Of points that lie on the other pair's surface."""
@@ -32,7 +32,7 @@ MAX_OFF = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a pair shows, in the frame of its camera."""
+    """The surface that a pair shows, in the frame of its camera."""
 
     place: Place
     cloud: PointCloud
@@ -44,7 +44,7 @@ class Shown:
 
     @classmethod
     def of(cls, pair: StereoPair, cloud: PointCloud, cell_size: float) -> "Shown":
-        """What a pair shows, whose cloud is in the world."""
+        """The surface of a pair whose cloud is in the world."""
         assert pair.T_world_left is not None
         ahead = pair.T_world_left[:3, 2]
         azimuth = float(np.arctan2(ahead[2], ahead[0]))

@@ -52,7 +52,7 @@ class Hypothesis:
     """Tiles of the image that show what the map does there."""
     num_different: int
     is_known: bool = True
-    """Whether a place was known again there; a guess by shape only shows what else it may be."""
+    """True where a place was known again there; a guess by shape only shows what else it may be."""
 
     @property
     def evidence(self) -> float:
@@ -139,7 +139,7 @@ class KnownWorld:
         return Prior(T_world_left=T_world_left, information=information)
 
     def _is_covered(self, T_world_left: Array) -> bool:
-        """Whether a place shows what would be seen from a pose."""
+        """True where a place shows what would be seen from a pose."""
         apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
         alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
         depths = np.array([place.depth for place in self.atlas.places])

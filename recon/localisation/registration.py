@@ -46,7 +46,7 @@ class Points:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prior:
-    """What is known of a pose beforehand."""
+    """Prior knowledge of a pose."""
 
     T_world_left: Array
     information: Array

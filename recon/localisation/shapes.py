@@ -35,7 +35,7 @@ class Thing:
 
 
 def things(voxels: Voxels) -> list[Thing]:
-    """What stands apart on the map, seen from above."""
+    """Things that stand apart on the map, seen from above."""
     found = []
     for rows in _patches(voxels.means[:, [0, 2]], voxels.cell_size):
         if len(rows) >= MIN_CELLS:

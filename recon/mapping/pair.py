@@ -112,7 +112,7 @@ def process_pair(
 
 
 def _mapped(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
-    """What goes into the map: the matches, or every pixel where the settings want it."""
+    """Points for the map: the matches, or every pixel where the settings want it."""
     if settings.map.points == "sparse":
         return matches
     found = match_every_pixel(pair.left, pair.right, settings, pair.disparity_range)

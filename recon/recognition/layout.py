@@ -55,12 +55,12 @@ class Layout:
 
     @property
     def has_floor(self) -> bool:
-        """Whether a plane was found that things stand on."""
+        """True where a plane was found that things stand on."""
         return any(plane.role == "ground" for plane in self.planes)
 
     @property
     def num_components(self) -> int:
-        """How many components there are."""
+        """Number of components."""
         return int(self.component.max(initial=-1)) + 1
 
     def height_under(self, cells: Voxels) -> float:
@@ -193,7 +193,7 @@ def _clearance(cells: Voxels, settings: RecognitionSettings) -> float:
 
 
 def _is_wider(cells: Voxels, on_floor: Mask) -> bool:
-    """Whether a floor reaches beyond what stands on it."""
+    """True where a floor reaches beyond what stands on it."""
     return _footprint(cells.means[on_floor]) > WIDER * _footprint(cells.means[~on_floor])
 
 

@@ -103,7 +103,7 @@ def _warn_of_scale(kinds: tuple[Kind, ...], settings: RecognitionSettings) -> No
 
 
 def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...]) -> Namer:
-    """What names the object that rows of the map are."""
+    """The naming of the object that rows of the map are."""
     recogniser = RECOGNISERS.load(settings.recogniser)
 
     def name(rows: Rows) -> Naming:
@@ -131,7 +131,7 @@ def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str
 
 
 def _is_one(focus: Focus | None) -> bool:
-    """Whether all views look at one thing."""
+    """True where all views look at one thing."""
     return focus is not None
 
 

@@ -137,7 +137,7 @@ def _explained(cells: Voxels) -> float:
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
-    """Whether the middle of one lies inside the other, which has a name, or may hold it."""
+    """True where the middle of one lies inside the other, which has a name, or may hold it."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
     pair = (first, second)
     if any(one.is_hovering for one in pair):
@@ -163,7 +163,7 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
 
 
 def _are_objects(whole: Naming, halves: list[Naming], touch: float) -> bool:
-    """Whether two sides are things of their own: with names, or with solids and a waist.
+    """True where two sides are things of their own: with names, or with solids and a waist.
 
     What has a name as a whole is not parted into things without one.
     """

@@ -25,7 +25,7 @@ SURFACE_POINTS = 6000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
-    """Where an object is looked at from, and how well."""
+    """Orbit of cameras round an object, and the quality of what they see."""
 
     num_views: int = 9
     clearance: float = 10.0
@@ -43,7 +43,7 @@ class Orbit:
 def observe(
     parts: Composite | Sequence[Solid], colours: Array, orbit: Orbit, rng: np.random.Generator
 ) -> PointCloud:
-    """What an orbit of stereo pairs sees of a thing of some parts.
+    """The cells that an orbit of stereo pairs sees of a thing of some parts.
 
     Parameters
     ----------

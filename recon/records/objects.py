@@ -1,4 +1,4 @@
-"""What was recognised."""
+"""Recognised objects and planes."""
 
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -109,9 +109,9 @@ class Recognition:
     label: NDArray[np.int32]
     """(K,) id of the object of each cell that was handed in; -1 = ground or none."""
     failures: dict[str, int] = field(default_factory=dict)
-    """How often a fit failed, by reason."""
+    """Number of failed fits, by reason."""
     planes: tuple[FoundPlane, ...] = ()
-    """What things stand on or before."""
+    """Planes that things stand on or before."""
 
 
 def as_json(recognition: Recognition) -> dict[str, object]:

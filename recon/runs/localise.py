@@ -1,4 +1,4 @@
-"""Where in the map of a run pairs were taken."""
+"""Poses of pairs in the map of a run."""
 
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ def _localise(job: Job, work: Work) -> Numbers:
 
 
 def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, Any]:
-    """What is said of one pair; nulls, with the reason, where its pose cannot be said."""
+    """The answer for one pair; nulls, with the reason, where its pose cannot be said."""
     keys = ("T_world_left", "sigma", "sigma_deg", "probability", "reason")
     if isinstance(found, FitFailure):
         return {"name": pair.name} | dict.fromkeys(keys) | {"reason": found.reason}

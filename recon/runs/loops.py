@@ -13,7 +13,7 @@ from recon.settings import Settings
 
 
 def keeps_places(settings: Settings) -> bool:
-    """Whether what pairs show is kept: where asked to, and where loops may have to be closed."""
+    """True where places are kept: where asked to, and where loops may have to be closed."""
     return settings.map.places or settings.sequence.poses == "estimated"
 
 

@@ -1,4 +1,4 @@
-"""What is estimated of a recording once, as a record: with it any part is read by itself."""
+"""Estimates of a whole recording as a record, made once: with it any part is read by itself."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -27,7 +27,7 @@ class Refined:
     """Rectification and poses that follow from all pairs of a recording."""
 
     residual: Residual
-    """What rectification left over."""
+    """Residual of the rectification."""
     poses: Mapping[str, Array] = field(default_factory=dict)
     """`T_world_left` (4, 4) by the name of the pair, where poses are estimated; else none."""
 

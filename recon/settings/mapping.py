@@ -17,7 +17,7 @@ class MapSettings:
     cell_size: Positive = 1.0
     """World units."""
     points: Literal["sparse", "dense"] = "sparse"
-    """What goes into the map: the matched features, or every pixel."""
+    """Points of the map: the matched features, or every pixel."""
     max_sigma: Positive | None = 1.4
     """Points less sure than this many cells count in coarser cells only; None = no limit."""
     occupancy: tuple[OccupancyRule, ...] = ("count",)
@@ -33,6 +33,6 @@ class MapSettings:
     ray_margin: NonNegative = 1.5
     """Space is free up to so many cells before a point, or two sigma of it if that is more."""
     places: bool = False
-    """Whether a run keeps what its pairs show, so that `recon localise` needs no recording."""
+    """Keep the places of a run, so that `recon localise` needs no recording."""
     partition_size: PartitionSize = 256
     """Cells along a side of a partition, where a map is made in chunks; a multiple of 64."""

@@ -80,10 +80,10 @@ class DenseSettings:
     """A disparity for every pixel (the thesis's future work)."""
 
     enabled: bool = False
-    """Whether commands that match also leave what every pixel shows."""
+    """Match every pixel too, and leave dense results."""
     method: Literal["semi-global", "opencv"] = "semi-global"
     """recon's own costs along eight directions, or OpenCV's StereoSGBM along three."""
     speck_px: int = Field(default=100, ge=0)
     """Patches of fewer pixels that stand apart are taken out."""
     fill_px: int = Field(default=8, ge=0)
-    """How far holes are filled along the row with what lies behind; 0 = not at all."""
+    """Width of holes that are filled along the row with what lies behind; 0 = none."""

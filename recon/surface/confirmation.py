@@ -14,7 +14,7 @@ NUM_NEIGHBOURS = 6
 _NUM_SIGMAS = np.float32(2.5)
 _NUM_NEEDED = 2
 _FEW = 2
-"""Where no more views than this look, one of them is enough."""
+"""Up to this many views of a place, one of them is enough."""
 
 
 def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:

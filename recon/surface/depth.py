@@ -20,7 +20,7 @@ _SIGMA_SCALE, _SIGMA_FLOOR_PX = 1.3, 0.08
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DepthMap:
-    """What one left camera saw, and how far away."""
+    """The image of one left camera, with its depths."""
 
     depth: Floats
     """(H, W) along z of the left camera, world units; NaN = unknown."""

@@ -1,4 +1,4 @@
-"""How near a surface comes to the true one, and how much of it is there."""
+"""Accuracy and completeness of a surface against the true one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

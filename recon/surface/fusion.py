@@ -22,7 +22,7 @@ _PIXELS_TO_VOXEL = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
-    """What the cameras saw of the surface, in the world."""
+    """The surface that the cameras saw, in the world."""
 
     cloud: PointCloud
     """With sigma, and the attribute `views`: how many views agree on a point."""

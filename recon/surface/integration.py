@@ -1,4 +1,4 @@
-"""What a depth map says of the voxels in blocks near a surface (Curless and Levoy, 1996)."""
+"""Signed distances of voxels near a surface, by a depth map (Curless and Levoy, 1996)."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ TRUNCATION = 4.0
 _BEHIND = 3.0
 """Voxels behind the surface of which a view still says something."""
 _FREE_SHARE = 0.3
-"""What a view's word on free space is worth, of its word on the surface."""
+"""Weight of a view's free space, of the weight of its surface."""
 _JUMP = 2.0
 """Voxels of depth between neighbouring pixels that are taken for two surfaces."""
 
@@ -31,7 +31,7 @@ NUM_STEPS = len(_STEPS)
 
 
 class Store(NamedTuple):
-    """What the voxels of B blocks hold; V voxels in each, x first."""
+    """Voxels of B blocks; V voxels in each, x first."""
 
     distance: Floats
     """(B, V) in truncations, positive before the surface."""

@@ -1,4 +1,4 @@
-"""When a cell counts as occupied: rules to choose from, all of which must hold."""
+"""Rules of occupancy to choose from; a cell is occupied where all of them hold."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

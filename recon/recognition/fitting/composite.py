@@ -20,7 +20,7 @@ SPLITS = (0.2, 0.4, 0.6, 0.8)
 ROUGH_POINTS, ROUGH_STEPS = 150, 6
 """Points and steps that show which of several starts is promising."""
 BELOW_CELLS = 0.3
-"""How far the mean of the lowest cell of a part lies over its rim, on average; the narrow end, seen
+"""Height of the mean of the lowest cell of a part over its rim, on average; the narrow end, seen
 from below, has next to nothing to add."""
 NOISE_FLOOR = 0.05
 """Smallest noise believed of a cell's mean, in cells."""

@@ -29,7 +29,7 @@ MAX_DAMPING = 1e3
 
 
 class Model(Protocol[State]):
-    """What is fitted: how far the points are off, and how a step changes the parameters."""
+    """The model that is fitted: the residuals of points, and the change of parameters by a step."""
 
     def residuals(self, state: State) -> tuple[Array, Array]:
         """Signed distances (N,) and their derivatives (N, P) by a step."""

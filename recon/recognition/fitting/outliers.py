@@ -84,7 +84,7 @@ def _is_tighter(voted: Explained, first: Explained) -> bool:
 
 
 def _explained(found: tuple[Candidate, ...], points: Array) -> Explained:
-    """How much the best explains: rms and the points within 3 of it, until both agree."""
+    """The rms and the points within 3 of it that the best explains, until both agree."""
     away = found[0].solid.distances(points)
     inside = away <= INLIER_SIGMAS * found[0].sigma
     for _ in range(NUM_ROUNDS):

@@ -1,4 +1,4 @@
-"""Which solid a set of points lies on: robust geometric fits, compared by BIC."""
+"""The solid that a set of points lies on: robust geometric fits, compared by BIC."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -100,7 +100,7 @@ def from_points(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Sample:
-    """What a fit is made on."""
+    """Data of a fit."""
 
     points: Array
     normals: Array

@@ -80,7 +80,7 @@ def _shown(needed: list[FlatPiece]) -> float:
 
 
 def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
-    """Whether a piece has the shape and the place of a part."""
+    """True where a piece has the shape and the place of a part."""
     if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
         return False
     tilt = piece.tilt_deg
@@ -90,7 +90,7 @@ def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxe
 
 
 def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch: float) -> bool:
-    """Whether a piece lies on, beside or under the part before it, and is near it."""
+    """True where a piece lies on, beside or under the part before it, and is near it."""
     low = np.min([one.low for one in before], axis=0)
     high = np.max([one.high for one in before], axis=0)
     gap = np.maximum(piece.low - high, low - piece.high)

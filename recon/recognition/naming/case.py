@@ -35,7 +35,7 @@ class Case:
     ground: float
     """Height of what it stands on."""
     is_metric: bool
-    """Whether lengths are metres."""
+    """True where lengths are metres."""
     alone: tuple[Candidate, ...]
     """Lone solids through at most `MOST_FOR_SOLIDS` of the cells, the best first."""
 

@@ -1,4 +1,4 @@
-"""What colour says about a fit that shape has made: whether the parts part where the colours do."""
+"""Colour as evidence on a fit that shape has made: parts must part where colours do."""
 
 import numpy as np
 

@@ -113,7 +113,7 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
 
 
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
-    """What speaks for a fit of upright parts."""
+    """The evidence for a fit of upright parts."""
     rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
     composite = fit.state
     narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
@@ -143,7 +143,7 @@ def _rated(
 
 
 def _is_whole(composite: Composite, cells: Voxels) -> bool:
-    """Whether the composite is of the cells' size and all parts above the lowest are seen."""
+    """True where the composite has the cells' size and all parts above the lowest are seen."""
     extent = float(np.ptp(cells.means, axis=0).max())
     within = max(2.0 * composite.widest.max(), composite.heights[-1] - cells.means[:, 1].min())
     unseen = unseen_parts(composite, cells)[1:]

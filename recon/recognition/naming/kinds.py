@@ -83,7 +83,7 @@ class Kind:
     min_seen: Share = 0.0
     """Share of its surface that must be seen."""
     learned: Learned | None = None
-    """What examples of it are like, instead of parts."""
+    """Likeness of its examples, instead of parts."""
 
     def __post_init__(self) -> None:
         if bool(self.parts) == (self.learned is not None):
@@ -91,7 +91,7 @@ class Kind:
 
     @property
     def is_upright(self) -> bool:
-        """Whether its parts stand on each other on one axis."""
+        """True where its parts stand on each other on one axis."""
         return bool(self.parts) and all(
             AXIAL.issuperset(part.shapes) and part.place == "on" and part.count == (1, 1)
             for part in self.parts
@@ -105,5 +105,5 @@ class Kind:
 
     @property
     def needs_scale(self) -> bool:
-        """Whether it asks for sizes in metres."""
+        """True where it asks for sizes in metres."""
         return bool(self.size.given) or any(part.size.given for part in self.parts)

@@ -40,7 +40,7 @@ class GroupReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lesson:
-    """What was learned from examples."""
+    """Description learned from examples."""
 
     learned: Learned
     groups: tuple[GroupReport, ...]

@@ -30,7 +30,7 @@ SAID = 0.001
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Naming:
-    """What one object was found to be."""
+    """The name of one object, and the reasons for it."""
 
     label: str
     probability: float | None
@@ -46,7 +46,7 @@ class Naming:
     deviance: float = 0.0
     """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
     is_hovering: bool = False
-    """Whether nothing that is seen holds it, and it is too small to do without."""
+    """True where nothing that is seen holds it, and it is too small to do without."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
         """The record of it."""

@@ -53,12 +53,12 @@ NEARNESS = Logistic(middle=0.0, steepness=6.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
-    """What speaks for a fit, whatever its kind."""
+    """The evidence for a fit, whatever its kind."""
 
     criterion: float
     """BIC a cell, less that of a thing of no form."""
     lead: float
-    """How much lower it is than that of the best rival of no kind, on all cells or on a part's."""
+    """Lead over the best rival of no kind, on all cells or on a part's."""
     seen: Array
     """(parts,) share of each part's surface with a cell near it."""
     widths: Array

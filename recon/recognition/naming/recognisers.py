@@ -21,7 +21,7 @@ class Recogniser(Protocol):
         settings: RecognitionSettings,
         /,
     ) -> Naming:
-        """What the object is."""
+        """Name the object."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""What of an object is seen, and what must be there although it is not."""
+"""Seen and unseen parts of an object: what must be there although no view shows it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ TRUNK = 0.3
 
 
 def is_hovering(cells: Voxels, ground: float) -> bool:
-    """Whether no cell is near the ground."""
+    """True where no cell is near the ground."""
     low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
     return bool(low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size)
 

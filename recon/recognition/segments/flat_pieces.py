@@ -191,7 +191,7 @@ def _least(offsets: Array) -> Array:
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
-    """What is left: upright bars, each the cells that hang together."""
+    """Upright bars in what is left, each the cells that hang together."""
     if not len(rest):
         return []
     pairs = cKDTree(cells.means[rest]).query_pairs(

@@ -15,7 +15,7 @@ SPREAD = 0.1
 """Least of the middle eigenvalue of the axes' scatter, 1/3 where they come from everywhere: by
 three views within some 30 degrees any place is looked at."""
 WITHIN = 0.5
-"""What lies nearer to the place than this share of the cameras' distance is there."""
+"""Cells nearer to the place than this share of the cameras' distance belong to it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

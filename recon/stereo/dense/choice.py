@@ -19,7 +19,7 @@ _PER_PATH = np.float32(1.0 / (UNIT * NUM_PATHS))
 
 
 class Choice(NamedTuple):
-    """What was chosen, and how clearly; NaN where the right image does not confirm it."""
+    """The chosen disparity, and how clear it is; NaN where the right image does not confirm it."""
 
     disparity_px: Floats
     """(H, W) below the pixel."""

@@ -1,4 +1,4 @@
-"""What it costs to say that a left and a right pixel show the same: phase, census and levels.
+"""The cost of matching a left and a right pixel: phase, census and grey levels.
 
 Three measures that fail differently: phases do not see contrast, the order of the levels (census)
 does not see gain, levels and their slopes (Birchfield and Tomasi, 1998) see the finest detail.
@@ -184,7 +184,7 @@ def _compare_levels(left: _Side, right: _Side, v: int, start: int, out: Floats) 
 
 @kernel
 def _apart(left: Floats, u: int, right: Floats, at: int) -> Lanes:
-    """How far values are apart, were both images sampled half a pixel off."""
+    """The distance between values, were both images sampled half a pixel off."""
     value, low, high = repeat(left[0], u), repeat(left[1], u), repeat(left[2], u)
     other = load(right[0], at)
     one = larger(value - load(right[2], at), load(right[1], at) - value)
@@ -220,7 +220,7 @@ def _compare_phases(left: Floats, u: int, right: Floats, start: int, line: Float
 
 @intrinsic
 def _number_of_ones(typing_context: Any, bits: Any) -> Any:
-    """How many bits of a number are 1."""
+    """The number of bits that are 1."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.ctpop(arguments[0])

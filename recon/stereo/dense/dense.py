@@ -126,7 +126,7 @@ def grey_of(image: NDArray[np.uint8]) -> Grey:
 
 
 def _search(asked: MatchingSettings, width: int) -> Search:
-    """What of a search lies inside images of a width."""
+    """The part of a search range that lies inside images of a width."""
     first, last = max(asked.min_disparity, 1 - width), min(asked.max_disparity, width - 1)
     if last < first:
         raise InputError(

@@ -1,4 +1,4 @@
-"""How right a disparity of every pixel is, and whether its sigma says so."""
+"""Errors of dense disparities, and of the sigmas that they state."""
 
 from dataclasses import asdict, dataclass
 

@@ -91,7 +91,7 @@ def _fill_gap(row: Floats, near: Floats, gap: tuple[int, int], widest: int, foun
 
 @njit(cache=True, nogil=True)
 def _support(before: float, after: float, near: Floats, value: float) -> int:
-    """How many of the known pixels round a hole agree with a value."""
+    """The number of known pixels round a hole that agree with a value."""
     count = int(abs(before - value) <= _AGREEMENT_PX) + int(abs(after - value) <= _AGREEMENT_PX)
     for k in range(near.size):
         count += int(abs(near[k] - value) <= _AGREEMENT_PX)

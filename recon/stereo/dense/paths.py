@@ -100,7 +100,7 @@ def _sweep(
 
 @kernel
 def _jump(here: int, there: int, penalties: Penalties) -> int:
-    """What a jump of disparity between two grey levels costs."""
+    """The cost of a jump of disparity between two grey levels."""
     large: int = penalties.large_step[abs(np.int64(here) - np.int64(there))]
     return large
 

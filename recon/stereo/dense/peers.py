@@ -86,4 +86,4 @@ PEERS: dict[str, Callable[[Grey, Grey, Search], Floats]] = {
     "sgbm": _sgbm(cv2.StereoSGBM_MODE_SGBM),
     "bm": _bm,
 }
-"""What the dense stage is held against, by name."""
+"""The peers of the dense stage, by name."""

@@ -1,4 +1,4 @@
-"""How sure a disparity is, from what was seen when it was chosen.
+"""Sigma of a disparity, from what was seen when it was chosen.
 
 The laws were fitted on recorded pairs with truth (Venus, Cones, Moebius, Cloth1, Books), so that
 68 % of the errors there are below one sigma, and judged on others.
