@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 ENOUGH_CELLS = 10
 """Cells of a part from which its own lead means something."""
-OF_ONE_PART = 0.5
+OF_ONE_PART = 0.25
 """Weight of the lead on the cells of one part: it is the largest of several."""
 
 
