@@ -33,7 +33,7 @@ Sound = tuple[str, Callable[[Path], Any], bytes]
 JOBS = """[[job]]
 name = "a"
 command = "reconstruct"
-input = ["left", "right*"]
+input = ["left", "right"]
 seed = 3
 arguments = { chunk = 5 }
 settings = { "map.cell_size" = 0.2 }

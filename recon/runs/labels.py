@@ -4,23 +4,31 @@ import json
 from pathlib import Path
 from typing import Any
 
+from recon.errors import InputError
 from recon.exports import nav2
 from recon.figures.geojson import feature_collection, flat
 from recon.figures.kinds import Subject
 from recon.files import atomic_path
+from recon.notices import notify
 
 
 def write_labels(folder: Path, subject: Subject) -> list[Path]:
     """Write labels.geojson, map.pgm with map.yaml for nav2, and labels.json for that map.
 
-    Both have north up: their x is the world's, their y is -z.
+    Both have north up: their x is the world's, their y is -z. Where nothing of the map is at the
+    height of a robot, the map and its labels are left out, and that is said.
     """
     run = subject.mapped
     shown = feature_collection(
         run.voxels, run.objects, run.trajectory.T_world_left, subject.unit
     )  # fmt: skip
     _write_json(folder / "labels.geojson", shown)
-    nav2.write(folder / "map.pgm", run.map if subject.has_rays else run.voxels)
+    try:
+        nav2.write(folder / "map.pgm", run.map if subject.has_rays else run.voxels)
+    except InputError as error:
+        # A map of a few views may hold nothing but ground; the footprints are good all the same.
+        notify("map-empty", str(error))
+        return [folder / "labels.geojson"]
     _write_json(folder / "labels.json", _labels(shown, run.objects, subject.unit))
     return [folder / name for name in ("labels.geojson", "map.pgm", "map.yaml", "labels.json")]
 

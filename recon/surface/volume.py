@@ -83,8 +83,13 @@ class Volume:
         """The surface where distances change their sign, without colours; holes stay holes."""
         if not (self._store.weight > _MIN_WEIGHT).any():
             return Mesh.none()
-        grid = self._grid()
-        found = grid.extract_triangle_mesh(weight_threshold=_MIN_WEIGHT)
+        try:
+            found = self._grid().extract_triangle_mesh(weight_threshold=_MIN_WEIGHT)
+        except RuntimeError as error:
+            # Open3D gives colours to a mesh without a vertex, and fails at that.
+            if "SetVertexColors" not in str(error):
+                raise
+            return Mesh.none()
         if "positions" not in found.vertex or not len(found.vertex.positions):
             return Mesh.none()
         vertices = found.vertex.positions.numpy().astype(np.float64)

@@ -17,7 +17,7 @@ from recon.settings import Settings, updated
 from recon.voxelmap import VoxelMap
 
 SCENES = Path(__file__).parents[2] / "scenes"
-PAIRS = 4
+PAIRS = 8
 FILES = {
     "manifest.json", "settings.toml", "trajectory.txt", "cloud.ply", "map.npz", "objects.json",
     "cameras.json",

@@ -65,7 +65,7 @@ def test_more_noise_gives_more_error_and_more_sigma():
 def test_filters_too_fine_to_tune_leave_whole_pixels(plane):
     coarse, fine = coarse_and_fine(*plane[:2], widths_px=(1.5,))
     np.testing.assert_array_equal(coarse.disparity_px, fine.disparity_px)
-    assert (fine.sigma_px == UNTUNED_SIGMA_PX).all()
+    assert (fine.sigma_px == np.float32(UNTUNED_SIGMA_PX)).all()
 
 
 def test_what_is_tuned_already_is_left_alone(plane, plane_features):
