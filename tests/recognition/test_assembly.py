@@ -1,5 +1,7 @@
 """Composite kinds of planes and bars are named from what an orbit of stereo pairs sees."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.records import Box, Cylinder, Sphere
-from recon.settings import RecognitionSettings
+from recon.settings import RecognitionSettings, Settings, updated
 
 SETTINGS = RecognitionSettings()
 UP = np.array([0.0, 1.0, 0.0])
@@ -82,3 +84,20 @@ def test_what_an_entry_accepts_is_said(name):
         lines = accepted(kind)
         assert len(lines) >= len(kind.parts)
         assert all(part.role in " ".join(lines) for part in kind.parts)
+
+
+def test_a_bench_that_hangs_in_the_air_or_is_taller_than_long_is_none():
+    parts = bench(np.random.default_rng(0).uniform)
+    assert label_of(parts, np.random.default_rng(0)) == "bench"
+    cloud = observe(parts, np.full((len(parts), 3), 120.0), Orbit(), np.random.default_rng(0))
+    standing, rise = voxelise(cloud), np.array([0, 12, 0])
+    risen = replace(standing, means=standing.means + rise, index=standing.index + rise)
+    ground = updated(Settings(), {"recognition": {"ground": 0.0}}).recognition
+    assert "bench" in {one.label for one in recognise(standing, ground).objects}
+    assert "bench" not in {one.label for one in recognise(risen, ground).objects}
+    tall = [
+        box([0, 2.5, 0], [3.0, 0.5, 3.0]),
+        box([0, 7.5, -1.5], [3.0, 10.0, 0.5]),
+        *[leg(x, z, 2.5) for x in (-1, 1) for z in (-1, 1)],
+    ]
+    assert label_of(tall, np.random.default_rng(0)) != "bench"

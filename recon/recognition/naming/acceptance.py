@@ -41,7 +41,8 @@ def _part_line(part: PartRule, is_first: bool) -> str:
     if not is_first:
         words.append(PLACES[part.place])
     if part.slenderness is not None:
-        words.append(f"height over radius {_range(part.slenderness)}")
+        of = "extent along the floor" if "plane" in part.shapes else "radius"
+        words.append(f"height over {of} {_range(part.slenderness)}")
     if part.tilt_deg is not None:
         words.append(f"tilted by {_range(part.tilt_deg)} degrees")
     if part.share is not None:

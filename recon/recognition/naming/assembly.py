@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.least_squares import student_deviance
-from recon.recognition.naming.kinds import Kind, PartRule
+from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.probability import EXPLAINED, SHOWN
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Plane, Solid, Voxels
@@ -84,9 +84,19 @@ def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxe
     if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
         return False
     tilt = piece.tilt_deg
-    if rule.tilt_deg and tilt is not None and not rule.tilt_deg[0] <= tilt <= rule.tilt_deg[1]:
+    if tilt is not None and not (_is_within(rule.tilt_deg, tilt) and _has_form(rule, piece)):
         return False
     return not before or _is_placed(rule, piece, before, TOUCH_CELLS * cells.cell_size)
+
+
+def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
+    """True where the height of a plane over its level extent is that of a part."""
+    extent = piece.high - piece.low
+    return _is_within(rule.slenderness, float(extent[1] / max(np.hypot(*extent[[0, 2]]), 1e-9)))
+
+
+def _is_within(bounds: Range | None, value: float) -> bool:
+    return bounds is None or bounds[0] <= value <= bounds[1]
 
 
 def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch: float) -> bool:

@@ -194,7 +194,12 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
 
 
 def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
-    """Kinds of parts beside and under each other, each in the way that shows it best."""
+    """Kinds of parts beside and under each other, each in the way that shows it best.
+
+    None of what hangs in the air: what would hold it up is none of the parts.
+    """
+    if is_hovering(case.cells, case.ground):
+        return
     for kind in kinds:
         if len(kind.parts) > 1 and not kind.is_upright:
             found = [_ordered(case, one) for one in assemblies(case.cells, case.pieces, kind)]

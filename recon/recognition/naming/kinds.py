@@ -60,7 +60,8 @@ class PartRule:
     count: Counts = (1, 1)
     """Fewest and most of its like that are seen."""
     slenderness: Range | None = None
-    """Bounds of its height over its radius; of a cone, over what its radius falls by."""
+    """Bounds of its height over its radius; of a cone, over what its radius falls by; of a plane,
+    over its extent along the floor."""
     tilt_deg: Range | None = None
     """Of a plane: bounds of the angle of its normal to the vertical; 0 lies, 90 stands."""
     share: Range | None = None
