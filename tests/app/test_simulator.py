@@ -279,8 +279,10 @@ def test_settings_are_shown_and_changed(page):
     assert "cell_size = 1.0" in text.input_value()
     text.fill("[map]\ncell_size = 2.0\n")
     page.get_by_test_id("settings-apply").click()
+    # What was typed is not enough: the page answers with all settings, and would undo more typing.
     page.wait_for_function(
-        "() => document.querySelector('[data-testid=settings]').value.includes('cell_size = 2.0')"
+        "() => ['cell_size = 2.0', '[render]'].every(words => "
+        "document.querySelector('[data-testid=settings]').value.includes(words))"
     )
     text.fill("[map]\ncell_siz = 2.0\n")
     page.get_by_test_id("settings-apply").click()
