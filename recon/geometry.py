@@ -116,6 +116,12 @@ def rotation_about_y(angle_rad: float) -> Array:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
+def wrapped(angle_rad: ArrayLike) -> Array:
+    """Angles between minus and plus half a turn."""
+    turns: Array = np.angle(np.exp(1j * np.asarray(angle_rad)))
+    return turns
+
+
 def hue_distance_deg(a_deg: ArrayLike, b_deg: ArrayLike) -> Array:
     """Distance of two hues round the colour circle, 0 to 180 degrees."""
     difference = np.mod(np.asarray(a_deg, float) - np.asarray(b_deg, float), 360.0)

@@ -12,8 +12,8 @@ import numpy as np
 from recon.exploration.floor import Array
 from recon.exploration.scan import Detection, detections, field_of_view
 from recon.exploration.world_model import WorldModel
-from recon.geometry import invert, pose, rotation_about_y, transform, without_drift
-from recon.localisation.graph import FRONT_SHARE, Bearing, Graph, Link, step_between
+from recon.geometry import invert, pose, rotation_about_y, transform, without_drift, wrapped
+from recon.localisation.graph import FRONT_SHARE, Bearing, Graph, Link, planar, step_between
 from recon.localisation.pairs import Shown, linked
 from recon.mapping.pair import PairResult
 from recon.records import PointCloud, StereoPair, View
@@ -69,12 +69,6 @@ class Sight:
             pair=replace(self.pair, T_world_left=without_drift(T_new_old @ self.pair.T_world_left)),
             result=self.result and self.result.transformed(T_new_old),
         )
-
-
-def planar(T_world_left: Array) -> Array:
-    """(3,) x, z of a camera, and the azimuth of straight ahead."""
-    ahead = T_world_left[:3, 2]
-    return np.array([*T_world_left[[0, 2], 3], math.atan2(ahead[2], ahead[0])])
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -159,7 +153,7 @@ class Belief:
         assert self.graph is not None
         had = np.array([sight.planar for sight in self.sights]).reshape(-1, 3)
         off = self.graph.poses[: len(had)] - had
-        off[:, 2] = np.angle(np.exp(1j * off[:, 2]))
+        off[:, 2] = wrapped(off[:, 2])
         limit = MOVED * self.settings.map.cell_size
         is_near = (np.hypot(*off.T[:2]) < limit) & (np.abs(off[:, 2]) < TURNED_RAD)
         if is_near.all():
@@ -191,16 +185,15 @@ class Belief:
         x, z, azimuth = sight.planar
         offset = seen.centre - [x, z]
         distance = float(np.hypot(*offset))
-        bearing = float(_wrapped(math.atan2(offset[1], offset[0]) - azimuth))
+        bearing = float(wrapped(math.atan2(offset[1], offset[0]) - azimuth))
         half = math.atan2(seen.radius, distance)
         is_cut = abs(bearing) + half > field_of_view(sight.pair) / 2.0 - EDGE_RAD
         landmark = self._known(seen, bearing, distance)
         if landmark == NEW and (is_cut or seen.sigma > seen.radius):
             return
         if landmark == NEW:
-            x, z, heading = self.graph.poses[-1]
-            ahead = np.array([math.cos(heading + bearing), math.sin(heading + bearing)])
-            middle = [x, z] + (distance + FRONT_SHARE * seen.radius) * ahead
+            place, ahead = self._towards(bearing)
+            middle = place + (distance + FRONT_SHARE * seen.radius) * ahead
             landmark = self.graph.add(middle, seen.radius)
         if landmark == UNCLEAR:
             return
@@ -221,14 +214,20 @@ class Belief:
             )
         )
 
+    def _towards(self, bearing: float) -> tuple[Array, Array]:
+        """The last place (2,), and the direction (2,) of a bearing from there."""
+        assert self.graph is not None
+        x, z, heading = self.graph.poses[-1]
+        azimuth = heading + bearing
+        return np.array([x, z]), np.array([math.cos(azimuth), math.sin(azimuth)])
+
     def _known(self, seen: Detection, bearing: float, distance: float) -> int:
         """The landmark that a sighting is of, NEW, or UNCLEAR."""
         assert self.graph is not None
         if not len(self.graph.radii):
             return NEW
-        x, z, heading = self.graph.poses[-1]
-        ahead = np.array([math.cos(heading + bearing), math.sin(heading + bearing)])
-        offset = self.graph.landmarks[:, :2] - [x, z]
+        place, ahead = self._towards(bearing)
+        offset = self.graph.landmarks[:, :2] - place
         spread = self.graph.covariance()
         turned = math.sqrt(spread[2, 2]) * distance
         own = math.hypot(turned, math.sqrt(spread[:2, :2].trace()))
@@ -246,22 +245,15 @@ class Belief:
         return int(order[0]) if off[order[0]] < GATE and is_alone else UNCLEAR
 
 
-def _wrapped(angle: float) -> float:
-    """An angle between minus and plus half a turn."""
-    return math.remainder(angle, 2.0 * math.pi)
-
-
 def _motion(old: Array, new: Array, sight: Sight) -> Array:
     """The motion (4, 4) that brings a sight from one planar pose to another."""
     assert sight.pair.T_world_left is not None
     eye = sight.pair.T_world_left[:3, 3]
     there = np.array([new[0], eye[1], new[1]])
-    turn = rotation_about_y(-float(np.angle(np.exp(1j * (new[2] - old[2])))))
+    turn = rotation_about_y(-float(wrapped(new[2] - old[2])))
     return pose(turn, there) @ invert(pose(np.eye(3), eye))
 
 
 def belief_of(settings: Settings) -> Belief | None:
     """The belief of an agent whose motion errs; None where motion is exact."""
-    motion = settings.motion
-    is_exact = motion.position_noise == motion.heading_noise_deg == 0.0
-    return None if is_exact else Belief(settings=settings)
+    return None if settings.motion.is_exact else Belief(settings=settings)

@@ -10,6 +10,7 @@ from scipy.ndimage import label, minimum_filter1d
 from recon.exploration.feet import foot_distances
 from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.scales import Scales
+from recon.geometry import wrapped
 from recon.records import PointCloud, StereoPair, View
 
 BLUR_RAD = math.radians(1.5)
@@ -151,7 +152,7 @@ def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud
 def _sideways(azimuth: Array) -> tuple[Array, float]:
     """Azimuths counted from their mean direction, so that they do not wrap round; and that."""
     ahead = float(np.angle(np.exp(1j * azimuth).sum()))
-    return np.angle(np.exp(1j * (azimuth - ahead))), ahead
+    return wrapped(azimuth - ahead), ahead
 
 
 def _groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from recon.exploration.floor import Array
 from recon.exploration.referee import Referee
@@ -85,7 +86,7 @@ class Slip:
             return {"pose_error_end": None, "pose_error_end_deg": None}
         T_true = self.true_poses[len(believed) - 1]
         off = invert(T_true) @ believed.T_world_left[-1]
-        angle = math.acos(min(1.0, max(-1.0, (float(np.trace(off[:3, :3])) - 1.0) / 2.0)))
+        angle = float(Rotation.from_matrix(off[:3, :3]).magnitude())
         return {
             "pose_error_end": float(np.linalg.norm(off[:3, 3])),
             "pose_error_end_deg": math.degrees(angle),
@@ -94,6 +95,6 @@ class Slip:
 
 def slip_of(referee: Referee | None, settings: Settings) -> Slip | None:
     """The slip of a simulated robot; None where motion is exact, or nobody knows the truth."""
-    motion = settings.motion
-    is_exact = motion.position_noise == motion.heading_noise_deg == 0.0
-    return None if is_exact or referee is None else Slip(motion=motion, referee=referee)
+    if settings.motion.is_exact or referee is None:
+        return None
+    return Slip(motion=settings.motion, referee=referee)

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from recon.geometry import wrapped
+
 Array = NDArray[np.float64]
 
 NUM_ROUNDS = 12
@@ -62,11 +64,24 @@ class Link:
         )
 
 
+def planar(T_world_left: Array) -> Array:
+    """(3,) x, z of a camera, and the azimuth of straight ahead."""
+    ahead = T_world_left[:3, 2]
+    return np.array([*T_world_left[[0, 2], 3], np.arctan2(ahead[2], ahead[0])])
+
+
+def led_by(poses: Array, steps: Array) -> Array:
+    """(N, 3) what steps (N, 3) ahead, aside and round add to planar poses (N, 3)."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    ahead, aside, turn = steps.T
+    return np.column_stack([c * ahead - s * aside, s * ahead + c * aside, turn])
+
+
 def step_between(before: Array, after: Array) -> Array:
     """(3,) step ahead and aside, and turn, that leads from one planar pose to another."""
     c, s = np.cos(before[2]), np.sin(before[2])
     x, z, turn = after - before
-    return np.array([c * x + s * z, -s * x + c * z, float(_wrapped(turn))])
+    return np.array([c * x + s * z, -s * x + c * z, float(wrapped(turn))])
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -92,16 +107,13 @@ class Graph:
 
     def walk(self, step: Array) -> None:
         """Add the pose that a step (3,) is meant to lead to."""
-        x, z, azimuth = self.poses[-1]
-        c, s = np.cos(azimuth), np.sin(azimuth)
-        ahead, aside, turn = step
-        after = [x + c * ahead - s * aside, z + s * ahead + c * aside, azimuth + turn]
-        self.poses = np.vstack([self.poses, after])
+        last = self.poses[-1:]
+        self.poses = np.vstack([self.poses, last + led_by(last, step[None])])
         position, heading = self.step_sigma
-        last = len(self.poses) - 1
+        number = len(self.poses) - 1
         information = np.diag([position**-2.0, position**-2.0, heading**-2.0])
         self.links.append(
-            Link(first=last - 1, second=last, step=step, information=information, is_sure=True)
+            Link(first=number - 1, second=number, step=step, information=information, is_sure=True)
         )
 
     def add(self, place: Array, radius: float) -> int:
@@ -160,11 +172,9 @@ class Graph:
         number = len(self.links)
         rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
         first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
-        c, s = np.cos(first[:, 2]), np.sin(first[:, 2])
-        ahead, aside, turn = np.array([link.step for link in self.links]).reshape(-1, 3).T
-        led = np.column_stack([c * ahead - s * aside, s * ahead + c * aside, turn])
+        led = led_by(first, np.array([link.step for link in self.links]).reshape(-1, 3))
         off = second - first - led
-        off[:, 2] = _wrapped(off[:, 2])
+        off[:, 2] = wrapped(off[:, 2])
         by_first = -np.eye(3)[None].repeat(number, axis=0)
         by_first[:, 0, 2], by_first[:, 1, 2] = led[:, 1], -led[:, 0]
         by_second = np.eye(3)[None].repeat(number, axis=0)
@@ -195,7 +205,7 @@ class Graph:
         sigma = np.array([(b.azimuth_sigma, b.distance_sigma) for b in seen]).reshape(-1, 2)
         azimuth = np.arctan2(offset[:, 1], offset[:, 0]) - at[:, 2]
         aside, ahead = azimuth - measured[:, 0], distance - of[:, 2] - measured[:, 1]
-        off = np.column_stack([_wrapped(aside), ahead])
+        off = np.column_stack([wrapped(aside), ahead])
         across = np.column_stack([-offset[:, 1], offset[:, 0]]) / range_sq[:, None]
         along, one = offset / distance[:, None], np.ones((len(seen), 1))
         derivative = np.stack(
@@ -242,9 +252,3 @@ class Block:
             residual=residual, rows=rows.ravel(), columns=columns.ravel(),
             values=derivative.ravel(),
         )  # fmt: skip
-
-
-def _wrapped(angle: Array) -> Array:
-    """Angles between minus and plus half a turn."""
-    wrapped: Array = np.angle(np.exp(1j * angle))
-    return wrapped

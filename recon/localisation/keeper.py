@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
@@ -50,7 +51,7 @@ class PlaceKeeper:
             return False
         number = next(reversed(self._places))
         place, off = self._places[number], invert(self._poses[number]) @ T_world_left
-        turn = np.degrees(np.arccos(np.clip((np.trace(off[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
+        turn = np.degrees(Rotation.from_matrix(off[:3, :3]).magnitude())
         return bool(np.linalg.norm(off[:3, 3]) < SAME_SHARE * place.depth and turn < SAME_TURN_DEG)
 
     def _thin(self) -> None:

@@ -110,14 +110,12 @@ def locate_points(points: Points, surfels: Surfels, prior: Prior) -> PoseEstimat
 
 def _estimate(found: Registration, points: Points, prior: Prior) -> PoseEstimate:
     contacts = found.contacts
-    # A robust standard deviation: what moved, or is not in the map, is not noise of the pose.
-    spread = float(np.median(np.abs(contacts.residual))) / 0.6745
-    information = found.information / max(1.0, spread**2) + prior.information
+    information = found.information / max(1.0, contacts.spread**2) + prior.information
     return PoseEstimate(
         T_world_left=found.T_world_left,
         covariance=inverse(information),
         probability=contacts.num_points / max(1, contacts.num_near),
-        residual=spread,
+        residual=contacts.spread,
         inlier_share=contacts.num_points / len(points),
         num_cells=len(contacts.residual),
     )

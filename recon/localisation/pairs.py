@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.geometry import invert, pose, rotation_about_y, transform
+from recon.geometry import invert, pose, rotation_about_y, wrapped
+from recon.localisation.graph import planar
 from recon.localisation.locate import points_of
 from recon.localisation.registration import Points, Prior, inverse, register
 from recon.localisation.surfels import Surfels
@@ -46,8 +47,7 @@ class Shown:
     def of(cls, pair: StereoPair, cloud: PointCloud, cell_size: float) -> "Shown":
         """The surface of a pair whose cloud is in the world."""
         assert pair.T_world_left is not None
-        ahead = pair.T_world_left[:3, 2]
-        azimuth = float(np.arctan2(ahead[2], ahead[0]))
+        azimuth = float(planar(pair.T_world_left)[2])
         T_level_left = pose(rotation_about_y(azimuth) @ pair.T_world_left[:3, :3], np.zeros(3))
         in_left = cloud.transformed(invert(pair.T_world_left))
         return cls(
@@ -58,9 +58,9 @@ class Shown:
             cell_size=cell_size,
         )
 
-    def at(self, planar: Array) -> Array:
+    def at(self, place: Array) -> Array:
         """`T_world_left` (4, 4) at x, z and azimuth (3,), the height counted from the camera."""
-        x, z, azimuth = planar
+        x, z, azimuth = place
         return pose(rotation_about_y(-azimuth), [x, 0.0, z]) @ self.T_level_left
 
     @cached_property
@@ -94,7 +94,7 @@ def linked(first: Shown, second: Shown, poses: Array, spread: Array) -> tuple[Ar
 
 def _is_likely(found: tuple[Array, Array], poses: Array, spread: Array) -> bool:
     off = found[0] - poses[1]
-    off[2] = np.angle(np.exp(1j * off[2]))
+    off[2] = wrapped(off[2])
     whole = spread + inverse(found[1])
     return bool(off @ inverse(whole) @ off < MAX_OFF**2)
 
@@ -108,11 +108,9 @@ def _by_features(
         return None
     T_world_left = first.at(poses[0]) @ invert(met.T_second_first)
     at = linearise(met.T_second_first, met.tracks, second.place.rig)
-    weighted = at.by_motion * at.weights[:, None, None]
-    scale = max(1.0, float(np.median(at.distances)) / 1.54) ** 2
     turn = np.kron(np.eye(2), T_world_left[:3, :3])
-    information = turn @ np.einsum("nij,nik->jk", weighted, at.by_motion) @ turn.T / scale
-    return _planar(T_world_left), _known(information, first, FEATURES_CELLS, FEATURES_DEG)
+    information = turn @ at.normal_equations()[0] @ turn.T / at.spread**2
+    return planar(T_world_left), _known(information, first, FEATURES_CELLS, FEATURES_DEG)
 
 
 def _by_shape(
@@ -131,34 +129,15 @@ def _by_shape(
     about[:2, :2] = turn[np.ix_([0, 2], [0, 2])]
     local = inverse(sign @ about @ spread @ about.T @ sign)
     information[np.ix_(PLANAR, PLANAR)] = local
-    surfels = _turned(first.surfels, level)
+    surfels = first.surfels.moved(level)
     found = register(second.points, surfels, Prior(T_world_left=start, information=information))
     if found is None or found.contacts.num_points < MIN_SHARE * len(second.points):
         return None
     T_world_left = first.at(poses[0]) @ invert(level) @ found.T_world_left
-    scale = max(1.0, float(np.median(np.abs(found.contacts.residual))) / 0.6745) ** 2
+    scale = max(1.0, found.contacts.spread**2)
     world = np.kron(np.eye(2), first.at(poses[0])[:3, :3] @ level[:3, :3].T)
     whole = world @ found.information @ world.T / scale
-    return _planar(T_world_left), _known(whole, first, SHAPE_CELLS, SHAPE_DEG)
-
-
-def _turned(surfels: Surfels, T_level_left: Array) -> Surfels:
-    """Surfels with the axes of the floor."""
-    from scipy.spatial import cKDTree
-
-    means = transform(T_level_left, surfels.means)
-    return Surfels(
-        means=means,
-        normals=surfels.normals @ T_level_left[:3, :3].T,
-        is_flat=surfels.is_flat,
-        cell_size=surfels.cell_size,
-        tree=cKDTree(means),
-    )
-
-
-def _planar(T_world_left: Array) -> Array:
-    ahead = T_world_left[:3, 2]
-    return np.array([*T_world_left[[0, 2], 3], np.arctan2(ahead[2], ahead[0])])
+    return planar(T_world_left), _known(whole, first, SHAPE_CELLS, SHAPE_DEG)
 
 
 def _known(information: Array, shown: Shown, cells: float, degrees: float) -> Array:

@@ -152,11 +152,10 @@ class KnownWorld:
         """The pose of the query by a place, as sure as their points and the place are."""
         T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
         at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
-        weighted = at.by_motion * at.weights[:, None, None]
-        spread = max(1.0, float(np.median(at.distances)) / 1.54)
+        information, _ = at.normal_equations()
         # Six numbers were fitted to the points that agree best.
-        spread *= np.sqrt(len(at.distances) / (len(at.distances) - 6.0))
-        covariance = np.linalg.pinv(np.einsum("nij,nik->jk", weighted, at.by_motion)) * spread**2
+        spread = at.spread * np.sqrt(len(at.residual) / (len(at.residual) - 6.0))
+        covariance = np.linalg.pinv(information) * spread**2
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
         own = np.repeat([np.radians(PLACE_SIGMA_DEG), PLACE_SIGMA_CELLS * self.voxels.cell_size], 3)
         whole = turn @ covariance @ turn.T + np.diag(own**2)

@@ -73,6 +73,11 @@ class Contacts:
     """Points that lie on it, within 3 standard deviations."""
 
     @property
+    def spread(self) -> float:
+        """Robust standard deviation of the residuals: what moved is not noise of the pose."""
+        return float(np.median(np.abs(self.residual))) / 0.6745
+
+    @property
     def weights(self) -> Array:
         """(C,) Cauchy's."""
         return 1.0 / (1.0 + self.residual**2)

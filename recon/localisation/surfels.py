@@ -1,11 +1,12 @@
 """Surfels: the occupied cells of a map as small pieces of surface, with their normals."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from recon.geometry import transform
 from recon.records import Voxels
 
 Array = NDArray[np.float64]
@@ -55,6 +56,13 @@ class Surfels:
             is_flat=is_thin & (number >= MIN_NEIGHBOURS),
             cell_size=voxels.cell_size,
             tree=tree,
+        )
+
+    def moved(self, T_a_b: Array) -> "Surfels":
+        """The same surfels of frame b in frame a."""
+        means = transform(T_a_b, self.means)
+        return replace(
+            self, means=means, normals=self.normals @ T_a_b[:3, :3].T, tree=cKDTree(means)
         )
 
     def under(self, points: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

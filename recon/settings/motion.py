@@ -20,3 +20,8 @@ class MotionSettings:
     """Standard deviation of the error of the heading after each step."""
     noise_seed: int = Field(default=0, ge=0)
     """Of the errors of motion; the seed of the run where not given."""
+
+    @property
+    def is_exact(self) -> bool:
+        """True where the robot always comes to stand where it meant to go."""
+        return self.position_noise == self.heading_noise_deg == 0.0

@@ -8,11 +8,11 @@ import pytest
 
 from recon.cli import main
 from recon.exports.ply import read_mesh, write_mesh
-from recon.records import Mesh
 from recon.runs.reconstruct import unit_of
 from recon.sequences.open import open_sequence
 from recon.sequences.pfm import decode_pfm
 from recon.settings import SequenceSettings
+from tests.recordings import write_wall
 
 SMALL = ["eyes.width=120", "eyes.height=96", "eyes.fov_deg=40", "render.noise=1.5"]
 
@@ -29,18 +29,9 @@ def call(capsys, *argv):
 @pytest.fixture(scope="module")
 def boxes(tmp_path_factory):
     """A mesh of a wall of many colours, a grid of small squares."""
-    folder = tmp_path_factory.mktemp("mesh")
-    side = 24
-    v, u = np.mgrid[: side + 1, : side + 1]
-    vertices = np.stack([u.ravel() / 8 - 1.5, v.ravel() / 8, 0.0 * u.ravel()], axis=1)
-    a = (v[:-1, :-1] * (side + 1) + u[:-1, :-1]).ravel()
-    across, along = a + 1, a + side + 1
-    opposite = along + 1
-    halves = [(a, across, opposite), (a, opposite, along)]
-    triangles = np.concatenate([np.stack(half, axis=1) for half in halves]).astype(np.int32)
-    colours = np.random.default_rng(4).integers(30, 226, (len(vertices), 3)).astype(np.uint8)
-    write_mesh(folder / "wall.ply", Mesh(vertices=vertices, triangles=triangles, colours=colours))
-    return folder / "wall.ply"
+    path = tmp_path_factory.mktemp("mesh") / "wall.ply"
+    write_wall(path)
+    return path
 
 
 @pytest.fixture(scope="module")

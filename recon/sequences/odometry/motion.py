@@ -28,6 +28,9 @@ MIN_DEPTH = 1e-9
 SMALL_CHANGE = 1e-6
 """Radians and world units: far below what tracks tell."""
 
+MEDIAN_DISTANCE = 1.54
+"""Of three independent normal errors: the median of their distance from 0."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Linearised:
@@ -50,6 +53,17 @@ class Linearised:
     def weights(self) -> Array:
         """(N,) Cauchy's."""
         return 1.0 / (1.0 + self.distances**2)
+
+    @property
+    def spread(self) -> float:
+        """Robust standard deviation of the residuals in their own ones; at least 1."""
+        return max(1.0, float(np.median(self.distances)) / MEDIAN_DISTANCE)
+
+    def normal_equations(self) -> tuple[Array, Array]:
+        """Information (6, 6) of the motion, and the gradient (6,) of the cost by it."""
+        weighted = self.by_motion * self.weights[:, None, None]
+        information = np.einsum("nij,nik->jk", weighted, self.by_motion)
+        return information, np.einsum("nij,ni->j", weighted, self.residual)
 
     @property
     def costs(self) -> Array:
@@ -136,10 +150,9 @@ def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Arra
 def _refined(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array:
     for _ in range(NUM_ROUNDS):
         at = linearise(T_second_first, tracks, rig)
-        weighted = at.by_motion * at.weights[:, None, None]
-        normal = np.einsum("nij,nik->jk", weighted, at.by_motion)
+        normal, gradient = at.normal_equations()
         normal += DAMPING * np.trace(normal) * np.eye(6)
-        change = -np.linalg.solve(normal, np.einsum("nij,ni->j", weighted, at.residual))
+        change = np.asarray(-np.linalg.solve(normal, gradient), dtype=np.float64)
         T_second_first = motion_changed(T_second_first, change)
         if np.abs(change).max() < SMALL_CHANGE:
             break
