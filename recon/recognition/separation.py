@@ -35,8 +35,7 @@ PIECES_SHARE, EXPLAINED_SHARE = 0.8, 0.7
 ON_SOLID_CELLS = 0.75
 """A cell nearer than this share of a cell lies on a solid."""
 BETTER = 0.1
-"""More of the cells that pieces must explain than one solid does: a round side is no row of walls.
-"""
+"""More of the cells that pieces must explain than one solid: a round side is not a row of walls."""
 MOST_FITTED = 300
 """Cells of a piece that a solid is fitted to."""
 MOST_ROUNDS = 20

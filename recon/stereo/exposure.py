@@ -18,7 +18,7 @@ _NUM_ERRORS = 3.0
 _SHARE_AGREEING = 0.8
 """Bands that have to lie on the same side: what one camera alone sees is not in all of them."""
 _LEAST_RATIO, _LARGEST_RATIO = 1.05, 2.0
-"""A smaller gain does no harm, a larger one is no camera's."""
+"""A smaller gain does no harm, a larger one is not a camera's."""
 
 
 def gain_between(left: Grey, right: Grey) -> float:

@@ -16,7 +16,7 @@ Place = tuple[float, float, float]
 BLOCK = 8
 """Voxels along each side of a block."""
 TRUNCATION = 4.0
-"""Voxels before the surface from which on distance is no longer measured."""
+"""Distances farther before the surface than so many voxels are not told apart."""
 _BEHIND = 3.0
 """Voxels behind the surface of which a view still says something."""
 _FREE_SHARE = 0.3

@@ -124,7 +124,7 @@ class CellTable:
 
     @property
     def is_full(self) -> bool:
-        """True where there is no room for another cell."""
+        """True where another cell does not fit."""
         return self.num_rows == len(self.rows)
 
     @property

@@ -40,7 +40,7 @@ class PartitionedMap:
     Raises
     ------
     InputError
-        Where there is no whole partitioned map.
+        Where the folder does not hold a whole partitioned map.
 
     Examples
     --------

@@ -95,7 +95,7 @@ def _renumbered(cells: CellSums, first_view: int) -> CellSums:
 
 
 def _write(parts: Parts, form: Form, place: Place) -> PartitionedMap:
-    """Write partitions, and last the manifest, without which there is no map."""
+    """Write partitions, and the manifest last: only with it is the map whole."""
     store = store_of(place)
     store.remove(MANIFEST)
     entries = []

@@ -64,7 +64,7 @@ class Case:
 
     @cached_property
     def seen_criterion(self) -> float:
-        """That of the best lone solid as far as its surface is seen: a table is no box."""
+        """That of the best lone solid as far as its surface is seen: a table is not a box."""
         best = self.alone[0] if self.alone else None
         if best is None or isinstance(best.solid, Plane):
             return 0.0 if best is None else self.lone_criterion(best)
