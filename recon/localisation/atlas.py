@@ -31,6 +31,16 @@ class Atlas:
     def __len__(self) -> int:
         return len(self.places)
 
+    @property
+    def summaries(self) -> Array:
+        """(P, W) of the places."""
+        return np.array([place.summary for place in self.places])
+
+    @property
+    def depths(self) -> Array:
+        """(P,) median depths of the places, world units."""
+        return np.array([place.depth for place in self.places])
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the atlas, whole or not at all; the same places give the same bytes."""
         seen = [place.sightings for place in self.places]

@@ -94,8 +94,7 @@ def find_loops(poses: Array, atlas: Atlas) -> list[Loop]:
     steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
     way = np.append(0.0, np.cumsum(steps))[atlas.numbers]
     at, ahead = atlas.T_world_left[:, :3, 3], atlas.T_world_left[:, :3, 2]
-    summaries = np.array([place.summary for place in atlas.places])
-    depths = np.array([place.depth for place in atlas.places])
+    summaries, depths = atlas.summaries, atlas.depths
     loops = []
     for row in range(1, len(atlas)):
         detour = way[row] - way[:row]
@@ -143,12 +142,9 @@ def optimised(poses: Array, loops: Sequence[Loop]) -> Array:
 def _nodes(number: int, loops: Sequence[Loop]) -> NDArray[np.intp]:
     """Numbers of the poses that become nodes: evenly spaced, and the ends of loops."""
     spaced = np.linspace(0, number - 1, min(number, MAX_NODES)).astype(np.intp)
-    ends = [end for loop in loops[:: 1 + len(loops) // MAX_NODES] for end in _ends(loop)]
+    kept = loops[:: 1 + len(loops) // MAX_NODES]
+    ends = [end for loop in kept for end in (loop.first, loop.second)]
     return np.union1d(spaced, np.array(ends, np.intp))
-
-
-def _ends(loop: Loop) -> tuple[int, int]:
-    return loop.first, loop.second
 
 
 def _graph(poses: Array, nodes: NDArray[np.intp], loops: Sequence[Loop]) -> Any:

@@ -69,17 +69,19 @@ class KnownWorld:
     atlas: Atlas
     summaries: Array
     """(P, W) of the atlas's places."""
+    depths: Array
+    """(P,) of the atlas's places, world units."""
     settings: Settings
 
     @classmethod
     def of(cls, voxels: Voxels, atlas: Atlas, settings: Settings) -> "KnownWorld":
         """A map ready to be searched."""
-        summaries = np.array([place.summary for place in atlas.places])
         return cls(
             voxels=voxels,
             surfels=Surfels.of(voxels),
             atlas=atlas,
-            summaries=summaries,
+            summaries=atlas.summaries,
+            depths=atlas.depths,
             settings=settings,
         )
 
@@ -142,8 +144,7 @@ class KnownWorld:
         """True where a place shows what would be seen from a pose."""
         apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
         alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
-        depths = np.array([place.depth for place in self.atlas.places])
-        return bool(((apart < COVERED_SHARE * depths) & (alike > COVERED_COSINE)).any())
+        return bool(((apart < COVERED_SHARE * self.depths) & (alike > COVERED_COSINE)).any())
 
     def _meet(self, row: int, query: Place) -> Meeting | None:
         return meet(self.atlas.places[row], query)

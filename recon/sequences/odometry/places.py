@@ -102,11 +102,15 @@ def _sift() -> Any:
 
 def _words(descriptors: NDArray[np.uint8]) -> NDArray[np.int64]:
     """(N,) the sides of fixed random planes on which each descriptor lies, as a number."""
-    planes = np.random.default_rng(0).normal(size=(128, NUM_BITS))
     rooted = np.sqrt(descriptors.astype(np.float64))
     rooted -= rooted.mean(axis=1, keepdims=True)
-    words: NDArray[np.int64] = (rooted @ planes > 0) @ (1 << np.arange(NUM_BITS))
+    words: NDArray[np.int64] = (rooted @ _planes() > 0) @ (1 << np.arange(NUM_BITS))
     return words
+
+
+@cache
+def _planes() -> Array:
+    return np.random.default_rng(0).normal(size=(128, NUM_BITS))
 
 
 def shared(first: Place, second: Place) -> Tracks:
