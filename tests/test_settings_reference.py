@@ -15,6 +15,9 @@ def test_every_setting_is_listed_once_with_its_default():
 def test_types_meanings_and_the_thesis_are_told():
     found = {one.name: one for one in reference()}
     assert found["matching.cross_check"].type == "exact | row"
+    assert found["eyes.width"].type == "int >= 1 and <= 4096"
+    assert found["features.widths_px"].type == "float >= 1.5 and <= 64, ..."
+    assert found["matching.keep"].type == "int >= 1 | none"
     assert "world units" in found["exploration.clearance"].meaning.lower()
     assert (found["exploration.controller"].default, found["exploration.controller"].thesis) == (
         "frontier",

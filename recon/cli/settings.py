@@ -1,5 +1,8 @@
 """`recon settings`."""
 
+import json
+from typing import Any
+
 import click
 
 from recon.cli.options import OUTPUT, print_json, start_logging, with_options
@@ -10,7 +13,7 @@ from recon.errors import InputError
 @click.argument("name", required=False)
 @with_options(OUTPUT)
 def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> None:
-    """List all settings, or say what one is; NAME is a setting or a stage."""
+    """List all settings, or describe those of NAME, a setting or a stage."""
     start_logging({"quiet": quiet, "verbose": verbose})
     from recon.settings.reference import Setting, reference
 
@@ -24,9 +27,16 @@ def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> Non
         print_json({"settings": [one.as_json() for one in chosen]})
     elif not quiet:
         for one in chosen:
-            differs = "" if one.thesis == one.default else f"   thesis: {one.thesis}"
-            click.echo(f"{one.name} = {one.default}   ({one.type}){differs}")
+            differs = "" if one.thesis == one.default else f"   thesis: {_as_set(one.thesis)}"
+            click.echo(f"{one.name} = {_as_set(one.default)}   ({one.type}){differs}")
             click.echo(f"    {one.meaning}")
+
+
+def _as_set(value: Any) -> str:
+    """A value as `--set` takes it."""
+    if value is None:
+        return "none"
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _unknown(name: str, known: list[str]) -> str:

@@ -10,23 +10,24 @@ class ExplorationSettings:
     """The walk of the agent (thesis 4.4)."""
 
     controller: str = "frontier"
-    """A name of the table of controllers, or of a plug-in."""
+    """frontier, thesis, or the name of a plug-in."""
     max_pairs: Count = 1000
-    """The exploration ends after so many pairs at the latest."""
+    """Largest number of pairs taken."""
     clearance: Positive = 10.0
-    """Distance at which objects are looked at, world units."""
+    """Distance from which objects are inspected, world units."""
     object_turn_deg: float = Field(default=40.0, gt=0, le=180)
-    """Turn round an object at each step."""
+    """Angle between successive views round an object."""
     robot_turn_deg: float = Field(default=45.0, gt=0, le=180)
-    """Turn on the spot at each step."""
+    """Angle between successive views when turning on the spot."""
     walk_clearance: Positive = 3.0
-    """Distance kept from everything while walking, world units."""
+    """Distance kept from everything while moving, world units."""
     sight_range: Positive = 90.0
-    """Distance up to which an obstacle is surely noticed, and ground without one known free."""
+    """Distance up to which obstacles are reliably noticed and empty ground is known to be free,
+    world units."""
     viewing_distance: Positive = 20.0
-    """Distance up to which an obstacle is seen well enough for the map, world units."""
+    """Distance up to which an obstacle is seen well enough to be mapped, world units."""
     start_position: tuple[float, float] | tuple[float, float, float] | None = None
-    """x, z of the start, or x, y, z with the height of the eyes, world units; None = where the
-    world begins, which is the middle of a simulated one's floor."""
+    """Start position x, z, or x, y, z with the height of the cameras, world units; none = the start
+    of the world, which is the middle of the floor in a simulated one."""
     start_heading_deg: float | None = None
-    """Direction of the first view: 0 along -z, 90 along +x; None = as the world begins."""
+    """Heading of the first view: 0 along -z, 90 along +x; none = the start of the world."""

@@ -12,27 +12,29 @@ OccupancyRule = Literal["count", "weight", "carving", "log-odds", "views"]
 
 @table
 class MapSettings:
-    """Cells, and when one counts as occupied (thesis 4.4)."""
+    """The cells of the map, and when a cell counts as occupied (thesis 4.4)."""
 
     cell_size: Positive = 1.0
-    """World units."""
+    """Side of a cell, world units."""
     points: Literal["sparse", "dense"] = "sparse"
-    """Points of the map: the matched features, or every pixel."""
+    """Points that go into the map: matched features, or every pixel."""
     max_sigma: Positive | None = 1.4
-    """Points less sure than this many cells count in coarser cells only; None = no limit."""
+    """Largest sigma of a point, cells; points above it count in coarser cells only; none = no
+    limit."""
     occupancy: tuple[OccupancyRule, ...] = ("count",)
-    """A cell is occupied where all of these rules hold."""
+    """Rules of occupancy; a cell is occupied if all of them hold."""
     min_count: Count = 5
-    """Points that make a cell occupied; the thesis's CountThreshold."""
+    """Smallest number of points in an occupied cell; the thesis's CountThreshold."""
     min_weight: Positive = 2.0
-    """Sum of the points' weights, 1 for a sure point, that makes a cell occupied."""
+    """Smallest sum of point weights in an occupied cell; a certain point weighs 1."""
     min_hit_share: Share = 0.15
-    """Carving: scans with a point in the cell for each that looked through it."""
+    """Rule `carving`: smallest share of the scans through a cell that have a point in it."""
     min_views: Count = 2
-    """Distinct views with a point in the cell."""
+    """Rule `views`: smallest number of distinct views with a point in the cell."""
     ray_margin: NonNegative = 1.5
-    """Space is free up to so many cells before a point, or two sigma of it if that is more."""
+    """Distance before a point up to which space counts as free, cells; at least two sigma of the
+    point."""
     places: bool = False
-    """Keep the places of a run, so that `recon localise` needs no recording."""
+    """Save descriptions of the places of a run, so that `recon localise` needs no recording."""
     partition_size: PartitionSize = 256
-    """Cells along a side of a partition, where a map is made in chunks; a multiple of 64."""
+    """Side of a partition of a map built in chunks, cells; a multiple of 64."""

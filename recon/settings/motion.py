@@ -1,4 +1,4 @@
-"""Settings of the agent's body and of how it moves."""
+"""Settings of the agent's body and of its motion."""
 
 from pydantic import Field
 
@@ -10,18 +10,18 @@ class MotionSettings:
     """The body: an upright cylinder round the point midway between the cameras."""
 
     body_radius: Positive = 0.5
-    """World units; nearer to a surface the body collides."""
+    """Radius of the body, world units; a surface nearer than this is a collision."""
     body_height: Positive = 5.5
-    """World units, from the ground up."""
+    """Height of the body from the ground up, world units."""
     position_noise: NonNegative = 0.0
-    """Standard deviation of the error of each step along x and along z, world units; the errors
-    add up, and the agent corrects them by what it sees."""
+    """Standard deviation of the position error per step along x and along z, world units; the
+    errors accumulate, and the agent corrects them from what it sees."""
     heading_noise_deg: NonNegative = 0.0
-    """Standard deviation of the error of the heading after each step."""
+    """Standard deviation of the heading error per step."""
     noise_seed: int = Field(default=0, ge=0)
-    """Of the errors of motion; the seed of the run where not given."""
+    """Seed of the motion errors; the run's own seed if not given."""
 
     @property
     def is_exact(self) -> bool:
-        """True where the robot always comes to stand where it meant to go."""
+        """True if the robot always arrives exactly where it meant to go."""
         return self.position_noise == self.heading_noise_deg == 0.0

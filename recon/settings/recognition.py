@@ -16,24 +16,24 @@ def _as_names(value: Any) -> Any:
 
 @table
 class RecognitionSettings:
-    """From cells to named objects (thesis 4.5)."""
+    """Recognition: from cells to named objects (thesis 4.5)."""
 
     recogniser: str = "robust"
     """robust, thesis, or the name of a plug-in."""
     catalogue: Annotated[tuple[str, ...], BeforeValidator(_as_names)] = ("village",)
-    """Names that are asked for: village, household, none, or TOML files; several at once."""
+    """Kinds to look for: village, household, none, or TOML files; more than one may be given."""
     unit: Literal["m"] | None = None
-    """Unit of the world's lengths; None where it is not known."""
+    """Unit of lengths in the world; none = unknown."""
     ground: float | None = 0.0
-    """Height of the ground; None = found as the largest plane."""
+    """Height of the ground, world units; none = the largest level plane."""
     ground_clearance: Positive | None = None
-    """Cells lower than this over the ground are taken off, world units; None = one cell, over a
-    plane that was found as much as its noise asks for."""
+    """Height above the ground below which cells are removed, world units; none = one cell, or what
+    the noise of an estimated ground plane calls for."""
     min_voxels: Count = 12
-    """Smallest object, in cells."""
+    """Smallest number of cells in an object."""
     hue_tolerance_deg: float = Field(default=7.0, gt=0, le=180)
-    """The thesis's ColorThreshold_Hue."""
+    """Largest difference in hue within an object; the thesis's ColorThreshold_Hue."""
 
     def clearance(self, cell_size: float) -> float:
-        """Height over a known ground from which a cell's middle is above it, world units."""
+        """Height above a known ground from which a cell centre counts as above it, world units."""
         return cell_size if self.ground_clearance is None else self.ground_clearance

@@ -12,16 +12,17 @@ class SequenceSettings:
     format: str = "auto"
     """auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in's name."""
     poses: Literal["given", "estimated", "none"] = "given"
-    """Those that the recording brings, those of stereo odometry, or none."""
+    """Source of the poses: the recording, stereo odometry, or none."""
     every: Count = 1
-    """Every so many pairs are read."""
+    """Read every Nth pair."""
     roi: tuple[int, int, int, int] | None = None
-    """x, y, width, height in pixels of the rectified images: the rest is cut off both."""
+    """Region of interest, x, y, width, height in pixels of the rectified images; both are cropped
+    to it."""
     left_topic: str | None = None
-    """Topic of a bag's left images; by its name where not given."""
+    """Topic of a bag's left images; chosen by name if not given."""
     right_topic: str | None = None
-    """Topic of a bag's right images; by its name where not given."""
+    """Topic of a bag's right images; chosen by name if not given."""
     max_confirmed_depth: Positive = 30.0
-    """Only points nearer than this, world units, count for the share that other pairs confirm."""
+    """Depth up to which points count towards the share confirmed by other pairs, world units."""
     only_confirmed: bool = False
-    """Keep only the points that the pair before or after confirms; a single pair keeps all."""
+    """Keep only points that the previous or the next pair confirms; a single pair keeps all."""

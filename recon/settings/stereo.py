@@ -12,15 +12,15 @@ class FeatureSettings:
     """Selection of the feature points of an image (thesis 3.2, 3.3)."""
 
     method: Literal["steerable", "population"] = "steerable"
-    """Source of strength and orientation: steerable filters, or population coding (3.2)."""
+    """Source of feature strength and orientation: steerable filters, or population coding (3.2)."""
     share: Share = 0.10
-    """Wanted number of features, as a share of the pixels; sets the threshold of the modulus."""
+    """Desired number of features as a share of the pixels; sets the threshold on the modulus."""
     threshold: NonNegative = 0.5
-    """Smallest modulus of a feature, in grey levels, however few there are."""
+    """Smallest modulus of a feature, grey levels, however few features are left."""
     widths_px: tuple[Annotated[float, Field(ge=1.5, le=64)], ...] = Field(
         default=(1.5, 3.0, 6.0), min_length=1, max_length=8
     )
-    """Widths of the filters, fine to coarse; the wavelength is 2.22 times as long."""
+    """Filter widths, pixels, fine to coarse; wavelengths are 2.22 times as long."""
 
 
 @table
@@ -30,25 +30,25 @@ class MatchingSettings:
     matcher: str = "phase"
     """phase, vonmises, sgbm, or a plug-in's name."""
     min_disparity: int = 0
-    """Of the search, pixels; included."""
+    """Smallest disparity searched, pixels."""
     max_disparity: int = 20
-    """Of the search, pixels; included."""
+    """Largest disparity searched, pixels."""
     max_row_offset_px: int = Field(default=0, ge=0)
-    """Rows up and down that are searched too; on rectified pairs anything but 0 hurts."""
+    """Rows above and below that are searched as well; on rectified pairs, leave it at 0."""
     cross_check: Literal["exact", "row"] = "exact"
-    """Confirmation of a pair: by the choice of its right pixel among all left ones, or only
-    against the other features of its row, which takes half the time."""
+    """Confirmation of a match: its right pixel chooses among all left pixels, or only among the
+    features of its row, which takes half the time."""
     support_sampling: Literal["half", "quarter"] = "half"
-    """Share of the pixels round a point that supports its disparities."""
+    """Share of the neighbouring pixels that support a disparity."""
     model: str | None = None
-    """File of the von Mises matcher's model; None = the one recon ships."""
+    """Model file of the von Mises matcher; none = the one that ships with recon."""
     per_block: Count | None = None
-    """At most so many pairs of each block of 32 x 32 pixels, so that they spread; None = all."""
+    """Largest number of matches per block of 32 x 32 pixels, to spread them evenly; none = all."""
     keep: Count | None = None
-    """Number of the most confident pairs that are kept; None = all."""
+    """Number of matches kept, the most confident first; none = all."""
 
     def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
-        """The same, over the search range that a recording states, but for what was given."""
+        """The same over the search range that a recording states, except for what was given."""
         if stated is None:
             return self
         own = given(self)
@@ -65,14 +65,15 @@ class MatchingSettings:
 
 @table
 class TriangulationSettings:
-    """Triangulation of pairs to coloured points (thesis 3.5, 4.5)."""
+    """Triangulation of matches to coloured points (thesis 3.5, 4.5)."""
 
     colour_window_px: int = Field(default=3, ge=1)
-    """Side of the square whose mean is the colour of a point."""
+    """Side of the square window whose mean colour a point takes, pixels."""
     max_sigma: Positive | None = None
-    """Points whose depth is less sure than this many world units are doubtful; None = none."""
+    """Largest sigma of a point, world units; points above it are set aside as doubtful; none = no
+    limit."""
     min_probability: Share = 0.5
-    """Points of matches that are right with less than this probability are doubtful."""
+    """Smallest probability that a match is right; points below it are set aside as doubtful."""
 
 
 @table
@@ -80,10 +81,10 @@ class DenseSettings:
     """A disparity for every pixel (the thesis's future work)."""
 
     enabled: bool = False
-    """Match every pixel too, and leave dense results."""
+    """Match every pixel as well, and save dense results."""
     method: Literal["semi-global", "opencv"] = "semi-global"
-    """recon's own costs along eight directions, or OpenCV's StereoSGBM along three."""
+    """recon's own costs aggregated along eight directions, or OpenCV's StereoSGBM along three."""
     speck_px: int = Field(default=100, ge=0)
-    """Patches of fewer pixels that stand apart are taken out."""
+    """Smallest isolated patch that is kept, pixels."""
     fill_px: int = Field(default=8, ge=0)
-    """Width of holes that are filled along the row with what lies behind; 0 = none."""
+    """Largest width of holes filled along the row with the background, pixels; 0 = none."""

@@ -1,17 +1,17 @@
-"""Settings of surfaces: the fusion of depths, and what is left of it."""
+"""Settings of surfaces: the fusion of depths, and the files saved of it."""
 
 from recon.settings.stage import Positive, table
 
 
 @table
 class SurfaceSettings:
-    """Fusion of the depths of all pairs into one surface; `dense.enabled` asks for it."""
+    """Fusion of the depths of all pairs into one surface, where `dense.enabled` is set."""
 
     voxel: Positive | None = None
-    """Side of a voxel, world units; None = two pixels at the depths of the first pair."""
+    """Side of a voxel, world units; none = two pixels at the depths of the first pair."""
     mesh: bool = False
-    """Leave a mesh besides the dense cloud."""
+    """Save a mesh besides the dense cloud."""
     watertight: bool = False
-    """Close the mesh, by surface that nobody saw."""
+    """Close the mesh, extrapolating where nothing was seen."""
     depth_maps: bool = False
-    """Leave the depth map of each pair."""
+    """Save the depth map of each pair."""

@@ -14,40 +14,41 @@ SENSOR_WIDTH = 2.0 * _FOCAL_LENGTH * math.tan(math.radians(_FOV_DEG) / 2.0)
 """Width of the image on the sensor, world units: what the thesis's two values give together."""
 
 PixelCount = Annotated[int, Field(ge=1, le=4096)]
-"""More than 4096 x 4096 rays at a time do not fit into the memory of most machines."""
+"""More than 4096 x 4096 rays at once do not fit into the memory of most machines."""
 
 FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
-"""Settings that follow where another is changed, unless they are given too."""
+"""Settings that follow when another one is changed, unless they are given as well."""
 
 
 @table
 class EyesSettings:
     """The two simulated cameras (the thesis's table of parameters).
 
-    Of focal length and field of view either follows from the other, by the width of the sensor.
+    Focal length and field of view each follow from the other, through the sensor width.
     """
 
     width: PixelCount = 256
-    """Of an image, pixels."""
+    """Image width, pixels."""
     height: PixelCount = 256
-    """Of an image, pixels."""
+    """Image height, pixels."""
     baseline: Positive = 0.3
-    """World units."""
+    """Distance between the two cameras, world units."""
     focal_length: Positive = _FOCAL_LENGTH
-    """World units."""
+    """Focal length, world units; the field of view follows from it."""
     fov_deg: float = Field(default=_FOV_DEG, gt=0, lt=180)
-    """Across the width."""
+    """Horizontal field of view; the focal length follows from it."""
     near: Positive = 0.1
-    """Nothing nearer is seen, world units."""
+    """Near clipping distance, world units."""
     far: Positive = 100.0
-    """Nothing farther is seen, world units."""
+    """Far clipping distance, world units."""
     eye_height: Positive = 5.0
-    """Height above the ground; a roof seen from below 5 gives next to no points."""
+    """Height of the cameras above the ground, world units; from below 5, the village's roofs give
+    hardly any points."""
     gaze: Literal["shift", "toe-in"] = "shift"
-    """Both cameras look at the target by shifted principal points, or by turning inwards."""
+    """How both cameras look at the target: by shifted principal points, or by turning inwards."""
     auto_focus: bool = False
-    """The explorer's cameras look twice: at the nearest thing the second time, and disparities are
-    searched from infinity to somewhat nearer than it."""
+    """Take each view twice: the second time the cameras look at the nearest thing seen, and
+    disparities are searched from infinity to a little nearer than it."""
 
     @model_validator(mode="before")
     @classmethod
@@ -84,38 +85,39 @@ class RenderSettings:
     renderer: str = "raycast"
     """raycast, filament, or the name of a plug-in."""
     texture_tile: Positive = 16.0
-    """World units that a texture covers before it repeats."""
+    """Length after which a texture repeats, world units."""
     supersampling: int = Field(default=2, ge=1, le=8)
-    """Samples along each side of a pixel that shows an edge."""
+    """Samples per pixel along each axis, for pixels that show an edge."""
     mipmaps: bool = True
-    """Smooth textures by distance, so that far ones do not flicker."""
+    """Filter textures by distance, so that distant ones do not flicker."""
     shading: bool = False
-    """The sun shines; else surfaces have their own colour, as features like it."""
+    """Light the scene by a sun; otherwise surfaces show their plain colour."""
     sky: bool = False
-    """The sky deepens from the horizon up; else it has one colour."""
+    """Let the sky darken from the horizon upwards; otherwise it has a single colour."""
     fog: float = Field(default=0.0, ge=0, lt=1)
-    """Share of the light that is lost in each world unit."""
+    """Share of the light lost per world unit of distance."""
     blur_px: NonNegative = 0.0
-    """Standard deviation of the lens blur."""
+    """Standard deviation of the lens blur, pixels."""
     noise: NonNegative = 0.0
-    """Standard deviation of the image noise, grey levels of 255."""
+    """Standard deviation of the image noise, grey levels (of 255)."""
     noise_grain_px: NonNegative = 0.0
-    """Standard deviation of the blur of the noise, which stays as strong in each pixel."""
+    """Grain of the image noise: it is blurred with this standard deviation (pixels), its strength
+    per pixel unchanged."""
     noise_seed: int = Field(default=0, ge=0)
-    """Of the image noise; the seed of the run where not given."""
+    """Seed of the image noise; the run's own seed if not given."""
     gain_right: Positive = 1.0
-    """Factor of the right image's grey levels."""
+    """Factor applied to the grey levels of the right image."""
     offset_right: float = Field(default=0.0, ge=-255, le=255)
     """Grey levels added to the right image."""
 
 
 @table
 class WorldSettings:
-    """The floor that is explored, round the origin."""
+    """The floor to explore, centred on the origin."""
 
     size_x: Positive = 200.0
-    """Of the floor along x, world units."""
+    """Size of the floor along x, world units."""
     size_z: Positive = 200.0
-    """Of the floor along z, world units."""
+    """Size of the floor along z, world units."""
     height: Positive = 30.0
-    """Above the ground; higher points are not obstacles, world units."""
+    """Height above the ground up to which points are obstacles, world units."""
