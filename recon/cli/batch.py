@@ -14,32 +14,39 @@ SOME_FAILED = 5
 
 @click.command(epilog="Example: recon batch jobs.toml -j 4 -o runs/all --resume")
 @click.argument("jobs", metavar="JOBS.toml|GLOB")
-@click.option("--command", help="What to do with each match of a glob: reconstruct, explore, ...")
-@click.option("-j", "num_workers", type=click.IntRange(min=1), help="Workers; one per processor.")
-@click.option("--scheduler", metavar="local|tcp://HOST:PORT", help="Do the jobs on a Dask cluster.")
+@click.option("--command", help="Command to run on each match of a glob: reconstruct, explore, ...")
+@click.option(
+    "-j",
+    "num_workers",
+    type=click.IntRange(min=1),
+    help="Number of workers, one per processor by default.",
+)
+@click.option(
+    "--scheduler", metavar="local|tcp://HOST:PORT", help="Run the jobs on a Dask cluster."
+)
 @click.option(
     "--chunk",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Cut recordings into jobs of N pairs, and make one map of all: the run `merged`.",
+    help="Split recordings into jobs of N pairs and merge them into one map, the run `merged`.",
 )
 @click.option(
     "--metric",
     "metrics",
     multiple=True,
     metavar="NAME",
-    help="A number of summary.csv to tabulate and plot over a sweep; may be repeated.",
+    help="Column of summary.csv to tabulate and plot over a sweep; repeatable.",
 )
-@click.option("-o", "--output", type=PATH, help="The batch's folder; runs/NAME where not given.")
+@click.option("-o", "--output", type=PATH, help="Folder of the batch, runs/NAME by default.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing batch.")
-@click.option("--resume", is_flag=True, help="Skip what is done, try again what failed.")
-@click.option("--dry-run", is_flag=True, help="List the jobs and do none.")
+@click.option("--resume", is_flag=True, help="Skip finished jobs, retry failed ones.")
+@click.option("--dry-run", is_flag=True, help="List the jobs without running them.")
 @with_options(OUTPUT)
 def batch(jobs: str, **given: Any) -> int:
-    """Do many jobs, each into a run folder of its own; a failed one never stops the others.
+    """Run many jobs, each into its own run folder.
 
-    JOBS.toml holds a [[job]] table per job: name, command, input (a path, a glob or a list),
-    settings, seed; a [sweep] table gives settings a list of values each.
+    A failed job never stops the others. JOBS.toml holds a [[job]] table per job: name, command,
+    input (a path, a glob or a list), settings, seed; a [sweep] table lists values of settings.
     """
     start_logging(given)
     from recon.batch.batch import run_batch

@@ -15,15 +15,17 @@ from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_lo
     "--board",
     required=True,
     metavar="CxR",
-    help="Inner corners, as 9x6; or charuco:CxR[:DICTIONARY][:MARKER], counted in squares.",
+    help="Inner corners, such as 9x6, or charuco:CxR[:DICTIONARY][:MARKER], counted in squares.",
 )
-@click.option("--square", required=True, type=PositiveNumber(), help="Side of a square, metres.")
+@click.option("--square", required=True, type=PositiveNumber(), help="Side of a square in metres.")
 @click.option("-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True)
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
-@click.option("--force", is_flag=True, help="Write a calibration that is off by over a pixel, too.")
+@click.option(
+    "--force", is_flag=True, help="Write a calibration even if its rms exceeds one pixel."
+)
 @with_options(OUTPUT)
 def calibrate(left_dir: Path, right_dir: Path, **given: Any) -> None:
-    """Calibrate a rig from pairs of images of a chessboard or a ChArUco board.
+    """Calibrate a rig from image pairs of a chessboard or a ChArUco board.
 
     SQUARE is the side of a square in metres; it sets the unit of the baseline.
     """

@@ -15,7 +15,7 @@ SCENE = Path("village")
 @click.command(epilog="Example: recon demo")
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def demo(**given: Any) -> None:
-    """Explore the village that ships with recon, and leave its run in runs/village."""
+    """Explore the village that ships with recon, into runs/village."""
     do_job("explore", (SCENE,), given, say=say_exploration, unit=PROGRESS)
     if not (given["as_json"] or given["quiet"]):
         click.echo("Look at figures/overview.png in it first.")

@@ -23,21 +23,27 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: recon disparity left.png right.png --max-disparity 64 -o out")
 @click.argument("left", type=PATH)
 @click.argument("right", type=PATH)
-@click.option("--min-disparity", "matching__min_disparity", type=int)
-@click.option("--max-disparity", "matching__max_disparity", type=int)
-@click.option("--truth", type=PATH, help="Disparity image of the left view; 0 or NaN = unknown.")
-@click.option("--truth-scale", type=PositiveNumber())
-@click.option("--calib", type=PATH, help="Calibration; its search range is the default.")
+@click.option(
+    "--min-disparity", "matching__min_disparity", type=int, help="Smallest disparity, pixels."
+)
+@click.option(
+    "--max-disparity", "matching__max_disparity", type=int, help="Largest disparity, pixels."
+)
+@click.option("--truth", type=PATH, help="True disparity of the left image; 0 or NaN = unknown.")
+@click.option(
+    "--truth-scale", type=PositiveNumber(), help="Grey levels of truth per pixel of disparity."
+)
+@click.option("--calib", type=PATH, help="Calibration; gives the default search range.")
 @click.option(
     "--dense",
     "dense__enabled",
     is_flag=True,
     default=None,
-    help="The disparity of every pixel and its sigma, too: dense.pfm, dense_sigma.pfm.",
+    help="Match every pixel as well, and save dense.pfm and dense_sigma.pfm.",
 )
 @with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:
-    """Match two rectified images; -o leaves matches.npz and figures."""
+    """Match two rectified images; with -o, save matches.npz and figures."""
     named = {name: given[name] for name in ("truth", "truth_scale", "calib")}
     do_job("disparity", (left, right), given, say=_say, **named)
 

@@ -11,11 +11,11 @@ from recon.errors import ReconError
 
 @click.command(epilog="Example: recon doctor")
 @click.option(
-    "--compile", "compiles", is_flag=True, help="Compile what the first run would have to."
+    "--compile", "compiles", is_flag=True, help="Compile now what the first run would compile."
 )
 @with_options(OUTPUT)
 def doctor(compiles: bool, as_json: bool, quiet: bool, verbose: bool) -> None:
-    """Check that this machine has what recon needs, and say what cures what is missing."""
+    """Check that this machine has what recon needs, and how to install what is missing."""
     start_logging({"quiet": quiet, "verbose": verbose})
     if compiles:
         _compile(quiet)

@@ -45,25 +45,37 @@ DENSE_COLUMNS = {
 
 @click.command(epilog="Example: recon evaluate data/motorcycle --matcher phase --matcher sgbm")
 @click.argument("pair_dirs", nargs=-1, type=PATH)
-@click.option("--dense", is_flag=True, help="Judge every pixel, beside OpenCV's matchers.")
-@click.option("--surface", type=PATH, help="Judge the surface of a run; needs --truth.")
-@click.option("--distance", "distances", type=PositiveNumber(), multiple=True, help="Repeatable.")
-@click.option("--worlds", type=click.IntRange(min=1), help="Judge labels in N random worlds.")
-@click.option("--matcher", "matchers", multiple=True, help="May be repeated.")
-@click.option("--quality", type=click.Choice(["best", "fast"]))
+@click.option("--dense", is_flag=True, help="Evaluate every pixel, beside OpenCV's matchers.")
+@click.option("--surface", type=PATH, help="Evaluate the surface of a run; needs --truth.")
 @click.option(
-    "--keep", "matching__keep", type=click.IntRange(min=1), help="Keep the K most confident pairs."
+    "--distance",
+    "distances",
+    type=PositiveNumber(),
+    multiple=True,
+    help="Distance at which to evaluate a surface; repeatable.",
 )
-@click.option("--truth-scale", type=PositiveNumber())
-@click.option("--trajectory", type=PATH, help="Judge the path of a run, or of a file of poses.")
+@click.option("--worlds", type=click.IntRange(min=1), help="Evaluate labels in N random worlds.")
+@click.option("--matcher", "matchers", multiple=True, help="Matcher to evaluate; repeatable.")
+@click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed.")
+@click.option(
+    "--keep",
+    "matching__keep",
+    type=click.IntRange(min=1),
+    metavar="K",
+    help="Keep the K most confident matches.",
+)
+@click.option(
+    "--truth-scale", type=PositiveNumber(), help="Grey levels of truth per pixel of disparity."
+)
+@click.option("--trajectory", type=PATH, help="Evaluate the trajectory of a run or of a pose file.")
 @click.option(
     "--truth",
     type=PATH,
-    help="Its true poses, or the true surface: a mesh, a cloud, a rendered recording.",
+    help="True poses, or the true surface: a mesh, a cloud or a rendered recording.",
 )
 @with_options(SETTINGS, FOLDER, OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Judge matchers where disparity is known, labels in random worlds, a path or a surface.
+    """Evaluate matchers, labels in random worlds, a trajectory or a surface against truth.
 
     A pair is searched over the range that its calibration states, else a little more than its truth
     holds, whatever the settings say. -o leaves figures. ATE is the root mean square distance of

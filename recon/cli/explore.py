@@ -28,16 +28,20 @@ PROGRESS = "% of the floor"
 
 @click.command(epilog="Example: recon explore village -o runs/village")
 @click.argument("scene", type=PATH)
+@click.option("--controller", "exploration__controller", help="frontier, thesis, or a plug-in.")
+@click.option("--renderer", "render__renderer", help="raycast, filament, or a plug-in.")
 @click.option(
-    "--controller", "exploration__controller", help="frontier, thesis, or a plug-in's name."
+    "--max-pairs",
+    "exploration__max_pairs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Stop after N pairs.",
 )
-@click.option("--renderer", "render__renderer", help="raycast, filament, or a plug-in's name.")
-@click.option("--max-pairs", "exploration__max_pairs", type=click.IntRange(min=1))
 @with_options(NAMES, MATCHING, SURFACE, SCENE, SETTINGS, FOLDER, OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
-    """Explore a simulated world: map it, name its objects.
+    """Explore a simulated world, map it and name its objects.
 
-    SCENE is a geometry file, or the name of a scene that ships.
+    SCENE is a geometry file, or the name of a scene that ships with recon.
     """
     do_job("explore", (scene,), given, say=say_exploration, unit=PROGRESS)
 

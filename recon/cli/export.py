@@ -11,23 +11,25 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @click.command(epilog="Example: recon export runs/village/map.npz village.glb")
 @click.argument("source", metavar="IN", type=PATH)
 @click.argument("target", metavar="OUT", type=PATH)
-@click.option("--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Only what lies inside; axes of IN.")
-@click.option("--up", type=click.Choice(["y", "z"]), help="The axis that is up in OUT.")
+@click.option(
+    "--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Keep only what lies inside, in the axes of IN."
+)
+@click.option("--up", type=click.Choice(["y", "z"]), help="Axis that points up in OUT.")
 @click.option(
     "--sample",
     type=click.IntRange(min=1),
     metavar="N",
-    help="N points of a cloud, or evenly over the triangles of a mesh.",
+    help="Take N points of a cloud, or sample N evenly from the surface of a mesh.",
 )
 @click.option(
     "--columns",
     metavar="NAME,...",
-    help="Columns of a table of text, as x,y,z,intensity; _ is passed over.",
+    help="Columns of a text table, such as x,y,z,intensity; _ skips one.",
 )
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)
 def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
-    """Write a map, a cloud or a mesh in another format, by the ending of OUT."""
+    """Convert a map, a cloud or a mesh to the format of OUT, told by its suffix."""
     start_logging(given)
     from recon.runs.export import Selection, export_run
 

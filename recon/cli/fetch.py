@@ -9,10 +9,10 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 
 @click.command(epilog="Example: recon fetch motorcycle -o data/motorcycle")
 @click.argument("name")
-@click.option("-o", "--output", type=PATH, help="The folder; NAME where not given.")
+@click.option("-o", "--output", type=PATH, help="Output folder, NAME by default.")
 @with_options(OUTPUT)
 def fetch(name: str, output: Path | None, as_json: bool, quiet: bool, verbose: bool) -> None:
-    """Unpack a sample recording that an installed package brings: motorcycle."""
+    """Unpack a sample recording, such as motorcycle, from an installed package."""
     start_logging({"quiet": quiet, "verbose": verbose})
     from recon.sequences.samples import fetch as unpack
 

@@ -9,32 +9,40 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 from recon.figures.table import KINDS
 
 MIN_SIDE, MAX_SIDE = 100, 8192
-VIEWS = "default, front, back, side, top, ego (behind the first camera), camera (its own)"
+VIEWS = "default, front, back, side, top, ego (behind the first camera), camera (the camera's)"
 
 
 @click.command(epilog="Example: recon figure runs/village --kind map3d --view top --format pdf")
 @click.argument("run", type=PATH)
-@click.option("--kind", help=f"{', '.join(KINDS.names())}; all that the run tells if not given.")
+@click.option("--kind", help=f"{', '.join(KINDS.names())}; default: all that the run has.")
 @click.option(
     "--view", default="default",
-    help=f"In space: {VIEWS}; or x,y,z (a place), or x,y,z,x,y,z (and what it looks at).",
+    help=f"View in 3D: {VIEWS}, a viewpoint x,y,z, or a viewpoint and a target, x,y,z,x,y,z.",
 )  # fmt: skip
-@click.option("--size", metavar="WxH", help="Pixels, as 1200x900; each kind's own if not given.")
+@click.option(
+    "--size",
+    metavar="WxH",
+    help="Size in pixels, such as 1200x900; depends on the kind by default.",
+)
 @click.option(
     "--format", "ending", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True
 )
 @click.option("--dpi", type=click.IntRange(30, 1200), default=100, show_default=True,
-              help="Pixels per inch of the printed figure.")  # fmt: skip
-@click.option("--font-size", type=click.FloatRange(3, 72), help="Points; by the size if not given.")
-@click.option("--no-title", is_flag=True, help="Leave the title to the caption.")
+              help="Resolution of the printed figure, dots per inch.")  # fmt: skip
+@click.option(
+    "--font-size",
+    type=click.FloatRange(3, 72),
+    help="Font size in points; follows --size by default.",
+)
+@click.option("--no-title", is_flag=True, help="Draw no title.")
 @click.option(
     "--background", type=click.Choice(["white", "transparent"]), default="white", show_default=True
 )
 @click.option("--data", "with_data", is_flag=True,
-              help="Also what is shown, as .npz; labels also as GeoJSON and nav2 map.")  # fmt: skip
+              help="Also save the data as .npz; labels also as GeoJSON and nav2 map.")  # fmt: skip
 @with_options(OUTPUT)
 def figure(run: Path, **given: Any) -> None:
-    """Draw the figures of a run again."""
+    """Redraw the figures of a run."""
     start_logging(given)
     from recon.figures.canvas import Style
     from recon.runs.figures import Wish, figure_run

@@ -15,7 +15,7 @@ _INDENT = "  "
 @click.argument("file", type=PATH)
 @with_options(SCENE, OUTPUT)
 def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
-    """Say what anything is that recon reads or writes: a run, recording, cloud, map, mesh, ..."""
+    """Describe anything that recon reads or writes: a run, recording, cloud, map, mesh, ..."""
     start_logging({"quiet": quiet, "verbose": verbose})
     from recon.runs.description import describe
     from recon.runs.outputs import as_document

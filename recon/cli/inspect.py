@@ -13,7 +13,7 @@ from recon.cli.pages import SERVER, announced
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="RUN|FILE...")
 @with_options(SERVER, OUTPUT)
 def inspect(paths: tuple[Path, ...], **given: Any) -> None:
-    """Look at runs, maps, clouds and meshes in a browser; two stand side by side."""
+    """View runs, maps, clouds and meshes in a browser, two of them side by side."""
     start_logging(given)
     from recon.app.inspector import inspect as show
     from recon.app.serving import listen

@@ -14,12 +14,14 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: recon learn mug_1.ply runs/desk#3 --name mug -o kinds.toml")
 @click.argument("examples", nargs=-1, required=True)
-@click.option("--name", required=True, help="What the examples are called.")
-@click.option("--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of EXAMPLES.")
-@click.option("-o", "--output", "catalogue", type=PATH, required=True, help="The catalogue.")
+@click.option("--name", required=True, help="Name of the kind.")
+@click.option(
+    "--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of length in EXAMPLES."
+)
+@click.option("-o", "--output", "catalogue", type=PATH, required=True, help="Catalogue to write.")
 @with_options(SETTINGS, OUTPUT)
 def learn(examples: tuple[str, ...], catalogue: Path, name: str, **given: Any) -> None:
-    """Learn a kind of object from clouds, maps, or objects of runs (RUN#ID)."""
+    """Learn a kind of object from clouds, maps or objects of runs (RUN#ID)."""
     do_job(
         "learn", _inputs(examples), given, say=_say, name=name, catalogue=str(catalogue),
         examples=examples,

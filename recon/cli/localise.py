@@ -15,13 +15,13 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: recon localise runs/drive today/left_right")
 @click.argument("run", type=PATH)
 @click.argument("pairs", type=PATH)
-@click.option("--recording", type=PATH, help="Where the run's recording or scene is now.")
+@click.option("--recording", type=PATH, help="Present location of the run's recording or scene.")
 @with_options(SETTINGS, OUTPUT)
 def localise(run: Path, pairs: Path, **given: Any) -> None:
-    """Find where in the map of a run pairs were taken.
+    """Find where pairs were taken in the map of a run.
 
-    PAIRS is one pair or a sequence, in any form that `recon reconstruct` reads. No guess is needed;
-    a pair that could have been taken in several places, or in none, is said to be so.
+    PAIRS is one pair or a sequence, in any format that `recon reconstruct` reads. No initial guess
+    is needed; pairs that fit no place, or more than one, are reported as such.
     """
     do_job("localise", (run, pairs), given, say=_say, recording=given["recording"])
 

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 @click.argument("runs", nargs=-1, required=True, type=PATH, metavar="RUN...")
 @with_options(NAMES, SETTINGS, FOLDER, OUTPUT)
 def merge(runs: tuple[Path, ...], **given: Any) -> None:
-    """Put runs of one world together: one map in partitions, larger than any memory.
+    """Merge runs of the same world into one partitioned map of any size.
 
-    The runs have one frame, as of given poses, and one size of cells.
+    The runs must share one world frame, as given poses do, and one cell size.
     """
     do_job("merge", runs, given, say=_say, unit="runs")
 

@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: recon mesh runs/motorcycle -o runs/motorcycle_mesh")
 @click.argument("run", type=PATH)
-@click.option("--recording", type=PATH, help="Where the run's recording, or its scene, is now.")
+@click.option("--recording", type=PATH, help="Present location of the run's recording or scene.")
 @click.option("--quality", type=click.Choice(["best", "fast"]))
 @with_options(SURFACE, SETTINGS, FOLDER, OUTPUT)
 def mesh(run: Path, **given: Any) -> None:
-    """Make a mesh of a finished run with poses, of its recording or its simulated world."""
+    """Make a mesh for a finished run with poses, from its recording or simulated world."""
     do_job("mesh", (run,), given, say=_say, recording=given["recording"])
 
 

@@ -65,7 +65,7 @@ SCENE = [
         is_flag=True,
         callback=_allow_outside,
         expose_value=False,
-        help="Let a scene read textures and meshes outside of its folder.",
+        help="Let a scene read textures and meshes outside its folder.",
     ),
 ]
 
@@ -75,11 +75,11 @@ OUTPUT = [
         type=MemorySize(),
         callback=_allow_memory,
         expose_value=False,
-        help="What a file may unpack to; 4GB where not given.",
+        help="Largest size a file may unpack to, 4GB by default.",
     ),
     click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
-    click.option("-q", "--quiet", is_flag=True, help="Say nothing but errors."),
-    click.option("-v", "--verbose", is_flag=True, help="Say what is being done."),
+    click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
+    click.option("-v", "--verbose", is_flag=True, help="Print what is being done."),
     click.version_option(recon.__version__, prog_name="recon"),
 ]
 
@@ -92,59 +92,69 @@ def _given(
 
 
 NAMES = [
-    click.option("--recogniser", "recognition__recogniser", help="robust, thesis, or a plug-in's."),
+    click.option("--recogniser", "recognition__recogniser", help="robust, thesis, or a plug-in."),
     click.option(
         "--catalogue", "recognition__catalogue", multiple=True, callback=_given,
-        help="village, household, none, or a TOML file; may be repeated.",
+        help="village, household, none, or a TOML file; repeatable.",
     ),
 ]  # fmt: skip
 
 SETTINGS = [
-    click.option("--settings", "settings_file", type=PATH, help="A TOML file of settings."),
-    click.option("--set", "overrides", multiple=True, metavar="STAGE.NAME=VALUE"),
+    click.option("--settings", "settings_file", type=PATH, help="TOML file of settings."),
+    click.option(
+        "--set", "overrides", multiple=True, metavar="STAGE.NAME=VALUE",
+        help="Change a setting (see recon settings); repeatable.",
+    ),
     click.option(
         "--preset", type=click.Choice(["default", "thesis"]), default="default",
-        help="Where settings start from.",
+        help="Settings to start from.",
     ),
 ]  # fmt: skip
 
 FOLDER = [
-    click.option("-o", "--output", type=PATH, help="The run folder; runs/NAME where not given."),
+    click.option("-o", "--output", type=PATH, help="Run folder, runs/NAME by default."),
     click.option("--overwrite", is_flag=True, help="Replace an existing run."),
-    click.option("--resume", is_flag=True, help="Go on with a run that was cut."),
-    click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True),
+    click.option("--resume", is_flag=True, help="Continue an interrupted run."),
+    click.option(
+        "--seed",
+        type=click.IntRange(min=0),
+        default=0,
+        show_default=True,
+        help="Seed of all random numbers.",
+    ),
 ]
 
 # An option whose name in Python is STAGE__NAME sets that value.
 MATCHING = [
-    click.option("--matcher", "matching__matcher", help="phase, vonmises, sgbm, or a plug-in's."),
-    click.option("--quality", type=click.Choice(["best", "fast"])),
+    click.option("--matcher", "matching__matcher", help="phase, vonmises, sgbm, or a plug-in."),
+    click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed."),
     click.option(
         "--keep", "matching__keep", type=click.IntRange(min=1),
-        help="Keep the K most confident pairs.",
+        metavar="K",
+        help="Keep the K most confident matches.",
     ),
 ]  # fmt: skip
 
 SURFACE = [
     click.option(
         "--dense", "dense__enabled", is_flag=True, default=None,
-        help="Match every pixel, too: dense.ply.",
+        help="Match every pixel as well, and save dense.ply.",
     ),
     click.option(
         "--mesh", "surface__mesh", is_flag=True, default=None,
-        help="Fuse every pixel into a mesh: mesh.ply.",
+        help="Fuse all pixels into a mesh, mesh.ply.",
     ),
     click.option(
         "--voxel", "surface__voxel", type=PositiveNumber(), metavar="S",
-        help="Side of the mesh's voxels, world units.",
+        help="Voxel size of the mesh, world units.",
     ),
     click.option(
         "--watertight", "surface__watertight", is_flag=True, default=None,
-        help="Close the mesh, by surface that nobody saw.",
+        help="Close the mesh, extrapolating where nothing was seen.",
     ),
     click.option(
         "--depth", "surface__depth_maps", is_flag=True, default=None,
-        help="Leave a depth map per pair.",
+        help="Save a depth map per pair.",
     ),
 ]  # fmt: skip
 

@@ -10,9 +10,10 @@ from recon.cli.options import print_json
 
 SERVER: list[Any] = [
     click.option("--host", default="127.0.0.1", show_default=True,
-                 help="Where to listen; any but this machine's own asks for a token."),
-    click.option("--port", type=click.IntRange(0, 65535), help="The first free one from 8600 on."),
-    click.option("--no-browser", is_flag=True, help="Print the address only."),
+                 help="Address to listen on; any but a loopback address requires a token."),
+    click.option("--port", type=click.IntRange(0, 65535),
+                 help="Port to listen on; default: the first free one from 8600."),
+    click.option("--no-browser", is_flag=True, help="Only print the address."),
 ]  # fmt: skip
 
 

@@ -16,14 +16,16 @@ if TYPE_CHECKING:
 @click.command(epilog="Example: recon recognise runs/village --catalogue village")
 @click.argument("file", type=PATH)
 @click.option("--up", type=click.Choice(["y", "-y", "z", "-z"]), default="y", show_default=True)
-@click.option("--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of FILE.")
 @click.option(
-    "-o", "--output", "cloud", type=PATH, help="The cloud with a column `object`, as PLY."
+    "--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of length in FILE."
 )
-@click.option("--overwrite", is_flag=True, help="Replace that file.")
+@click.option(
+    "-o", "--output", "cloud", type=PATH, help="Save the cloud with a column `object`, as PLY."
+)
+@click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(NAMES, SETTINGS, OUTPUT)
 def recognise(file: Path, cloud: Path | None, **given: Any) -> None:
-    """Name the objects of a cloud, a map or a run."""
+    """Find and name the objects in a cloud, a map or a run."""
     overwrite = given.pop("overwrite")
     cloud_name = None if cloud is None else str(cloud)
     do_job(

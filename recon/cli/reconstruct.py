@@ -28,22 +28,39 @@ def parse_roi(
 
 @click.command(epilog="Example: recon reconstruct data/motorcycle -o runs/motorcycle")
 @click.argument("sequence", type=PATH)
-@click.option("--format", "sequence__format", help="auto, folder, kitti, euroc, ...")
-@click.option("--poses", "sequence__poses", type=click.Choice(["given", "estimated", "none"]))
-@click.option("--left-topic", "sequence__left_topic", help="Topic of a bag's left images.")
-@click.option("--right-topic", "sequence__right_topic", help="Topic of a bag's right images.")
-@click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Every Nth pair.")
-@click.option("--roi", "sequence__roi", metavar="X,Y,W,H", callback=parse_roi, help="In pixels.")
-@click.option("-j", "num_workers", type=click.IntRange(min=1), help="Processes that match pairs.")
+@click.option(
+    "--format",
+    "sequence__format",
+    help="auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in.",
+)
+@click.option(
+    "--poses",
+    "sequence__poses",
+    type=click.Choice(["given", "estimated", "none"]),
+    help="Source of the poses.",
+)
+@click.option("--left-topic", "sequence__left_topic", help="Topic of the left images in a bag.")
+@click.option("--right-topic", "sequence__right_topic", help="Topic of the right images in a bag.")
+@click.option("--every", "sequence__every", type=click.IntRange(min=1), help="Read every Nth pair.")
+@click.option(
+    "--roi",
+    "sequence__roi",
+    metavar="X,Y,W,H",
+    callback=parse_roi,
+    help="Region of interest, pixels.",
+)
+@click.option(
+    "-j", "num_workers", type=click.IntRange(min=1), help="Number of processes that match pairs."
+)
 @click.option(
     "--chunk",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Hold N pairs of the map at a time: map.parquet in partitions, larger than any memory.",
+    help="Hold N pairs in memory at a time and write a partitioned map.parquet of any size.",
 )
 @with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, chunk: int | None, **given: Any) -> None:
-    """Reconstruct what a calibrated stereo recording saw."""
+    """Reconstruct a scene from a calibrated stereo recording."""
     do_job("reconstruct", (sequence,), given, say=_say, chunk=chunk)
 
 

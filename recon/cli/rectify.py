@@ -13,11 +13,13 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @click.argument("left", type=PATH)
 @click.argument("right", type=PATH)
 @click.option("--calib", type=PATH, required=True, help="Calibration of the raw cameras.")
-@click.option("-o", "--output", type=PATH, required=True, help="Folder for images and calib.txt.")
+@click.option(
+    "-o", "--output", type=PATH, required=True, help="Output folder for the images and calib.txt."
+)
 @click.option("--overwrite", is_flag=True, help="Write into an existing folder.")
 @with_options(OUTPUT)
 def rectify(left: Path, right: Path, **given: Any) -> None:
-    """Rectify two images or two folders of images, and leave their calibration beside them."""
+    """Rectify two images or two folders of images, and save their calibration."""
     start_logging(given)
     from recon.runs.calibrate import rectify_run
 

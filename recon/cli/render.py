@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 @click.argument("scene", type=PATH)
 @click.option(
     "--views", default="ring:20", show_default=True, metavar="ring:N|drive:N|FILE",
-    help="Round or past what stands there, or rows of position and target.",
+    help="ring:N, drive:N, or a file with a position and a target per row.",
 )  # fmt: skip
 @with_options(SCENE, SETTINGS, FOLDER, OUTPUT)
 def render(scene: Path, **given: Any) -> None:
     """Render a stereo recording of a scene or a mesh, with true disparity, depth and surface.
 
-    Noise, blur and the gain of the right camera are the settings `render.*`, the cameras `eyes.*`.
+    The settings `render.*` hold noise, blur and the gain of the right camera, `eyes.*` the cameras.
     """
     do_job("render", (scene,), given, say=_say, unit="views", views=given["views"])
 

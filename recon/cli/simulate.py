@@ -21,7 +21,7 @@ from recon.cli.pages import SERVER, announced
 @click.argument("scene", type=PATH)
 @with_options(SERVER, SCENE, SETTINGS, OUTPUT)
 def simulate(scene: Path, **given: Any) -> None:
-    """Look at a simulated world in a browser, and lead the agent through it."""
+    """View a simulated world in a browser, and lead the agent through it."""
     start_logging(given)
     from recon.app.serving import listen
     from recon.app.simulator import simulate as show

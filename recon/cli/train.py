@@ -18,12 +18,12 @@ from recon.cli.options import (
 
 @click.command(epilog="Example: recon train data/motorcycle -o model.json")
 @click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
-@click.option("-o", "--output", required=True, type=PATH, help="The model file.")
+@click.option("-o", "--output", required=True, type=PATH, help="Model file to write.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
 @with_options(SETTINGS, OUTPUT)
 def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
-    """Learn a model for the von Mises matcher from pairs; no truth is needed.
+    """Train the model of the von Mises matcher on pairs; no ground truth is needed.
 
     Use it with --matcher vonmises --set matching.model=FILE.
     """
