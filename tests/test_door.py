@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import recon
-from recon.settings import MatchingSettings
-from recon.settings.keywords import by_keyword
+from recon.settings import MatchingSettings, Settings
 
 PAIR = Path(__file__).parents[1] / "data" / "motorcycle"
 RIG = recon.StereoRig(
@@ -83,14 +82,14 @@ def test_what_there_is_says_what_it_is():
 
 
 def test_keywords_are_settings_by_stage_or_by_their_own_name():
-    assert by_keyword(max_disparity=60).matching.max_disparity == 60
-    assert by_keyword(matching={"max_disparity": 60}).matching.max_disparity == 60
-    assert by_keyword(**{"matching.max_disparity": 60}).matching.max_disparity == 60
-    assert by_keyword(matching=MatchingSettings(keep=5)).matching.keep == 5
-    mixed = by_keyword(recon.Settings(), quality="fast", every=3)
+    assert Settings.of(max_disparity=60).matching.max_disparity == 60
+    assert Settings.of(matching={"max_disparity": 60}).matching.max_disparity == 60
+    assert Settings.of(**{"matching.max_disparity": 60}).matching.max_disparity == 60
+    assert Settings.of(matching=MatchingSettings(keep=5)).matching.keep == 5
+    mixed = Settings.of(recon.Settings(), quality="fast", every=3)
     assert (mixed.features.share, mixed.sequence.every) == (0.05, 3)
     with pytest.raises(recon.InputError, match="several stages"):
-        by_keyword(max_sigma=1.0)
+        Settings.of(max_sigma=1.0)
 
 
 def test_what_is_not_given_follows_from_the_kind_and_what_is_stays():
@@ -98,7 +97,7 @@ def test_what_is_not_given_follows_from_the_kind_and_what_is_stays():
     resolved = job.resolved().settings
     assert (resolved.matching.min_disparity, resolved.matching.max_disparity) == (-10, 20)
     assert (resolved.features.share, resolved.matching.cross_check) == (0.05, "exact")
-    own = recon.Job(kind="worlds", settings=by_keyword(share=0.1, min_disparity=0))
+    own = recon.Job(kind="worlds", settings=Settings.of(share=0.1, min_disparity=0))
     resolved = own.resolved().settings
     assert (resolved.features.share, resolved.matching.min_disparity) == (0.1, 0)
     assert resolved.matching.max_disparity == 20
@@ -112,9 +111,9 @@ def num_points(settings):
 
 
 def test_the_search_range_that_a_recording_states_is_searched():
-    stated = num_points(by_keyword(quality="fast"))
-    assert stated == num_points(by_keyword(quality="fast", max_disparity=70, min_disparity=0))
-    assert num_points(by_keyword(quality="fast", max_disparity=20)) < 0.6 * stated
+    stated = num_points(Settings.of(quality="fast"))
+    assert stated == num_points(Settings.of(quality="fast", max_disparity=70, min_disparity=0))
+    assert num_points(Settings.of(quality="fast", max_disparity=20)) < 0.6 * stated
 
 
 def test_a_folder_becomes_a_map():

@@ -24,7 +24,6 @@ from recon.sequences.calibration.rectification import Rectifier
 from recon.sequences.calibration.rectification import rectifier as rectifier_of
 from recon.sequences.frames import DerivedSource
 from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
-from recon.settings.keywords import by_keyword
 from recon.voxelmap import VoxelMap
 
 
@@ -43,7 +42,7 @@ def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
     iterable of StereoPair
         Rectified, with poses where they are known, and the search range where it is stated.
     """
-    return open_pairs(checked_path(path), by_keyword(**settings).sequence)
+    return open_pairs(checked_path(path), Settings.of(**settings).sequence)
 
 
 def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
@@ -81,7 +80,7 @@ def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
     Reconstruction
         `map`, its occupied `voxels`, `objects`, `trajectory`.
     """
-    given = by_keyword(**settings)
+    given = Settings.of(**settings)
     job = Job(kind="reconstruct", inputs=(checked_path(path),), settings=given).resolved()
     mapper = Mapper(job.settings)
     for pair in open_pairs(job.inputs[0], job.settings.sequence):
@@ -122,7 +121,7 @@ def explore(
     for method in ("start", "take"):
         if not callable(getattr(source, method, None)):
             raise InputError(f"source is {source!r}, but something with start and take is needed")
-    chosen = by_keyword(settings, **values)
+    chosen = Settings.of(settings, **values)
     if controller and isinstance(controller, str):
         chosen = updated(chosen, {"exploration": {"controller": controller}})
     own = None if isinstance(controller, str) else controller
@@ -159,7 +158,7 @@ def recognise(
     """
     if catalogue is not None:
         settings["recognition.catalogue"] = str(catalogue)
-    chosen = by_keyword(**settings)
+    chosen = Settings.of(**settings)
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, chosen.map)
     if isinstance(data, Voxels):

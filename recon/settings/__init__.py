@@ -1,4 +1,4 @@
-"""Settings: one frozen dataclass a stage, read from and saved as TOML, unknown names refused."""
+"""Settings: one frozen dataclass per stage, read from and saved as TOML, unknown names refused."""
 
 from recon.settings.exploration import ExplorationSettings
 from recon.settings.files import (
@@ -7,10 +7,10 @@ from recon.settings.files import (
     parse_overrides,
     read_toml,
     to_toml,
-    tolerated,
     updated,
 )
 from recon.settings.mapping import MapSettings
+from recon.settings.older import tolerated
 from recon.settings.presets import (
     EXPLORER_BASE,
     PRESETS,

@@ -12,19 +12,19 @@ from pydantic import ValidationError
 
 from recon.errors import InputError
 from recon.files import documents
-from recon.settings.settings import Settings
 from recon.settings.stage import first_fault, given
+from recon.settings.stages import S, Stages
 from recon.settings.world import FOLLOWERS
 
 Tree = dict[str, dict[str, Any]]
 
 STAGES: dict[str, Any] = {
-    field.name: type(getattr(Settings(), field.name)) for field in fields(Settings)
+    field.name: type(getattr(Stages(), field.name)) for field in fields(Stages)
 }
 """The table of each stage, by its name."""
 
 
-def to_tree(settings: Settings) -> Tree:
+def to_tree(settings: Stages) -> Tree:
     """All values by stage and name; None is the word "none", as TOML has no None."""
     return {
         stage: {name: "none" if value is None else value for name, value in values.items()}
@@ -32,7 +32,7 @@ def to_tree(settings: Settings) -> Tree:
     }
 
 
-def to_toml(settings: Settings) -> str:
+def to_toml(settings: Stages) -> str:
     """The text of `settings.toml`."""
     return tomli_w.dumps(to_tree(settings))
 
@@ -61,7 +61,7 @@ def _value(text: str) -> Any:
         return text
 
 
-def given_tree(settings: Settings) -> Tree:
+def given_tree(settings: Stages) -> Tree:
     """The values that somebody gave, by stage and name, without what are defaults."""
     return {stage: given(getattr(settings, stage)) for stage in STAGES}
 
@@ -74,7 +74,7 @@ def merged(weaker: Mapping[str, Any], stronger: Mapping[str, Any]) -> Tree:
     }
 
 
-def updated(settings: Settings, changes: Mapping[str, Any], source: str = "settings") -> Settings:
+def updated(settings: S, changes: Mapping[str, Any], source: str = "settings") -> S:
     """`settings` with the values of `changes`, all of them checked; the word "none" is None.
 
     Raises
@@ -92,31 +92,7 @@ def updated(settings: Settings, changes: Mapping[str, Any], source: str = "setti
             _check_known(f"{stage}.{name}", known, source)
         plain = {name: _plain(stage, name, value) for name, value in values.items()}
         stages[stage] = _changed(stage, given(stages[stage]), plain, source)
-    return Settings(**stages)
-
-
-def tolerated(changes: Mapping[str, Any]) -> tuple[Settings, tuple[str, ...]]:
-    """Settings that an older recon wrote, and the names of those that are no longer understood.
-
-    A setting that is unknown today, or whose value is out of today's range, keeps its default.
-    """
-    tables = {
-        stage: values if isinstance(values, Mapping) else {} for stage, values in changes.items()
-    }
-    names = {stage: {one.name for one in fields(STAGES[stage])} for stage in STAGES}
-    given_names = [(stage, name) for stage, table in tables.items() for name in table]
-    ignored = [pair for pair in given_names if pair[1] not in names.get(pair[0], ())]
-    kept = [pair for pair in given_names if pair not in ignored]
-    settings = Settings()
-    # Twice: a value may be in range only beside one that comes later.
-    for _ in range(2):
-        refused = []
-        for stage, name in kept:
-            try:
-                settings = updated(settings, {stage: {name: tables[stage][name]}})
-            except InputError:
-                refused.append((stage, name))
-    return settings, tuple(".".join(pair) for pair in ignored + refused)
+    return type(settings)(**stages)
 
 
 def _plain(stage: str, name: str, value: Any) -> Any:

@@ -8,41 +8,26 @@ from typing import Any
 from recon.errors import InputError
 from recon.settings.files import STAGES, given_tree, updated
 from recon.settings.presets import PRESETS, QUALITIES, with_preset, with_quality
-from recon.settings.settings import Settings
 from recon.settings.stage import given
+from recon.settings.stages import S
 
 
 def by_keyword(
-    settings: Settings | None = None,
+    empty: S,
+    settings: S | None,
     *,
     preset: str = "default",
     quality: str | None = None,
     **values: Any,
-) -> Settings:
-    """Settings of what a caller names.
-
-    Parameters
-    ----------
-    settings : Settings, optional
-        What the keywords are laid over.
-    preset, quality : str
-        As the options of the command line.
-    values
-        A stage with its table (``matching={"max_disparity": 60}``), "stage.name", or the bare name
-        of a setting that only one stage has (``max_disparity=60``).
-
-    Raises
-    ------
-    InputError
-        For a name that is not known or not of one stage only, and a value that cannot be.
-    """
+) -> S:
+    """`empty` with a preset, a quality, `settings` and `values` laid over it, in this order."""
     _check_choice("preset", preset, PRESETS)
-    chosen = with_preset(Settings(), preset)
+    chosen = with_preset(empty, preset)
     if quality is not None:
         _check_choice("quality", quality, QUALITIES)
         chosen = with_quality(chosen, "best" if quality == "best" else "fast")
     if settings is not None:
-        if not isinstance(settings, Settings):
+        if not isinstance(settings, type(empty)):
             raise InputError(f"settings is a {type(settings).__name__}, but Settings are needed")
         chosen = updated(chosen, given_tree(settings))
     for name, value in values.items():

@@ -3,7 +3,7 @@
 from typing import Any, Literal
 
 from recon.settings.files import merged, updated
-from recon.settings.settings import Settings
+from recon.settings.stages import S
 
 Quality = Literal["best", "fast"]
 
@@ -39,12 +39,12 @@ QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
 }
 
 
-def with_preset(settings: Settings, name: str) -> Settings:
+def with_preset(settings: S, name: str) -> S:
     """`settings` with the values of a preset."""
     return updated(settings, PRESETS[name], f"preset {name}")
 
 
-def with_quality(settings: Settings, quality: Quality) -> Settings:
+def with_quality(settings: S, quality: Quality) -> S:
     """`settings` with the stereo values of a quality."""
     return updated(settings, QUALITIES[quality], f"quality {quality}")
 

@@ -1,52 +1,31 @@
-"""All settings of a run: one frozen dataclass a stage."""
+"""All settings of a run."""
 
-from dataclasses import field
 from typing import Any
 
-from recon.settings.exploration import ExplorationSettings
-from recon.settings.mapping import MapSettings
-from recon.settings.motion import MotionSettings
-from recon.settings.recognition import RecognitionSettings
-from recon.settings.sequences import SequenceSettings
+from recon.settings.keywords import by_keyword
 from recon.settings.stage import table
-from recon.settings.stereo import (
-    DenseSettings,
-    FeatureSettings,
-    MatchingSettings,
-    TriangulationSettings,
-)
-from recon.settings.surface import SurfaceSettings
-from recon.settings.world import EyesSettings, RenderSettings, WorldSettings
+from recon.settings.stages import Stages
 
 
 @table
-class Settings:
-    """One table a stage; a stage is handed its own table and nothing else."""
-
-    sequence: SequenceSettings = field(default_factory=SequenceSettings)
-    world: WorldSettings = field(default_factory=WorldSettings)
-    eyes: EyesSettings = field(default_factory=EyesSettings)
-    render: RenderSettings = field(default_factory=RenderSettings)
-    features: FeatureSettings = field(default_factory=FeatureSettings)
-    matching: MatchingSettings = field(default_factory=MatchingSettings)
-    dense: DenseSettings = field(default_factory=DenseSettings)
-    triangulation: TriangulationSettings = field(default_factory=TriangulationSettings)
-    surface: SurfaceSettings = field(default_factory=SurfaceSettings)
-    map: MapSettings = field(default_factory=MapSettings)
-    exploration: ExplorationSettings = field(default_factory=ExplorationSettings)
-    motion: MotionSettings = field(default_factory=MotionSettings)
-    recognition: RecognitionSettings = field(default_factory=RecognitionSettings)
+class Settings(Stages):
+    """The settings of a run: one frozen table per stage."""
 
     @classmethod
-    def of(cls, **values: Any) -> "Settings":
+    def of(cls, settings: "Settings | None" = None, **values: Any) -> "Settings":
         """Settings by keyword: ``Settings.of(quality="fast", max_disparity=60)``.
 
         Parameters
         ----------
+        settings : Settings, optional
+            Values that those given by keyword replace.
         values
-            `preset`, `quality`, a stage with its table (``map={"cell_size": 0.1}``), or the name
-            of a setting that only one stage has.
-        """
-        from recon.settings.keywords import by_keyword
+            `preset`, `quality`, a stage with its table (``map={"cell_size": 0.1}``),
+            "stage.name", or the name of a setting that only one stage has.
 
-        return by_keyword(**values)
+        Raises
+        ------
+        InputError
+            For an unknown or ambiguous name, and a value out of range.
+        """
+        return by_keyword(cls(), settings, **values)

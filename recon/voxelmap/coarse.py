@@ -1,17 +1,14 @@
-"""Cells of twice, four times ... the size, for points too uncertain for those of the map."""
+"""Coarser levels of a map, for points too uncertain for its own cells."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import PointCloud
 from recon.voxelmap import archive
-from recon.voxelmap.table import MAX_INDEX
-
-if TYPE_CHECKING:
-    from recon.voxelmap.voxelmap import VoxelMap
+from recon.voxelmap.table import MAX_INDEX, Rows
 
 MAX_LEVEL = 6
 """Cells are at most 2^6 times as large as those of the map."""
@@ -19,21 +16,41 @@ MAX_LEVEL = 6
 Columns = Mapping[str, NDArray[Any]]
 
 
-class CoarseMaps:
-    """A map of each level that a point fell into; level k has cells 2^k times as large.
+class Level(Protocol):
+    """What a voxel map of one level provides."""
+
+    @property
+    def num_cells(self) -> int: ...
+
+    def insert(self, cloud: PointCloud) -> None: ...
+
+    def merge(self, other: Self) -> None: ...
+
+    def cropped(self, low: Any, high: Any) -> Self: ...
+
+    def hit_columns(self) -> dict[str, NDArray[Any]]: ...
+
+    def add_rows(self, rows: Rows) -> NDArray[np.int64]: ...
+
+
+L = TypeVar("L", bound=Level)
+
+
+class CoarseMaps(Generic[L]):
+    """One map per level into which a point fell; level k has cells 2^k times as large.
 
     Parameters
     ----------
     cell_size : float
-        Of the map, world units.
+        Cell size of the map itself, world units.
     make : callable
-        Makes an empty map of a cell size.
+        Makes an empty map with a given cell size.
     """
 
-    def __init__(self, cell_size: float, make: "Callable[[float], VoxelMap]") -> None:
+    def __init__(self, cell_size: float, make: Callable[[float], L]) -> None:
         self.cell_size = cell_size
         self._make = make
-        self.levels: dict[int, VoxelMap] = {}
+        self.levels: dict[int, L] = {}
 
     def insert(self, cloud: PointCloud) -> int:
         """Count each point in the finest cells that are as large as its sigma.
@@ -41,7 +58,7 @@ class CoarseMaps:
         Returns
         -------
         int
-            How many points were counted: those beyond the coarsest cells, or out of reach, are not.
+            Number of points counted: not those beyond the coarsest cells, or out of reach.
         """
         level = self._level_of(cloud)
         for number in np.unique(level[level > 0]).tolist():
@@ -57,18 +74,18 @@ class CoarseMaps:
         level = np.ceil(np.log2(ratio)).astype(np.int64)
         return np.where(known & (level <= MAX_LEVEL), level, 0)
 
-    def _at(self, level: int) -> "VoxelMap":
+    def _at(self, level: int) -> L:
         if level not in self.levels:
             self.levels[level] = self._make(self.cell_size * 2.0**level)
         return self.levels[level]
 
-    def merge(self, other: "CoarseMaps") -> None:
+    def merge(self, other: "CoarseMaps[L]") -> None:
         """Add the levels of another map."""
         for level, theirs in sorted(other.levels.items()):
             self._at(level).merge(theirs)
 
-    def crop_from(self, other: "CoarseMaps", low: Any, high: Any) -> None:
-        """Take over the cells of another map whose middle lies between two corners."""
+    def crop_from(self, other: "CoarseMaps[L]", low: Any, high: Any) -> None:
+        """Take over the cells of another map whose centres lie between two corners."""
         for level, theirs in sorted(other.levels.items()):
             inside = theirs.cropped(low, high)
             if inside.num_cells:
@@ -90,7 +107,7 @@ class CoarseMaps:
 
 
 def coarse_columns(columns: Columns) -> list[dict[str, NDArray[Any]]]:
-    """The arrays of a file that each level from 1 on left there; none of a level without cells."""
+    """The arrays of a file by level, from level 1; none for a level without cells."""
     prefixes = [f"coarse{level}_" for level in range(1, MAX_LEVEL + 1)]
     return [
         {name.removeprefix(prefix): c for name, c in columns.items() if name.startswith(prefix)}
