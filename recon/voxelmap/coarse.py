@@ -16,7 +16,7 @@ MAX_LEVEL = 6
 Columns = Mapping[str, NDArray[Any]]
 
 
-class Level(Protocol):
+class _Level(Protocol):
     """What a voxel map of one level provides."""
 
     @property
@@ -33,7 +33,7 @@ class Level(Protocol):
     def add_rows(self, rows: Rows) -> NDArray[np.int64]: ...
 
 
-L = TypeVar("L", bound=Level)
+L = TypeVar("L", bound=_Level)
 
 
 class CoarseMaps(Generic[L]):
