@@ -1,17 +1,17 @@
 """recon reconstructs objects from stereo sequences.
 
-Everything that is meant to be called from Python is a name here, loaded when it is first used.
+The public Python interface: every name here is loaded when first used.
 
 match_pair, process_pair     two images -> matches; a pair -> the map
-open_sequence, World         where pairs come from: a recording, a simulated world
+open_sequence, World         sources of pairs: a recording, a simulated world
 Mapper                       the loop from pairs to a map, one pair at a time
 reconstruct, explore         a whole recording; a whole world
 locate                       the pose of a pair in a known map
 VoxelMap, recognise, fit     cells that count points; named objects; one solid of one cloud
-PartitionedMap               a map larger than any memory, in a folder, read as it is asked for
+PartitionedMap               a map larger than memory, in a folder, loaded on demand
 read, write                  clouds and maps in files of many formats
 Job, execute, Events         what the command line calls
-register                     parts of your own, by name
+register                     your own plug-ins, by name
 """
 
 import importlib
@@ -84,7 +84,7 @@ if TYPE_CHECKING:
     from recon.voxelmap import VoxelMap as VoxelMap
     from recon.world.world import World as World
 else:
-    # A type checker that saw this function would take any name for one that is there.
+    # A type checker that saw this function would accept any name as existing.
     def __getattr__(name: str) -> Any:
         if name not in _HOME_OF:
             raise AttributeError(f"recon has no {name}, but {', '.join(_HOME_OF)}")

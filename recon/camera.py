@@ -15,8 +15,8 @@ class StereoRig:
     """Intrinsics and baseline of a rectified stereo pair.
 
     Both cameras share the focal length, the row of the principal point and the orientation; the
-    right one stands `baseline` along the left one's x axis. Pixel (0, 0) is the CENTRE of the
-    top-left pixel, so that the middle of an image of width W is (W - 1) / 2.
+    right one is at `baseline` on the left one's x axis. Pixel (0, 0) is the CENTRE of the top-left
+    pixel, so the centre of an image of width W is at (W - 1) / 2.
     """
 
     width: int
@@ -41,13 +41,13 @@ class StereoRig:
 
     @property
     def T_left_right(self) -> Array:
-        """(4, 4) motion that brings points of the right camera into the left one's frame."""
+        """(4, 4) transform from the right camera's frame to the left one's."""
         T = np.eye(4)
         T[0, 3] = self.baseline
         return T
 
     def depth(self, disparity_px: ArrayLike) -> Array:
-        """Depth along the left z axis; NaN where the rays do not meet in front of the eyes."""
+        """Depth along the left z axis; NaN where the rays do not meet in front of the cameras."""
         shift = np.asarray(disparity_px, dtype=np.float64) - self.disparity_offset_px
         with np.errstate(divide="ignore", invalid="ignore"):
             z: Array = np.where(shift > 0, self.focal_px * self.baseline / shift, np.nan)

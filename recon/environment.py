@@ -1,8 +1,8 @@
-"""Surroundings that libraries want, settled before any of them is imported.
+"""The process environment that libraries need, set up before any of them is imported.
 
-numba keeps compiled kernels beside the source, else in the user's cache; where neither can be
-written (a read-only installation, no home) it refuses to work. recon then keeps them in a folder of
-its own for temporary files, which nobody else can write, or compiles anew every time.
+numba caches compiled kernels beside the source, else in the user's cache; if neither is writable (a
+read-only installation, no home) it refuses to work. recon then caches them in a temporary folder
+that nobody else can write to, or compiles them anew every time.
 """
 
 import os
@@ -13,11 +13,11 @@ from pathlib import Path
 PACKAGE = Path(__file__).parent
 
 QUIET = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
-"""OpenCV writes to stderr by itself; recon says what is wrong with a file in its own line."""
+"""Silences OpenCV's own messages on stderr; recon reports a file's faults in its own line."""
 
 
 def prepare() -> None:
-    """Set what is not set: quiet libraries, and places to write where there are none."""
+    """Set unset variables: quiet libraries, and writable folders if there are none."""
     for name, value in QUIET.items():
         os.environ.setdefault(name, value)
     if not os.access(_home(), os.W_OK):
@@ -37,7 +37,7 @@ def prepare() -> None:
 
 
 def kernel_folder() -> Path | None:
-    """The folder of numba's compiled kernels; None where every process compiles them anew."""
+    """The folder of numba's compiled kernels; None if every process compiles them anew."""
     asked = os.environ.get("NUMBA_CACHE_DIR")
     places = [Path(asked)] if asked else []
     places += [PACKAGE, *([_home() / ".cache" / "numba"] if _home().is_dir() else [])]
@@ -45,7 +45,7 @@ def kernel_folder() -> Path | None:
 
 
 def _home() -> Path:
-    """The user's home; a folder that is not there where the user has none."""
+    """The user's home; a folder that does not exist if the user has none."""
     try:
         return Path.home()
     except RuntimeError:
@@ -53,11 +53,11 @@ def _home() -> Path:
 
 
 def _is_writable(folder: Path) -> bool:
-    """True where files can be made in a folder, which is made where it is not there."""
+    """True if files can be created in a folder, which is created if missing."""
     trial = folder / f".recon-{os.getpid()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        # Asking for permission is no proof: a disk may be read-only, and root may do all else.
+        # Permission bits prove nothing: a disk may be read-only, and root is always permitted.
         os.close(os.open(trial, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
         trial.unlink()
     except OSError:
@@ -66,7 +66,7 @@ def _is_writable(folder: Path) -> bool:
 
 
 def _own_folder(name: str) -> Path | None:
-    """A folder for temporary files that only this user can write: what is kept there is run."""
+    """A temporary folder that only this user can write to: its content is executed."""
     import tempfile
 
     try:

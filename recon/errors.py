@@ -1,4 +1,4 @@
-"""Errors that a user can mend, said in one line."""
+"""Errors that a user can fix, reported in one line."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ class ReconError(Exception):
 
 
 class InputError(ReconError, ValueError):
-    """Input that cannot be used: the message names it, its value and what is needed."""
+    """Unusable input: the message names it, its value and what is needed."""
 
 
 class MissingLibraryError(ReconError, ImportError):
@@ -43,7 +43,7 @@ def as_numbers(name: str, value: object) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        Where it is not made of numbers.
+        If it does not consist of numbers.
     """
     try:
         return np.asarray(value, dtype=np.float64)
@@ -57,7 +57,7 @@ def check_number(name: str, value: object, *, low: float = -np.inf, above: float
     Raises
     ------
     InputError
-        "cell_size is 'x', but a number over 0 is needed".
+        "cell_size is 'x', but a number > 0 is needed".
     """
     is_number = isinstance(value, int | float | np.integer | np.floating)
     if is_number and not isinstance(value, bool):
@@ -66,9 +66,9 @@ def check_number(name: str, value: object, *, low: float = -np.inf, above: float
             return
     need = "a finite number"
     if low > -np.inf:
-        need = f"a number of {low:g} or more"
+        need = f"a number >= {low:g}"
     if above > -np.inf:
-        need = f"a number over {above:g}"
+        need = f"a number > {above:g}"
     raise InputError(f"{name} is {value!r}, but {need} is needed")
 
 
@@ -80,8 +80,8 @@ def check_type(name: str, value: object, wanted: type, *others: type) -> None:
 
 
 def check_finite(name: str, array: NDArray[np.floating]) -> None:
-    """Raise `InputError` where a number of `array` is NaN or infinite."""
+    """Raise `InputError` if a number of `array` is NaN or infinite."""
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         value = array.reshape(-1)[bad[0]]
-        raise InputError(f"{name} holds {value} at flat index {bad[0]}, but finite is needed")
+        raise InputError(f"{name} holds {value} at flat index {bad[0]}, but must be finite")

@@ -14,12 +14,12 @@ Array = NDArray[np.float64]
 WORLD_UP: tuple[float, float, float] = (0.0, 1.0, 0.0)
 
 LEVEL_CAMERA: Array = np.diag([1.0, -1.0, -1.0, 1.0])
-"""`T_world_camera` of a camera at the origin that looks level along -z, as one without a pose."""
+"""`T_world_camera` at the origin, looking level along -z: the default without a pose."""
 LEVEL_CAMERA.setflags(write=False)
 
 
 def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
-    """Move points of frame b into frame a.
+    """Transform points from frame b to frame a.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def transform(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
 
 
 def invert(T_a_b: ArrayLike) -> Array:
-    """Return `T_b_a` of the rigid motion `T_a_b` (4, 4)."""
+    """The inverse `T_b_a` of the rigid motion `T_a_b` (4, 4)."""
     T = np.asarray(T_a_b, dtype=np.float64)
     check_shape("T_a_b", T, (4, 4))
     inverse = np.eye(4)
@@ -49,7 +49,7 @@ def invert(T_a_b: ArrayLike) -> Array:
 
 
 def pose(rotation: ArrayLike, translation: ArrayLike) -> Array:
-    """Put a (3, 3) rotation and a (3,) translation together into a (4, 4) motion."""
+    """The (4, 4) rigid motion of a (3, 3) rotation and a (3,) translation."""
     T = np.eye(4)
     T[:3, :3] = rotation
     T[:3, 3] = translation
@@ -57,7 +57,7 @@ def pose(rotation: ArrayLike, translation: ArrayLike) -> Array:
 
 
 def without_drift(T_a_b: ArrayLike) -> Array:
-    """The rigid motion (4, 4) nearest to one that rounding, many products long, has bent."""
+    """The rigid motion (4, 4) nearest to one distorted by the rounding of many products."""
     T = np.asarray(T_a_b, dtype=np.float64)
     u, _, vt = np.linalg.svd(T[:3, :3])
     return pose(u @ vt, T[:3, 3])
@@ -85,7 +85,7 @@ def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = WORLD_UP) ->
     position, target : (3,) array_like
         In the world.
     up : (3,) array_like
-        The direction that is up in the image.
+        The direction that points up in the image.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = WORLD_UP) ->
     Raises
     ------
     InputError
-        Where the target is the position, or straight above or below it.
+        If the target is at the position, or straight above or below it.
     """
     eye = np.asarray(position, dtype=np.float64)
     forward = np.asarray(target, dtype=np.float64) - eye
@@ -117,13 +117,13 @@ def rotation_about_y(angle_rad: float) -> Array:
 
 
 def wrapped(angle_rad: ArrayLike) -> Array:
-    """Angles between minus and plus half a turn."""
+    """Angles wrapped to [-pi, pi]."""
     turns: Array = np.angle(np.exp(1j * np.asarray(angle_rad)))
     return turns
 
 
 def hue_distance_deg(a_deg: ArrayLike, b_deg: ArrayLike) -> Array:
-    """Distance of two hues round the colour circle, 0 to 180 degrees."""
+    """Distance of two hues around the colour circle, 0 to 180 degrees."""
     difference = np.mod(np.asarray(a_deg, float) - np.asarray(b_deg, float), 360.0)
     distance: Array = np.minimum(difference, 360.0 - difference)
     return distance

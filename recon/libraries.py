@@ -1,4 +1,4 @@
-"""The one door to libraries that are heavy, optional, or need the system's help to load."""
+"""Loaders of libraries that are heavy, optional or need help from the system."""
 
 import ctypes
 import functools
@@ -27,7 +27,7 @@ assert plotter.screenshot(return_img=True).any()
 
 @functools.cache
 def load_open3d() -> ModuleType:
-    """Open3D, after the libusb that its wheel wants but does not bring."""
+    """Open3D, after the libusb that its wheel needs but does not include."""
     import libusb_package
 
     library = libusb_package.get_library_path()
@@ -41,14 +41,14 @@ def load_open3d() -> ModuleType:
 
 @functools.cache
 def load_pyvista() -> ModuleType:
-    """Pyvista, told to render without a screen where there is none."""
+    """PyVista, set to render off-screen if there is no display."""
     if not _has_screen():
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     return importlib.import_module("pyvista")
 
 
 def _has_screen() -> bool:
-    """True where somebody answers at DISPLAY; VTK would write to stderr that nobody does."""
+    """True if a server answers at DISPLAY; if none did, VTK would complain on stderr."""
     import socket
 
     host, colon, screen = os.environ.get("DISPLAY", "").rpartition(":")
@@ -67,7 +67,7 @@ def _has_screen() -> bool:
 
 
 def compile_always() -> None:
-    """Let numba compile without keeping anything: where it can write nowhere it would refuse."""
+    """Let numba compile without a cache: with no writable folder it would refuse to work."""
     from numba.core.dispatcher import Dispatcher
 
     setattr(Dispatcher, "enable_caching", lambda self: None)  # noqa: B010
@@ -90,13 +90,13 @@ def load_extra(module: str, extra: str) -> ModuleType:
 
 
 def check_extra(module: str, extra: str) -> None:
-    """Raise `MissingLibraryError` where a library is not installed, without loading it."""
+    """Raise `MissingLibraryError` if a library is not installed, without loading it."""
     if importlib.util.find_spec(module) is None:
         load_extra(module, extra)
 
 
 def open3d_fault() -> str | None:
-    """Why Open3D does not load, with the line that cures it; None where it does."""
+    """The reason why Open3D does not load, with the command that fixes it; None if it loads."""
     try:
         load_open3d()
     except MissingLibraryError as error:
@@ -106,7 +106,7 @@ def open3d_fault() -> str | None:
 
 @functools.cache
 def rendering_fault() -> str | None:
-    """Why no image can be rendered, with the line that cures it; None where one can."""
+    """The reason why rendering fails, with the command that fixes it; None if it works."""
     result = subprocess.run(
         [sys.executable, "-c", _RENDER_PROBE], capture_output=True, text=True, check=False
     )
@@ -117,7 +117,7 @@ def rendering_fault() -> str | None:
 
 @contextmanager
 def listening_to_compiler(begin: Callable[[], None], end: Callable[[], None]) -> Iterator[None]:
-    """Call `begin` and `end` round everything that numba compiles meanwhile."""
+    """Call `begin` and `end` around each compilation by numba inside the block."""
     event = importlib.import_module("numba.core.event")
 
     class Ear(event.Listener):  # type: ignore[name-defined,misc]
@@ -141,9 +141,9 @@ THREAD_VARIABLES = (
 
 
 def limit_threads(number: int) -> None:
-    """Let every library of this process use at most so many threads.
+    """Limit every library of this process to `number` threads.
 
-    Most libraries read their limit when they are imported, so this has to come first.
+    Most libraries read their limit when imported, so call this first.
     """
     for name in THREAD_VARIABLES:
         os.environ[name] = str(number)
@@ -154,7 +154,7 @@ def limit_threads(number: int) -> None:
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """Nothing that compiled code prints reaches stdout or stderr while this block runs."""
+    """Suppress the output of compiled code to stdout and stderr inside the block."""
     sys.stdout.flush()
     sys.stderr.flush()
     kept = [(stream, os.dup(stream)) for stream in (1, 2)]

@@ -1,4 +1,4 @@
-"""Locks between processes, which vanish with the process that holds them."""
+"""Locks between processes, released when the holding process ends."""
 
 import fcntl
 import os
@@ -11,19 +11,19 @@ from recon.errors import InputError
 
 @contextmanager
 def locked(path: Path, busy: str) -> Iterator[None]:
-    """Hold the lock that a file stands for; the file is gone afterwards.
+    """Hold the lock that a file represents; the file is removed afterwards.
 
     Parameters
     ----------
     path : Path
-        The file; its folder is there.
+        The lock file; its folder must exist.
     busy : str
-        What to say where another process holds the lock.
+        Message of the error if another process holds the lock.
 
     Raises
     ------
     InputError
-        Where another process that still lives holds it.
+        If another live process holds it.
     """
     descriptor = _acquired(path)
     if descriptor is None:
@@ -36,7 +36,7 @@ def locked(path: Path, busy: str) -> Iterator[None]:
 
 
 def _acquired(path: Path) -> int | None:
-    """An open descriptor that holds the lock; None where another process does."""
+    """An open descriptor that holds the lock; None if another process does."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -46,7 +46,7 @@ def _acquired(path: Path) -> int | None:
             return None
         if _is_file_of(descriptor, path):
             return descriptor
-        # Its holder took the file away between the two calls.
+        # The holder removed the file between the two calls.
         os.close(descriptor)
 
 

@@ -1,4 +1,4 @@
-"""Notices: what was measured and found contradictory, said once with a code (warnings in JSON)."""
+"""Notices: contradictory measurements, reported once with a code (`warnings` in JSON)."""
 
 import logging
 from collections.abc import Iterator
@@ -14,9 +14,9 @@ class Notice:
     """One finding."""
 
     code: str
-    """Stable name of its kind, as `rows-differ`."""
+    """Stable name of its kind, such as `rows-differ`."""
     text: str
-    """One line for people."""
+    """One human-readable line."""
 
     def as_json(self) -> dict[str, str]:
         """The notice as an entry of `warnings`."""
@@ -27,7 +27,7 @@ _collected: ContextVar[list[Notice] | None] = ContextVar("recon_notices", defaul
 
 
 def notify(code: str, text: str) -> None:
-    """Log a finding as a warning, and add it to the notices that are being collected."""
+    """Log a finding as a warning, and add it to the collected notices."""
     notice = Notice(code, text)
     notices = _collected.get()
     if notices is not None:
@@ -39,7 +39,7 @@ def notify(code: str, text: str) -> None:
 
 @contextmanager
 def collected_notices() -> Iterator[list[Notice]]:
-    """Collect the notices of this context, in order and each once, until it is left."""
+    """Collect the notices of this context, in order and without duplicates."""
     notices: list[Notice] = []
     token = _collected.set(notices)
     try:

@@ -1,4 +1,4 @@
-"""Plug-ins: parts by name, recon's own and those of installed packages, loaded when first used."""
+"""Plug-ins by name, recon's own and those of installed packages, loaded when first used."""
 
 import difflib
 import functools
@@ -16,28 +16,28 @@ Part = TypeVar("Part")
 GROUPS = (
     "controllers", "matchers", "sequences", "formats", "figures", "recognisers", "renderers",
 )  # fmt: skip
-"""Kinds of parts that plug-ins may bring: each is the entry-point group `recon.NAME`."""
+"""Kinds of plug-ins; each is the entry-point group `recon.NAME`."""
 
 _registered: dict[str, dict[str, Any]] = {}
-"""Parts that this process registered, by entry-point group and name."""
+"""Plug-ins registered by this process, by entry-point group and name."""
 
 
 def register(group: str, name: str, part: Any) -> None:
-    """Offer a part under a name in this process, as an installed plug-in would.
+    """Register a plug-in by name in this process, as if it were installed.
 
     Parameters
     ----------
     group : str
         One of controllers, matchers, sequences, formats, figures, recognisers, renderers.
     name : str
-        The name it is asked for by; one of recon's own parts keeps its name.
+        The name by which it is requested; recon's own names cannot be replaced.
     part : object
-        What the page of the group in docs/plugin describes.
+        The object described on the group's page in docs/plugin.
 
     Raises
     ------
     InputError
-        For a group that is not there.
+        For an unknown group.
     """
     if group not in GROUPS:
         raise InputError(f"group is {group!r}, but one of {', '.join(GROUPS)} is needed")
@@ -46,21 +46,21 @@ def register(group: str, name: str, part: Any) -> None:
 
 @functools.cache
 def say_once(fault: str) -> None:
-    """Warn of a fault of a plug-in; a process hears of the same one once."""
+    """Warn of a plug-in's fault, once per process."""
     log.warning("%s", fault)
 
 
 class Registry(Generic[Part]):
-    """Parts of one kind, by name.
+    """Plug-ins of one kind, by name.
 
     Parameters
     ----------
     group : str
-        Entry-point group in which installed packages offer parts of their own.
+        Entry-point group in which installed packages register their plug-ins.
     noun : str
-        Name of one part in messages: "matcher".
+        Name of one plug-in in messages: "matcher".
     own : mapping of str to str
-        recon's own parts: name -> "module:object".
+        recon's own plug-ins: name -> "module:object".
     """
 
     def __init__(self, group: str, noun: str, own: Mapping[str, str]) -> None:
@@ -72,18 +72,18 @@ class Registry(Generic[Part]):
         return f"Registry({self.group!r}: {', '.join(self.names())})"
 
     def names(self) -> list[str]:
-        """Names of all parts, recon's own first; nothing is loaded."""
+        """Names of all plug-ins, recon's own first; nothing is loaded."""
         return list(self._entries())
 
     def load(self, name: str) -> Part:
-        """The part of that name.
+        """The plug-in of that name.
 
         Raises
         ------
         InputError
-            For a name that is not there, with the nearest one, and for a part that does not load.
+            For an unknown name, with the nearest known one, and for a plug-in that does not load.
         """
-        # Asking all installed packages takes long, and recon's own parts need not wait for it.
+        # Scanning all installed packages is slow; recon's own plug-ins need not wait for it.
         if name in self._own:
             return self._loaded(self._own[name])
         self.check(name)
@@ -93,7 +93,7 @@ class Registry(Generic[Part]):
         return name in self._own or name in self._entries()
 
     def check(self, name: str) -> None:
-        """Raise `InputError` for a name that is not there, with the nearest one."""
+        """Raise `InputError` for an unknown name, with the nearest known one."""
         if name not in self:
             entries = self._entries()
             known = ", ".join(sorted(entries))
@@ -102,18 +102,18 @@ class Registry(Generic[Part]):
             raise InputError(f"{self.noun} is {name!r}, but one of {known} is needed{nearest}")
 
     def parts(self) -> Iterator[tuple[str, Part]]:
-        """Every part that loads, with its name; one that does not is named in one warning."""
+        """Every plug-in that loads, with its name; one that does not is reported once."""
         entries = self._entries()
         for name in entries:
             try:
                 part = self._part(name, entries)
             except InputError as error:
-                say_once(f"{error}; it is left out")
+                say_once(f"{error}; it is skipped")
             else:
                 yield name, part
 
     def _entries(self) -> dict[str, EntryPoint | None]:
-        """All entry points by name, None for what is registered; recon's own are never replaced."""
+        """All entry points by name, None for registered plug-ins; recon's own take precedence."""
         plugins = {entry.name: entry for entry in entry_points(group=self.group)}
         registered = dict.fromkeys(_registered.get(self.group, ()))
         return {**self._own, **(plugins | registered), **self._own}
@@ -128,7 +128,7 @@ class Registry(Generic[Part]):
     def _loaded(self, entry: EntryPoint) -> Part:
         try:
             part: Part = entry.load()
-        # A package of somebody else's may fail in any way.
+        # A third-party package may fail in any way.
         except Exception as error:
             raise InputError(
                 f"{self.noun} {entry.name!r} ({entry.value}) does not load: "

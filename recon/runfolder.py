@@ -1,4 +1,4 @@
-"""The folder a command leaves: made whole or not at all, with a manifest that says what it is."""
+"""The output folder of a command: written whole or not at all, described by a manifest."""
 
 import hashlib
 import importlib.metadata
@@ -20,24 +20,24 @@ from recon.locks import locked
 MANIFEST = "manifest.json"
 PARTIAL = "partial"
 KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
-"""Keys that every manifest of recon has."""
+"""Keys that every manifest has."""
 LIBRARIES = ("recon-stereo", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunPlan:
-    """Everything that decides a run: the same plan gives the same bytes."""
+    """Everything that determines a run: the same plan yields the same bytes."""
 
     command: str
     arguments: dict[str, Any] = field(default_factory=dict)
-    """Arguments of the command besides its inputs and its settings, as JSON has them."""
+    """Arguments of the command besides its inputs and settings, as JSON values."""
     settings_toml: str
     seed: int
     inputs: tuple[Path, ...]
     """Files and folders that are read; a folder stands for all files in it."""
 
     def identity(self) -> dict[str, Any]:
-        """Everything that has to agree before a run is resumed."""
+        """Everything that must match before a run is resumed."""
         return {
             "command": self.command,
             "arguments": json.loads(json.dumps(self.arguments)),
@@ -49,29 +49,29 @@ class RunPlan:
 
 @dataclass(slots=True, kw_only=True)
 class RunFolder:
-    """An open run; `write_text` and `write_json` put whole files into it."""
+    """An open run; `write_text` and `write_json` write files atomically."""
 
     path: Path
     plan: RunPlan
     identity: dict[str, Any]
-    """The plan's, taken once: its inputs may be many and large."""
+    """The plan's identity, computed once: its inputs may be many and large."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Wall time by stage, for the manifest."""
     state: str = "running"
     is_finished: bool = False
-    """True where an earlier call has finished the very same run: nothing is left to do."""
+    """True if an earlier call finished the same run: nothing is left to do."""
     replaces: bool = False
-    """True where another run stands here that goes when this one begins."""
+    """True if this run replaces an existing one."""
 
     @classmethod
     def prepare(cls, path: Path, plan: RunPlan, *, overwrite: bool, resume: bool) -> Self:
-        """The folder of a run, refused where it holds another one.
+        """The folder of a run, refused if it contains another one.
 
         Raises
         ------
         InputError
-            Where `path` exists and neither flag was given, or where the run to resume was made by
-            other settings, another seed or other inputs.
+            If `path` exists and neither flag was given, or if the run to resume has different
+            settings, seed or inputs.
         """
         if path.exists() and not (overwrite or resume):
             raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
@@ -83,14 +83,14 @@ class RunFolder:
         return run
 
     def _check_replaceable(self) -> None:
-        """Refuse to replace what is not a run, or holds an input."""
+        """Refuse to replace a folder that is not a run, or that contains an input."""
         if not self.path.is_dir():
             raise InputError(f"{self.path} is not a folder; give another -o")
         if any(self.path.iterdir()):
             read_manifest(self.path)
         for source in self.plan.inputs:
             if self.path.resolve() in [source.resolve(), *source.resolve().parents]:
-                raise InputError(f"{source} lies in {self.path}, which it would be lost with")
+                raise InputError(f"{source} lies in {self.path} and would be deleted with it")
         self.replaces = True
 
     def _check_same(self, manifest: dict[str, Any]) -> None:
@@ -104,16 +104,16 @@ class RunFolder:
 
     @contextmanager
     def opened(self) -> Iterator[Self]:
-        """Make the folder and close it with the state it ended in.
+        """Create the folder and record the final state on exit.
 
-        A run that is replaced waits beside until the new one is finished, and is back where that
-        fails. A run that ends by bad input leaves no folder behind. While it is open, no other
-        process can open it.
+        A replaced run is kept beside the new one until that has finished, and restored if it fails.
+        A run that fails on bad input leaves no folder behind. While it is open, no other process
+        can open it.
 
         Raises
         ------
         InputError
-            Where another process has it open.
+            If another process has it open.
         """
         self.path.parent.mkdir(parents=True, exist_ok=True)
         busy = f"{self.path} is being written by another process; wait for it, or give another -o"
@@ -130,7 +130,7 @@ class RunFolder:
             shutil.rmtree(self._before, ignore_errors=True)
 
     def _filled(self) -> Iterator[Self]:
-        """Write what every run has, before and after its own."""
+        """Write the files common to all runs, before and after the block."""
         remove_temporaries(self.path)
         self.write_text("settings.toml", self.plan.settings_toml)
         self._write_manifest()
@@ -144,7 +144,7 @@ class RunFolder:
 
     @property
     def _before(self) -> Path:
-        """Folder in which a run that is replaced waits."""
+        """Folder in which a replaced run is kept."""
         return self.path.with_name(f".{self.path.name}.before")
 
     def _put_aside(self) -> None:
@@ -156,7 +156,7 @@ class RunFolder:
         self.path.rename(self._before)
 
     def _fail(self, error: BaseException, is_new: bool) -> None:
-        """Leave the earlier run where there is one, else say in the manifest what happened."""
+        """Restore the earlier run if there is one, else record the error in the manifest."""
         is_cut = isinstance(error, KeyboardInterrupt)
         if is_new and not is_cut and self._before.exists():
             shutil.rmtree(self.path)
@@ -165,27 +165,27 @@ class RunFolder:
             shutil.rmtree(self.path)
         else:
             self.state = "interrupted" if is_cut else "failed"
-            with suppress(OSError):  # of a full disk the first error is the one to tell
+            with suppress(OSError):  # on a full disk, report the first error
                 self._write_manifest(error=str(error))
 
     def interrupt(self) -> None:
-        """Say that the run stopped early on purpose and can be resumed."""
+        """Record that the run stopped early on purpose and can be resumed."""
         self.state = "interrupted"
 
     @property
     def partial(self) -> Path:
-        """Folder of what a cut run needs to go on; gone once it is finished."""
+        """Folder of the data needed to resume; removed once the run is finished."""
         folder = self.path / PARTIAL
         folder.mkdir(exist_ok=True)
         return folder
 
     def write_text(self, name: str, text: str) -> None:
-        """Write one text file, whole."""
+        """Write one text file atomically."""
         with atomic_path(self.path / name) as part:
             part.write_text(text, encoding="utf-8")
 
     def write_json(self, name: str, document: object) -> None:
-        """Write one JSON file, whole."""
+        """Write one JSON file atomically."""
         self.write_text(name, json.dumps(document, indent=2, allow_nan=False) + "\n")
 
     def _write_manifest(self, error: str | None = None) -> None:
@@ -212,19 +212,19 @@ def read_manifest(path: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Where `path` is not a run folder.
+        If `path` is not a run folder.
     """
     try:
         document = read_json(path / MANIFEST)
     except (OSError, InputError) as error:
         raise InputError(f"{path} is not a run folder: its {MANIFEST} cannot be read") from error
     if not isinstance(document, dict) or not document.keys() >= KEYS:
-        raise InputError(f"{path} is not a run folder: its {MANIFEST} is not one of recon's")
+        raise InputError(f"{path} is not a run folder: its {MANIFEST} was not written by recon")
     return document
 
 
 def is_finished(path: Path) -> bool:
-    """True where a folder holds a run that ended well."""
+    """True if a folder contains a finished run."""
     try:
         return bool(read_manifest(path)["state"] == "finished")
     except InputError:
@@ -232,7 +232,7 @@ def is_finished(path: Path) -> bool:
 
 
 def digest(path: Path) -> str:
-    """SHA-256 of a file, as `sha256sum` prints it; of a folder, that of its files' listing."""
+    """SHA-256 of a file, as printed by `sha256sum`; for a folder, of the listing of its files."""
     if path.is_dir():
         files = sorted(file for file in path.rglob("*") if file.is_file())
         listing = "".join(f"{digest(f)}  {f.relative_to(path).as_posix()}\n" for f in files)
@@ -242,6 +242,6 @@ def digest(path: Path) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the libraries whose numbers end up in a run."""
+    """Versions of Python and of the libraries that affect the numbers of a run."""
     found = {"python": platform.python_version()}
     return found | {name: importlib.metadata.version(name) for name in LIBRARIES}

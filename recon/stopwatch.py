@@ -1,4 +1,4 @@
-"""A stopwatch of stages: where the time of a run goes, with nothing left over."""
+"""A stopwatch that splits the wall time of a run into stages."""
 
 import threading
 import time
@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from recon.libraries import listening_to_compiler
 
 FIRST_STAGE = "reading"
-"""The stage that runs while no other does: what is not named is input being fetched."""
+"""The stage that runs while no other does: unnamed time is spent reading input."""
 
 
 def unheard(stage: str) -> None:
-    """Nobody listens."""
+    """Ignore the stage."""
 
 
 class Stopwatch:
@@ -21,7 +21,7 @@ class Stopwatch:
     Parameters
     ----------
     on_stage : callable
-        Called with the name of every stage that begins or goes on.
+        Called with the name of every stage that begins or resumes.
     """
 
     def __init__(self, on_stage: Callable[[str], None] = unheard) -> None:
@@ -39,7 +39,7 @@ class Stopwatch:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Count what happens inside for one stage, and what happens after for the one before."""
+        """Count the time inside the block for one stage, and after it for the previous one."""
         outer = self._enter(name)
         try:
             yield
@@ -48,7 +48,7 @@ class Stopwatch:
 
     @contextmanager
     def counting_compilation(self) -> Iterator[None]:
-        """Count compilation inside, of any kernel, for the stage `compiling`."""
+        """Count kernel compilation inside the block for the stage `compiling`."""
         outer: list[str] = []
 
         def begin() -> None:
@@ -63,7 +63,7 @@ class Stopwatch:
             yield
 
     def _enter(self, stage: str) -> str:
-        """Change the stage; the one before."""
+        """Change the stage and return the previous one."""
         before = self._switch(stage)
         if stage != before:
             self._on_stage(stage)

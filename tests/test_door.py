@@ -19,7 +19,7 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: recon.VoxelMap("x"), "cell_size is 'x', but a number over 0 is needed"),
+        (lambda: recon.VoxelMap("x"), "cell_size is 'x', but a number > 0 is needed"),
         (lambda: recon.VoxelMap(None), "cell_size is None"),
         (lambda: recon.VoxelMap(float("nan")), "cell_size is nan"),
         (lambda: recon.VoxelMap(0), "cell_size is 0"),

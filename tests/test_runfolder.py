@@ -54,7 +54,7 @@ def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
     with pytest.raises(InputError, match="is not a run folder"):
         prepare(tmp_path / "thesis", plan, overwrite=True)
     (tmp_path / "thesis" / "manifest.json").write_text('{"name": "a web app"}')
-    with pytest.raises(InputError, match="is not one of recon's"):
+    with pytest.raises(InputError, match="was not written by recon"):
         prepare(tmp_path / "thesis", plan, overwrite=True)
     assert (tmp_path / "thesis" / "only_copy.tex").exists()
 

@@ -53,8 +53,8 @@ def test_a_mesh_pickles_whole():
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"triangles": TRIANGLES + 1}, "name the vertices 1 to 4, but there are 4"),
-        ({"triangles": TRIANGLES - 1}, "name the vertices -1 to 2, but there are 4"),
+        ({"triangles": TRIANGLES + 1}, "use the vertices 1 to 4, but there are 4"),
+        ({"triangles": TRIANGLES - 1}, "use the vertices -1 to 2, but there are 4"),
         ({"triangles": TRIANGLES * 1.0}, "triangles are float64, but integers are needed"),
         ({"vertices": SQUARE * np.nan}, "vertices holds nan at flat index 0"),
         ({"colours": np.zeros((3, 3), np.uint8)}, r"colours has shape \(3, 3\), but \(4, 3\)"),

@@ -1,4 +1,4 @@
-"""Files: whole or not at all when written, regular and within limits when read."""
+"""Files: written atomically; read only if regular and within limits."""
 
 from recon.files.atomic import PathLike, atomic_path, remove_temporaries
 from recon.files.limits import (

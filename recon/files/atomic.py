@@ -11,27 +11,27 @@ from pathlib import Path
 
 PathLike = str | os.PathLike[str]
 
-# A temporary name: process, random mark, wanted name.
+# A temporary name: process id, random token, target name.
 _TEMPORARY = re.compile(r"\.(\d+)-[0-9a-f]{8}-(.+)")
 _STALE_S = 60.0
 
 
 @contextmanager
 def atomic_path(path: PathLike) -> Iterator[Path]:
-    """A temporary name beside `path`; what is written there takes its place at the end.
+    """A temporary name beside `path`, renamed to `path` at the end.
 
-    The temporary name keeps the ending, as writers choose the format by it. What stood at `path`
-    before is replaced in one step, and stays untouched where the block raises. Temporary files
-    that killed processes left for the same name are removed.
+    The temporary name keeps the suffix, by which writers choose the format. An existing `path` is
+    replaced in one step, and stays untouched if the block raises. Temporary files of killed
+    processes for the same name are removed.
 
     Raises
     ------
     OSError
-        Of the wanted name, as where the disk is full.
+        With the name of the target, for instance if the disk is full.
     """
     wanted = Path(path)
     if not wanted.parent.is_dir():
-        # Said of the folder that was asked for, not of the temporary name.
+        # The error names the requested folder, not the temporary name.
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(wanted.parent))
     _remove_stale(wanted)
     temporary = wanted.with_name(f".{os.getpid()}-{secrets.token_hex(4)}-{wanted.name}")
@@ -47,7 +47,7 @@ def atomic_path(path: PathLike) -> Iterator[Path]:
 
 
 def remove_temporaries(folder: Path) -> None:
-    """Remove what killed processes left in and below a folder that no other process writes to."""
+    """Remove files of killed processes in and below a folder that no other process writes to."""
     for path in folder.rglob(".*"):
         if _TEMPORARY.fullmatch(path.name) and path.is_file():
             path.unlink(missing_ok=True)
@@ -63,7 +63,7 @@ def _remove_stale(wanted: Path) -> None:
 
 
 def _is_stale(path: Path, process: int) -> bool:
-    """True where a temporary file has outlived its process; a new one may be another machine's."""
+    """True if a temporary file has outlived its process; a recent one may be another machine's."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

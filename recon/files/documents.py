@@ -1,4 +1,4 @@
-"""TOML, JSON and YAML of others: read within bounds of size, nesting and digits."""
+"""Untrusted TOML, JSON and YAML, read within limits of size, nesting and digits."""
 
 import json
 import re
@@ -17,7 +17,7 @@ MAX_NESTING = 60
 MAX_DIGITS = 400
 """Of a number: more than any float has."""
 
-# A TOML key of many parts makes a table for each of them, of which YAML and JSON have no like.
+# A dotted TOML key creates a table for each of its parts; YAML and JSON have no such thing.
 MAX_SETTINGS_BYTES = 1 << 20
 _MAX_KEY_PARTS = 20
 
@@ -27,24 +27,24 @@ _MAX_ALIASES = 100
 
 
 def read_text(path: PathLike, max_bytes: int = MAX_BYTES) -> str:
-    """The text of a regular file, in UTF-8.
+    """The text of a regular UTF-8 file.
 
     Raises
     ------
     InputError
-        Where it is larger than `max_bytes`, not UTF-8, or holds a number of too many digits.
+        If it is larger than `max_bytes`, not UTF-8, or contains a number with too many digits.
     """
     check_regular(path)
     size = Path(path).stat().st_size
     if size > max_bytes:
-        raise InputError(f"{path}: has {size} bytes, but {max_bytes} are the most")
+        raise InputError(f"{path}: has {size} bytes, but at most {max_bytes} are allowed")
     content = Path(path).read_bytes()
     if _LONG_NUMBER.search(content):
-        raise InputError(f"{path}: holds a number of more than {MAX_DIGITS} digits")
+        raise InputError(f"{path}: contains a number with more than {MAX_DIGITS} digits")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not text in UTF-8 (byte {error.start})") from error
+        raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from error
 
 
 def read_json(path: PathLike) -> Any:
@@ -53,13 +53,13 @@ def read_json(path: PathLike) -> Any:
     Raises
     ------
     InputError
-        Where it is not JSON, or nested too deeply.
+        If it is not JSON, or nested too deeply.
     """
     return parse_json(read_text(path), path)
 
 
 def parse_json(text: str, path: PathLike) -> Any:
-    """The content of a JSON text of `path`."""
+    """The content of a JSON text read from `path`."""
     try:
         return json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -72,13 +72,13 @@ def read_toml(path: PathLike) -> dict[str, Any]:
     Raises
     ------
     InputError
-        Where it is not TOML, or larger or nested deeper than settings are.
+        If it is not TOML, or larger or more deeply nested than settings are.
     """
     return parse_toml(read_text(path, MAX_SETTINGS_BYTES), path)
 
 
 def parse_toml(text: str, path: PathLike) -> dict[str, Any]:
-    """The content of a TOML text of `path`."""
+    """The content of a TOML text read from `path`."""
     if _DOTTED_KEY.search(text):
         raise InputError(f"{path}: a key has more than {_MAX_KEY_PARTS} parts")
     try:
@@ -88,17 +88,17 @@ def parse_toml(text: str, path: PathLike) -> dict[str, Any]:
 
 
 def read_yaml(path: PathLike) -> Any:
-    """The content of a YAML file, in plain values; nothing in it is run."""
+    """The content of a YAML file as plain values; nothing in it is executed."""
     return parse_yaml(read_text(path, MAX_SETTINGS_BYTES), path)
 
 
 def parse_yaml(text: str, path: PathLike) -> Any:
-    """The content of a YAML text of `path`.
+    """The content of a YAML text read from `path`.
 
     Raises
     ------
     InputError
-        Where it is not YAML, nested too deeply, or its aliases multiply.
+        If it is not YAML, is nested too deeply or has too many aliases.
     """
     try:
         _check_events(text, path)
@@ -114,7 +114,9 @@ def _check_events(text: str, path: PathLike) -> None:
         depth -= isinstance(event, yaml.CollectionEndEvent)
         aliases += isinstance(event, yaml.AliasEvent)
         if depth > MAX_NESTING or aliases > _MAX_ALIASES:
-            raise InputError(f"{path}: is nested deeper than {MAX_NESTING}, or repeats too much")
+            raise InputError(
+                f"{path}: is nested deeper than {MAX_NESTING}, or has too many aliases"
+            )
 
 
 def _reason(error: Exception) -> str:

@@ -1,4 +1,4 @@
-"""Limits of what is read: regular files, names that are text, memory."""
+"""Limits on input files: regular files, UTF-8 names, memory."""
 
 import os
 import stat
@@ -22,10 +22,10 @@ def check_regular(path: PathLike) -> None:
     Raises
     ------
     FileNotFoundError
-        Where nothing is there.
+        If it does not exist.
     InputError
-        For a folder, pipe or device, which could be endless, and for a name that is not UTF-8,
-        which compiled libraries crash on.
+        For a folder, a pipe or device (possibly endless), or a name that is not UTF-8, which
+        crashes compiled libraries.
     """
     check_name(path)
     mode = Path(path).stat().st_mode
@@ -45,7 +45,7 @@ def check_name(path: PathLike) -> None:
 
 @contextmanager
 def memory_limit(num_bytes: int) -> Iterator[None]:
-    """Let files of this context unpack to `num_bytes` at most."""
+    """Limit files read in this context to `num_bytes` of unpacked data."""
     token = _memory.set(num_bytes)
     try:
         yield
@@ -55,7 +55,7 @@ def memory_limit(num_bytes: int) -> Iterator[None]:
 
 @contextmanager
 def outside_allowed() -> Iterator[None]:
-    """Let files of this context name files outside of their own folder."""
+    """Let files read in this context refer to files outside their own folder."""
     token = _goes_outside.set(True)
     try:
         yield
@@ -64,15 +64,15 @@ def outside_allowed() -> Iterator[None]:
 
 
 def may_read(path: PathLike, *folders: Path) -> bool:
-    """Test whether `path`, links followed, lies in one of the folders, or may lie anywhere."""
+    """Test whether `path`, links resolved, lies in one of the folders, or any path is allowed."""
     if "\0" in str(path):
-        return True  # no file can be called so
+        return True  # no file can have such a name
     place = Path(path).resolve()
     return _goes_outside.get() or any(place.is_relative_to(one.resolve()) for one in folders)
 
 
 def check_memory(path: PathLike, num_bytes: float) -> None:
-    """Raise `InputError` where what `path` claims to hold is over the limit of the memory."""
+    """Raise `InputError` if the content that `path` declares exceeds the memory limit."""
     if num_bytes > _memory.get():
         raise InputError(
             f"{path}: needs {num_bytes / _GIGABYTE:.3g} GB of memory, but "

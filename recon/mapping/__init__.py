@@ -1,1 +1,1 @@
-"""The loop from pairs to the map: one pair, and all pairs of a recording or a walk."""
+"""The loop from pairs to the map: one pair, and all pairs of a recording or an exploration."""

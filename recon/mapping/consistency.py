@@ -1,6 +1,6 @@
-"""Agreement between the clouds of different pairs, without truth: points that another confirms.
+"""Consistency between the clouds of different pairs, without ground truth.
 
-What moves, and what was matched wrongly, is seen by one pair only.
+Moving objects and wrong matches are seen by one pair only; other points are confirmed by another.
 """
 
 from collections import deque
@@ -17,18 +17,18 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 NUM_SIGMAS = 3.0
-"""Of the difference of the two depths."""
+"""Maximum difference of the two depths, in standard deviations."""
 MAX_OFFSET_PX = 3.0
-"""Between where a point should be seen and where one is: features slide along edges."""
+"""Maximum distance between expected and observed image point: features slide along edges."""
 NUM_CANDIDATES = 4
-"""Points within the offset whose depth is looked at."""
+"""Number of nearest points within the offset whose depth is compared."""
 SAMPLE_STEP = 8
-"""Every so many points tell the median distance; all would take longer than the confirmation."""
+"""Every n-th point is used for the median distance; all would take longer than the confirmation."""
 MIN_DEPTH = 1e-6
 
 
 class Witness:
-    """The points of one pair, held against those of other pairs."""
+    """The points of one pair, compared with those of other pairs."""
 
     def __init__(self, pair: StereoPair, cloud: PointCloud) -> None:
         """Take a pair with its pose, and its points in the world with their sigma."""
@@ -39,20 +39,20 @@ class Witness:
         self._rig = pair.rig
         self._T_left_world = invert(pair.T_world_left)
         self.depth = self._points_left(cloud.points)[:, 2]
-        """(N,) of its own points."""
+        """(N,) depth of its own points."""
         self.is_confirmed = np.zeros(len(cloud), np.bool_)
-        """(N,) true where another pair agreed."""
+        """(N,) true where another pair agrees."""
         self.counts = True
         """False for a pair that only confirms others."""
         self.sample = np.arange(0, len(cloud), SAMPLE_STEP)
-        """(S,) some of the points."""
+        """(S,) rows of the sampled points."""
         self.distance = np.full(len(self.sample), np.inf)
-        """(S,) from them to the nearest point of another pair, world units."""
+        """(S,) distance of the samples to the nearest point of another pair, world units."""
         self._seen_at = cKDTree(self._rig.project_left(self._points_left(cloud.points)))
         self._stands_at = cKDTree(cloud.points)
 
     def hold_against(self, other: "Witness") -> None:
-        """Confirm what `other` saw too: near the same place of its image, at the same depth."""
+        """Confirm points that `other` saw too: near the same image point, at the same depth."""
         self.is_confirmed |= other._confirms(self)
         distance, _ = other._stands_at.query(self.cloud.points[self.sample])
         self.distance = np.minimum(self.distance, distance)
@@ -65,7 +65,7 @@ class Witness:
         points_left = self._points_left(other.cloud.points)
         ahead = np.flatnonzero(points_left[:, 2] > MIN_DEPTH)
         near = self._near(points_left[ahead])
-        # A missing neighbour is the last: infinitely deep and perfectly sure.
+        # A missing neighbour has the last index: infinitely deep, with sigma 0.
         depth, sigma = np.append(self.depth, np.inf)[near], np.append(self.sigma, 0.0)[near]
         apart = np.abs(depth - points_left[ahead, 2:])
         both = np.hypot(sigma, other.sigma[ahead, None])
@@ -73,7 +73,7 @@ class Witness:
         return confirmed
 
     def _near(self, points_left: Array) -> NDArray[np.int64]:
-        """(N, C) own points seen near each place; a missing one is the number of points."""
+        """(N, C) own points seen near each given point; missing ones are `len(self.cloud)`."""
         _, near = self._seen_at.query(
             self._rig.project_left(points_left),
             k=NUM_CANDIDATES,
@@ -83,7 +83,7 @@ class Witness:
 
 
 class Consistency:
-    """Share of points that the pairs before or after confirm, counted as the pairs come."""
+    """Share of points confirmed by neighbouring pairs, counted incrementally."""
 
     def __init__(self, reach: int = 1, max_depth: float = 30.0) -> None:
         """Compare with `reach` pairs before and after; count points nearer than `max_depth`."""
@@ -93,7 +93,7 @@ class Consistency:
         self._median_distances: list[float] = []
 
     def add(self, pair: StereoPair, cloud: PointCloud, counts: bool = True) -> list[Witness]:
-        """Take the next pair with its world points; give back the pair that is now settled."""
+        """Take the next pair with its world points; return the pair that is now settled."""
         new = Witness(pair, cloud)
         new.counts = counts
         for earlier in self._recent:
@@ -103,12 +103,12 @@ class Consistency:
         return [self._settle()] if len(self._recent) > self._reach else []
 
     def finish(self) -> list[Witness]:
-        """Settle what is left, after the last pair."""
+        """Settle the remaining pairs after the last one."""
         return [self._settle() for _ in range(len(self._recent))]
 
     @property
     def share(self) -> float | None:
-        """Confirmed share of the near points of all settled pairs; None where there are none."""
+        """Confirmed share of the near points of all settled pairs; None if there are none."""
         return self._num_confirmed / self._num_points if self._num_points else None
 
     @property

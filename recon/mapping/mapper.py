@@ -1,4 +1,4 @@
-"""The loop from pairs to the map, the same for recordings and for walks."""
+"""The loop from pairs to the map, the same for recordings and explorations."""
 
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -39,9 +39,9 @@ class Step:
     pair: StereoPair
     matches: Matches
     cloud: PointCloud
-    """World; what went on to the map."""
+    """World; the points inserted into the map."""
     doubtful: PointCloud
-    """World; what went on to its coarser cells."""
+    """World; the uncertain points inserted into its coarser cells."""
 
     def __repr__(self) -> str:
         return (
@@ -52,10 +52,10 @@ class Step:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """Numbers of the pairs of a recording that is done in parts."""
+    """The pairs of one part of a recording that is processed in parts."""
 
     first: int = 0
-    """Of the first pair that is taken, in the whole recording."""
+    """Number of the first pair of the part, in the whole recording."""
     counts: Callable[[int], bool] = lambda number: True
     """False for the number of a pair that only confirms others."""
 
@@ -64,20 +64,20 @@ class Part:
 
 
 class Mapper:
-    """Puts pairs into a map, one at a time, and counts.
+    """Inserts pairs into a map, one at a time, and keeps the statistics.
 
     Parameters
     ----------
     settings : Settings, optional
     stopwatch : Stopwatch, optional
-        Counts the time of the stages `stereo`, `map` and `recognise`.
+        Measures the time of the stages `stereo`, `map` and `recognise`.
     compares : bool
-        Hold pairs with poses against the one before and the one after (`confirmed_share`). Where
-        only confirmed points are wanted, a pair goes into the map when the next one has come.
+        Compare pairs that have poses with the previous and the next one (`confirmed_share`). If
+        only confirmed points are wanted, a pair is inserted when the next one has arrived.
     counts_views : bool
         Remember which cells each pair hit, so that `reconstruction` can count views of objects.
     part : Part, optional
-        Where a recording is done in parts: numbers of the pairs, and of those that count.
+        If a recording is processed in parts: the pairs, and those that count.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Mapper:
         self.voxel_map = new_map(self.settings.map)
         self.consistency = Consistency(max_depth=self.settings.sequence.max_confirmed_depth)
         self.clearest: Step | None = None
-        """The step with most matches."""
+        """The step with the most matches."""
         self.num_points = 0
         self.reached = Reached()
         self._stopwatch = stopwatch or Stopwatch()
@@ -113,7 +113,7 @@ class Mapper:
         )
 
     def release(self) -> VoxelMap:
-        """The map so far; an empty one takes its place, so that a recording can have no end."""
+        """Return the map so far and start an empty one, so that a recording can be endless."""
         released, self.voxel_map = self.voxel_map, new_map(self.settings.map)
         return released
 
@@ -141,12 +141,12 @@ class Mapper:
         }
 
     def process(self, pair: StereoPair, result: PairResult | None = None) -> list[Step]:
-        """Take the next pair; the steps whose points are now in the map.
+        """Process the next pair and return the steps whose points are now in the map.
 
         Parameters
         ----------
         result : PairResult, optional
-            Its matches and points, where they were worked out already.
+            Its matches and points, if already computed.
         """
         check_type("pair", pair, StereoPair)
         if result is None:
@@ -175,20 +175,20 @@ class Mapper:
             self.clearest = step
 
     def finish(self) -> list[Step]:
-        """The steps that still waited for a next pair."""
+        """Insert the steps that still waited for a next pair, and return them."""
         with self._stopwatch.stage("map"):
             settled = self._confirmed(self.consistency.finish())
             return [one for one in settled if one.number in self._part]
 
     def repose(self, poses: NDArray[np.float64], clouds: Iterable[tuple[PointCloud, int]]) -> None:
-        """Make the map anew where poses were corrected.
+        """Rebuild the map after the poses were corrected.
 
         Parameters
         ----------
         poses : (N, 4, 4) float64
             `T_world_left` of all pairs.
         clouds : iterable of (PointCloud, int)
-            Sure points, where they are now, with the number of their pair.
+            Precise points at their corrected positions, with the number of their pair.
         """
         self._poses = list(poses)
         self.voxel_map = new_map(self.settings.map)
@@ -208,7 +208,7 @@ class Mapper:
         voxels : Voxels
             The occupied cells.
         seen : iterable of CellCounts, optional
-            Cells that the pairs hit; as remembered where not given.
+            Cells that the pairs hit; by default those remembered.
         """
         with self._stopwatch.stage("recognise"):
             views = self.trajectory.T_world_left
@@ -216,7 +216,7 @@ class Mapper:
             return with_views(found, voxels, (self._seen or []) if seen is None else seen)
 
     def reconstruction(self) -> Reconstruction[VoxelMap]:
-        """All that has come of the pairs so far."""
+        """The result of all pairs so far."""
         voxels = self.voxels()
         return Reconstruction(
             map=self.voxel_map,
@@ -226,7 +226,7 @@ class Mapper:
         )
 
     def _settle(self, step: Step) -> list[Step]:
-        """Put into the map what need not wait, or waits no longer."""
+        """Insert the points that need not wait, or need not wait any longer."""
         if step.pair.T_world_left is None or not self._compares:
             return [self._insert(step)]
         witnesses = self.consistency.add(step.pair, step.cloud, step.number in self._part)
@@ -236,7 +236,7 @@ class Mapper:
         return self._confirmed(witnesses)
 
     def _confirmed(self, witnesses: list[Witness]) -> list[Step]:
-        """Put the confirmed points of pairs that waited into the map; all of a single pair."""
+        """Insert the confirmed points of waiting pairs; for a single pair, all points."""
         if not self._waiting:
             return []
         steps = [(self._waiting.popleft(), witness) for witness in witnesses]

@@ -1,4 +1,4 @@
-"""The straight line: two images -> pairs of features -> coloured world points -> the voxel map."""
+"""The pipeline of one pair: images -> matches -> coloured world points -> the voxel map."""
 
 from dataclasses import dataclass, replace
 
@@ -21,9 +21,9 @@ class PairResult:
 
     matches: Matches
     cloud: PointCloud
-    """Sure points, in the world."""
+    """Precise points, in the world."""
     doubtful: PointCloud
-    """Points of unlikely pairs and of edges along the row, in the world."""
+    """Points of improbable matches and of edges along the row, in the world."""
     image_noise: tuple[float, float]
     """Standard deviation of the noise of the left and the right image, grey levels."""
 
@@ -31,7 +31,7 @@ class PairResult:
         return f"PairResult({len(self.matches)} matches, {len(self.cloud)} points)"
 
     def transformed(self, T_target_source: ArrayLike) -> "PairResult":
-        """The same with its points in the target frame."""
+        """The same result with its points in the target frame."""
         return replace(
             self,
             cloud=self.cloud.transformed(T_target_source),
@@ -52,9 +52,9 @@ def match_pair(
     Parameters
     ----------
     left, right : (H, W) or (H, W, 3) uint8
-        Grey or RGB, of one size.
+        Grey or RGB, of the same size.
     min_disparity, max_disparity : int
-        Both ends of the search, included.
+        Both ends of the search range, included.
     quality : {"best", "fast"}
 
     Returns
@@ -84,7 +84,7 @@ def match_images(
     Parameters
     ----------
     stated_range : (min, max), optional
-        Search range in pixels that holds where the settings were not given one.
+        Search range in pixels, used if the settings do not define one.
     """
     return match_sparse(left, right, settings, stated_range).matches
 
@@ -92,11 +92,11 @@ def match_images(
 def process_pair(
     pair: StereoPair, settings: Settings, voxel_map: VoxelMap, view: int | None = None
 ) -> PairResult:
-    """One pair into the map.
+    """Match one pair and insert its points into the map.
 
-    All points with a depth are returned, so that far objects are seen; the map counts in its cells
-    those that are sure enough, the others in coarser ones. The search range is the one that the
-    settings were given, else what the pair states.
+    All points with a depth are returned, so that far objects are seen; the map counts precise ones
+    in its cells, the others in coarser ones. The search range is that of the settings, else the one
+    that the pair states.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def process_pair(
 
 
 def _mapped(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
-    """Points for the map: the matches, or every pixel where the settings want it."""
+    """Matches for the map: the sparse ones, or one per pixel if the settings say so."""
     if settings.map.points == "sparse":
         return matches
     found = match_every_pixel(pair.left, pair.right, settings, pair.disparity_range)
@@ -122,10 +122,10 @@ def _mapped(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
 def match_points(pair: StereoPair, settings: Settings) -> PairResult:
     """The matches of a pair and their points in the world.
 
-    A pair without a pose is level at the world's origin, so that y is up there too.
+    A pair without a pose is placed level at the world's origin, so that y is up.
     """
     found = match_sparse(pair.left, pair.right, settings, pair.disparity_range)
-    # Depth and its uncertainty (Eqs 19, 44), brought into the world (Eq 45).
+    # Depth and its uncertainty (Eqs 19, 44), transformed to the world (Eq 45).
     points = triangulate_all(_mapped(found.matches, pair, settings), pair, settings.triangulation)
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
     return PairResult(
@@ -144,12 +144,12 @@ def insert(
     voxel_map: VoxelMap,
     view: int | None = None,
 ) -> int:
-    """Count every sure point in its cell (section 4.4), all others in coarser cells.
+    """Count every precise point in its cell (section 4.4), all others in coarser cells.
 
     Returns
     -------
     int
-        How many points were counted.
+        Number of points counted.
     """
     origin = None if pair.T_world_left is None else pair.T_world_left[:3, 3]
     num_counted = count_points(cloud, origin, settings, voxel_map, view)
@@ -163,7 +163,7 @@ def count_points(
     voxel_map: VoxelMap,
     view: int | None = None,
 ) -> int:
-    """Count points (world), seen from an origin, in their cells, or in coarser ones; how many."""
+    """Count points (world), seen from an origin, in fine or coarse cells; return their number."""
     fits = np.ones(len(cloud), np.bool_)
     if settings.map.max_sigma is not None and cloud.sigma is not None:
         fits = cloud.sigma <= settings.map.max_sigma * settings.map.cell_size

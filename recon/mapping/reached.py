@@ -1,4 +1,4 @@
-"""Share of the triangulated points that reached a cell of the map, and the noise of the images."""
+"""The share of triangulated points that reached a cell of the map, and the image noise."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,7 +9,7 @@ from recon.mapping.pair import PairResult
 from recon.notices import notify
 
 LEAST_SHARE = 0.85
-"""A smaller share of points in the map is worth a notice."""
+"""A smaller share of mapped points causes a notice."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -21,13 +21,13 @@ class Reached:
     _noises: list[tuple[float, float]] = field(default_factory=list)
 
     def see(self, result: PairResult) -> None:
-        """Take in what a pair gave."""
+        """Add the counts of a pair."""
         self.num_triangulated += len(result.cloud) + len(result.doubtful)
         self._noises.append(result.image_noise)
 
     @property
     def share(self) -> float | None:
-        """Points that reached a cell, of all with a finite depth; None where there are none."""
+        """Share of the points with a finite depth that reached a cell; None if there are none."""
         return self.num_mapped / self.num_triangulated if self.num_triangulated else None
 
     @property
@@ -37,11 +37,11 @@ class Reached:
         return {"map_share": self.share, "image_noise": noise}
 
     def say(self) -> None:
-        """Notify where a large share of the points reached no cell."""
+        """Notify if a large share of the points reached no cell."""
         if self.share is not None and self.share < LEAST_SHARE:
             left_out = self.num_triangulated - self.num_mapped
             notify(
                 "points-left-out",
                 f"{left_out} of {self.num_triangulated} points are too uncertain for the map: "
-                "make map.cell_size or map.max_sigma larger, or take none for map.max_sigma",
+                "make map.cell_size or map.max_sigma larger, or set map.max_sigma to none",
             )

@@ -1,4 +1,4 @@
-"""Feature points of two images, matched to fractions of a pixel; large images strip by strip."""
+"""Sub-pixel matching of the feature points of two images; large images strip by strip."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -18,18 +18,18 @@ from recon.stereo.subpixel import refine
 Image = NDArray[np.uint8]
 
 _STRIP_BYTES = 800 << 20
-"""Of the filter responses of both images' strips."""
+"""Memory limit of the filter responses of both images' strips."""
 _MARGIN_ROWS = 2 * BLOCK_PX
-"""Rows above and below a strip that filters and supporting windows reach into."""
+"""Rows above and below a strip within reach of filters and support windows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SparseMatches:
-    """Matches of two images, and what they were made of."""
+    """Matches of two images, with statistics of the images."""
 
     matches: Matches
     num_features: int | None
-    """Of the left image; None where the matcher takes whole images."""
+    """Of the left image; None if the matcher takes whole images."""
     image_noise: tuple[float, float]
     """Standard deviation of the noise of the left and the right image, grey levels."""
 
@@ -39,15 +39,15 @@ def match_sparse(
 ) -> SparseMatches:
     """Match two rectified images as the settings say.
 
-    Images whose filter responses would fill more memory than is meant for them are matched in
-    strips of rows, each with the settings' share of feature points.
+    Images whose filter responses would exceed the memory limit are matched in strips of rows, each
+    with the settings' share of feature points.
 
     Parameters
     ----------
     left, right : (H, W) or (H, W, 3) uint8
     settings : Settings
     stated_range : (min, max), optional
-        Search range in pixels that holds where the settings were not given one.
+        Search range in pixels, used if the settings do not define one.
     """
     search = settings.matching.searching(stated_range)
     whole = match_whole_images(left, right, search)
@@ -67,15 +67,15 @@ def match_features(
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
 ) -> Matches:
-    """Match the features of two rectified images, to fractions of a pixel."""
-    # Pairs of like phase and magnitude, cross checked (Eqs 15 to 18).
+    """Match the features of two rectified images with sub-pixel precision."""
+    # Pairs of similar phase and magnitude, cross-checked (Eqs 15 to 18).
     matches = match(features_left, features_right, settings.matching.searching(stated_range))
-    # Refined by the phase that is left (Eqs 20, 21).
+    # Refined by the residual phase (Eqs 20, 21).
     return refine(matches, features_left, features_right)
 
 
 def _strips(shape: tuple[int, ...], widths_px: tuple[float, ...]) -> Iterator[tuple[int, int]]:
-    """First row and end of the strips; blocks of the image lie in one strip each."""
+    """First and end row of each strip; every image block lies in one strip."""
     height, width = shape[:2]
     complex_bytes = 2 * np.float32().nbytes
     bytes_per_row = 2 * width * len(widths_px) * DESCRIPTORS * complex_bytes
@@ -109,7 +109,7 @@ def _match_strip(
 
 
 def _of_rows(matches: Matches, top: int, rows: tuple[int, int]) -> Matches:
-    """The matches of some rows of the image, of which row `top` was the first."""
+    """The matches in some rows of the image, from a strip whose first row is `top`."""
     moved = matches.points_px + np.array([0.0, top])
     inside = (moved[:, 1] >= rows[0]) & (moved[:, 1] < rows[1])
     nobody = np.full(len(matches), -1, np.int32)

@@ -9,27 +9,27 @@ from numpy.typing import NDArray
 from recon.records import PointCloud, Recognition, Voxels
 
 _REACH = 1 << 20
-"""Cells on either side of the origin that have a number."""
+"""Number of addressable cells on either side of the origin."""
 MIN_POINTS_OF_VIEW = 10
-"""A pair has seen an object when it put this many points on it."""
+"""Number of points that a pair needs on an object to have seen it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellCounts:
-    """Points of some pairs by the cell they lie in."""
+    """Numbers of points per cell and pair."""
 
     keys: NDArray[np.int64]
-    """(C,) a number for the cell."""
+    """(C,) key of the cell."""
     pairs: NDArray[np.int64]
     """(C,) number of the pair."""
     counts: NDArray[np.int64]
-    """(C,) points."""
+    """(C,) number of points."""
 
 
 def count_cells(
     cloud: PointCloud, pairs: NDArray[np.integer] | int, cell_size: float
 ) -> CellCounts:
-    """Count the points of a cloud in the world by cell and pair; none that is out of reach."""
+    """Count the points of a cloud (world) by cell and pair, ignoring those out of reach."""
     is_near = (np.abs(cloud.points) < _REACH * cell_size).all(axis=1)
     keys = _keys(np.floor(cloud.points[is_near] / cell_size).astype(np.int64))
     numbers = np.broadcast_to(np.asarray(pairs, dtype=np.int64), len(cloud))[is_near]

@@ -1,4 +1,4 @@
-"""Records that travel between the rooms: small, frozen, every field with shape, unit and frame."""
+"""Records shared by all packages: small, frozen, every field with its shape, unit and frame."""
 
 from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
 from recon.records.estimates import PoseEstimate

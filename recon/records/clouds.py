@@ -1,4 +1,4 @@
-"""Points, coloured where colours are known, and the occupied cells they gather in."""
+"""Points, with colours if known, and the occupied cells that hold them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,40 +11,40 @@ from recon.errors import InputError, check_shape
 from recon.geometry import transform
 
 GREY = 128
-"""The level shown where a colour is needed and none is known."""
+"""Grey level shown for points without a known colour."""
 
 NORMALS = (
     ("nx", "ny", "nz"), ("Nx", "Ny", "Nz"), ("NX", "NY", "NZ"),
     ("normal_x", "normal_y", "normal_z"), ("NormalX", "NormalY", "NormalZ"),
 )  # fmt: skip
-"""Names of the attributes that turn with the points, as programs have them."""
+"""Attribute names of normals in common programs; they are rotated with the points."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crs:
-    """A coordinate reference system, as a LAS file keeps it."""
+    """A coordinate reference system, as stored in a LAS file."""
 
     records: tuple[tuple[int, bytes], ...]
-    """Number and content of each record: 2112 is WKT, 34735 to 34737 are the keys of GeoTIFF."""
+    """Number and content of each record: 2112 is WKT, 34735 to 34737 are the GeoTIFF keys."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PointCloud:
-    """Points with what was measured at each: colour, standard deviation of the depth, attributes.
+    """Points with their measurements: colour, standard deviation of the depth, attributes.
 
-    The frame is the one its holder names: left camera out of a pair, world in a run.
+    The owner defines the frame: the left camera for a pair, the world for a run.
     """
 
     points: NDArray[np.float64]
     """(M, 3) world units."""
     colours: NDArray[np.uint8] | None = None
-    """(M, 3) RGB; None where they are not known."""
+    """(M, 3) RGB; None if unknown."""
     sigma: NDArray[np.float64] | None = None
-    """(M,) world units; NaN or None where nothing is known of it."""
+    """(M,) world units; NaN or None if unknown."""
     attributes: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    """(M,) numbers each, by name; normals are in the frame of the points."""
+    """(M,) values of each, by name; normals are in the frame of the points."""
     crs: Crs | None = None
-    """The system of the points as surveyed, with z up."""
+    """Reference system of the points as surveyed, with z up."""
 
     def __post_init__(self) -> None:
         check_shape("points", self.points, (None, 3))
@@ -66,7 +66,7 @@ class PointCloud:
 
     @property
     def shown_colours(self) -> NDArray[np.uint8]:
-        """(M, 3) RGB; mid grey where no colours are known, for what cannot do without."""
+        """(M, 3) RGB; mid grey if the colours are unknown."""
         if self.colours is not None:
             return self.colours
         return np.full((len(self.points), 3), GREY, np.uint8)
@@ -105,7 +105,7 @@ class Voxels:
     """The occupied cells of a map, in the order of their index (x, then y, then z)."""
 
     index: NDArray[np.int64]
-    """(K, 3) cell number along x, y, z: floor(point / cell_size)."""
+    """(K, 3) cell index along x, y, z: floor(point / cell_size)."""
     centres: NDArray[np.float64]
     """(K, 3) middle of the cell, world."""
     means: NDArray[np.float64]
@@ -117,17 +117,17 @@ class Voxels:
     cell_size: float
     """World units."""
     weights: NDArray[np.float64] | None = None
-    """(K,) sum of the points' weights by sigma; this and what follows None where not kept."""
+    """(K,) sum of the points' weights by sigma; this and the fields below are None if not kept."""
     num_views: NDArray[np.int64] | None = None
     """(K,) number of distinct views with a point in the cell."""
     hits: NDArray[np.int64] | None = None
     """(K,) scans with a point in the cell."""
     passes: NDArray[np.int64] | None = None
-    """(K,) scans that looked through the cell to a point behind."""
+    """(K,) scans with a ray that passes through the cell to a point behind it."""
 
     def __post_init__(self) -> None:
         if not 0 < self.cell_size < np.inf:
-            raise InputError(f"cell_size is {self.cell_size}, but a finite number over 0 is needed")
+            raise InputError(f"cell_size is {self.cell_size}, but a finite number > 0 is needed")
         num_cells = len(self.index)
         for name in ("index", "centres", "means", "colours"):
             check_shape(name, getattr(self, name), (num_cells, 3))
@@ -136,7 +136,7 @@ class Voxels:
             if values is not None:
                 check_shape(name, values, (num_cells,))
         if num_cells and self.counts.min() < 1:
-            raise InputError(f"counts hold {self.counts.min()}, but 1 or more is needed")
+            raise InputError(f"counts contain {self.counts.min()}, but 1 or more is needed")
 
     def __len__(self) -> int:
         return len(self.index)
@@ -159,7 +159,7 @@ class GroundGrid:
     """The floor as square cells, seen from above."""
 
     cells: NDArray[np.generic]
-    """(NX, NZ) one value a cell, along x, then z."""
+    """(NX, NZ) one value per cell, along x and z."""
     origin_xz: NDArray[np.float64]
     """(2,) world x and z of the outer corner of cell [0, 0]."""
     cell_size: float

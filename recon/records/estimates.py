@@ -1,4 +1,4 @@
-"""The pose of a pair in a known map, and how sure it is."""
+"""The pose of a pair in a known map, and its uncertainty."""
 
 from dataclasses import dataclass
 
@@ -13,21 +13,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PoseEstimate:
-    """A pose of the left camera that was measured against a map."""
+    """A pose of the left camera, measured against a map."""
 
     T_world_left: Array
     """(4, 4) pose of the left camera."""
     covariance: Array
-    """(6, 6) of a small turn about the world's x, y, z (radians) and of the camera's position
+    """(6, 6) of a small rotation about the world's x, y, z (radians) and of the camera's position
     (world units)."""
     probability: float
-    """That this is the place, and not another one that looks alike."""
+    """Probability that this is the true place, not another one that looks alike."""
     residual: float
     """Root mean square distance from the surface of the map, standard deviations."""
     inlier_share: float
     """Share of the pair's points that lie on the map."""
     num_cells: int
-    """Cells of the map that took part."""
+    """Number of map cells used."""
 
     def __post_init__(self) -> None:
         check_rigid("T_world_left", self.T_world_left)

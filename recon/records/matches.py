@@ -1,4 +1,4 @@
-"""Feature points of one image, and the pairs that two images make of them."""
+"""Feature points of one image, and the matched pairs of two images."""
 
 from dataclasses import dataclass, field
 
@@ -11,21 +11,21 @@ from recon.records.noise import ImageNoise
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Features:
-    """Oriented feature points, and the filter responses of the image they lie in."""
+    """Oriented feature points, and the filter responses of their image."""
 
     points_px: NDArray[np.float64]
-    """(N, 2) u, v; in the order of the rows."""
+    """(N, 2) u, v; in row order."""
     orientation_rad: NDArray[np.float32]
-    """(N,) direction across the edge (of its normal), in [0, pi)."""
+    """(N,) direction of the edge normal, in [0, pi)."""
     modulus: NDArray[np.float32]
-    """(N,) strength of the response, all scales together."""
+    """(N,) strength of the response over all scales."""
     grey: NDArray[np.uint8]
     """(H, W) brightness of the image."""
     widths_px: tuple[float, ...]
     """(S,) widths of the filters."""
     planes: NDArray[np.float32]
     """(H, S, O, 2, W') real and imaginary response of each pixel at S scales and O orientations;
-    rows are filled up to W' >= W columns, of which those beyond W mean nothing."""
+    rows are padded to W' >= W columns; the padding is meaningless."""
     candidate_mask: NDArray[np.bool_]
     """(H, W) pixels strong enough to be matched with, or to support a match."""
     noise: ImageNoise
@@ -40,7 +40,7 @@ class Features:
 
 
 def check_alike(left: Features, right: Features) -> None:
-    """Raise `InputError` where features are of images of two sizes, or of unlike filters."""
+    """Raise `InputError` if the image sizes or the filters differ."""
     if left.grey.shape != right.grey.shape:
         raise InputError(
             f"left image has shape {left.grey.shape}, right {right.grey.shape}, but one is needed"
@@ -63,13 +63,13 @@ class Matches:
     sigma_px: NDArray[np.float64]
     """(M,) standard deviation of the disparity; NaN before sub-pixel refinement."""
     score: NDArray[np.float64]
-    """(M,) confidence, falling."""
+    """(M,) confidence, descending."""
     index_left: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    """(M,) row of the left feature the pair began as; -1 where it began as none."""
+    """(M,) row of the left feature that the pair started from; -1 if none."""
     index_right: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    """(M,) row of the right feature at the matched pixel; -1 where it is a candidate only."""
+    """(M,) row of the right feature at the matched pixel; -1 if that is only a candidate."""
     probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    """(M,) that the pair is right to a pixel, NaN where nobody knows; NaN where not given."""
+    """(M,) probability that the disparity is correct to a pixel; NaN if unknown."""
 
     def __post_init__(self) -> None:
         check_shape("points_px", self.points_px, (None, 2))
@@ -89,7 +89,7 @@ class Matches:
 
     @classmethod
     def none(cls) -> "Matches":
-        """No match at all."""
+        """An empty set of matches."""
         number, index = np.zeros(0), np.zeros(0, np.int32)
         return cls(
             points_px=np.zeros((0, 2)), disparity_px=number, sigma_px=number, score=number,

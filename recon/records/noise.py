@@ -1,4 +1,4 @@
-"""Noise of one image, as estimated from the image itself."""
+"""Noise of one image, estimated from the image itself."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ class ImageNoise:
     """Standard deviations of the noise of a grey image, in grey levels of 255."""
 
     level: float
-    """Of a pixel, over the whole image; never below the noise of rounding to whole levels."""
+    """Of a pixel, over the whole image; at least the rounding noise of integer levels."""
     by_grey: NDArray[np.float32]
-    """(256,) of a pixel, by its grey level."""
+    """(256,) of a pixel, per grey level."""
     by_scale: NDArray[np.float32]
-    """(S,) of white noise that would answer the filters of a scale as the calmest parts of the
-    image do: above `level` where noise is correlated, or where no part of the image is calm."""
+    """(S,) of white noise with the filter responses, per scale, of the calmest image regions: above
+    `level` if the noise is correlated or no region is calm."""

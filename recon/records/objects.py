@@ -20,7 +20,7 @@ class Part:
     """"crown", "body", ..., as the catalogue names it."""
     solid: Solid
     hue_deg: float | None
-    """None where the part is grey or of many colours."""
+    """None if the part is grey or multicoloured."""
     num_voxels: int
     rms: float
     """Root mean square distance of the part's cells to the solid, world units."""
@@ -28,16 +28,16 @@ class Part:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoundingBox:
-    """The upright box of least footprint round an object's cells."""
+    """The upright box of smallest footprint around an object's cells."""
 
     centre: NDArray[np.float64]
     """(3,) world."""
     axes: NDArray[np.float64]
     """(3, 3) unit rows."""
     sizes: NDArray[np.float64]
-    """(3,) whole edges along the axes."""
+    """(3,) full edge lengths along the axes."""
     unit: Literal["m"] | None
-    """None where the scale of the world is not known."""
+    """None if the scale of the world is unknown."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,10 +57,11 @@ class FoundObject:
     label: str
     """A name of the catalogue, or "unknown"."""
     probability: float | None
-    """Of the label, 0 to 1: of an unknown that it is of no kind; None where none was asked for."""
+    """Of the label, 0 to 1; for "unknown", that it is of no known kind; None without a
+    catalogue."""
     centre: NDArray[np.float64]
-    """(3,) x, z on the fitted vertical axis, y halfway between the ground and the top; of an
-    unknown, the middle of the box of its cell means."""
+    """(3,) x, z on the fitted vertical axis, y halfway between the ground and the top; for an
+    unknown, the centre of the box of its cell means."""
     size: NDArray[np.float64]
     """(3,) extent of the solids along the axes, from the ground up."""
     num_voxels: int
@@ -68,18 +69,18 @@ class FoundObject:
     """Number of pairs that put at least 10 points on it."""
     parts: tuple[Part, ...] = ()
     reason: str | None = None
-    """Why it has no name; None where it has one."""
+    """Reason why it has no name; None if it has one."""
     nearest: tuple[tuple[str, float], ...] = ()
-    """Kinds it comes nearest to with their probabilities, the most probable first."""
+    """Nearest kinds with their probabilities, most probable first."""
     box: BoundingBox | None = None
     colour: tuple[int, int, int] | None = None
-    """RGB of most of its cells."""
+    """Dominant RGB colour of its cells."""
     seen: float | None = None
     """Share of its surface that cells cover, 0 to 1."""
     solid: ExplainingSolid | None = None
     """The one solid that explains its cells best."""
     pieces: int = 1
-    """Convex pieces it consists of."""
+    """Number of convex pieces."""
     support: int | None = None
     """Id of the plane it stands on."""
 
@@ -89,13 +90,13 @@ PlaneRole = Literal["ground", "support", "wall"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundPlane:
-    """A large plane that things stand on or before."""
+    """A large plane that objects stand on or in front of."""
 
     id: int
     point: NDArray[np.float64]
-    """(3,) middle of its cells, world."""
+    """(3,) centre of its cells, world."""
     normal: NDArray[np.float64]
-    """(3,) unit, to the side on which things are."""
+    """(3,) unit, towards the objects."""
     area: float
     """Of its cells, square world units."""
     role: PlaneRole
@@ -103,15 +104,15 @@ class FoundPlane:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Recognition:
-    """All objects of a map, and what could not be fitted."""
+    """All objects of a map, and the failed fits."""
 
     objects: tuple[FoundObject, ...]
     label: NDArray[np.int32]
-    """(K,) id of the object of each cell that was handed in; -1 = ground or none."""
+    """(K,) object id of each input cell; -1 = ground or none."""
     failures: dict[str, int] = field(default_factory=dict)
     """Number of failed fits, by reason."""
     planes: tuple[FoundPlane, ...] = ()
-    """Planes that things stand on or before."""
+    """Planes that objects stand on or in front of."""
 
 
 def as_json(recognition: Recognition) -> dict[str, object]:
@@ -183,12 +184,12 @@ def _plane_json(plane: FoundPlane) -> dict[str, object]:
 
 
 def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
-    """The objects of an `objects.json`; what older runs do not say is not known.
+    """The objects of an `objects.json`; values missing in older runs are unknown.
 
     Raises
     ------
     InputError
-        Where a key is missing or a shape is unknown.
+        If a key is missing or a shape is unknown.
     """
     try:
         return tuple(_object_from_json(found) for found in document["objects"])

@@ -17,10 +17,10 @@ Image = NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class View:
-    """A place to stand and a point to look at, in the world.
+    """A camera position and a target point, in the world.
 
-    The camera parameters that are None stay as they are. Field of view and focal length are tied
-    by the width of the sensor: changing one changes the other, so at most one may be given.
+    The camera parameters that are None stay as they are. Field of view and focal length determine
+    each other through the sensor width, so at most one may be given.
     """
 
     position: NDArray[np.float64]
@@ -52,7 +52,7 @@ class View:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StereoPair:
-    """Two rectified images taken at one time."""
+    """Two rectified images taken at the same time."""
 
     left: NDArray[np.uint8]
     """(H, W, 3) RGB or (H, W) grey."""
@@ -60,12 +60,12 @@ class StereoPair:
     """The same shape as `left`."""
     rig: StereoRig
     T_world_left: NDArray[np.float64] | None = None
-    """(4, 4) pose of the left camera, None where it is not known."""
+    """(4, 4) pose of the left camera, None if unknown."""
     stamp_s: float = 0.0
     name: str = "pair"
     """A file or a number, for messages."""
     disparity_range: tuple[int, int] | None = None
-    """(min, max) in pixels, both included, where the recording states it."""
+    """(min, max) in pixels, both included, if the recording states it."""
 
     def __post_init__(self) -> None:
         check_images(self.left, self.right, self.name)
@@ -109,11 +109,11 @@ class PairSource(Protocol):
     """A sequence of pairs, read one at a time."""
 
     disparity_range: tuple[int, int] | None
-    """(min, max) in pixels, both included, where the recording tells; else None."""
+    """(min, max) in pixels, both included, if the recording states it; else None."""
 
     @property
     def skipped(self) -> Sequence[tuple[str, str]]:
-        """Name and reason of what was left out so far."""
+        """Names of the pairs skipped so far, with the reasons."""
         ...
 
     def __len__(self) -> int: ...

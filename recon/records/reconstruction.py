@@ -10,17 +10,17 @@ from recon.records.objects import FoundObject
 from recon.records.trajectory import Trajectory
 
 Map = TypeVar("Map", default=Any)
-"""The voxel map, which is built above the records."""
+"""The voxel map, which a higher package defines."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Reconstruction(Generic[Map]):
-    """A map, what was found in it, and the way there; what figures are drawn from."""
+    """A map, the objects found in it and the trajectory; figures are drawn from these."""
 
     map: Map
     """All cells, the `VoxelMap`."""
     voxels: Voxels
-    """Its occupied cells, by the rules of the settings."""
+    """Its occupied cells, by the criteria of the settings."""
     objects: tuple[FoundObject, ...]
     trajectory: Trajectory
 

@@ -1,7 +1,7 @@
-"""The solids that parts of objects are made of, in world coordinates and units.
+"""The solids that model parts of objects, in world coordinates and units.
 
-Cylinders and cones are open: they have no caps. `distances` is the geometric distance of points
-(N, 3) to the surface of the solid as it is, ends included, never negative.
+Cylinders and cones are open: they have no caps. `distances` is the geometric distance of points (N,
+3) to the finite surface of the solid, never negative.
 """
 
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 Parameters = dict[str, float | list[float] | list[list[float]]]
 
 MOST_STEPS = 60
-"""Bound of the work; some ten are enough."""
+"""Upper bound; about ten steps suffice."""
 CONVERGED = 1e-15
-"""A step of so little has arrived."""
+"""Relative step size at which the iteration has converged."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,7 +44,7 @@ class Ellipsoid:
     centre: Array
     """(3,)"""
     radii: Array
-    """(3,) falling."""
+    """(3,) descending."""
     axes: Array
     """(3, 3) unit rows."""
 
@@ -114,7 +114,7 @@ class TruncatedCone:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Plane:
-    """The plane through `point` across `normal`."""
+    """The plane through `point` with normal `normal`."""
 
     kind: ClassVar[str] = "plane"
     point: Array
@@ -138,7 +138,7 @@ class Box:
     axes: Array
     """(3, 3) unit rows."""
     sizes: Array
-    """(3,) whole edges."""
+    """(3,) full edge lengths."""
 
     def distances(self, points: Array) -> Array:
         """(N,) distances of points (N, 3) to the surface."""
@@ -154,7 +154,7 @@ Solid = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone | Plane | Box
 
 @dataclass(frozen=True, slots=True)
 class FitFailure:
-    """Why no solid fits: an answer, not an error. It is false where a solid is true."""
+    """The reason why no solid fits: a result, not an error. It is falsy; solids are truthy."""
 
     reason: str
 
@@ -163,7 +163,7 @@ class FitFailure:
 
 
 def parameters(solid: Solid) -> Parameters:
-    """The numbers of a solid by the names of `objects.json`; angles in degrees."""
+    """The parameters of a solid, named as in `objects.json`; angles in degrees."""
     numbers: Parameters = {}
     for name in type(solid).__slots__:
         value = getattr(solid, name)
@@ -175,12 +175,12 @@ def parameters(solid: Solid) -> Parameters:
 
 
 def from_parameters(kind: str, numbers: Parameters) -> Solid:
-    """The solid that `parameters` described.
+    """The solid with the given `parameters`.
 
     Raises
     ------
     InputError
-        For a shape that is none of the solids, and for parameters that are not its own.
+        For an unknown shape, or parameters of another shape.
     """
     try:
         solid = next(solid for solid in get_args(Solid) if solid.kind == kind)
@@ -200,7 +200,7 @@ def from_parameters(kind: str, numbers: Parameters) -> Solid:
 
 
 def _profile(points: Array, origin: Array, axis: Array) -> Array:
-    """Place along an axis and distance from it, (N, 2)."""
+    """Position along an axis and distance from it, (N, 2)."""
     offset = points - origin
     along = offset @ axis
     return np.column_stack([along, np.linalg.norm(offset - along[:, None] * axis, axis=1)])
@@ -216,13 +216,13 @@ def _to_segment(profile: Array, start: tuple[float, float], end: tuple[float, fl
 def _foot_on_ellipsoid(local: Array, radii: Array) -> Array:
     """Nearest surface points of points in the positive octant.
 
-    The foot of p is ``r^2 p / (t + r^2)`` for the one root t > -min(r)^2 of
-    ``sum (r p / (t + r^2))^2 = 1``. The sum falls and is convex, so that Newton's steps from below
-    the root rise to it; they begin where no term exceeds 1.
+    The foot of p is ``r^2 p / (t + r^2)`` for the one root t > -min(r)^2 of ``sum (r p / (t +
+    r^2))^2 = 1``. The sum is decreasing and convex, so that Newton steps from below the root
+    increase towards it; they start where no term exceeds 1.
     """
     scale = float(radii.max())
     squares = (radii / scale) ** 2
-    # Points on a plane of symmetry are moved off it a little: their root is then single.
+    # Points on a plane of symmetry are moved slightly off it, which makes their root simple.
     points = np.maximum(local / scale, 1e-9)
     weighted = points * radii / scale
     root = (weighted - squares).max(axis=1, initial=-np.inf)

@@ -1,4 +1,4 @@
-"""Surfaces: the disparity of every pixel, and triangles."""
+"""Surfaces: dense disparity maps and triangle meshes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ class DisparityMap:
     disparity_px: NDArray[np.float32]
     """(H, W) u_left - u_right; NaN = unknown."""
     sigma_px: NDArray[np.float32]
-    """(H, W) standard deviation of the disparity, above 0; NaN exactly where that is unknown."""
+    """(H, W) standard deviation of the disparity, > 0; NaN exactly where the disparity is."""
 
     def __post_init__(self) -> None:
         check_shape("disparity_px", self.disparity_px, (None, None))
@@ -46,18 +46,18 @@ class DisparityMap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mesh:
-    """A triangulated surface; the frame is the one its holder names, in a run the world."""
+    """A triangulated surface; the owner defines the frame, for a run the world."""
 
     vertices: NDArray[np.float64]
     """(V, 3) world units."""
     triangles: NDArray[np.int32]
     """(T, 3) rows of `vertices`, counter-clockwise seen from outside."""
     colours: NDArray[np.uint8] | None = None
-    """(V, 3) RGB; None where nothing is known of it."""
+    """(V, 3) RGB; None if unknown."""
     normals: NDArray[np.float64] | None = None
-    """(V, 3) unit vectors that point outwards; None where nothing is known of them."""
+    """(V, 3) unit vectors that point outwards; None if unknown."""
     attributes: Mapping[str, NDArray[np.generic]] = field(default_factory=dict)
-    """(V,) what else is known of every vertex, by name."""
+    """(V,) further values per vertex, by name."""
 
     def __post_init__(self) -> None:
         check_shape("vertices", self.vertices, (None, 3))
@@ -70,7 +70,7 @@ class Mesh:
             lowest, highest = int(self.triangles.min()), int(self.triangles.max())
             if lowest < 0 or highest >= num_vertices:
                 raise InputError(
-                    f"triangles name the vertices {lowest} to {highest}, "
+                    f"triangles use the vertices {lowest} to {highest}, "
                     f"but there are {num_vertices}"
                 )
         if self.colours is not None:
@@ -87,7 +87,7 @@ class Mesh:
 
     @classmethod
     def none(cls) -> "Mesh":
-        """A mesh without a triangle."""
+        """A mesh without triangles."""
         nothing = np.zeros((0, 3))
         return cls(
             vertices=nothing, triangles=nothing.astype(np.int32),
@@ -96,7 +96,7 @@ class Mesh:
 
     @property
     def corners(self) -> NDArray[np.float64]:
-        """(T, 3, 3) the three corners of each triangle."""
+        """(T, 3, 3) corners of each triangle."""
         return self.vertices[self.triangles]
 
     @property
@@ -121,7 +121,7 @@ class Mesh:
         )
 
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_]) -> "Mesh":
-        """The triangles of `rows`, with the vertices they use, in the order they had."""
+        """The triangles of `rows`, with the vertices they use, in their original order."""
         triangles = self.triangles[rows]
         used, renumbered = np.unique(triangles, return_inverse=True)
         return Mesh(

@@ -1,4 +1,4 @@
-"""The way of the left camera, pose by pose."""
+"""The trajectory of the left camera, pose by pose."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,9 +12,9 @@ from recon.geometry import pose
 Array = NDArray[np.float64]
 
 MIN_LENGTH = 1e-6
-"""Of a quaternion, which is 1 where it is sound."""
+"""Minimum norm of a quaternion; a valid one has norm 1."""
 MAX_NUMBER = 1e15
-"""Of a pose or time: squares of larger ones lose all meaning, or overflow."""
+"""Limit for positions and timestamps: squares of larger numbers lose all precision or overflow."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,12 +44,12 @@ class Trajectory:
 
     @property
     def length(self) -> float:
-        """Length of the way from pose to pose, world units."""
+        """Length of the path from pose to pose, world units."""
         return float(np.linalg.norm(np.diff(self.positions, axis=0), axis=1).sum())
 
     def as_tum(self) -> str:
         """The text of `trajectory.txt`: stamp tx ty tz qx qy qz qw."""
-        # Late, as records are loaded by every command and this by few.
+        # Imported late: every command loads the records, few need this.
         from scipy.spatial.transform import Rotation
 
         quaternions = Rotation.from_matrix(self.T_world_left[:, :3, :3]).as_quat()
@@ -63,7 +63,7 @@ class Trajectory:
         Raises
         ------
         InputError
-            For a row without its eight numbers; `name` is what the message calls the text.
+            For a row without eight numbers; the message calls the text `name`.
         """
         from scipy.spatial.transform import Rotation
 
@@ -74,13 +74,15 @@ class Trajectory:
         if rows.shape[1] != 8:
             raise InputError(f"{name}: {rows.shape[1]} numbers per row, but eight are needed")
         if not (np.abs(rows) < MAX_NUMBER).all() or not _turns(rows[:, 4:]).all():
-            raise InputError(f"{name}: a row holds no pose, or numbers of {MAX_NUMBER:g} and more")
+            raise InputError(
+                f"{name}: a row does not contain a pose, or has numbers of {MAX_NUMBER:g} or more"
+            )
         turns = Rotation.from_quat(rows[:, 4:]).as_matrix() if len(rows) else np.empty((0, 3, 3))
         poses = [pose(*row) for row in zip(turns, rows[:, 1:4], strict=True)]
         return cls(stamps_s=rows[:, 0], T_world_left=np.array(poses).reshape(-1, 4, 4))
 
 
 def _turns(quaternions: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(N,) true for quaternions long enough to be a rotation."""
+    """(N,) true for quaternions with a norm that allows normalisation."""
     is_long: NDArray[np.bool_] = np.linalg.norm(quaternions, axis=1) > MIN_LENGTH
     return is_long

@@ -1,4 +1,4 @@
-"""The one stateful store: cells that count the points in them, their mean place and colour."""
+"""The voxel map: cells that count their points, with mean position and colour."""
 
 from recon.voxelmap.voxelmap import VoxelMap
 

@@ -1,6 +1,6 @@
-"""The map's file: columns of the cells, in the order of their index, in an npz archive.
+"""The map's file format: columns of the cells, in index order, in an npz archive.
 
-Any numpy reads it: `numpy.load(path)` gives the columns by name. Nothing in it is ever unpickled.
+`numpy.load(path)` reads the columns by name. Nothing in it is ever unpickled.
 """
 
 import os
@@ -27,9 +27,9 @@ Columns = Mapping[str, NDArray[Any]]
 
 _COPIES = 3.0
 _MOST_ARRAYS = 2000
-"""Of an array in memory until its map is built."""
+"""Maximum number of arrays in a file."""
 
-# What the zip and npy readers say of a file that is cut or changed.
+# Errors of the zip and npy readers for a truncated or modified file.
 _BROKEN = (
     zipfile.BadZipFile, zlib.error, EOFError, ValueError, KeyError, OSError, RuntimeError,
     OverflowError, SyntaxError, NotImplementedError, TypeError, tokenize.TokenError,
@@ -38,20 +38,20 @@ _BROKEN = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Content:
-    """Content of a map's file."""
+    """The content of a map's file."""
 
     cell_size: float
     ray_margin: float
     channels: tuple[str, ...]
     rows: Rows
-    """Hits, places and colours of the cells."""
+    """Hits, positions and colours of the cells."""
     columns: Columns
     """All arrays by name, for the channels."""
 
 
 def hit_columns(rows: Rows, *, lean: bool) -> dict[str, NDArray[Any]]:
-    """The arrays of ordered rows: what differs from cell to cell packs best column by column."""
-    # Differences wrap round in 32 bits, and so do the sums that undo them.
+    """The arrays of ordered rows, stored as columns, which compress best."""
+    # Differences wrap around in 32 bits, and so do the sums that undo them.
     index = rows["index"].view(np.uint32).T
     columns = {"index": np.diff(index, axis=1, prepend=np.uint32(0)), "count": rows["count"]}
     if lean:
@@ -60,7 +60,7 @@ def hit_columns(rows: Rows, *, lean: bool) -> dict[str, NDArray[Any]]:
 
 
 def save(path: str | os.PathLike[str], columns: Columns) -> None:
-    """Write arrays, whole or not at all; the same arrays give the same bytes."""
+    """Write arrays atomically; the same arrays yield the same bytes."""
     with (
         atomic_path(path) as temporary,
         zipfile.ZipFile(temporary, "w") as archive,
@@ -80,7 +80,7 @@ def load(path: str | os.PathLike[str]) -> Content:
     Raises
     ------
     InputError
-        For a file that is cut short, is of another version or claims what it does not hold.
+        For a file that is truncated, of another version or inconsistent.
     """
     columns = read_columns(path)
     try:
@@ -90,7 +90,7 @@ def load(path: str | os.PathLike[str]) -> Content:
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """All arrays of an npz archive; memory is taken only for what the file really holds."""
+    """All arrays of an npz archive; memory is allocated only for data actually in the file."""
     with Path(path).open("rb") as file:
         try:
             with zipfile.ZipFile(file) as archive:
@@ -106,7 +106,7 @@ def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 def _check_entries(path: str | os.PathLike[str], entries: list[zipfile.ZipInfo]) -> None:
     if len(entries) > _MOST_ARRAYS:
-        raise InputError(f"{len(entries)} arrays, but {_MOST_ARRAYS} are the most")
+        raise InputError(f"{len(entries)} arrays, but at most {_MOST_ARRAYS} are allowed")
     check_memory(path, _COPIES * sum(one.file_size for one in entries))
 
 
@@ -135,10 +135,10 @@ def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any
 def _read_array(file: BinaryIO | Any, name: str, num_bytes: int) -> NDArray[Any]:
     shape, is_fortran, dtype = _read_header(file)
     claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
-    # A file takes the memory that is asked for before it looks; so do members that lie.
+    # `read` allocates the requested size first, so a false claim must not reach it.
     data = file.read(min(claimed + 1, num_bytes, sys.maxsize))
     if len(data) != claimed:
-        raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
+        raise InputError(f"{name} claims {claimed} bytes, but has {len(data)}")
     return np.frombuffer(data, dtype).reshape(shape, order="F" if is_fortran else "C")
 
 
@@ -151,7 +151,7 @@ def _read_header(file: BinaryIO | Any) -> tuple[tuple[int, ...], bool, np.dtype[
     else:
         shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(file)
     if dtype.hasobject:
-        raise InputError(f"an array of {dtype} is not plain numbers")
+        raise InputError(f"an array of {dtype} does not contain plain numbers")
     if min(shape, default=0) < 0:
         raise InputError(f"an array has shape {shape}")
     return shape, is_fortran, dtype
@@ -173,28 +173,28 @@ def _content(columns: Columns) -> Content:
 
 
 def _check_cells(columns: Columns) -> None:
-    """Whole numbers, points in every cell, every cell once and in order."""
+    """Check for integers, points in every cell, and unique cells in order."""
     num = columns["count"].size
     for name, shape in {"count": (num,), "index": (3, num), "position": (3, num)}.items():
         column = columns.get(name, np.zeros(shape, np.int64))
         if column.dtype.kind not in "iu" or column.shape != shape:
-            raise InputError(f"{name} is no array of {shape} whole numbers")
+            raise InputError(f"{name} is not an array of {shape} integers")
     if num and columns["count"].min() < 1:
         raise InputError("its counts cannot come from points")
     index = np.cumsum(columns["index"], axis=1, dtype=np.uint32).view(np.int32).astype(np.int64)
     step = np.diff(index, axis=1)
     first = np.where(step[0] != 0, step[0], np.where(step[1] != 0, step[1], step[2]))
     if (first <= 0).any():
-        raise InputError("its cells are not in order, or not all different")
+        raise InputError("its cells are not in order or not unique")
 
 
 def rows_of(columns: Columns) -> Rows:
-    """Hits, places and colours of cells, from the arrays that `hit_columns` gave."""
+    """Hits, positions and colours of cells, from the arrays of `hit_columns`."""
     _check_cells(columns)
     count, colour = columns["count"].astype(np.uint64), columns["colour"]
     position = columns.get("position")
     if position is None:
-        # A lean file: the middle of the cell, the mean colour.
+        # A lean file: the cell centre and the mean colour.
         position = np.broadcast_to(count * np.uint64(hits.STEPS // 2), (3, len(count)))
         colour = colour * count
     is_wide = (count > hits.CAPACITY[hits.NARROW]).any()

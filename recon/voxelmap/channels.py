@@ -1,4 +1,4 @@
-"""Channels: optional data of the cells of a map, beside hits, place and colour, where asked to."""
+"""Channels: optional data of the cells of a map, in addition to hits, position and colour."""
 
 import copy
 from collections.abc import Callable, Mapping
@@ -23,13 +23,13 @@ class Scan:
     cloud: PointCloud
     """World."""
     origin: NDArray[np.float64] | None
-    """(3,) where the points were seen from, world."""
+    """(3,) camera position, world."""
     view: int | None
     """Number of the view."""
 
 
 def eye_of(origin: ArrayLike | None) -> NDArray[np.float64] | None:
-    """The place (3,) that points were seen from, checked."""
+    """The validated camera position (3,)."""
     if origin is None:
         return None
     eye = as_numbers("origin", origin)
@@ -39,56 +39,56 @@ def eye_of(origin: ArrayLike | None) -> NDArray[np.float64] | None:
 
 
 class Channel(Protocol):
-    """Something additive, kept for the cells of a map."""
+    """Additive data of the cells of a map."""
 
     def check(self, scan: Scan) -> None:
-        """Raise `InputError` where the scan lacks what the channel keeps."""
+        """Raise `InputError` if the scan lacks the data of the channel."""
 
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
-        """Add a scan, `rows` (N,) being the row of each of its points."""
+        """Add a scan, with the row (N,) of each of its points."""
 
     def merge(self, other: Any, rows: NDArray[np.int64]) -> None:
         """Add another map's channel, whose row k is row `rows[k]` here."""
 
     def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> Self:
-        """The same of a map that keeps some of the rows, and the cells that lie inside."""
+        """The channel of a map with some of the rows, and the cells inside."""
 
     def columns(self, order: NDArray[np.int64]) -> Columns:
         """The arrays of a file, for the rows of the map in this order."""
 
     def restore(self, columns: Columns, num_rows: int) -> None:
-        """Take over the arrays of a file, for the rows of the map as they are in it."""
+        """Load the arrays of a file, for the rows of the map in file order."""
 
     def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
-        """The fields of `Voxels` that it fills, for rows of the map and their cells."""
+        """The fields of `Voxels` from this channel, for rows of the map and their cells."""
 
 
 class RowSums:
-    """Whole numbers that add up, some for each row of the map."""
+    """Integer sums for each row of the map."""
 
     name: str
-    """Of the column in a file."""
+    """Name of the column in a file."""
     width: int
-    """Numbers a row."""
+    """Numbers per row."""
 
     def __init__(self) -> None:
         self.sums = np.zeros((0, self.width), np.uint64)
 
     def check(self, scan: Scan) -> None:
-        """Raise `InputError` where the scan lacks what the channel keeps."""
+        """Raise `InputError` if the scan lacks the data of the channel."""
 
     def amounts(self, scan: Scan) -> NDArray[np.uint64]:
         """Amounts (N, width) that each point adds."""
         raise NotImplementedError
 
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
-        """Add what each point brings to the row of its cell."""
+        """Add the amounts of each point to the row of its cell."""
         self._add(rows, self.amounts(scan))
 
     def merge(self, other: "RowSums", rows: NDArray[np.int64]) -> None:
         """Add the sums of another map."""
         num = min(len(rows), len(other.sums))
-        # A copy, as a map may be merged with itself.
+        # A copy, since a map may be merged with itself.
         self._add(rows[:num], other.sums[:num].copy())
 
     def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> Self:
@@ -102,7 +102,7 @@ class RowSums:
         return {self.name: self.of(order)}
 
     def restore(self, columns: Columns, num_rows: int) -> None:
-        """Take over the sums of a file."""
+        """Load the sums of a file."""
         self.sums = columns[self.name].astype(np.uint64)
         check_shape(self.name, self.sums, (num_rows, self.width))
 

@@ -53,7 +53,7 @@ class CoarseMaps(Generic[L]):
         self.levels: dict[int, L] = {}
 
     def insert(self, cloud: PointCloud) -> int:
-        """Count each point in the finest cells that are as large as its sigma.
+        """Count each point in the finest cells that are at least as large as its sigma.
 
         Returns
         -------
@@ -100,7 +100,7 @@ class CoarseMaps(Generic[L]):
         return found
 
     def restore(self, columns: Columns) -> None:
-        """Take over the arrays of a file."""
+        """Load the arrays of a file."""
         for level, own in enumerate(coarse_columns(columns), 1):
             if own:
                 self._at(level).add_rows(archive.rows_of(own))

@@ -38,7 +38,7 @@ class Faces:
 
 
 def covered_faces(voxels: Voxels) -> NDArray[np.uint8]:
-    """(K,) six bits: bit f is set where face f (-x, +x, -y, +y, -z, +z) has a cell before it."""
+    """(K,) six bits: bit f is set where face f (-x, +x, -y, +y, -z, +z) has a neighbour cell."""
     rows = np.zeros(len(voxels), [("index", "i4", 3)])
     rows["index"] = voxels.index
     table = CellTable.of(rows)
@@ -49,7 +49,7 @@ def covered_faces(voxels: Voxels) -> NDArray[np.uint8]:
 
 
 def exposed_faces(voxels: Voxels) -> Faces:
-    """The outside of the occupied cells, direction by direction in the order of the cells."""
+    """The outer faces of the occupied cells, by direction, then in cell order."""
     covered = covered_faces(voxels)
     cells, corners = [], []
     for face, square in enumerate(_CORNERS):

@@ -1,4 +1,4 @@
-"""The floor seen from above: what stands on it, and where one can go."""
+"""The floor seen from above: obstacles and free space."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,11 @@ UNKNOWN, FREE, OCCUPIED = -1, 0, 1
 """States of a floor cell."""
 
 MAX_CELLS = 1 << 28
-"""Of a floor; a single point gone astray far away must not take all memory."""
+"""Maximum number of floor cells: a single far outlier must not exhaust the memory."""
 
 
 def height_sum(voxels: Voxels) -> GroundGrid:
-    """The thesis's 2D occupancy (section 4.4): the counts of all heights, summed (NX, NZ) int64."""
+    """The thesis's 2D occupancy (section 4.4): counts summed over all heights, (NX, NZ) int64."""
     low, shape = _floor(voxels.index)
     cells = np.zeros(shape, np.int64)
     x, z = (voxels.index[:, [0, 2]] - low).T
@@ -33,10 +33,10 @@ def navigation(
     voxels : Voxels
         The occupied cells.
     sightings : Sightings
-        What scans hit and passed.
+        Cells that scans hit and passed.
     band : (low, high)
-        Heights, in world units, that matter to who goes there: cells whose middle lies lower or
-        higher neither stand in the way nor show it free.
+        Range of relevant heights, world units: cells whose centre is lower or higher count neither
+        as obstacles nor as free space.
     """
     low_y, high_y = band
     if not low_y < high_y:
@@ -45,7 +45,7 @@ def navigation(
     clear = _in_band(sightings.index[sightings.passes > 0], voxels.cell_size, band)
     low, shape = _floor(np.concatenate([solid, clear]))
     cells = np.full(shape, UNKNOWN, np.int8)
-    # A floor cell is free when one of its heights was looked through and none is occupied.
+    # A floor cell is free if a ray passed through one of its heights and none is occupied.
     for index, state in ((clear, FREE), (solid, OCCUPIED)):
         x, z = (index[:, [0, 2]] - low).T
         cells[x, z] = state
@@ -60,14 +60,16 @@ def _in_band(
 
 
 def _floor(index: NDArray[np.int64]) -> tuple[NDArray[np.int64], tuple[int, int]]:
-    """Lowest cell along x and z, and how many there are of each."""
+    """Lowest cell along x and z, and the number of cells along each."""
     if not len(index):
         return np.zeros(2, np.int64), (0, 0)
     floor = index[:, [0, 2]]
     low = floor.min(axis=0)
     num_x, num_z = (floor.max(axis=0) - low + 1).tolist()
     if num_x * num_z > MAX_CELLS:
-        raise InputError(f"the floor has {num_x} x {num_z} cells, but {MAX_CELLS} are the most")
+        raise InputError(
+            f"the floor has {num_x} x {num_z} cells, but at most {MAX_CELLS} are allowed"
+        )
     return low, (num_x, num_z)
 
 

@@ -1,4 +1,4 @@
-"""Sums that every cell keeps of the points in it: whole numbers, the same in any order."""
+"""Sums over the points of each cell: integers, so independent of the order."""
 
 import numpy as np
 from numba import njit
@@ -8,10 +8,10 @@ from recon.errors import InputError
 from recon.voxelmap.table import Rows, Slots, find_or_add
 
 STEPS = 1 << 20
-"""Steps of a cell along each axis: a position inside it is a whole number of them."""
+"""Steps per cell along each axis: positions in a cell are integer numbers of steps."""
 
 NARROW = np.dtype([("index", "i4", 3), ("count", "u4"), ("position", "u4", 3), ("colour", "u4", 3)])
-"""Sums of positions hold 4096 points: enough for nearly every map, at 40 bytes a cell."""
+"""Position sums can hold 4096 points: enough for nearly every map, at 40 bytes per cell."""
 
 WIDE = np.dtype([("index", "i4", 3), ("count", "u4"), ("position", "u8", 3), ("colour", "u8", 3)])
 
@@ -21,7 +21,7 @@ CAPACITY = {NARROW: 2**32 // STEPS, WIDE: 2**32 - 1}
 
 @njit(cache=True)
 def _steps(place: float) -> np.uint32:
-    """Steps from the lower border of the cell; just below 0 the difference rounds to a whole."""
+    """Steps from the lower border of the cell; just below 0 the difference rounds to 1."""
     return np.uint32(min((place - np.floor(place)) * STEPS, STEPS - 1.0))
 
 
@@ -42,7 +42,7 @@ def insert(
     rows_of: NDArray[np.int64],
     start: int,
 ) -> tuple[int, int]:
-    """Add points from `start` on; stop at the first that finds no room.
+    """Add points starting at `start`; stop at the first that does not fit.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ def insert(
     table
         The arrays of the `CellTable`.
     rows_of
-        (N,) is filled with the row of each point.
+        (N,) output: the row of each point.
 
     Returns
     -------
     stop, num_rows
-        The point that found no room: for a new row where `num_rows == len(rows)`, otherwise in a
-        row that is full. `len(points)` when all are in.
+        The point that did not fit: no free row if `num_rows == len(rows)`, otherwise its row is
+        full. `len(points)` if all are added.
     """
     points, colours, cell_size = cloud
     slots, rows, num_rows = table
@@ -84,7 +84,7 @@ def merge(
     rows_of: NDArray[np.int64],
     start: int,
 ) -> tuple[int, int]:
-    """Add the sums of another map's rows from `start` on; as `insert` does for points."""
+    """Add the sums of another map's rows starting at `start`, as `insert` does for points."""
     slots, rows, num_rows = table
     for n in range(start, len(other)):
         if num_rows == len(rows):
@@ -104,20 +104,20 @@ def merge(
 
 
 def means(rows: Rows) -> NDArray[np.float64]:
-    """Mean position (K, 3) as a share of the cell; a position is the middle of its step."""
+    """Mean position (K, 3) as a fraction of the cell; a position is the centre of its step."""
     counts = rows["count"][:, None].astype(np.float64)
     return (rows["position"] / counts + 0.5) / STEPS
 
 
 def mean_colours(rows: Rows) -> NDArray[np.uint8]:
-    """Mean RGB (K, 3), rounded in whole numbers."""
+    """Mean RGB (K, 3), rounded in integer arithmetic."""
     counts = rows["count"][:, None].astype(np.uint64)
     rounded = (2 * rows["colour"].astype(np.uint64) + counts) // (2 * counts)
     return rounded.astype(np.uint8)
 
 
 def check_sums(rows: Rows) -> None:
-    """Raise `InputError` where sums cannot come from points, as in a file that was changed."""
+    """Raise `InputError` if sums cannot result from points, as in a modified file."""
     counts = rows["count"][:, None].astype(np.uint64)
     is_possible = (
         (counts > 0)

@@ -1,4 +1,4 @@
-"""Rules of occupancy to choose from; a cell is occupied where all of them hold."""
+"""Selectable occupancy rules; a cell is occupied if all selected rules hold."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,39 +16,39 @@ Mask = NDArray[np.bool_]
 
 
 def enough_points(voxels: Voxels, settings: MapSettings) -> Mask:
-    """The thesis's threshold of the count (section 4.4)."""
+    """The thesis's threshold on the count (section 4.4)."""
     return voxels.counts >= settings.min_count
 
 
 def enough_weight(voxels: Voxels, settings: MapSettings) -> Mask:
-    """Points weighted by sigma: many doubtful ones weigh no more than a few sure ones."""
+    """Points weighted by sigma: many uncertain ones weigh no more than a few precise ones."""
     assert voxels.weights is not None
     return voxels.weights >= settings.min_weight
 
 
 def not_carved(voxels: Voxels, settings: MapSettings) -> Mask:
-    """Hit often enough for the scans that looked through: ghosts of noise are carved away."""
+    """Enough hits for the number of passing rays: ghosts due to noise are carved away."""
     assert voxels.hits is not None
     assert voxels.passes is not None
     return voxels.hits > settings.min_hit_share * voxels.passes
 
 
 def more_likely_than_not(voxels: Voxels, settings: MapSettings) -> Mask:
-    """OctoMap's log-odds of hits and passes, above even."""
+    """OctoMap's log-odds of hits and passes, > 0."""
     assert voxels.hits is not None
     assert voxels.passes is not None
     return log_odds(voxels.hits, voxels.passes) > 0.0
 
 
 def enough_views(voxels: Voxels, settings: MapSettings) -> Mask:
-    """Seen in different views: an error of one view does not repeat in another."""
+    """Enough different views: an error of one view is not repeated in another."""
     assert voxels.num_views is not None
     return voxels.num_views >= settings.min_views
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """A rule, and what a map must keep for it."""
+    """A rule, and the channels it needs."""
 
     holds: Callable[[Voxels, MapSettings], Mask]
     channels: tuple[str, ...] = ()
@@ -64,7 +64,7 @@ RULES: dict[OccupancyRule, Rule] = {
 
 
 def new_map(settings: MapSettings) -> VoxelMap:
-    """An empty map that keeps what the rules of the settings ask for."""
+    """An empty map with the channels that the rules of the settings need."""
     channels = {name for rule in settings.occupancy for name in RULES[rule].channels}
     return VoxelMap(settings.cell_size, channels=channels, ray_margin=settings.ray_margin)
 
@@ -75,7 +75,7 @@ def occupied(voxel_map: VoxelMap, settings: MapSettings) -> Voxels:
     Raises
     ------
     InputError
-        Where the map does not keep what a rule asks for.
+        If the map lacks a channel that a rule needs.
     """
     for rule in settings.occupancy:
         voxel_map.check_channels(RULES[rule].channels)

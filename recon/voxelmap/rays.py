@@ -1,7 +1,7 @@
-"""Free space: the cells between the eye and the points, counted once a scan (OctoMap's rule).
+"""Free space: the cells between camera and points, counted once per scan (OctoMap's rule).
 
-Hornung et al., OctoMap, Autonomous Robots 2013, section 5: in one scan a cell that holds a point
-is hit, whatever rays go through it; another that a ray goes through is passed; either counts once.
+Hornung et al., OctoMap, Autonomous Robots 2013, section 5: in one scan a cell with a point is hit,
+whatever rays pass through it; any other cell that a ray passes through is passed; each counts once.
 """
 
 from dataclasses import dataclass
@@ -28,12 +28,13 @@ _DTYPE = np.dtype([("index", "i4", 3), ("hits", "u4"), ("passes", "u4"), ("scan"
 
 _LOG_ODDS_HIT = float(np.log(0.7 / 0.3))
 _LOG_ODDS_MISS = float(np.log(0.4 / 0.6))
-"""OctoMap's default sensor: a hit is right in 7 of 10, a pass in 6 of 10."""
+"""OctoMap's default sensor model: a hit is correct in 7 of 10 cases, a pass in 6 of 10."""
 
 
 def log_odds(hits: NDArray[np.int64], passes: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Log-odds (K,) of being occupied, by OctoMap's default sensor; not clamped, as order
-    would then matter.
+    """Log-odds (K,) of being occupied, by OctoMap's default sensor.
+
+    They are not clamped, since then the order would matter.
     """
     return _LOG_ODDS_HIT * hits + _LOG_ODDS_MISS * passes
 
@@ -47,7 +48,7 @@ class Sightings:
     hits: NDArray[np.int64]
     """(K,) scans with a point in the cell."""
     passes: NDArray[np.int64]
-    """(K,) scans that looked through it and had no point in it."""
+    """(K,) scans with a ray through the cell and no point in it."""
 
     def __len__(self) -> int:
         return len(self.index)
@@ -64,13 +65,13 @@ class Rays:
         self._last_scan = np.zeros(0, np.uint32)
 
     def check(self, scan: Scan) -> None:
-        """Raise `InputError` where there is no eye, or a ray is too long."""
+        """Raise `InputError` if the origin is missing or a ray is too long."""
         if scan.origin is None:
-            raise InputError("origin is None, but a map that keeps rays needs the eye's place")
+            raise InputError("origin is None, but a map that keeps rays needs the camera position")
         low, high = corners(scan.origin, scan.cloud.points)
         reach = float((high - low).max()) / self.cell_size
         if not reach < MAX_CELLS:
-            raise InputError(f"a scan is {reach:g} cells wide, but {MAX_CELLS} is the most")
+            raise InputError(f"a scan is {reach:g} cells wide, but at most {MAX_CELLS} are allowed")
 
     def add(self, scan: Scan, rows: NDArray[np.int64]) -> None:
         """Count the cells of one scan."""
@@ -82,7 +83,7 @@ class Rays:
         self._count(pass_cells, rays, len(points), block)
 
     def _last_scans(self, rows: NDArray[np.int64]) -> NDArray[np.uint32]:
-        """For each row of the map the last scan that hit it."""
+        """The last scan that hit each row of the map."""
         num_rows = int(rows.max(initial=-1)) + 1
         if num_rows > len(self._last_scan):
             more = np.zeros(num_rows + num_rows // 4 - len(self._last_scan), np.uint32)
@@ -90,7 +91,7 @@ class Rays:
         return self._last_scan
 
     def _count(self, kernel: Any, things: Any, num: int, block: Block) -> None:
-        """Run a kernel over points or rays, making room where it stops."""
+        """Run a kernel over points or rays, growing the table whenever it stops."""
         stop = 0
         while stop < num:
             stop, self.table.num_rows = kernel(
@@ -130,14 +131,14 @@ class Rays:
         return {f"ray_{name}": rows[name] for name in names}
 
     def restore(self, columns: Columns, num_rows: int) -> None:
-        """Take over the cells of a file."""
+        """Load the cells of a file."""
         rows = np.zeros(len(columns["ray_index"]), _DTYPE)
         for name in ("index", "hits", "passes"):
             rows[name] = columns[f"ray_{name}"]
         self._add_rows(rows)
 
     def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
-        """`Voxels.hits` and `Voxels.passes`; a cell with a point was hit, so it has a row."""
+        """`Voxels.hits` and `Voxels.passes`; every cell with a point was hit and has a row."""
         rows = self.table.rows[self.table.find(index)]
         return {name: rows[name].astype(np.int64) for name in ("hits", "passes")}
 

@@ -1,4 +1,4 @@
-"""A voxel map as the sums of its cells in order, and back: the same map to the last bit."""
+"""Lossless conversion of a voxel map to the ordered sums of its cells, and back."""
 
 from typing import Any
 
@@ -13,11 +13,11 @@ from recon.voxelmap.table import CellTable, Rows
 from recon.voxelmap.voxelmap import VoxelMap
 
 EXTRAS = {"weight": ("weight",), "rays": ("hits", "passes"), "views": ()}
-"""Names of the sums that channels keep besides."""
+"""Names of the additional sums of each channel."""
 
 
 def names_of(channels: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the sums of a map that keeps these channels."""
+    """Names of the sums of a map with these channels."""
     return HITS + tuple(name for channel in channels for name in EXTRAS[channel])
 
 
@@ -59,7 +59,7 @@ def _cells(level: int, index: NDArray[np.integer], sums: dict[str, NDArray[Any]]
 
 
 def _of_rays(columns: archive.Columns, names: tuple[str, ...]) -> CellSums:
-    """Hits and passes of the cells that scans touched, most of which hold no point."""
+    """Hits and passes of the cells that scans touched, most of them without a point."""
     num = len(columns["ray_index"])
     sums = {n: columns.get(f"ray_{n}", np.zeros(num)) for n in names}
     return _cells(0, columns["ray_index"], sums)
@@ -75,12 +75,12 @@ def _of_views(columns: archive.Columns, rows: Rows) -> Index:
 def map_of(
     cells: CellSums, cell_size: float, channels: tuple[str, ...], ray_margin: float
 ) -> VoxelMap:
-    """The map whose sums these are.
+    """The map with these sums.
 
     Raises
     ------
     InputError
-        For sums that cannot come from points.
+        For sums that cannot result from points.
     """
     own = _chosen(cells, (cells.index[0] == 0) & (cells.sums["count"] > 0))
     columns = _hit_columns(own)
@@ -132,5 +132,5 @@ def _view_columns(views: Index, cells: Index) -> dict[str, NDArray[Any]]:
     rows["index"] = cells.T
     place = CellTable.of(rows).find(views[:3].T)
     if (place < 0).any() or (views[3] < 0).any():
-        raise InputError("a view is below 0, or saw a cell that holds no point")
+        raise InputError("a view is below 0, or saw a cell without a point")
     return {"view_cell": place, "view": views[3].astype(np.int64)}

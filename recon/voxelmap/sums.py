@@ -1,6 +1,6 @@
-"""Sums of cells in the order of their index: two maps are added by one pass over both.
+"""Sums of cells in index order, so that two maps are added in one pass over both.
 
-Sums are whole numbers, so that the order in which maps are added does not change a bit.
+Sums are integers, so the result does not depend on the order in which maps are added.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,38 +17,38 @@ from recon.voxelmap import hits
 Index = NDArray[np.int32]
 Sums = Mapping[str, NDArray[np.uint64]]
 Key = tuple[int, int, int]
-"""Number of a cube of space along x, y, z."""
+"""Index of a cube of space along x, y, z."""
 
 HITS = (
     "count", "position_x", "position_y", "position_z", "colour_red", "colour_green", "colour_blue",
 )  # fmt: skip
-"""Names of the sums that every map keeps."""
+"""Names of the sums that every map has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellSums:
-    """Sums of a map's cells, and of its coarser ones."""
+    """Sums of a map's cells, including the coarser ones."""
 
     index: Index
-    """(4, K) level, x, y, z; a cell of level k is 2^k times as large. In this order, each once."""
+    """(4, K) level, x, y, z; a cell of level k is 2^k times as large. Sorted, unique."""
     sums: Sums
-    """(K,) each, by name: what the points of a cell add up to."""
+    """(K,) each, by name: sums over the points of a cell."""
     views: Index
-    """(4, P) x, y, z of a cell of level 0, and a view that saw it; in this order, each once."""
+    """(4, P) x, y, z of a cell of level 0, and a view that saw it; sorted, unique."""
 
     def __len__(self) -> int:
         return int(self.index.shape[1])
 
     def __add__(self, other: "CellSums") -> "CellSums":
-        """The cells of both, what they share added up."""
+        """The union of both; the sums of common cells are added."""
         index, sums = _united(self.index, other.index, self.sums, other.sums)
         views, _ = _united(self.views, other.views, {}, {})
         if len(sums["count"]) and sums["count"].max() > hits.CAPACITY[hits.WIDE]:
-            raise InputError(f"a cell holds more than {hits.CAPACITY[hits.WIDE]} points")
+            raise InputError(f"a cell contains more than {hits.CAPACITY[hits.WIDE]} points")
         return CellSums(index=index, sums=sums, views=views)
 
     def select(self, rows: NDArray[np.integer] | slice, views: NDArray[np.integer]) -> "CellSums":
-        """Some of the cells and of the views, in the order they had."""
+        """Some of the cells and of the views, in their original order."""
         return CellSums(
             index=np.ascontiguousarray(self.index[:, rows]),
             sums={name: values[rows] for name, values in self.sums.items()},
@@ -57,7 +57,7 @@ class CellSums:
 
 
 def added(parts: Iterable[CellSums]) -> CellSums:
-    """The sum of some parts, at least one, added in pairs of like size: as a tree."""
+    """The sum of one or more parts, added as a tree of pairs of similar size."""
     waiting: list[tuple[int, CellSums]] = []
     for part in parts:
         rank, total = 0, part
@@ -69,7 +69,7 @@ def added(parts: Iterable[CellSums]) -> CellSums:
 
 
 def split(cells: CellSums, side: int) -> Iterator[tuple[Key, CellSums]]:
-    """The cells of every cube of `side` cells of level 0, in the order of the cubes.
+    """The cells of every cube of `side` level-0 cells, in cube order.
 
     `side` is a multiple of the coarsest cell, so that every cell lies in one cube.
     """
@@ -82,7 +82,7 @@ def split(cells: CellSums, side: int) -> Iterator[tuple[Key, CellSums]]:
 
 
 def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
-    """Columns of (3, K) by their content, each group in the order it had."""
+    """Columns of (3, K) grouped by content, each group in its original order."""
     if not cubes.shape[1]:
         return {}
     order = np.lexsort(cubes[::-1])
@@ -93,12 +93,12 @@ def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
 
 
 def is_ordered(index: Index) -> bool:
-    """True where the columns of (4, K) rise, each once."""
+    """True if the columns of (4, K) are strictly increasing."""
     return bool(_rises(np.ascontiguousarray(index)))
 
 
 def _united(a: Index, b: Index, sums_a: Sums, sums_b: Sums) -> tuple[Index, Sums]:
-    """Columns of both indices, each once, and their sums."""
+    """The union of the columns of both indices, and their sums."""
     if not a.shape[1] or not b.shape[1]:
         return (a, sums_a) if a.shape[1] else (b, sums_b)
     place_a, place_b = np.empty(a.shape[1], np.int64), np.empty(b.shape[1], np.int64)
@@ -116,7 +116,7 @@ def _united(a: Index, b: Index, sums_a: Sums, sums_b: Sums) -> tuple[Index, Sums
 
 @njit(cache=True)
 def _compare(a: Index, i: int, b: Index, j: int) -> int:
-    """Below, at or above 0 as column i of `a` comes before, is, or comes after column j of `b`."""
+    """Negative, 0 or positive if column i of `a` is before, equal to or after column j of `b`."""
     for row in range(4):
         if a[row, i] != b[row, j]:
             return -1 if a[row, i] < b[row, j] else 1
@@ -125,7 +125,7 @@ def _compare(a: Index, i: int, b: Index, j: int) -> int:
 
 @njit(cache=True)
 def _interleave(a: Index, b: Index, place_a: NDArray[np.int64], place_b: NDArray[np.int64]) -> int:
-    """Fill in the place that every column of either takes in both together; their number."""
+    """Fill in the position of each column in the union; return the size of the union."""
     i = j = num = 0
     while i < a.shape[1] and j < b.shape[1]:
         order = _compare(a, i, b, j)

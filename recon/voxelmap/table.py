@@ -1,8 +1,7 @@
-"""A hash table of cells: rows in the order of arrival, found by their index along x, y, z.
+"""A hash table of cells: rows in order of insertion, found by their index along x, y, z.
 
-A row is one structured element, so that a point touches one or two cache lines. A slot holds the
-number of a row, from 1 on, 0 = empty; it is searched for in linear order from the hash's share of
-the number of slots on.
+A row is one structured element, so that a point touches one or two cache lines. A slot holds a row
+number + 1, 0 = empty; linear probing starts at the slot given by the hash.
 """
 
 from collections.abc import Callable
@@ -15,10 +14,10 @@ Rows = NDArray[np.void]
 Slots = NDArray[np.uint32]
 
 MAX_INDEX = 2**31 - 1
-"""Largest number of a cell along an axis, on either side of 0."""
+"""Largest cell index along an axis, on either side of 0."""
 
-# Few slots are taken, as one costs 4 bytes and a wrong row a cache line; 1.25 keeps the unused
-# end of the rows short.
+# The load is low since a slot costs 4 bytes but a wrong row a cache line; a growth of 1.25 keeps
+# the unused end of the rows short.
 _MAX_LOAD = 0.35
 _GROWTH = 1.25
 _FIRST_ROWS = 64
@@ -33,7 +32,7 @@ _HALF = np.uint64(32)
 
 @njit(cache=True)
 def _home(slots: Slots, index: tuple[int, int, int]) -> np.int64:
-    """Slot at which the search for a cell begins."""
+    """Slot at which the search for a cell starts."""
     mixed = (
         np.uint64(np.uint32(index[0])) * _SPREAD_X
         ^ np.uint64(np.uint32(index[1])) * _SPREAD_Y
@@ -64,7 +63,7 @@ def _is_at(rows: Rows, row: int, index: tuple[int, int, int]) -> bool:
 def find_or_add(
     slots: Slots, rows: Rows, num_rows: int, index: tuple[int, int, int]
 ) -> tuple[np.int64, np.int64]:
-    """The row of a cell, and the number of rows: one more where the cell is new.
+    """The row of a cell, and the number of rows, which grows by one if the cell is new.
 
     There must be room for a new row: `num_rows < len(rows)`.
     """
@@ -79,7 +78,7 @@ def find_or_add(
 
 @njit(cache=True)
 def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.int64]:
-    """The row of each cell (K, 3), -1 where there is none."""
+    """The row of each cell (K, 3), -1 if missing."""
     found = np.empty(len(index), np.int64)
     for k in range(len(index)):
         cell = (index[k, 0], index[k, 1], index[k, 2])
@@ -89,14 +88,14 @@ def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.in
 
 @njit(cache=True)
 def _refill(slots: Slots, rows: Rows, num_rows: int) -> None:
-    """Enter all rows, which are different cells, into empty slots."""
+    """Enter all rows, which are distinct cells, into empty slots."""
     for row in range(num_rows):
         key = rows[row].index
         slots[_search(slots, rows, (key[0], key[1], key[2]))] = row + 1
 
 
 class CellTable:
-    """Rows of one structured type, whose field `index` (3,) int32 names the cell."""
+    """Rows of one structured type, whose field `index` (3,) int32 identifies the cell."""
 
     def __init__(self, dtype: np.dtype[np.void], num_rows: int = _FIRST_ROWS) -> None:
         self.rows: Rows = np.zeros(max(num_rows, _FIRST_ROWS), dtype)
@@ -105,7 +104,7 @@ class CellTable:
 
     @classmethod
     def of(cls, rows: Rows) -> "CellTable":
-        """A table of rows of different cells, in their order."""
+        """A table with rows of distinct cells, in their order."""
         table = cls(rows.dtype, len(rows) + 1)
         table.rows[: len(rows)] = rows
         table.num_rows = len(rows)
@@ -113,23 +112,23 @@ class CellTable:
         return table
 
     def __reduce__(self) -> tuple[Callable[[Rows], "CellTable"], tuple[Rows]]:
-        """Pickled as its used rows: less to send, and the arrays that come back can grow."""
+        """Pickle only the used rows: less data, and the unpickled arrays can grow."""
         return CellTable.of, (self.used.copy(),)
 
     def find(self, index: NDArray[np.integer]) -> NDArray[np.int64]:
-        """The row of each cell (K, 3), -1 where there is none."""
+        """The row of each cell (K, 3), -1 if missing."""
         cells = np.ascontiguousarray(index, np.int32)
         rows: NDArray[np.int64] = _lookup(self.slots, self.rows, cells)
         return rows
 
     @property
     def is_full(self) -> bool:
-        """True where another cell does not fit."""
+        """True if there is no room for another cell."""
         return self.num_rows == len(self.rows)
 
     @property
     def nbytes(self) -> int:
-        """Memory held."""
+        """Memory used."""
         return int(self.rows.nbytes + self.slots.nbytes)
 
     @property
@@ -139,12 +138,12 @@ class CellTable:
 
     @property
     def used(self) -> Rows:
-        """The rows that name a cell, in the order of arrival (a view)."""
+        """The rows in use, in order of insertion (a view)."""
         return self.rows[: self.num_rows]
 
     def grow(self) -> None:
         """Make room for a quarter more cells."""
-        # resize() may move the block without a copy; nobody else holds the array.
+        # resize() may move the block without a copy; no other reference to the array exists.
         self.rows.resize(int(len(self.rows) * _GROWTH), refcheck=False)
         if len(self.rows) > _MAX_LOAD * len(self.slots):
             self.slots = np.zeros(int(len(self.rows) * _GROWTH / _MAX_LOAD), np.uint32)

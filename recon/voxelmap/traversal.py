@@ -1,4 +1,4 @@
-"""The cells that rays go through (Amanatides and Woo 1987), in whole numbers."""
+"""The cells that rays pass through (Amanatides and Woo 1987), in integer arithmetic."""
 
 import numpy as np
 from numba import njit
@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 from recon.voxelmap.table import Rows, Slots, find_or_add
 
 MAX_CELLS = (1 << 19) - 1
-"""Longest ray, in cells along an axis: the cells of a scan's block are then numbered in 64 bits."""
+"""Longest ray, in cells along an axis, so that cell numbers of a scan's block fit 64 bits."""
 
-# A block of more cells than this is not remembered; its cells are asked for in the table.
+# A block with more cells has no byte array; its cells are looked up in the table.
 _MAX_MEMORY = 1 << 26
 
-# Length of a ray in steps; a border beyond its end is never more than two lengths away.
+# Length of a ray in steps; a border beyond its end is at most two lengths away.
 _LENGTH = 1 << 60
 
 Block = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8]]
-"""Lowest cell (3,) and shape (3,) of the box round a scan, and a byte for each of its cells that
-says whether the scan has counted it; no bytes where the box is too large."""
+"""Lowest cell (3,) and shape (3,) of the box around a scan, and a flag for each of its cells that
+the scan has counted; empty if the box is too large."""
 
 Corners = tuple[NDArray[np.float64], NDArray[np.float64]]
 Table = tuple[Slots, Rows, int]
@@ -25,7 +25,7 @@ Table = tuple[Slots, Rows, int]
 
 @njit(cache=True)
 def corners(eye: NDArray[np.float64], points: NDArray[np.float64]) -> Corners:
-    """Lowest and highest corner (3,) of the box round the eye (3,) and the points (N, 3)."""
+    """Lowest and highest corner (3,) of the box around the eye (3,) and the points (N, 3)."""
     low, high = eye.copy(), eye.copy()
     for n in range(len(points)):
         for a in range(3):
@@ -35,9 +35,9 @@ def corners(eye: NDArray[np.float64], points: NDArray[np.float64]) -> Corners:
 
 
 def block_of(ends: Corners, cell_size: float) -> Block:
-    """The block of the cells between two corners (3,), and one more on every side.
+    """The block of the cells between two corners (3,), with a margin of one cell.
 
-    The margin is for rays that rounding leads past a corner.
+    The margin is for rays that leave the box through rounding.
     """
     low, high = (np.floor(corner / cell_size).astype(np.int64) for corner in ends)
     shape = high - low + 3
@@ -54,18 +54,18 @@ def hit_cells(
     table: Table,
     start: int,
 ) -> tuple[int, int]:
-    """Count the cells of points from `start` on as hit by a scan.
+    """Count the cells of points, starting at `start`, as hit by a scan.
 
     Parameters
     ----------
     hits
         The points (N, 3), the row of the map of each (N,), and for each row the last scan that hit
-        it, which is kept up to date: it tells at once whether a point is the first in its cell.
+        it, which is updated and shows if a point is the first in its cell.
 
     Returns
     -------
     stop, num_rows
-        The point that found no room for another row; `len(points)` when all are counted.
+        The point that had no room for another row; `len(points)` if all are counted.
     """
     points, row_of, last_scan = hits
     seen = block[2]
@@ -92,9 +92,9 @@ def pass_cells(
     table: Table,
     start: int,
 ) -> tuple[int, int]:
-    """Count the cells from the eye (3,) to before those of the ends (N, 3) as passed.
+    """Count the cells from the camera (3,) up to, excluding, those of the ends (N, 3) as passed.
 
-    Each cell counts once, and not at all where the scan has a point in it; returns as `hit_cells`.
+    Each cell counts once, and not at all if the scan has a point in it; returns as `hit_cells`.
     """
     eye, ends = rays
     _, shape, seen = block
@@ -116,8 +116,8 @@ def pass_cells(
             if _is_new(seen, cell):
                 row, num_rows = find_or_add(slots, rows, num_rows, _index_of(cell, block))
                 _count(rows, row, scan, False)
-            # All bits or none, as which border comes next cannot be foretold by a branch; equal
-            # ones are crossed z first, then y, as OctoMap does.
+            # Bit masks, since a branch on the next border would be unpredictable; ties are crossed
+            # z first, then y, as in OctoMap.
             is_x = -np.int64((border_x < border_y) & (border_x < border_z))
             is_y = -np.int64(border_y < border_z) & ~is_x
             is_z = ~(is_x | is_y)
@@ -130,7 +130,7 @@ def pass_cells(
 
 @njit(cache=True)
 def merge_cells(other: Rows, table: Table, start: int) -> tuple[int, int]:
-    """Add the counts of another map's rows from `start` on; stops where there is no room."""
+    """Add the counts of another map's rows starting at `start`; stop if there is no room."""
     slots, rows, num_rows = table
     for n in range(start, len(other)):
         if num_rows == len(rows):
@@ -145,10 +145,10 @@ def merge_cells(other: Rows, table: Table, start: int) -> tuple[int, int]:
 
 @njit(cache=True)
 def _is_new(seen: NDArray[np.uint8], cell: int) -> bool:
-    """True unless the scan has surely counted a cell; it has after this."""
+    """True unless the scan is known to have counted a cell; marks the cell as counted."""
     if len(seen) == 0:
         return True
-    # An unsigned number is not asked whether it counts from the end.
+    # Unsigned indices avoid the check for negative ones.
     at = np.uint64(cell)
     is_new = seen[at] == 0
     seen[at] = 1
@@ -167,7 +167,7 @@ def _number_of(point: NDArray[np.float64], cell_size: float, block: Block) -> in
 
 @njit(cache=True)
 def _index_of(cell: int, block: Block) -> tuple[int, int, int]:
-    """The index of the cell of a number."""
+    """The index of the cell with this number."""
     low, shape, _ = block
     column, z = cell // shape[2], cell % shape[2]
     return (column // shape[1] + low[0], column % shape[1] + low[1], z + low[2])
@@ -175,7 +175,7 @@ def _index_of(cell: int, block: Block) -> tuple[int, int, int]:
 
 @njit(cache=True)
 def _count(rows: Rows, row: int, scan: int, is_hit: bool) -> None:
-    """Count a cell unless this scan has counted it."""
+    """Count a cell unless this scan has already counted it."""
     if rows[row].scan == scan:
         return
     rows[row].scan = scan
@@ -194,13 +194,13 @@ def _cell_of(place: float, cell_size: float) -> int:
 def _crossings(
     eye: float, eye_cell: int, end: float, cell_size: float
 ) -> tuple[int, int, int, int]:
-    """The borders of cells that a ray crosses along one axis.
+    """The cell borders that a ray crosses along one axis.
 
     Returns
     -------
     num, way, first, step
-        How many; -1, 0 or 1; the place of the first and the distance of two, as shares of the
-        ray in units of `_LENGTH`.
+        Their number; -1, 0 or 1; the position of the first and the distance between two, along the
+        ray in units of its length / `_LENGTH`.
     """
     num = _cell_of(end, cell_size) - eye_cell
     if num == 0:

@@ -1,4 +1,4 @@
-"""Cells as objects of other libraries, for their viewers and tools."""
+"""Conversion of cells to objects of other libraries, for their viewers and tools."""
 
 from typing import Any
 

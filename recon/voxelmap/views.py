@@ -8,7 +8,7 @@ from recon.voxelmap.channels import Columns, Inside, Scan
 
 
 class ViewSets:
-    """Views that put a point into a row: pairs of row and view, each once."""
+    """Views with a point in a row: unique pairs of row and view."""
 
     def __init__(self) -> None:
         self._pairs = np.zeros(0, np.int64)
@@ -16,7 +16,7 @@ class ViewSets:
         self._num_new = 0
 
     def check(self, scan: Scan) -> None:
-        """Raise `InputError` where the view has no number."""
+        """Raise `InputError` if the view has no number."""
         if scan.view is None or not 0 <= scan.view < 2**31:
             raise InputError(f"view is {scan.view}, but a map that keeps views needs its number")
 
@@ -31,7 +31,7 @@ class ViewSets:
         self._unite(rows[theirs >> 32] << 32 | theirs & 0xFFFFFFFF)
 
     def cropped(self, rows: NDArray[np.int64], is_inside: Inside) -> "ViewSets":
-        """The sets of some rows, which are in order."""
+        """The sets of some rows, given in ascending order."""
         place = np.searchsorted(rows, self.pairs >> 32)
         is_kept = np.isin(self.pairs >> 32, rows)
         part = ViewSets()
@@ -40,23 +40,23 @@ class ViewSets:
 
     @property
     def pairs(self) -> NDArray[np.int64]:
-        """(P,) row << 32 | view, ordered, each once."""
+        """(P,) row << 32 | view, sorted, unique."""
         self._pairs = np.unique(np.concatenate([self._pairs, *self._new]))
         self._new, self._num_new = [], 0
         return self._pairs
 
     def columns(self, order: NDArray[np.int64]) -> Columns:
-        """Pairs of cell, by its place in the order, and view."""
+        """Pairs of cell, by its position in the order, and view."""
         place = np.empty(len(order), np.int64)
         place[order] = np.arange(len(order))
         pairs = np.sort(place[self.pairs >> 32] << 32 | self.pairs & 0xFFFFFFFF)
         return {"view_cell": pairs >> 32, "view": pairs & 0xFFFFFFFF}
 
     def restore(self, columns: Columns, num_rows: int) -> None:
-        """Take over the pairs of a file."""
+        """Load the pairs of a file."""
         cell, view = columns["view_cell"].astype(np.int64), columns["view"].astype(np.int64)
         if not ((cell >= 0) & (cell < num_rows)).all():
-            raise InputError(f"view_cell names a cell beyond the {num_rows} of the map")
+            raise InputError(f"view_cell refers to a cell beyond the {num_rows} of the map")
         self._pairs = cell << 32 | view
 
     def fields(self, order: NDArray[np.int64], index: NDArray[np.int64]) -> Columns:
@@ -67,6 +67,6 @@ class ViewSets:
     def _unite(self, pairs: NDArray[np.int64]) -> None:
         self._new.append(pairs)
         self._num_new += len(pairs)
-        # Views of one number may come in many chunks: memory stays bounded by the sets.
+        # A view may arrive in many chunks: memory stays bounded by the size of the sets.
         if self._num_new > len(self._pairs) + (1 << 16):
             _ = self.pairs

@@ -1,4 +1,4 @@
-"""The voxel map: whatever the order of its points, the same bits."""
+"""The voxel map: bit-identical for any order of its points."""
 
 import os
 from collections.abc import Iterable
@@ -19,26 +19,26 @@ from recon.voxelmap.views import ViewSets
 from recon.voxelmap.weights import Weights
 
 CHANNELS = ("weight", "views", "rays")
-"""Names of what a map keeps besides hits, place and colour, where asked to."""
+"""Names of the optional data of a map besides hits, position and colour."""
 
 
 class VoxelMap:
-    """Counts, mean positions and mean colours of points in cubic cells, without bounds.
+    """Counts, mean positions and mean colours of points in an unbounded grid of cubic cells.
 
-    The grid is anchored at 0: a point lies in the cell floor(point / cell_size). Cells keep sums
-    of whole numbers only, so that insertion order, chunks and merging do not change a bit; a
-    position is kept to 1e-6 of a cell.
+    The grid is anchored at 0: a point lies in the cell floor(point / cell_size). Cells keep integer
+    sums only, so that insertion order, chunks and merging do not change a bit; positions have a
+    resolution of 1e-6 of a cell.
 
     Parameters
     ----------
     cell_size : float
         Side of a cell, world units.
     channels : iterable of {"weight", "views", "rays"}
-        What cells keep besides: the sum of weights by sigma; which views saw them; how many scans
-        hit and passed them. A scan is one call of `insert`.
+        Additional data of the cells: the sum of weights by sigma; the views that saw them; the
+        numbers of scans that hit and passed them. A scan is one call of `insert`.
     ray_margin : float
-        Free space ends so many cells, or two sigma if that is more, before a point; at 0 it goes
-        up to the point's own cell, as in OctoMap.
+        Distance, in cells, at which free space ends before a point, or two sigma if that is more;
+        at 0 it extends to the point's own cell, as in OctoMap.
     """
 
     def __init__(
@@ -68,17 +68,17 @@ class VoxelMap:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of what the cells keep besides hits, place and colour."""
+        """Names of the data of the cells besides hits, position and colour."""
         return tuple(self._channels)
 
     @property
     def num_cells(self) -> int:
-        """Number of cells that hold a point."""
+        """Number of cells with a point."""
         return self._hits.num_rows
 
     @property
     def nbytes(self) -> int:
-        """Memory that hits, places and colours take."""
+        """Memory used by hits, positions and colours."""
         return self._hits.nbytes
 
     def insert(
@@ -90,15 +90,15 @@ class VoxelMap:
         ----------
         cloud : PointCloud
         origin : (3,) array_like, optional
-            Where the points were seen from; needed by a map that keeps rays. World.
+            Camera position, world; needed by a map that keeps rays.
         view : int, optional
             Number of the view; needed by a map that keeps views.
 
         Raises
         ------
         InputError
-            For points that are not finite or out of reach, and where a channel lacks what it
-            needs; the map is then as before.
+            For points that are not finite or out of reach, and if a channel lacks its data; the map
+            is then unchanged.
         """
         check_type("cloud", cloud, PointCloud)
         points = np.ascontiguousarray(cloud.points, dtype=np.float64)
@@ -112,12 +112,12 @@ class VoxelMap:
             channel.add(scan, rows)
 
     def insert_doubtful(self, cloud: PointCloud) -> int:
-        """Count points, given in the world, in coarser cells, each as large as its sigma at least.
+        """Count points, given in the world, in coarser cells at least as large as their sigma.
 
         Returns
         -------
         int
-            How many points were counted; those without a sigma, or with one over 64 cells, are not.
+            Number of points counted; those without a sigma, or with one above 64 cells, are not.
         """
         check_type("cloud", cloud, PointCloud)
         return self._coarse.insert(cloud)
@@ -128,13 +128,13 @@ class VoxelMap:
         return tuple(one for _, one in sorted(self._coarse.levels.items()))
 
     def merge(self, other: "VoxelMap") -> None:
-        """Add all that another map of the same cells and channels holds; it stays as it is."""
+        """Add another map with the same cell size and channels, which stays unchanged."""
         check_type("other", other, VoxelMap)
         for name in ("cell_size", "channels"):
             theirs, ours = getattr(other, name), getattr(self, name)
             if theirs != ours:
                 raise InputError(f"the other map's {name} is {theirs}, but {ours} is needed")
-        # A copy, as a map may be merged with itself.
+        # A copy, since a map may be merged with itself.
         rows = self.add_rows(other._hits.used.copy())
         self._coarse.merge(other._coarse)
         for name, channel in self._channels.items():
@@ -155,12 +155,12 @@ class VoxelMap:
         return viewers.to_pyvista(self.occupied(min_count))
 
     def sightings(self) -> Sightings:
-        """Every cell that a scan hit or passed; of a map that keeps rays.
+        """Every cell that a scan hit or passed, from a map that keeps rays.
 
         Raises
         ------
         InputError
-            Where the map keeps no rays.
+            If the map does not keep rays.
         """
         self.check_channels(["rays"])
         rays = self._channels["rays"]
@@ -175,7 +175,7 @@ class VoxelMap:
                 raise InputError(f"the map keeps {kept}, but {name} is needed")
 
     def cropped(self, low: ArrayLike, high: ArrayLike) -> "VoxelMap":
-        """A map of the cells whose middle lies between two corners (3,) of the world."""
+        """A map of the cells whose centre lies between two corners (3,), world."""
         corners = np.asarray([low, high], dtype=np.float64)
 
         def is_inside(index: NDArray[np.integer]) -> NDArray[np.bool_]:
@@ -192,14 +192,14 @@ class VoxelMap:
         return part
 
     def save(self, path: str | os.PathLike[str], *, lean: bool = False) -> None:
-        """Write the map, whole or not at all; the same map gives the same bytes.
+        """Write the map atomically; the same map yields the same bytes.
 
         Parameters
         ----------
         path : path of an .npz file
         lean : bool
-            Only index, count and mean colour of the cells, in a third of the room; once loaded,
-            the mean position of a cell is its middle.
+            Save only index, count and mean colour of the cells, in a third of the space; once
+            loaded, the mean position of a cell is its centre.
         """
         archive.save(path, self.columns(lean=lean))
 
@@ -219,17 +219,17 @@ class VoxelMap:
         return columns | ({} if lean else self._coarse.columns())
 
     def hit_columns(self, *, lean: bool = False) -> dict[str, NDArray[Any]]:
-        """The arrays of a file that hold hits, places and colours, in the order of the cells."""
+        """The arrays of a file with hits, positions and colours, in cell order."""
         return archive.hit_columns(in_order(self._hits.used), lean=lean)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "VoxelMap":
-        """Read a map that `save` wrote; the same cells to the last bit.
+        """Read a map that `save` wrote; the cells are bit-identical.
 
         Raises
         ------
         InputError
-            For a file that is cut short, is of another version or claims what it does not hold.
+            For a file that is truncated, of another version or inconsistent.
         """
         content = archive.load(path)
         try:
@@ -239,7 +239,7 @@ class VoxelMap:
 
     @classmethod
     def of(cls, content: archive.Content) -> Self:
-        """The map that a file holds."""
+        """The map stored in a file."""
         loaded = cls(content.cell_size, channels=content.channels, ray_margin=content.ray_margin)
         loaded.add_rows(content.rows)
         for channel in loaded._channels.values():
@@ -252,18 +252,18 @@ class VoxelMap:
         # Written so that NaN fails too.
         if not farthest < MAX_INDEX * self.cell_size:
             raise InputError(
-                f"points hold {farthest}, but finite numbers within "
+                f"points contain {farthest}, but finite numbers within "
                 f"{MAX_INDEX * self.cell_size:g} are needed"
             )
 
     def add_rows(self, rows: Rows) -> NDArray[np.int64]:
-        """Add the sums of cells, as a file or another map holds them; the row of each."""
+        """Add the sums of cells of a file or another map; return the row of each."""
         if rows.dtype == hits.WIDE and self._hits.rows.dtype != hits.WIDE:
             self._widen()
         return self._add(hits.merge, rows, len(rows))
 
     def _add(self, kernel: Any, things: Any, num: int) -> NDArray[np.int64]:
-        """Run a kernel over points or rows, making room where it stops; the row of each."""
+        """Run a kernel over points or rows, growing the table if needed; return their rows."""
         rows = np.empty(num, np.int64)
         stop = 0
         while stop < num:
@@ -277,7 +277,7 @@ class VoxelMap:
 
     def _widen(self) -> None:
         if self._hits.rows.dtype == hits.WIDE:
-            raise InputError(f"a cell holds more than {hits.CAPACITY[hits.WIDE]} points")
+            raise InputError(f"a cell contains more than {hits.CAPACITY[hits.WIDE]} points")
         self._hits.widen(hits.WIDE)
 
     def _voxels(self, order: NDArray[np.int64]) -> Voxels:

@@ -8,7 +8,7 @@ from recon.voxelmap.channels import Columns, RowSums, Scan
 
 
 class Weights(RowSums):
-    """Sum of 1 / (1 + (sigma / 0.3 cells)^2): a sure point counts 1, a doubtful one little."""
+    """Sum of 1 / (1 + (sigma / 0.3 cells)^2): precise points weigh 1, uncertain ones little."""
 
     name = "weight"
     width = 1
@@ -20,7 +20,7 @@ class Weights(RowSums):
         self.cell_size = cell_size
 
     def check(self, scan: Scan) -> None:
-        """Raise `InputError` where a point has no sigma."""
+        """Raise `InputError` if a point has no sigma."""
         if scan.cloud.sigma is None or not (scan.cloud.sigma >= 0).all():
             raise InputError("a cloud has no sigma, but a map that keeps weights needs it")
 

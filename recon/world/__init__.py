@@ -1,1 +1,1 @@
-"""The simulated world: geometry files, renderers, and what is true in it."""
+"""The simulated world: geometry files, renderers and ground truth."""

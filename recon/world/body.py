@@ -1,4 +1,4 @@
-"""The room round an upright body: the distance of its axis from the surfaces of a world."""
+"""Clearance of an upright body: the distance of its axis from the surfaces of a world."""
 
 from collections.abc import Sequence
 
@@ -9,14 +9,14 @@ from recon.world.rays import RayScene
 from recon.world.solids import Triangles
 
 FLATNESS = 1e-3
-"""Share that stays of heights beside the body: triangles without any would have no area."""
+"""Factor that flattens heights beside the body; 0 would leave triangles without area."""
 
 
 class BodyRoom:
-    """Surfaces as an upright axis from the ground to a height meets them.
+    """Surfaces, transformed for distances to an upright axis from the ground to a height.
 
-    Where heights beside the axis are pressed flat, and what is above is lowered by as much, the
-    distance of the axis is that of a point.
+    With heights beside the axis flattened, and everything above lowered accordingly, the distance
+    to the axis becomes the distance to a point.
     """
 
     def __init__(self, parts: Sequence[Triangles], height: float) -> None:
@@ -48,13 +48,13 @@ def split_at(corners: Array, height: float) -> tuple[Array, Array]:
 
 
 def _turned(corners: Array, is_lone: Array) -> Array:
-    """The triangles with the corner first that is alone on its side."""
+    """The triangles, starting with the corner that is alone on its side."""
     order = (is_lone.argmax(axis=1)[:, None] + np.arange(3)) % 3
     return np.take_along_axis(corners, order[..., None], axis=1)
 
 
 def _cut(corners: Array, height: float) -> tuple[Array, Array]:
-    """The triangle (T, 3, 3) at the first corner, and two (2 T, 3, 3) of what is left."""
+    """The triangle (T, 3, 3) at the first corner, and two (2 T, 3, 3) of the rest."""
     first, second, third = corners[:, 0], corners[:, 1], corners[:, 2]
     a, b = (_crossing(first, other, height) for other in (second, third))
     rest = [np.stack([a, second, third], axis=1), np.stack([a, third, b], axis=1)]

@@ -1,4 +1,4 @@
-"""The two simulated cameras: their poses, their gaze, and the rig they make."""
+"""The two simulated cameras: their poses, their gaze and their rig."""
 
 from dataclasses import asdict, dataclass
 
@@ -17,12 +17,12 @@ _PARAMETERS = ("focal_length", "fov_deg", "baseline", "near", "far")
 
 
 def camera_settings(view: View, eyes: EyesSettings) -> EyesSettings:
-    """The settings of the cameras with what the view changes of them.
+    """The settings of the cameras, with the changes that the view makes.
 
     Raises
     ------
     InputError
-        Where a value of the view cannot be.
+        If a value of the view is invalid.
     """
     changes = {name: getattr(view, name) for name in _PARAMETERS if getattr(view, name) is not None}
     stay = {FOLLOWERS.get(name) for name in changes}.isdisjoint
@@ -69,16 +69,16 @@ class RectifiedCamera:
 
     camera: Camera
     H_rectified_camera: Array | None
-    """(3, 3) motion of image points; None where the image is rectified as it is."""
+    """(3, 3) mapping of image points; None if the image is already rectified."""
 
 
 def camera_of(
     T_world_camera: Array, rig: StereoRig, cx_px: float, eyes: EyesSettings
 ) -> RectifiedCamera:
-    """The camera that stands at a pose of the rig, whose principal point there is `cx_px`.
+    """The camera at a pose of the rig, with principal point `cx_px` in the rig.
 
     With gaze "shift" the sensor is shifted; with "toe-in" the camera turns until the target is in
-    the middle, which is where the shifted sensor has it too.
+    the middle of the image, as with the shifted sensor.
     """
     middle_px = (eyes.width - 1) / 2.0
     K_rig = _intrinsics(rig.focal_px, cx_px, rig.cy_px)
@@ -93,7 +93,7 @@ def camera_of(
 
 
 def rectified(image: NDArray[np.uint8], H_rectified_camera: Array | None) -> NDArray[np.uint8]:
-    """The image (H, W, 3) as the rectified rig has it; its border is stretched."""
+    """The image (H, W, 3) warped to the rectified rig; its border is replicated."""
     if H_rectified_camera is None:
         return image
     moved: NDArray[np.uint8] = cv2.warpPerspective(
@@ -111,7 +111,7 @@ def _intrinsics(focal_px: float, cx_px: float, cy_px: float) -> Array:
 
 
 def _camera(T_world_camera: Array, K: Array, eyes: EyesSettings) -> Camera:
-    """Rays of a camera: through (u, v) goes ``R K^-1 (u, v, 1)``, so that depth counts along z."""
+    """Rays of a camera: (u, v) has direction ``R K^-1 (u, v, 1)``, so that depth is along z."""
     directions = T_world_camera[:3, :3] @ np.linalg.inv(K)
     still = np.zeros(3)
     return Camera(

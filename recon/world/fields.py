@@ -1,4 +1,4 @@
-"""The values of a geometry file: their order, what their comments say, and what may stand there."""
+"""The values of a geometry file: their order, their comments and their valid ranges."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from recon.world.visuals import (
 Value = float | int | str | tuple[float, ...]
 
 LIMIT = 1e9
-"""Largest number: what is drawn has to fit into single precision, squares too."""
+"""Largest number: coordinates and their squares have to fit into single precision."""
 
 LEAST = 1e-9
 """Smallest size."""
@@ -22,7 +22,7 @@ LEAST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """The values of a line."""
+    """The type and range of the values of a line."""
 
     need: str
     """For messages: what is needed."""
@@ -32,12 +32,12 @@ class Kind:
     is_whole: bool = False
 
     def parse(self, text: str) -> Value:
-        """The value of a line; a single number stands for itself.
+        """The value of a line; a single number is not a tuple.
 
         Raises
         ------
         ValueError
-            Where the line holds anything else.
+            If the line holds anything else.
         """
         numbers = tuple(int(word) if self.is_whole else float(word) for word in text.split())
         if len(numbers) != self.count:
@@ -52,7 +52,7 @@ class Name(Kind):
     """A line that is a name."""
 
     def parse(self, text: str) -> Value:
-        """The line as it stands."""
+        """The line as it is."""
         return text
 
 
@@ -86,8 +86,8 @@ SHADER_FIELDS = (
     Field("shininess", "Shininess [0,128]", Kind("a number from 0 to 128", least=0, most=128)),
 )
 
-# Of each visual, what stands before its shader and texture index; the corners of a polygon follow
-# after them.
+# The fields of each visual before its shader and texture index; the corners of a polygon follow
+# these.
 VISUAL_FIELDS: dict[type[Visual], tuple[Field, ...]] = {
     SphereVisual: (Field("centre", "Center", VECTOR), Field("radius", "Radius", POSITIVE)),
     EllipsoidVisual: (
@@ -113,4 +113,4 @@ STRUCTURE = frozenset(
         *("shader index", "texture index", "vertex count"),
     )
 )
-"""Comments of values that are no field of one kind of record, lower case."""
+"""Comments of values that do not belong to one kind of record, lower case."""

@@ -1,4 +1,4 @@
-"""Images by Open3D's rasteriser Filament, which has light and shadows but needs Vulkan."""
+"""Images by Open3D's rasteriser Filament, which has lighting and shadows but needs Vulkan."""
 
 import contextlib
 import ctypes
@@ -29,7 +29,7 @@ APT_LINE = "apt-get install -y --no-install-recommends libvulkan1 mesa-vulkan-dr
 SUN_LUX = 64_000.0
 AMBIENT_LUX = 17_000.0
 
-# Where there is no Vulkan, making a renderer raises or kills the process, so it happens in a child.
+# Without Vulkan, creating a renderer raises or kills the process, so try it in a child.
 _PROBE = """
 from recon.libraries import load_open3d
 renderer = load_open3d().visualization.rendering.OffscreenRenderer(32, 32)
@@ -39,7 +39,7 @@ renderer.render_to_image()
 
 @functools.cache
 def filament_fault() -> str | None:
-    """Why Filament cannot draw here, with what cures it; None where it can."""
+    """The reason why Filament cannot draw here, with a remedy; None if it can."""
     result = subprocess.run(
         [sys.executable, "-c", _PROBE], capture_output=True, text=True, check=False
     )
@@ -56,11 +56,11 @@ _NUMBERS = itertools.count()
 
 
 class Filament:
-    """All triangles of a world on a stage that Filament draws.
+    """All triangles of a world, drawn by Filament on one shared stage.
 
     Parameters
     ----------
-    parts, looks : triangles of each visual, and how it looks
+    parts, looks : triangles and look of each visual
     images : the textures (H, W, 3)
     size : width and height of its images, pixels
     settings : the renderer's
@@ -68,9 +68,9 @@ class Filament:
     Raises
     ------
     MissingLibraryError
-        Where Filament cannot draw, with the line that cures it.
+        If Filament cannot draw, with the command that fixes it.
     InputError
-        Where this process has drawn images of another size.
+        If this process has drawn images of another size.
     """
 
     def __init__(
@@ -98,13 +98,13 @@ class Filament:
         return image
 
     def depth(self, camera: Camera) -> Array:
-        """Depth (H, W) along z at the middle of each pixel, NaN = nothing."""
+        """Depth (H, W) along z at the centre of each pixel, NaN = nothing."""
         return self._sample(camera, np.zeros(2))[1]
 
     def _sample(self, camera: Camera, offset_px: Array) -> tuple[Array, Array]:
-        """Colour (H, W, 3), 0 to 255, and depth (H, W), at one place (2,) off each pixel's middle.
+        """Colour (H, W, 3), 0 to 255, and depth (H, W), at an offset (2,) from each pixel centre.
 
-        Filament counts pixels from the corner, not the centre, and has no far plane.
+        Filament counts pixels from their corner, not their centre, and has no far plane.
         """
         self._enter()
         T_world_camera, K = _pose_and_intrinsics(camera.frame)
@@ -121,7 +121,7 @@ class Filament:
         return clear * rgb + (1.0 - clear) * sky, depth
 
     def _enter(self) -> None:
-        """Take the stage, should another world be on it."""
+        """Put this world on the stage if another one is there."""
         scene = self._stage.scene
         names = [f"{self._name} visual {number}" for number in range(len(self._visuals))]
         if not (names and scene.has_geometry(names[0])):
@@ -132,19 +132,19 @@ class Filament:
 
 @functools.cache
 def _stage(width: int, height: int) -> Any:
-    """The one renderer of this process: where there are two, Filament kills it at the end."""
+    """The only renderer of this process: with two, Filament crashes at exit."""
     fault = filament_fault()
     if fault:
         raise MissingLibraryError(fault)
     if _stage.cache_info().currsize:
         raise InputError(
-            f"cameras of {width} x {height} pixels: the filament renderer draws one size in a "
-            "process, and has drawn another; start anew or use the renderer raycast"
+            f"cameras of {width} x {height} pixels: the filament renderer draws one size per "
+            "process, and has drawn another; restart or use the renderer raycast"
         )
     with _quiet_stdout():
         stage = load_open3d().visualization.rendering.OffscreenRenderer(width, height)
     stage.scene.set_background([*(_encoded(np.array(SKY_RGB)) / 255.0), 1.0])
-    # Tone mapping and dithering would change the colours, and not twice in the same way.
+    # Tone mapping and dithering would change the colours, and not reproducibly.
     stage.scene.view.set_post_processing(False)
     light = stage.scene.scene
     light.enable_sun_light(True)
@@ -188,7 +188,7 @@ def _material(look: Look, images: Sequence[NDArray[np.uint8]], shading: bool) ->
 
 
 def _encoded(colour: NDArray[np.uint8] | Array) -> NDArray[np.uint8]:
-    """Colours 0 to 255 such that Filament, which takes them for sRGB, decodes to the same ones."""
+    """Colours, 0 to 255, encoded as sRGB, which Filament decodes again."""
     share = colour / 255.0
     srgb = np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
     return np.rint(255.0 * srgb).astype(np.uint8)
@@ -196,7 +196,7 @@ def _encoded(colour: NDArray[np.uint8] | Array) -> NDArray[np.uint8]:
 
 @contextlib.contextmanager
 def _quiet_stdout() -> Iterator[None]:
-    """Sends what the library prints to standard error: standard output is the command's own."""
+    """Redirect the library's output to stderr: stdout belongs to the command."""
     library = ctypes.CDLL(None)
     sys.stdout.flush()
     kept = os.dup(1)

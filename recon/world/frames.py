@@ -1,4 +1,4 @@
-"""One view as a folder of files that every stereo program reads."""
+"""One view as a folder of files that any stereo program can read."""
 
 from collections.abc import Callable
 from pathlib import Path

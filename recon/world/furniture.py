@@ -15,14 +15,14 @@ from recon.world.visuals import (
 )
 
 TEXTURES = ("grass", "leaves", "wood", "bubinga", "earth", "brick", "marble", "roof", "cobra")
-"""In the order in which visuals count them."""
+"""In the order of the visuals' texture indices."""
 BOARDS, WALLS, ROOFS, POSTS, LAMPS = (2, 3), (5, 6), (7, 8), (2, 4), (6, 8)
 TILE = 4.0
-"""World units that a texture covers on a plane."""
+"""Side of a texture tile on a plane, world units."""
 WHITE = (1.0, 1.0, 1.0, 1.0)
 LEG_RADIUS = 0.5
 INSET = 0.9
-"""Of a leg's middle from the edges of its board."""
+"""Distance of a leg's axis from the edges of its board."""
 
 
 def house(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
@@ -80,7 +80,7 @@ def lamp_post(rng: np.random.Generator, radius: float, x: float, z: float) -> tu
 
 
 class _Frame:
-    """A turned place on the floor in which corners are given as (along, across, height)."""
+    """A rotated frame on the floor, with corners given as (along, across, height)."""
 
     def __init__(self, rng: np.random.Generator, x: float, z: float) -> None:
         self.rotation = rotation_about_y(float(rng.uniform(0.0, np.pi)))

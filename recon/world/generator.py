@@ -22,10 +22,10 @@ CROWNS, TRUNKS = ("grass", "leaves"), ("wood", "bubinga", "earth")
 WALLS, ROOFS = ("brick", "marble", "earth"), ("roof", "cobra")
 
 START_ROOM = 12.0
-"""World units round the start that stay free, so that the agent can turn and walk."""
+"""Radius around the start that stays free, so that the agent can turn and walk."""
 
 TIP_RADIUS = 1.0
-"""Of the upper end of a cone, as in the thesis's worlds."""
+"""Radius of the upper end of a cone, as in the thesis's worlds."""
 
 GROUND_REACH = 500.0
 GROUND_RGBA = (0.5, 0.5, 0.0, 0.0)
@@ -41,20 +41,20 @@ def random_scene(
     floor_size: float = 200.0,
     kinds: "Sequence[Kind] | None" = None,
 ) -> Scene:
-    """A world of objects that stand at least `gap` apart, on plain ground.
+    """A world of objects at least `gap` apart, on plain ground.
 
     Parameters
     ----------
-    rng : where all chance comes from
-    num_objects : how many objects
-    gap : least free ground between two objects, and to the floor's border, world units
-    floor_size : side of the floor round the origin, world units
-    kinds : what grows, by default the thesis's three (`KINDS`)
+    rng : source of all randomness
+    num_objects : number of objects
+    gap : minimum distance between two objects, and to the floor's border, world units
+    floor_size : side of the floor around the origin, world units
+    kinds : kinds of objects, by default the thesis's three (`KINDS`)
 
     Raises
     ------
     InputError
-        Where so many objects do not fit so far apart.
+        If `num_objects` objects do not fit that far apart.
     """
     chosen = KINDS if kinds is None else kinds
     circles = [np.array([0.0, 0.0, START_ROOM - gap])]
@@ -94,7 +94,7 @@ def plain_ground() -> PolygonVisual:
 def _free_place(
     rng: np.random.Generator, circles: Array, distance: float, reach: float
 ) -> Array | None:
-    """A random x, z at least `distance` from all circles (x, z, radius); None where none is."""
+    """A random x, z at least `distance` from all circles (x, z, radius); None if none is found."""
     if reach <= 0:
         return None
     place: Array
@@ -162,7 +162,7 @@ KINDS: tuple[Kind, ...] = (
     (_pine_tree, 4.0, 8.0),
     (_cottage, 4.0, 8.0),
 )
-"""The kinds that grow, and their least and greatest radius, world units."""
+"""The kinds of objects, with their minimum and maximum radius, world units."""
 
 COMPOSITES: tuple[Kind, ...] = (
     (house, 6.0, 9.0),
@@ -170,4 +170,4 @@ COMPOSITES: tuple[Kind, ...] = (
     (bench, 4.0, 5.5),
     (lamp_post, 1.4, 2.0),
 )
-"""The same of composite objects."""
+"""The same for composite objects."""

@@ -18,7 +18,7 @@ def find_scene(scene: str | Path) -> Path:
     Raises
     ------
     InputError
-        Where there is neither, with the nearest shipped name.
+        If there is neither, with the nearest shipped name.
     """
     path = Path(scene)
     if path.exists():

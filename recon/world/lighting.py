@@ -1,4 +1,4 @@
-"""Light on surfaces, as OpenGL's fixed pipeline has it: a colour a corner (Gouraud)."""
+"""Lighting of surfaces as in OpenGL's fixed pipeline: one colour per corner (Gouraud)."""
 
 import dataclasses
 
@@ -8,7 +8,7 @@ from recon.world.solids import Triangles
 from recon.world.visuals import Shader
 
 SUN = np.array([0.36, 0.80, 0.48])
-"""Direction to the light in the world, of length 1."""
+"""Direction to the light in the world, unit length."""
 
 PLAIN = Shader(
     ambient=(0.45, 0.45, 0.45, 1.0),
@@ -17,11 +17,11 @@ PLAIN = Shader(
     emissive=(0.0, 0.0, 0.0, 1.0),
     shininess=0.0,
 )
-"""The material of a visual that has no shader: it keeps its own colour."""
+"""The material of a visual without a shader, which keeps its own colour."""
 
 
 def painted(part: Triangles, shader: Shader | None) -> Triangles:
-    """The part in its shader's colours, for a renderer that makes the light itself."""
+    """The part in its shader's colours, for a renderer with its own lighting."""
     if shader is None:
         return part
     colour = np.add(np.add(shader.ambient, shader.diffuse), shader.emissive)[:3]
@@ -30,10 +30,10 @@ def painted(part: Triangles, shader: Shader | None) -> Triangles:
 
 
 def lit(part: Triangles, shader: Shader | None) -> Triangles:
-    """The part with its corners' colours under the sun.
+    """The part with its corners lit by the sun.
 
-    A shader takes the place of the part's own colours. Highlights are left out: they move with
-    the camera, and two cameras would see them at a depth where nothing is.
+    A shader replaces the part's own colours. Specular highlights are omitted: they move with the
+    camera, so stereo would see them at a wrong depth.
     """
     material = shader or PLAIN
     facing = np.maximum(0.0, part.normals @ SUN)[..., None]

@@ -12,13 +12,13 @@ from recon.world.solids import Triangles
 
 
 def read_mesh(path: Path) -> Triangles:
-    """Triangles of a PLY or OBJ file, with its colours and texture coordinates where it has any.
+    """Triangles of a PLY or OBJ file, with its colours and texture coordinates if it has any.
 
     Raises
     ------
     InputError
-        Where there is no file, no triangle, a face of vertices that are not there, or a coordinate
-        that is not finite.
+        If the file is missing, has no triangles, a face with missing vertices, or a coordinate that
+        is not finite.
     """
     mesh = _read(path)
     if "indices" not in mesh.triangle or not len(mesh.triangle.indices):
@@ -27,11 +27,11 @@ def read_mesh(path: Path) -> Triangles:
     num = len(mesh.vertex.positions)
     if index.min() < 0 or index.max() >= num:
         raise InputError(
-            f"{path}: a face names vertices {index.min()} to {index.max()}, but there are {num}"
+            f"{path}: a face uses vertices {index.min()} to {index.max()}, but there are {num}"
         )
     corners = mesh.vertex.positions.numpy().astype(np.float64)[index]
     if not np.isfinite(corners).all():
-        raise InputError(f"{path}: a corner is not finite, but all have to be")
+        raise InputError(f"{path}: a corner is not finite, but all must be")
     mesh.compute_vertex_normals()
     return Triangles(
         corners=corners,

@@ -1,4 +1,4 @@
-"""The true objects of a scene: solids that stand on each other on one upright axis."""
+"""The true objects of a scene: solids stacked on a common upright axis."""
 
 import math
 from dataclasses import dataclass
@@ -17,24 +17,24 @@ from recon.world.visuals import (
 )
 
 TOUCH = 0.1
-"""Eye heights that the axes or the ends of two parts of one object may be apart."""
+"""Maximum distance of the axes or ends of two parts of one object, in eye heights."""
 
 COTTAGE_SHARE = 0.6
-"""A body at least this share as wide as the cone on it makes a cottage, a thinner one a pine."""
+"""Minimum width of a cottage's body relative to the cone on it; a thinner body makes a pine."""
 
 LAMP_POST = 13.0
-"""A body more than so many times as high as its radius carries a lamp, not a crown."""
+"""A body higher than this many times its radius carries a lamp, not a crown."""
 
 MAX_LEAN = 0.1
-"""Sine of the angle that an upright part may lean."""
+"""Sine of the maximum tilt of an upright part."""
 
 GROUND_SLOPE = 0.1
-"""Radians that ground leans at most."""
+"""Maximum slope of the ground, radians."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrueObject:
-    """An object as it stands in the scene; world coordinates and units."""
+    """An object of the scene; world coordinates and units."""
 
     id: int
     label: str
@@ -44,7 +44,7 @@ class TrueObject:
     size: Array
     """(3,) extent along the axes, from the ground up."""
     visuals: tuple[int, ...]
-    """Numbers of its parts in the scene, from the bottom up."""
+    """Indices of its parts in the scene, from the bottom up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,7 +60,7 @@ class _Part:
 
 
 def is_ground(visual: Visual, triangles: Triangles, eye_height: float) -> bool:
-    """Tell whether a visual is a polygon that lies flat at the height 0."""
+    """Determine whether a visual is a polygon that lies flat at height 0."""
     if not isinstance(visual, PolygonVisual) or not len(triangles.corners):
         return False
     is_level = np.abs(triangles.normals[..., 1]).min() >= math.cos(GROUND_SLOPE)
@@ -87,7 +87,7 @@ def _part(number: int, part: Triangles, is_plane: bool) -> _Part:
 
 
 def _groups(parts: list[_Part], touch: float) -> list[list[_Part]]:
-    """Parts put together as long as one comes within `touch` of a group on its axis."""
+    """Parts grouped as long as one is within `touch` of a group on its axis."""
     groups: list[list[_Part]] = []
     for part in parts:
         touching = [g for g in groups if any(_belong(part, other, touch) for other in g)]
@@ -137,7 +137,7 @@ def _label(visuals: list[Visual]) -> str:
 
 
 def _label_of_planes(visuals: list[Visual]) -> str:
-    """The name by how many planes lie, slope and stand, and on how many legs."""
+    """The name by the numbers of level, sloping and upright planes, and of legs."""
     rises = [_rise(visual) for visual in visuals if isinstance(visual, PolygonVisual)]
     num_level = sum(rise < MAX_LEAN for rise in rises)
     num_upright = sum(rise > 1.0 - MAX_LEAN for rise in rises)

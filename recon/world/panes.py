@@ -9,7 +9,7 @@ from recon.world.render import Camera
 
 
 def top_camera(floor: WorldSettings, size: int) -> Camera:
-    """Looks down on the floor: x to the right, z down; the longer side has `size` pixels."""
+    """The camera that looks down on the floor: x right, z down, the longer side `size` pixels."""
     return _parallel_camera(
         shape_units=(floor.size_x, floor.size_z),
         unit=_pixel_side(max(floor.size_x, floor.size_z), size),
@@ -20,7 +20,7 @@ def top_camera(floor: WorldSettings, size: int) -> Camera:
 
 
 def front_camera(floor: WorldSettings, size: int) -> Camera:
-    """Looks along -z at the floor's front: x to the right over `size` pixels, y up."""
+    """The camera that looks along -z at the floor's front: x right over `size` pixels, y up."""
     return _parallel_camera(
         shape_units=(floor.size_x, floor.height),
         unit=_pixel_side(floor.size_x, size),

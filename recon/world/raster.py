@@ -1,6 +1,6 @@
-"""Points, cells and triangles drawn without a GPU, and which of them every pixel shows.
+"""Points, cells and triangles drawn without a GPU, with the element that each pixel shows.
 
-A depth buffer, as graphics cards have it: of what falls on a pixel the nearest stays.
+A depth buffer: each pixel keeps the nearest element.
 """
 
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from recon.geometry import Array
 
 NOTHING = -1
 
-# Faces of a cell: the axis each is across, its side of it, and how bright it is.
+# Brightness of the faces of a cell, by axis and side: -x, +x, -y, +y, -z, +z.
 _BRIGHTNESS = np.array([0.72, 0.82, 0.55, 1.0, 0.78, 0.9], np.float32)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lens:
-    """A camera with square pixels; its middle is in the middle of the image."""
+    """A camera with square pixels and the principal point at the image centre."""
 
     T_world_cam: Array
     """(4, 4)"""
@@ -27,7 +27,7 @@ class Lens:
     height: int
     focal_px: float
     near: float = 1e-3
-    """World units; what is nearer is not drawn."""
+    """World units; nearer elements are not drawn."""
 
     @property
     def matrix(self) -> Array:
@@ -46,7 +46,7 @@ class Lens:
 
 
 class Raster:
-    """An image that is drawn into piece by piece.
+    """An image drawn incrementally.
 
     Parameters
     ----------
@@ -59,9 +59,9 @@ class Raster:
         self.lens = lens
         self.image: NDArray[np.uint8] = np.full((*shape, 3), background, np.uint8)
         self.inverse_depth = np.zeros(shape, np.float32)
-        """(H, W) one over depth; 0 = nothing."""
+        """(H, W) 1 / depth; 0 = nothing."""
         self.number = np.full(shape, NOTHING, np.int32)
-        """(H, W) which thing a pixel shows; NOTHING = none."""
+        """(H, W) number of the element that a pixel shows; NOTHING = none."""
 
     @property
     def _buffers(self) -> "Buffers":
@@ -93,7 +93,7 @@ class Raster:
         Parameters
         ----------
         covered : (K,) uint8
-            Bit f is set where face f (-x, +x, -y, +y, -z, +z) has a neighbour before it.
+            Bit f is set if face f (-x, +x, -y, +y, -z, +z) is covered by a neighbour.
         """
         _draw_cells(
             np.ascontiguousarray(index, np.int64), covered, (colours, numbers), cell_size,
@@ -140,7 +140,7 @@ Numbers = NDArray[np.int32]
 
 @numba.njit(cache=True)
 def _project(matrix: Array, point: Array, near: float, at: Array) -> bool:
-    """Put (u, v, 1 / depth) of a point into `at`; whether it lies before the camera."""
+    """Put (u, v, 1 / depth) of a point into `at`; return whether it is in front of the camera."""
     depth = matrix[2, 0] * point[0] + matrix[2, 1] * point[1] + matrix[2, 2] * point[2]
     depth += matrix[2, 3]
     if not depth > near:
@@ -156,7 +156,7 @@ def _project(matrix: Array, point: Array, near: float, at: Array) -> bool:
 def _paint(
     y: int, x: int, nearness: float, look: tuple[Colours, float, int], buffers: Buffers
 ) -> None:
-    """One pixel, where nothing nearer is."""
+    """Draw one pixel unless something nearer is there."""
     image, inverse, shown = buffers
     if nearness <= inverse[y, x]:
         return
@@ -200,7 +200,7 @@ def _draw_cells(
         for face in range(6):
             axis, side = face // 2, face % 2
             plane = (index[row, axis] + side) * cell
-            # Only faces that are bare and look at the eye.
+            # Only uncovered faces that face the camera.
             if covered[row] >> face & 1 or (eye[axis] - plane) * (2 * side - 1) <= 0:
                 continue
             if _project_face(index[row], cell, face, view, at):
@@ -213,7 +213,7 @@ def _draw_cells(
 def _project_face(
     index: NDArray[np.int64], cell: float, face: int, view: tuple[Array, Array, float], at: Array
 ) -> bool:
-    """Put the corners (4, 3) of a face into `at`; whether all lie before the camera."""
+    """Put the corners (4, 3) of a face into `at`; return whether all are in front of the camera."""
     axis = face // 2
     first, second = (axis + 1) % 3, (axis + 2) % 3
     place = np.empty(3)
@@ -252,7 +252,7 @@ def _draw_triangles(
 
 @numba.njit(cache=True)
 def _light(a: Array, b: Array, c: Array, eye: Array) -> float:
-    """0.45 to 1: the more, the more a triangle faces the eye, from either side."""
+    """Brightness, 0.45 to 1: higher the more a triangle faces the camera, from either side."""
     normal = np.cross(b - a, c - a)
     towards = eye - a
     length = np.sqrt((normal * normal).sum() * (towards * towards).sum())

@@ -1,4 +1,4 @@
-"""Triangles that rays and distances are asked of: the one place that talks to Open3D's scenes."""
+"""Ray and distance queries on triangles: the only user of Open3D's raycasting scenes."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -12,7 +12,7 @@ from recon.world.solids import Triangles
 
 
 class RayScene:
-    """Triangles of several parts, numbered through; there may be none at all."""
+    """Triangles of several parts, numbered consecutively; there may be none."""
 
     def __init__(self, parts: Iterable[Triangles]) -> None:
         self._corners = np.concatenate([np.empty((0, 3, 3)), *(part.corners for part in parts)])
@@ -26,21 +26,21 @@ class RayScene:
         return scene
 
     def first_hit(self, rays: NDArray[np.float32], reach: float) -> NDArray[np.int32]:
-        """Number (N,) of the first triangle each ray (N, 6) meets within `reach`, -1 = none.
+        """Number (N,) of the first triangle that each ray (N, 6) hits within `reach`, -1 = none.
 
-        A ray is origin and direction; reach counts in the length of its direction.
+        A ray is origin and direction; `reach` is in multiples of the direction's length.
         """
         return _first_hit(self._scene, rays, reach)
 
     def first_hit_without(
         self, hidden: NDArray[np.bool_], rays: NDArray[np.float32], reach: float
     ) -> NDArray[np.int32]:
-        """The same as if the `hidden` triangles (T,) were not there."""
+        """The same, ignoring the `hidden` triangles (T,)."""
         number = np.append(np.flatnonzero(~hidden), -1).astype(np.int32)
         return number[_first_hit(_build(self._corners[~hidden]), rays, reach)]
 
     def distance(self, points: Array) -> Array:
-        """(N,) distance of points (N, 3) to the nearest triangle, infinite where there is none."""
+        """(N,) distance of points (N, 3) to the nearest triangle, infinite if there is none."""
         if self._scene is None:
             return np.full(len(points), np.inf)
         query = load_open3d().core.Tensor.from_numpy(points.astype(np.float32))
@@ -48,7 +48,7 @@ class RayScene:
         return distance
 
     def encloses(self, points: Array) -> NDArray[np.bool_]:
-        """Tell which points (N, 3) lie inside: their rays cross an odd number of triangles."""
+        """Mask of the points (N, 3) inside: their rays cross an odd number of triangles."""
         if self._scene is None:
             return np.zeros(len(points), bool)
         query = load_open3d().core.Tensor.from_numpy(points.astype(np.float32))
@@ -56,7 +56,7 @@ class RayScene:
         return inside
 
     def covers(self, points_xz: Array) -> NDArray[np.bool_]:
-        """Tell which upright lines through x, z (N, 2) meet a triangle."""
+        """Mask of the vertical lines through x, z (N, 2) that hit a triangle."""
         rays = np.zeros((len(points_xz), 6), np.float32)
         rays[:, [0, 2]] = points_xz
         rays[:, 1] = self._corners[..., 1].max(initial=0.0) + 1.0
@@ -80,6 +80,6 @@ def _first_hit(scene: Any, rays: NDArray[np.float32], reach: float) -> NDArray[n
     if scene is None:
         return np.full(len(rays), -1, np.int32)
     hits = scene.cast_rays(load_open3d().core.Tensor.from_numpy(rays))
-    # Open3D's number of no triangle is 2^32 - 1, which reads -1.
+    # Open3D's index for "no triangle" is 2^32 - 1, which reads as -1.
     triangle = hits["primitive_ids"].numpy().view(np.int32)
     return np.where(hits["t_hit"].numpy() <= reach, triangle, np.int32(-1))

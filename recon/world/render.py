@@ -1,6 +1,6 @@
-"""Images by ray casting: Open3D finds what a ray hits, one compiled loop gives it its colour.
+"""Images by ray casting: Open3D finds the hits, a compiled loop computes the colours.
 
-Textures are read through mipmaps everywhere; edges, where mipmaps do not help, are supersampled.
+Textures are sampled through mipmaps; edges, where mipmaps do not help, are supersampled.
 """
 
 from collections.abc import Sequence
@@ -18,18 +18,18 @@ from recon.world.textures import build_atlas
 from recon.world.visuals import NONE
 
 SKY_RGB = (196.0, 212.0, 228.0)
-"""Pale, so that outlines that mix with it keep the hue of their object."""
+"""Pale, so that outlines blended with it keep the hue of their object."""
 
 ZENITH_RGB = (92.0, 142.0, 206.0)
-"""Overhead, where the sky is to deepen."""
+"""Colour overhead, if the sky has a gradient."""
 
 EDGE_STEP = 0.1
-"""Share of its depth by which a pixel's neighbour must be nearer or farther to make an edge."""
+"""Relative depth difference of neighbouring pixels that makes an edge."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Camera:
-    """Rays of an image, in the world; depth counts in the length of a ray's direction."""
+    """Rays of an image, in the world; depth is in multiples of a ray's direction."""
 
     width: int
     height: int
@@ -41,7 +41,7 @@ class Camera:
 
     @property
     def is_parallel(self) -> bool:
-        """True where all rays have one direction."""
+        """True if all rays have the same direction."""
         return not self.frame[[3, 5]].any()
 
 
@@ -50,18 +50,18 @@ class Look:
     """The look of a visual."""
 
     texture: int = NONE
-    """Its number among the images, -1 = none."""
+    """Index of its image, -1 = none."""
     one_sided: bool = False
-    """True where it is not to be seen from behind."""
+    """True if invisible from behind."""
 
 
 class Raycaster:
-    """All triangles of a world, ready to be looked at.
+    """All triangles of a world, ready for rendering.
 
     Parameters
     ----------
     parts : triangles of each visual
-    looks : how each visual looks
+    looks : the look of each visual
     images : the textures (H, W, 3)
     settings : the renderer's
     """
@@ -74,7 +74,7 @@ class Raycaster:
         settings: RenderSettings,
     ) -> None:
         counts = [len(part.corners) for part in parts]
-        # One longer than the triangles, so that number -1, the sky, reads -1 too.
+        # One longer than the triangles, so that index -1, the sky, maps to -1.
         self._visual = np.append(np.repeat(np.arange(len(parts)), counts), -1).astype(np.int32)
         self._texture = np.repeat(np.array([look.texture for look in looks], np.int32), counts)
         self._one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
@@ -117,7 +117,7 @@ class Raycaster:
         return self._scene.first_hit(rays, reach)
 
     def _turned_away(self, camera: Camera) -> NDArray[np.bool_]:
-        """Triangles (T,) that are not drawn, because they are seen from behind."""
+        """Triangles (T,) that are not drawn because they are seen from behind."""
         turned = self._one_sided.copy()
         corner, normal = self._facets[turned, :3], self._facets[turned, 3:6]
         towards = camera.frame[1] if camera.is_parallel else corner - camera.frame[0]
@@ -147,7 +147,7 @@ def _facets(part: Triangles) -> Array:
     values = np.concatenate([part.uv, part.colours], axis=2)
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    # Gradients in the plane: the values' rise along both edges and none along the normal.
+    # Gradients in the plane: the change along both edges, and none along the normal.
     frame = np.concatenate([edges, normal[:, None]], axis=1)
     rise = np.concatenate([values[:, 1:] - values[:, :1], np.zeros_like(values[:, :1])], axis=1)
     gradients = np.swapaxes(np.linalg.solve(frame, rise), 1, 2)
@@ -158,7 +158,7 @@ def _edges(visual: NDArray[np.int32], depth: Array) -> NDArray[np.bool_]:
     """Pixels (H, W) with a neighbour that shows another visual, or one much farther or nearer."""
     edge = np.zeros(visual.shape, bool)
     for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
-        # Where nothing is, depth is NaN and the visual tells.
+        # For the sky, depth is NaN and the visual decides.
         differ = (visual[a] != visual[b]) | (np.abs(depth[a] - depth[b]) > EDGE_STEP * depth[a])
         edge[a] |= differ
         edge[b] |= differ
@@ -178,7 +178,7 @@ def backdrop(settings: RenderSettings) -> Backdrop:
 
 
 def pixel_offsets(side: int) -> Array:
-    """(side^2, 2) places inside a pixel, round its middle."""
+    """(side^2, 2) sample offsets inside a pixel, relative to its centre."""
     steps = (np.arange(side) + 0.5) / side - 0.5
     v, u = np.meshgrid(steps, steps, indexing="ij")
     return np.column_stack([u.ravel(), v.ravel()])

@@ -1,4 +1,4 @@
-"""Renderers by name: what turns the triangles of a world into images."""
+"""Renderers by name, which turn the triangles of a world into images."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -14,7 +14,7 @@ from recon.world.visuals import Scene
 
 
 class Renderer(Protocol):
-    """A world that can be looked at."""
+    """A world that can be rendered."""
 
     def look(self, camera: Camera) -> NDArray[np.uint8]:
         """The image (H, W, 3) RGB of a camera."""
@@ -22,7 +22,7 @@ class Renderer(Protocol):
 
 
 BuildRenderer = Callable[[Scene, list[Triangles], tuple[int, int], RenderSettings], Renderer]
-"""Of a scene, the triangles of each visual, width and height of the images, and the settings."""
+"""Called with a scene, the triangles of each visual, width and height, and the settings."""
 
 RENDERERS: Registry[BuildRenderer] = Registry(
     "recon.renderers",

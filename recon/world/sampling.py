@@ -1,4 +1,4 @@
-"""The compiled loops: the rays of image points, and the colours of what they hit."""
+"""The compiled loops: the rays of image points, and the colours of their hits."""
 
 import numpy as np
 from numba import njit
@@ -18,7 +18,7 @@ Backdrop = tuple[Array, Array, float]
 
 @njit(cache=True, nogil=True)
 def cast_rays(frame: Array, points_px: Array, near: float) -> NDArray[np.float32]:
-    """Rays (N, 6) of image points (N, 2), from the near plane on; `frame` is a `Camera`'s."""
+    """Rays (N, 6) of image points (N, 2), starting at the near plane; `frame` is a `Camera`'s."""
     rays = np.empty((len(points_px), 6), np.float32)
     for n in range(len(points_px)):
         origin, direction = _ray(frame, points_px[n, 0], points_px[n, 1])
@@ -69,7 +69,7 @@ def shade(
 
 @njit(cache=True, nogil=True)
 def _hit(facets: Array, facet: int, origin: Vec, direction: Vec) -> tuple[float, Vec]:
-    """Depth along a ray of the plane of a facet, and the place there relative to its corner."""
+    """Depth of a facet's plane along a ray, and the hit point relative to the facet's corner."""
     normal, offset = _row(facets, facet, 3), _sub(_row(facets, facet, 0), origin)
     depth: float = _dot(normal, offset) / _dot(normal, direction)
     return depth, _sub(_scaled(direction, depth), offset)
@@ -77,7 +77,7 @@ def _hit(facets: Array, facet: int, origin: Vec, direction: Vec) -> tuple[float,
 
 @njit(cache=True, nogil=True)
 def _tinted(rgb: Vec, facets: Array, facet: int, hit: Vec) -> Vec:
-    """A colour times the surface's own at a place relative to the facet's corner."""
+    """A colour times the surface's own at a hit point relative to the facet's corner."""
     return (
         rgb[0] * _value(facets, facet, 2, hit),
         rgb[1] * _value(facets, facet, 3, hit),
@@ -146,7 +146,7 @@ def _sky(backdrop: Backdrop, direction: Vec) -> Vec:
 
 @njit(cache=True, nogil=True)
 def _value(facets: Array, facet: int, number: int, hit: Vec) -> float:
-    """u, v, red, green or blue (number 0 to 4) at a place relative to the facet's corner."""
+    """u, v, red, green or blue (number 0 to 4) at a hit point relative to the facet's corner."""
     value: float = facets[facet, 6 + number] + _dot(_row(facets, facet, 11 + 3 * number), hit)
     return value
 

@@ -1,8 +1,8 @@
 """The geometry file, read and written (thesis Appendix B, and MESH as an extension).
 
-Lines that begin with ``#`` are comments whose text is free; what counts is the order of the other
-lines, each of which holds one value. Where a comment names another value of the same record than
-the one that is due, the due one is missing.
+Lines that begin with ``#`` are comments with free text; the order of the other lines matters, each
+of which holds one value. A comment that names another value of the record than the expected one
+shows that the expected one is missing.
 """
 
 from collections.abc import Iterator
@@ -40,12 +40,12 @@ KINDS: dict[str, type[Visual]] = {record.kind: record for record in VISUAL_FIELD
 class _Line(NamedTuple):
     number: int
     comment: str
-    """Of the nearest comment since the value before, lower case."""
+    """Text of the last comment since the previous value, lower case."""
     text: str
 
 
 class _Reader:
-    """The value lines of a file, taken one after the other."""
+    """The value lines of a file, read one after the other."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -77,12 +77,12 @@ class _Reader:
         raise InputError(f"{self.path}:{number}: {message}")
 
     def fail_last(self, message: str) -> NoReturn:
-        """Fail at the value that was taken last."""
+        """Fail at the last value read."""
         self.fail(self.lines[self.next - 1].number, message)
 
 
 def _shown(text: str) -> str:
-    """A line as messages quote it: what is no geometry file may have very long ones."""
+    """A line as quoted in messages, shortened: other files may have very long lines."""
     return repr(text if len(text) <= MAX_QUOTED else f"{text[:MAX_QUOTED]}...")
 
 
@@ -103,9 +103,9 @@ def read_scene(path: str | Path) -> Scene:
     Raises
     ------
     InputError
-        "FILE:LINE: what, value, need": for a missing or unreadable value, a number out of its
-        range, counts that do not hold, an unknown visual, and a texture or mesh that a visual
-        uses and that is nowhere. Textures that no visual uses are not looked up.
+        "FILE:LINE: what, value, need": for a missing or unreadable value, a number out of range,
+        wrong counts, an unknown visual, and a missing texture or mesh of a visual. Textures that no
+        visual uses are not looked up.
     """
     reader = _Reader(Path(path))
     count = {
@@ -184,10 +184,10 @@ def _check_file(reader: _Reader, what: str, name: str) -> None:
 
 
 def _check_place(reader: _Reader, what: str, name: str, file: Path) -> None:
-    """A scene of somebody else's is not to read any file of this machine."""
+    """An untrusted scene must not read arbitrary files of this machine."""
     if not may_read(file, reader.path.parent, SHIPPED):
         reader.fail_last(
-            f"{what} is {name!r}, which lies outside of the scene's folder; give --allow-outside"
+            f"{what} is {name!r}, which lies outside the scene's folder; give --allow-outside"
         )
 
 
@@ -209,7 +209,7 @@ def _vertices(reader: _Reader, what: str) -> tuple[Vertex, ...]:
 
 
 def write_scene(scene: Scene, path: str | Path) -> None:
-    """Write a geometry file from which `read_scene` makes the same scene."""
+    """Write a geometry file that `read_scene` reads back as the same scene."""
     Path(path).write_text("\n".join(_lines(scene)) + "\n", encoding="utf-8")
 
 

@@ -10,7 +10,7 @@ from recon.geometry import Array
 from recon.settings.world import RenderSettings
 
 GRAIN_REACH = 4.0
-"""Standard deviations of the grain that its blur reaches."""
+"""Radius of the grain's blur kernel, in standard deviations."""
 
 
 def exposed(
@@ -23,8 +23,7 @@ def exposed(
 ) -> NDArray[np.uint8]:
     """The image (H, W, 3) of a camera: blurred, amplified and noisy as the settings say.
 
-    The noise comes from the seed and the camera's frame, so that a view looks the same whenever it
-    is taken.
+    The noise depends on the seed and the camera's frame only, so that a view is reproducible.
     """
     if settings.blur_px == 0 and settings.noise == 0 and (gain, offset) == (1.0, 0.0):
         return image

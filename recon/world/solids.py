@@ -16,14 +16,14 @@ from recon.world.visuals import (
     Visual,
 )
 
-# A file's Slices and Stacks say how coarsely OpenGL drew; here every solid is round to less than
-# a thousandth of its radius.
+# A file's Slices and Stacks set OpenGL's resolution; here every solid is round to less than a
+# thousandth of its radius.
 SLICES = 96
 SPHERE_STACKS = 48
 CONE_STACKS = 16
 
 SLIVER = 1e-9
-"""Share of its edges' squares that a triangle's area must have."""
+"""Minimum area of a triangle, relative to the sum of its squared edges."""
 
 WHITE = (1.0, 1.0, 1.0)
 
@@ -39,7 +39,7 @@ class Triangles:
     uv: Array
     """(T, 3, 2) texture coordinates: 1 is one repeat; v grows downwards."""
     colours: Array
-    """(T, 3, 3) red, green, blue from 0 to 1, which the texture is multiplied by."""
+    """(T, 3, 3) red, green, blue from 0 to 1, multiplied with the texture."""
 
     def without_slivers(self) -> "Triangles":
         """The triangles that have an area."""
@@ -55,9 +55,9 @@ class Triangles:
 
 
 def sphere_triangles(visual: SphereVisual | EllipsoidVisual, tile: float) -> Triangles:
-    """Triangles of a sphere or ellipsoid, its poles above and below.
+    """Triangles of a sphere or ellipsoid, its poles at the top and bottom.
 
-    A texture covers `tile` world units before it repeats, so that it looks alike on any size.
+    A texture covers `tile` world units before it repeats, so that it looks the same at any size.
     """
     radii = np.zeros(3) + (visual.radius if isinstance(visual, SphereVisual) else visual.radii)
     polar = np.linspace(0.0, np.pi, SPHERE_STACKS + 1)
@@ -110,7 +110,7 @@ def cylinder_triangles(visual: CylinderVisual, tile: float) -> Triangles:
 
 
 def lid_triangles(visual: CylinderVisual) -> tuple[Triangles, Triangles]:
-    """Cones inside an open cylinder that close its ends, for those who look along its axis."""
+    """Cones inside an open cylinder that close its ends against rays along its axis."""
     bare = visual.height
     return (
         cylinder_triangles(dataclasses.replace(visual, radius_base=0.0), bare),
@@ -119,7 +119,7 @@ def lid_triangles(visual: CylinderVisual) -> tuple[Triangles, Triangles]:
 
 
 def polygon_triangles(visual: PolygonVisual) -> Triangles:
-    """A polygon as a fan round its first corner, with its own colours and coordinates."""
+    """A polygon as a fan around its first corner, with its own colours and coordinates."""
     count = len(visual.vertices)
     fan = np.array([(0, n, n + 1) for n in range(1, count - 1)])
     corners = np.array([vertex.position for vertex in visual.vertices], np.float64)[fan]
@@ -135,7 +135,7 @@ def polygon_triangles(visual: PolygonVisual) -> Triangles:
 
 
 def contains(visual: Visual, points: Array) -> NDArray[np.bool_]:
-    """Tell which points (N, 3) lie in a sphere, an ellipsoid, or a cylinder closed at its ends."""
+    """Mask of the points (N, 3) in a sphere, an ellipsoid, or a cylinder closed at its ends."""
     if isinstance(visual, SphereVisual | EllipsoidVisual):
         reach = visual.radius if isinstance(visual, SphereVisual) else np.array(visual.radii)
         inside: NDArray[np.bool_] = np.linalg.norm((points - visual.centre) / reach, axis=1) <= 1.0
@@ -152,7 +152,7 @@ def contains(visual: Visual, points: Array) -> NDArray[np.bool_]:
 
 
 def quarter_turns(rotation: Vector) -> Array:
-    """(3, 3) rotation by quarter turns about x, then y, then z; whole ones exactly."""
+    """(3, 3) rotation by quarter turns about x, then y, then z; exact for whole turns."""
     R = np.eye(3)
     for axis, turns in enumerate(rotation):
         angle = turns * np.pi / 2.0
@@ -174,7 +174,7 @@ def _grid_uv(shape: tuple[int, int], around: float, along: float, tile: float) -
 
 
 def _grid_triangles(points: Array, normals: Array, uv: Array) -> Triangles:
-    """Two triangles a cell of grids (A, B, ...); the outside is to the left of a row's way."""
+    """Two triangles per cell of grids (A, B, ...); the outside is left of a row's direction."""
     number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
     a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
     c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()

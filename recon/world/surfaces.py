@@ -1,4 +1,4 @@
-"""A scene's surfaces: their triangles, and how they look."""
+"""A scene's surfaces: their triangles and their look."""
 
 from pathlib import Path
 

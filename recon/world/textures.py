@@ -1,4 +1,4 @@
-"""Images that cover visuals: looked up by name, and laid out with their mipmaps for sampling."""
+"""Texture images, looked up by name and laid out with their mipmaps for sampling."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from recon.errors import InputError
 from recon.world.visuals import MeshVisual, Scene
 
 SHIPPED = Path(__file__).parent / "shipped"
-"""Recon's own images, made by tools/make_textures.py."""
+"""recon's own images, created by tools/make_textures.py."""
 
 _ENDINGS = (".tga", ".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm")
 
@@ -22,7 +22,7 @@ _ENDINGS = (".tga", ".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm")
 def find_texture(name: str, folder: Path | None) -> Path | None:
     """The image that a scene in `folder` calls `name`: beside the scene first, then recon's own.
 
-    The ending does not count: "textures/wood.tga" may be wood.png.
+    The suffix is ignored: "textures/wood.tga" may be wood.png.
     """
     if folder is not None:
         exact = folder / name
@@ -35,7 +35,7 @@ def find_texture(name: str, folder: Path | None) -> Path | None:
 
 
 def scene_files(scene: Scene) -> tuple[Path, ...]:
-    """The files that a scene needs beside its own: meshes, and textures of its visuals."""
+    """The further files of a scene: meshes, and textures of its visuals."""
     names = {name for visual in scene.visuals if (name := scene.texture_of(visual))}
     textures = {find_texture(name, scene.folder) for name in names}
     meshes = {
@@ -52,7 +52,7 @@ def read_texture(name: str, folder: Path | None) -> NDArray[np.uint8]:
     Raises
     ------
     InputError
-        Where it is nowhere, or no image.
+        If it is missing or not an image.
     """
     path = find_texture(name, folder)
     if path is None:
@@ -66,7 +66,7 @@ def read_texture(name: str, folder: Path | None) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TextureAtlas:
-    """Textures and all their smaller levels, one after the other, for one compiled loop."""
+    """Textures and their mipmap levels in one array, for the compiled loop."""
 
     texels: NDArray[np.uint8]
     """(T, 3) RGB, row by row, level by level."""

@@ -1,4 +1,4 @@
-"""Views round or past what stands in a world, for recordings that are rendered."""
+"""Views around or past the objects of a world, for rendered recordings."""
 
 from pathlib import Path
 
@@ -10,20 +10,21 @@ from recon.records import View
 
 MAX_VIEWS = 10_000
 _ELEVATION_DEG = 25.0
-"""Height of a ring's cameras, seen from the middle."""
+"""Elevation of a ring's cameras, seen from the centre."""
 _ROOM = 1.15
-"""Room round what is to be seen."""
+"""Margin around the box in view."""
 _PARALLEL = 1e6
-"""Distances to the middle at which the axes of both cameras meet: as good as never."""
+"""Distance at which the axes of both cameras meet, relative to the target's: practically
+parallel."""
 
 
 def planned_views(text: str, low: Array, high: Array, fov_deg: float) -> list[View]:
-    """Views of what stands in a box, as a text asks for them.
+    """Views of the content of a box, as specified by a text.
 
     Parameters
     ----------
     text : str
-        ``ring:N``, a circle round the middle; ``drive:N``, a straight line past it; or a file
+        ``ring:N``, a circle around the middle; ``drive:N``, a straight line past it; or a file
         whose rows are the position and the target of a view, six numbers.
     low, high : (3,)
         Corners of the box, world.

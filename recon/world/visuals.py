@@ -1,4 +1,4 @@
-"""The contents of a geometry file: shaders, and visuals of a world (thesis Appendix B)."""
+"""The content of a geometry file: shaders and visuals of a world (thesis Appendix B)."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +8,7 @@ Vector = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 
 NONE = -1
-"""The index of no shader or no texture."""
+"""The index that means no shader or no texture."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +78,7 @@ class PolygonVisual:
 
     kind: ClassVar[str] = "POLYGON"
     cull_back: bool
-    """True where it is not to be seen from behind."""
+    """True if invisible from behind."""
     shader: int = NONE
     texture: int = NONE
     vertices: tuple[Vertex, ...]
@@ -100,14 +100,14 @@ Visual = SphereVisual | EllipsoidVisual | CylinderVisual | PolygonVisual | MeshV
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scene:
-    """A geometry file's content, in the file's order; indices count from 0."""
+    """The content of a geometry file, in file order; indices start at 0."""
 
     shaders: tuple[Shader, ...] = ()
     textures: tuple[str, ...] = ()
-    """Names as the file has them, "textures/wood.tga"."""
+    """Names as in the file, "textures/wood.tga"."""
     visuals: tuple[Visual, ...]
     folder: Path | None = None
-    """Folder of its textures and meshes; None where the scene was not read from a file."""
+    """Folder of its textures and meshes; None if the scene was not read from a file."""
 
     def texture_of(self, visual: Visual) -> str | None:
         """The name of a visual's texture."""

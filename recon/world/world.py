@@ -1,4 +1,4 @@
-"""The simulator: a scene, two cameras, and everything that is true in it."""
+"""The simulator: a scene, two cameras and the ground truth."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ MAX_GROUND_CELLS = 100_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Truth:
-    """The truth, for each pixel of a view's LEFT image."""
+    """The ground truth for each pixel of a view's LEFT image."""
 
     depth: Array
     """(H, W) along z of the left camera, world units; NaN = nothing."""
@@ -53,17 +53,17 @@ class Truth:
 
 
 class World:
-    """A simulated world that can be looked at from anywhere.
+    """A simulated world that can be viewed from anywhere.
 
     Parameters
     ----------
-    scene : what stands in it
+    scene : its content
     eyes, render, world : settings of the cameras, the renderer and the floor
 
     Raises
     ------
     InputError
-        For a texture or a mesh that is nowhere or cannot be read.
+        For a texture or a mesh that is missing or cannot be read.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class World:
         self._closed = RayScene([*solid, *lids(scene)])
         self._rooms: dict[float, BodyRoom] = {}
         self.objects: tuple[TrueObject, ...] = true_objects(scene.visuals, parts, eyes.eye_height)
-        # One longer than the visuals, so that number -1, the sky, reads -1 too.
+        # One longer than the visuals, so that index -1, the sky, maps to -1.
         self._object_of = np.full(len(parts) + 1, -1, np.int32)
         for found in self.objects:
             self._object_of[list(found.visuals)] = found.id
@@ -116,7 +116,7 @@ class World:
         Raises
         ------
         InputError
-            Where the view is not finite, looks straight up or down, or has unusable parameters.
+            If the view is not finite, looks straight up or down, or has unusable parameters.
         """
         rig, T_world_left, eyes = self._stand(view)
         left = self._see(camera_of(T_world_left, rig, rig.cx_left_px, eyes))
@@ -129,7 +129,7 @@ class World:
         return StereoPair(left=left, right=right, rig=rig, T_world_left=T_world_left)
 
     def truth(self, view: View) -> Truth:
-        """The truth of the left image of `take(view)`."""
+        """The ground truth of the left image of `take(view)`."""
         rig, T_world_left, eyes = self._stand(view)
         straight = dataclasses.replace(eyes, gaze="shift")
         at = camera_of(T_world_left, rig, rig.cx_left_px, straight)
@@ -155,7 +155,7 @@ class World:
 
     @property
     def box(self) -> tuple[Array, Array]:
-        """Lowest and highest corner (3,) of what stands in the world; of everything if nothing."""
+        """Lowest and highest corner (3,) of the objects; of everything if there are none."""
         standing = [part.corners.reshape(-1, 3) for part in self._parts.values()]
         points = np.concatenate(standing) if standing else self._corners.reshape(-1, 3)
         return points.min(axis=0), points.max(axis=0)
@@ -181,14 +181,14 @@ class World:
     def clearance(self, positions: ArrayLike) -> Array:
         """(N,) distance of points (N, 3) to the nearest object's surface, ground excluded.
 
-        Also inside an object this is the distance to its surface: `is_inside` tells them apart.
+        Inside an object, too, this is the distance to its surface: see `is_inside`.
         """
         return self._solids.distance(_points("positions", positions))
 
     def body_clearance(self, places_xz: ArrayLike, height: float) -> Array:
         """(N,) distance of upright axes at x, z (N, 2) to the nearest surface, ground excluded.
 
-        The axes reach from the ground up to `height`, as that of a body does.
+        The axes extend from the ground to `height`, like that of a body.
         """
         places = np.asarray(places_xz, dtype=np.float64)
         check_shape("places_xz", places, (None, 2))
@@ -202,7 +202,7 @@ class World:
         return self._surfaces.distance(_points("points_world", points_world))
 
     def is_inside(self, positions: ArrayLike) -> NDArray[np.bool_]:
-        """(N,) whether points (N, 3) lie inside a solid, a mesh, or walls of polygons."""
+        """(N,) mask of the points (N, 3) inside a solid, a mesh, or walls of polygons."""
         points = _points("positions", positions)
         walls = [p for v, p in self._parts.items() if isinstance(v, PolygonVisual | MeshVisual)]
         inside = RayScene(walls).encloses(points)
@@ -211,14 +211,14 @@ class World:
         return inside
 
     def free_ground(self, cell_size: float = 1.0) -> NDArray[np.bool_]:
-        """(X, Z) cells of the floor whose middle no object stands on or hangs over.
+        """(X, Z) mask of the floor cells whose centre no object stands on or hangs over.
 
         Cell (i, j) begins at x = i cell_size - size_x / 2, z = j cell_size - size_z / 2.
 
         Raises
         ------
         InputError
-            Where the floor has more cells than fit into memory.
+            If the floor has more cells than fit into memory.
         """
         size = np.array([self.floor.size_x, self.floor.size_z])
         num_x, num_z = np.ceil(size / cell_size - 1e-9).astype(np.int64).tolist()

@@ -241,7 +241,7 @@ def test_an_archive_of_too_many_arrays(tmp_path):
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         for number in range(2001):
             archive.writestr(f"{number}.npy", stream.getvalue())
-    refused(tmp_path / "a.npz", "2001 arrays, but 2000 are the most")
+    refused(tmp_path / "a.npz", "2001 arrays, but at most 2000 are allowed")
 
 
 def test_a_line_without_an_end_is_no_table(tmp_path):

@@ -167,5 +167,5 @@ def test_what_is_wrong_is_named(tmp_path, text, message):
 
 def test_binary_files_are_refused(tmp_path):
     (tmp_path / "calib.txt").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(InputError, match="is not text in UTF-8"):
+    with pytest.raises(InputError, match="is not UTF-8 text"):
         read_calibration(tmp_path / "calib.txt")

@@ -136,7 +136,7 @@ def test_a_lying_size_takes_no_memory(tmp_path, path):
 
 def test_objects_are_never_unpickled(tmp_path):
     np.savez(tmp_path / "evil.npz", version=np.array([print], dtype=object))
-    refused(tmp_path / "evil.npz", "not plain numbers")
+    refused(tmp_path / "evil.npz", "not contain plain numbers")
 
 
 def test_what_is_no_archive_is_refused(tmp_path):

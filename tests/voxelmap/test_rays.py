@@ -86,7 +86,7 @@ def test_long_rays_find_room():
 
 def test_a_ray_without_end_is_refused():
     voxel_map = VoxelMap(1.0, channels=["rays"])
-    with pytest.raises(InputError, match="a scan is 2e\\+06 cells wide, but 524287 is the most"):
+    with pytest.raises(InputError, match="a scan is 2e\\+06 cells wide, but at most 524287"):
         voxel_map.insert(cloud([[2e6, 0, 0]]), [0, 0, 0])
     assert voxel_map.num_cells == 0
 

@@ -73,5 +73,5 @@ def test_a_view_of_no_cell_is_refused():
     whole = a_map(range(2))
     cells = sums_of(whole)
     cells.views[:3, 0] += 1000
-    with pytest.raises(InputError, match="no point"):
+    with pytest.raises(InputError, match="without a point"):
         again(cells, whole)

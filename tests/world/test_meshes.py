@@ -13,5 +13,5 @@ def test_a_face_of_vertices_that_are_not_there_is_refused(tmp_path, corner):
         f"ply\nformat ascii 1.0\nelement vertex 3\n{xyz}element face 1\n"
         f"property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 {corner}\n"
     )
-    with pytest.raises(InputError, match=r"a face names vertices -?\d+ to \d+, but there are 3"):
+    with pytest.raises(InputError, match=r"a face uses vertices -?\d+ to \d+, but there are 3"):
         read_mesh(tmp_path / "a.ply")

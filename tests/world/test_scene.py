@@ -310,7 +310,7 @@ def test_a_scene_reads_only_below_its_own_folder_unless_that_is_allowed(tmp_path
     Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
     scene = outside_scene(tmp_path, texture.format(tmp_path))
     (scene.parent / "linked.png").symlink_to(tmp_path / "a.png")
-    with pytest.raises(InputError, match="outside of the scene's folder; give --allow-outside"):
+    with pytest.raises(InputError, match="outside the scene's folder; give --allow-outside"):
         read_scene(scene)
     with outside_allowed():
         if "nowhere" in texture:
