@@ -138,7 +138,7 @@ def _read_array(file: BinaryIO | Any, name: str, num_bytes: int) -> NDArray[Any]
     # `read` allocates the requested size first, so a false claim must not reach it.
     data = file.read(min(claimed + 1, num_bytes, sys.maxsize))
     if len(data) != claimed:
-        raise InputError(f"{name} claims {claimed} bytes, but has {len(data)}")
+        raise InputError(f"{name} claims {claimed} bytes, but holds {len(data)}")
     return np.frombuffer(data, dtype).reshape(shape, order="F" if is_fortran else "C")
 
 
