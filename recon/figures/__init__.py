@@ -1,1 +1,1 @@
-"""Images of what was found: one kind a file, records in, images (H, W, 3) out."""
+"""Figures of the results: one kind per file, records in, images (H, W, 3) out."""

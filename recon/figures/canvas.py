@@ -1,4 +1,4 @@
-"""The sheet that figures are drawn on, and how it becomes a file, byte for byte the same."""
+"""The sheet that figures are drawn on, and its reproducible output to a file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,25 +23,25 @@ ACCENT = "#b3391f"
 FORMATS = ("png", "pdf", "svg")
 
 FONT_SHARE = 0.0135
-"""Height of letters where nobody says, as a share of the sheet's mean side."""
+"""Default font size, as a share of the sheet's mean side."""
 SMALLEST_FONT = 6.5
-"""Points; what is printed smaller is not read."""
+"""Points; smaller print is illegible."""
 POINTS_PER_INCH = 72.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Style:
-    """Looks of a figure, whatever it shows."""
+    """The look of a figure, independent of its content."""
 
     dpi: int = DPI
     font_size: float | None = None
-    """Points; in proportion to the sheet where None."""
+    """Points; in proportion to the sheet if None."""
     with_title: bool = True
     background: Background = "white"
 
 
 class Sheet:
-    """A matplotlib figure, or a panel of one, with the fonts and lines of the house.
+    """A matplotlib figure, or a panel of one, with the common fonts and lines.
 
     Parameters
     ----------
@@ -83,14 +83,14 @@ class Sheet:
         return 1.35 * self.font_size * self.style.dpi / POINTS_PER_INCH
 
     def place_by_hand(self) -> None:
-        """Leave axes where they are put; a sheet of panels keeps arranging the others."""
+        """Keep axes where they are placed; a sheet of panels still arranges the others."""
         from matplotlib.figure import Figure
 
         if isinstance(self.figure, Figure):
             self.figure.set_layout_engine("none")
 
     def settle(self) -> None:
-        """Arrange what is there, so that axes have their place in pixels."""
+        """Run the layout, so that axes have their position in pixels."""
         root = self.figure.get_figure(root=True)
         engine = root.get_layout_engine()
         if engine is not None:
@@ -101,7 +101,7 @@ class Sheet:
     def panels(
         self, rows: int, columns: int, *, font_share: float = 1.0, **ratios: Any
     ) -> NDArray[np.object_]:
-        """Sheets (rows, columns) side by side on this one, with letters of `font_share`."""
+        """Sheets (rows, columns) side by side on this one, with fonts scaled by `font_share`."""
         grid = self.figure.subfigures(rows, columns, squeeze=False, **ratios)
         for panel in grid.flat:
             panel.set_facecolor("none")
@@ -109,7 +109,7 @@ class Sheet:
         return np.array(sheets, dtype=object).reshape(rows, columns)
 
     def axes(self, title: str = "", xlabel: str = "", ylabel: str = "", at: Any = 111) -> Any:
-        """Axes with a title, unless the style wants none, and quiet lines."""
+        """Axes with a title, unless the style has none, and thin lines."""
         axes = self.figure.add_subplot(*np.atleast_1d(at).tolist())
         self.dress(axes, title)
         axes.set_xlabel(xlabel, color=INK, fontsize=self.font_size)
@@ -117,7 +117,7 @@ class Sheet:
         return axes
 
     def dress(self, axes: Any, title: str = "") -> None:
-        """Give axes the house's fonts and lines."""
+        """Give axes the common fonts and lines."""
         axes.set_facecolor("none" if self.style.background == "transparent" else "white")
         if title and self.style.with_title:
             axes.set_title(title, color=INK, fontsize=1.1 * self.font_size, loc="left")
@@ -126,7 +126,7 @@ class Sheet:
             spine.set_color(FAINT)
 
     def colour_bar(self, coloured: Any, axes: Any, label: str, **placed: Any) -> Any:
-        """The numbers that colours stand for, beside the axes and as high as they are."""
+        """Add a colour bar beside the axes, as high as they are."""
         thick = 0.7 * self.line_px / axes.get_window_extent().width
         place = axes.inset_axes((1.0 + thick, 0.0, thick, 1.0))
         bar = self.figure.colorbar(coloured, cax=place, **placed)
@@ -134,7 +134,7 @@ class Sheet:
         return bar
 
     def dress_bar(self, bar: Any, label: str) -> None:
-        """Give a colour bar the house's fonts and lines."""
+        """Give a colour bar the common fonts and lines."""
         bar.set_label(label, color=INK, fontsize=self.font_size)
         bar.ax.tick_params(colors=QUIET, labelcolor=INK, labelsize=0.9 * self.font_size)
         bar.outline.set_edgecolor(FAINT)
@@ -153,12 +153,12 @@ def pixels(figure: Any) -> Image:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a figure by the ending of `path`, whole, without a date or a program's name in it.
+    """Write a figure atomically, in the format of the suffix, without date or program name.
 
     Raises
     ------
     InputError
-        For an ending that is none of FORMATS.
+        For a suffix that is not one of FORMATS.
     """
     from matplotlib import rc_context
 
@@ -170,6 +170,6 @@ def save(figure: Any, path: Path) -> None:
         "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
         "svg": {"Creator": None, "Date": None},
     }[kind]
-    # Journals refuse Type 3 fonts; the ids of an SVG are drawn by lot unless they have a salt.
+    # Journals refuse Type 3 fonts; the ids of an SVG are random without a salt.
     with rc_context({"pdf.fonttype": 42, "svg.hashsalt": "recon"}), atomic_path(path) as part:
         figure.savefig(part, format=kind, metadata=nameless)

@@ -11,13 +11,13 @@ from recon.figures.canvas import ACCENT, FAINT, INK, Sheet, Size
 SIZE: Size = (720, 620)
 NUM_BINS = 10
 DARK = 0.6
-"""Share of a row above which its cell is so dark that letters on it are white."""
+"""Share of a row above which its cell is so dark that its text is white."""
 
 
 def confusion_matrix(
     true: Sequence[str], found: Sequence[str], *, sheet: Sheet | None = None
 ) -> Any:
-    """Counts of what true objects (rows) were taken for (columns), one entry per object."""
+    """Counts of true labels (rows) and found labels (columns), from one entry per object."""
     sheet = sheet or Sheet.of(SIZE)
     rows = sorted(set(true))
     columns = sorted({*rows, *found})
@@ -25,7 +25,7 @@ def confusion_matrix(
     at = [rows.index(name) for name in true], [columns.index(name) for name in found]
     np.add.at(counts, at, 1)
     share = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
-    axes = sheet.axes("True objects (rows) and what they were taken for", "found", "true")
+    axes = sheet.axes("True objects (rows) and their found labels", "found", "true")
     drawn = axes.imshow(share, cmap="Blues", vmin=0.0, vmax=1.0)
     axes.set_xticks(range(len(columns)), columns)
     axes.set_yticks(range(len(rows)), rows)
@@ -40,9 +40,9 @@ def confusion_matrix(
 def reliability(
     probability: NDArray[np.float64], is_right: NDArray[np.bool_], *, sheet: Sheet | None = None
 ) -> Any:
-    """Share of right labels over the probability they were given, with the number of each."""
+    """Share of correct labels over their assigned probability, with the number of objects."""
     sheet = sheet or Sheet.of(SIZE)
-    axes = sheet.axes("Do probabilities mean what they say?", "probability", "share right")
+    axes = sheet.axes("Reliability of the probabilities", "probability", "share correct")
     axes.plot([0, 1], [0, 1], color=FAINT, lw=1)
     bins = np.minimum((probability * NUM_BINS).astype(int), NUM_BINS - 1)
     for number in np.unique(bins):

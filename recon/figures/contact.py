@@ -1,4 +1,4 @@
-"""A contact sheet: one small image for each of many runs, and what became of it."""
+"""A contact sheet: one small image or note for each of many runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from recon.figures.canvas import ACCENT, INK, Image, Sheet, Size
 CELL: Size = (420, 290)
 """Pixels of one image with its name."""
 MAX_SHOWN = 400
-"""More are not seen on one sheet."""
+"""More would not be legible on one sheet."""
 LINE = 52
-"""Letters of a line of text below an image."""
+"""Characters per line of text below an image."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,9 +23,9 @@ class Print:
 
     name: str
     path: Path | None = None
-    """Of a PNG; None where there is none to show."""
+    """A PNG; None if there is none to show."""
     note: str = ""
-    """Text in place of the image, such as why there is none."""
+    """Text instead of the image, such as the reason why there is none."""
 
 
 def columns_of(num: int) -> int:
@@ -64,7 +64,7 @@ def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
 
 
 def thumbnail(path: Path) -> Image | None:
-    """Some of the pixels of a PNG, about as many as are shown; None where it cannot be read."""
+    """A PNG, subsampled to about the shown size; None if it cannot be read."""
     from matplotlib.image import imread
 
     try:

@@ -1,4 +1,4 @@
-"""Places of an image that are covered by what is drawn, for texts that must stay off them."""
+"""Parts of an image that are covered by the drawing, which texts must avoid."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BLOCK_PX = 6
-"""Side of the squares that are covered or not."""
+"""Side of the squares that are marked as covered or free."""
 
 
 class Cover:
-    """The squares of an image that dots at (N, 2) pixels, each `radius_px` wide, cover."""
+    """The squares of an image covered by dots of `radius_px` at (N, 2) pixels."""
 
     def __init__(self, at: Array, radius_px: Array | float, size: tuple[int, int]) -> None:
         shape = (size[1] // BLOCK_PX + 1, size[0] // BLOCK_PX + 1)

@@ -1,4 +1,4 @@
-"""Every pixel judged: where it errs, what its sigma is worth, and what can be had for it."""
+"""Evaluation of dense disparities: errors, calibration of sigma, accuracy over coverage."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -30,13 +30,13 @@ def kept_dense(
 
 
 def _maps(kept: Arrays) -> dict[str, tuple[NDArray[Any], NDArray[Any]]]:
-    """Disparity and sigma by matcher, as `kept_dense` kept them."""
+    """Disparity and sigma by matcher, as stored by `kept_dense`."""
     names = [key.removesuffix("/sigma_px") for key in kept if key.endswith("/sigma_px")]
     return {name: (kept[f"{name}/disparity_px"], kept[f"{name}/sigma_px"]) for name in names}
 
 
 def _errors(subject: Subject, sheet: Sheet) -> Any:
-    """The error of every pixel, matcher by matcher; the image where nothing was found."""
+    """The error of every pixel, by matcher; the image where no disparity was found."""
     kept = subject.arrays
     maps = _maps(kept)
     for number, (name, (disparity, _)) in enumerate(maps.items(), start=1):
@@ -53,10 +53,10 @@ def _errors(subject: Subject, sheet: Sheet) -> Any:
 
 
 def _sigmas(subject: Subject, sheet: Sheet) -> Any:
-    """Error against sigma, and the share of right pixels as the least sure ones are cut."""
+    """Error over sigma, and accuracy over coverage as the most uncertain pixels are removed."""
     truth = subject.arrays["truth_px"]
-    law = sheet.axes("Errors of pixels of one sigma", "sigma [px]", "68 % of errors [px]", 121)
-    cut = sheet.axes("Right, as sigma is cut", "covered [%]", "right, of the covered [%]", 122)
+    law = sheet.axes("Errors of pixels of equal sigma", "sigma [px]", "68 % of errors [px]", 121)
+    cut = sheet.axes("Accuracy over coverage", "covered [%]", "correct, of the covered [%]", 122)
     for name, (disparity, sigma) in _maps(subject.arrays).items():
         covered = np.isfinite(truth) & np.isfinite(disparity)
         if covered.any():
@@ -64,7 +64,7 @@ def _sigmas(subject: Subject, sheet: Sheet) -> Any:
             _add_curve(cut, name, error, sigma[covered], int(np.isfinite(truth).sum()))
             _add_law(law, name, error, sigma[covered])
     ends = [_LOWEST_PX, _HIGHEST_PX]
-    law.loglog(ends, ends, color=ACCENT, linewidth=1, label="honest")
+    law.loglog(ends, ends, color=ACCENT, linewidth=1, label="calibrated")
     for axes in (law, cut):
         axes.legend(frameon=False, fontsize=0.9 * sheet.font_size)
     return sheet.figure
@@ -79,7 +79,7 @@ def _add_curve(
     some = np.unique(np.linspace(error.size // 20, error.size - 1, 200).astype(np.int64))
     if np.ptp(sigma) > 0:
         axes.plot(100 * count[some] / num_known, 100 * right[some], label=name)
-    else:  # nothing tells which pixels to cut
+    else:  # no order in which to remove pixels
         axes.plot(100 * count[-1] / num_known, 100 * right[-1], "o", label=name)
 
 

@@ -27,7 +27,7 @@ def depth_image(
     unit: str = "world units",
     sheet: Sheet | None = None,
 ) -> Any:
-    """Every pixel (H, W) in the colour of its depth, by ratio; the image where it is unknown."""
+    """Every pixel (H, W) in the colour of its depth (log scale); the image where it is unknown."""
     from matplotlib.colors import LogNorm
 
     sheet = sheet or Sheet.of(SIZE)

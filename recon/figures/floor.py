@@ -1,4 +1,4 @@
-"""The floor as a sheet: x to the right, z down the page, so that -z, which is ahead, is up."""
+"""Floor plans: x to the right, z down the page, so that -z, which is ahead, is up."""
 
 from typing import Any
 
@@ -14,11 +14,11 @@ from recon.voxelmap.ground import height_sum
 Array = NDArray[np.float64]
 
 MARGIN = 0.06
-"""Room round what is shown, of its longer side."""
+"""Margin around the content, as a share of its longer side."""
 NORTH_LINES = 5.4
-"""Room for the arrow to the north, lines of text."""
+"""Size of the north arrow, in lines of text."""
 SCALE_SHARE = 0.22
-"""Length of the scale bar, of the sheet's width, about."""
+"""Approximate length of the scale bar, as a share of the sheet's width."""
 
 
 def floor_axes(sheet: Sheet, title: str, unit: str) -> Any:
@@ -29,7 +29,7 @@ def floor_axes(sheet: Sheet, title: str, unit: str) -> Any:
 
 
 def show(axes: Any, *shown: Array) -> None:
-    """Set the limits to what shall be seen: points (N, 2) in x, z."""
+    """Set the limits so that points (N, 2) in x, z are visible."""
     points = np.vstack([part.reshape(-1, 2) for part in shown])
     if not len(points):
         return
@@ -39,12 +39,12 @@ def show(axes: Any, *shown: Array) -> None:
 
 
 def extent_of(voxels: Voxels) -> Array:
-    """Two corners (2, 2) in x, z of the cells, but for strays far out; (0, 2) without cells."""
+    """Two corners (2, 2) in x, z of the cells, without far outliers; (0, 2) without cells."""
     return np.array(box_of(voxels))[:, [0, 2]] if len(voxels) else np.empty((0, 2))
 
 
 def draw_grid(axes: Any, grid: GroundGrid, values: NDArray[Any], **look: Any) -> Any:
-    """Values (NX, NZ) of floor cells, or their colours (NX, NZ, 3 or 4)."""
+    """Draw values (NX, NZ) of floor cells, or their colours (NX, NZ, 3 or 4)."""
     x, z = grid.origin_xz
     far_x, far_z = grid.origin_xz + np.array(grid.cells.shape[:2]) * grid.cell_size
     return axes.imshow(
@@ -54,7 +54,7 @@ def draw_grid(axes: Any, grid: GroundGrid, values: NDArray[Any], **look: Any) ->
 
 
 def draw_occupied(axes: Any, voxels: Voxels, colour: str, **look: Any) -> None:
-    """Floor cells over which something is, in one colour."""
+    """Draw the floor cells below occupied cells in one colour."""
     from matplotlib.colors import ListedColormap
 
     if not len(voxels):
@@ -66,7 +66,7 @@ def draw_occupied(axes: Any, voxels: Voxels, colour: str, **look: Any) -> None:
 
 
 def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
-    """A bar of 1, 2 or 5 times a power of ten world units, below on the left."""
+    """Add a bar of 1, 2 or 5 times a power of ten world units at the lower left."""
     left, right = axes.get_xlim()
     wanted = SCALE_SHARE * (right - left)
     power = 10.0 ** np.floor(np.log10(wanted))
@@ -80,12 +80,12 @@ def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
 
 
 def add_north(sheet: Sheet, axes: Any, ahead: Array, cover: Cover) -> Array:
-    """An arrow along the first camera's direction (2,) in x, z, in the emptiest corner.
+    """Add an arrow along the first camera's direction (2,) in x, z, in the emptiest corner.
 
     Returns
     -------
     (4,) ndarray
-        Left, top, right and bottom of what it takes, pixels of the axes, y down.
+        Left, top, right and bottom of the arrow, pixels of the axes, y down.
     """
     window = axes.get_window_extent()
     reach = 1.4 * sheet.line_px
@@ -105,7 +105,7 @@ def add_north(sheet: Sheet, axes: Any, ahead: Array, cover: Cover) -> Array:
 
 
 def _emptiest_corner(sheet: Sheet, size: tuple[float, float], cover: Cover) -> Array:
-    """Left, top, right and bottom of room for an arrow; below on the left lies the scale bar."""
+    """Left, top, right and bottom of room for an arrow; the scale bar is at the lower left."""
     room = NORTH_LINES * sheet.line_px
     right, bottom = size[0] - room, size[1] - room
     corners = np.array([[0.0, 0.0], [right, 0.0], [right, bottom]])
@@ -119,7 +119,7 @@ def _halo() -> dict[str, Any]:
 
 
 def add_legend(sheet: Sheet, handles: list[Any]) -> None:
-    """Add the legend of the marks, to the right of the sheet."""
+    """Add the legend to the right of the sheet."""
     sheet.figure.legend(
         handles=handles, loc="outside right upper", frameon=False, fontsize=0.9 * sheet.font_size,
         labelcolor=INK, borderaxespad=0.3, handlelength=1.6,
@@ -127,14 +127,14 @@ def add_legend(sheet: Sheet, handles: list[Any]) -> None:
 
 
 def line(label: str, **look: Any) -> Any:
-    """A line of a legend."""
+    """A line entry of a legend."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=label, **{"color": QUIET, "lw": 1.0, **look})
 
 
 def patch(label: str, **look: Any) -> Any:
-    """An area of a legend."""
+    """An area entry of a legend."""
     from matplotlib.patches import Patch
 
     return Patch(label=label, **look)

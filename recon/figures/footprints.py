@@ -21,11 +21,11 @@ from recon.records import (
 Array = NDArray[np.float64]
 
 AROUND = 48
-"""Corners of a circle."""
+"""Number of corners of a circle."""
 
 
 def of_object(found: FoundObject, voxels: Voxels) -> Array:
-    """Outline (N, 2) in x, z: round the solids, else the box, else the cells."""
+    """Outline (N, 2) in x, z: of the solids, else of the box, else of the cells."""
     outlines = [of_solid(part.solid) for part in found.parts]
     corners = [outline for outline in outlines if len(outline)]
     if corners:
@@ -40,7 +40,7 @@ def of_object(found: FoundObject, voxels: Voxels) -> Array:
 
 
 def of_solid(solid: Solid) -> Array:
-    """Outline (N, 2) in x, z of a solid seen from above; (0, 2) of a plane, which has none."""
+    """Outline (N, 2) in x, z of a solid seen from above; (0, 2) for a plane, which has none."""
     return _hull(_corners(solid)[:, [0, 2]])
 
 
@@ -51,7 +51,7 @@ def rectangle(centre: Array, axes: Array, sizes: Array) -> Array:
 
 
 def least_rectangle(points: Array) -> Array:
-    """Corners (4, 2) of the least rectangle round points (N, 2), along a side of their hull."""
+    """Corners (4, 2) of the smallest rectangle around points (N, 2), along a side of their hull."""
     hull = _hull(points)
     sides = np.roll(hull, -1, axis=0) - hull
     best, least = rectangle(points.mean(axis=0), np.eye(2), np.ptp(points, axis=0)), np.inf
@@ -67,12 +67,12 @@ def least_rectangle(points: Array) -> Array:
 
 
 def _corners(solid: Solid) -> Array:
-    """Points (N, 3) whose hull, seen from above, is the solid's."""
+    """Points (N, 3) whose hull, seen from above, is that of the solid."""
     match solid:
         case Sphere():
             return solid.centre + solid.radius * _circle(np.array([0.0, 1.0, 0.0]))
         case Ellipsoid():
-            # The rim seen from above: where the normal is level.
+            # The rim seen from above: where the normal is horizontal.
             scaled = solid.axes.T * solid.radii
             upright = scaled[1] / np.linalg.norm(scaled[1])
             return solid.centre + _circle(upright) @ scaled.T
@@ -92,7 +92,7 @@ def _corners(solid: Solid) -> Array:
 
 
 def _circle(axis: Array) -> Array:
-    """The unit circle (AROUND, 3) across an axis."""
+    """The unit circle (AROUND, 3) perpendicular to an axis."""
     across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)
     angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
@@ -106,9 +106,7 @@ def _ends(point: Array, axis: Array, height: float, radii: tuple[float, float]) 
 
 
 def _hull(points: Array) -> Array:
-    """The corners of the convex hull of points (N, 2), as rings of maps go; (N, 2) as they are
-    where they span no area.
-    """
+    """Corners of the convex hull of points (N, 2), in map order; all points if it has no area."""
     try:
         ring = points[ConvexHull(points).vertices] if len(points) > 2 else points
     except QhullError:

@@ -1,4 +1,4 @@
-"""The frame round a figure in space: a grid on the floor, and numbers along its edges."""
+"""The frame of a 3D figure: a grid on the floor, and numbers along its edges."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,10 +14,10 @@ from recon.figures.viewpoint import Box, Viewpoint
 Array = NDArray[np.float64]
 
 NUM_STEPS = 5
-"""Of a side of the floor, about."""
+"""Approximate number of grid steps along a side of the floor."""
 NUM_UPWARDS = 2.5
 NAMES = "xyz"
-# Where an edge along x, y or z may run: the ends of the other two axes. x and z stay on the floor.
+# Possible edges along x, y or z, as ends of the other two axes; x and z stay on the floor.
 _CORNERS = {
     0: ((0, 0), (0, 1)),
     1: ((0, 0), (0, 1), (1, 0), (1, 1)),
@@ -35,11 +35,11 @@ class Edge:
     at: Array
     """(N, 2) pixels."""
     out: Array
-    """(2,) unit, away from the middle of the box."""
+    """(2,) unit, away from the centre of the box."""
 
 
 def step_of(box: Box) -> float:
-    """Distance of the grid's lines: 1, 2 or 5 times a power of ten."""
+    """Spacing of the grid lines: 1, 2 or 5 times a power of ten."""
     return _rounded(float(np.sqrt(np.prod((box[1] - box[0])[[0, 2]]))) / NUM_STEPS)
 
 
@@ -49,7 +49,7 @@ def _rounded(length: float) -> float:
 
 
 def floor_lines(box: Box) -> Array:
-    """The lines (L, 2, 3) of the grid on the floor of a box, its border among them."""
+    """The lines (L, 2, 3) of the grid on the floor of a box, including its border."""
     low, high = box
     lines = []
     for along, across in ((0, 2), (2, 0)):
@@ -63,13 +63,13 @@ def floor_lines(box: Box) -> Array:
 
 
 def ticks(low: float, high: float, step: float) -> Array:
-    """The whole steps from `low` to `high`."""
+    """Multiples of `step` from `low` to `high`."""
     first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
     return np.arange(first, last + 1) * step + 0.0
 
 
 def add_numbers(sheet: Sheet, axes: Any, box: Box, view: Viewpoint, cover: Cover) -> list[str]:
-    """Numbers along the clearest edge of the box for each axis; return the axes that got some."""
+    """Number the clearest edge of the box for each axis; return the numbered axes."""
     numbered = []
     for axis in range(3):
         edge = _best_edge(sheet, axes_size(axes), box, view, (axis, cover))
@@ -109,7 +109,7 @@ def _best_edge(
 def _edge(
     sheet: Sheet, axis: int, places: Array, at: Array, image: tuple[Array, tuple[int, int]]
 ) -> Edge | None:
-    """The part of an edge that has room for its numbers; None where there are not two."""
+    """The part of an edge with room for its numbers; None if there are fewer than two."""
     middle, size = image
     margin = 1.2 * sheet.line_px
     inside = (at[:, 2] > 0) & (at[:, :2] > margin).all(axis=1)
@@ -127,14 +127,14 @@ def _edge(
 
 
 def _covered(sheet: Sheet, edge: Edge, cover: Cover) -> int:
-    """Number of an edge's numbers that would lie on something."""
+    """Count of an edge's numbers that would overlap the drawing."""
     at = edge.at + edge.out * 1.2 * sheet.line_px
     reach = 0.7 * sheet.line_px
     return int((cover.area(np.hstack([at - reach, at + reach])) > 0).sum())
 
 
 def _outside(edge: Edge, middle: Array) -> float:
-    """Distance outwards of an edge: below for x and z, on the left for y."""
+    """Outward distance of an edge: downwards for x and z, to the left for y."""
     away = edge.at.mean(axis=0) - middle
     return float(-away[0] if edge.axis == 1 else away[1])
 
@@ -149,7 +149,7 @@ def _edge_points(box: Box, axis: int, places: Array, corner: tuple[int, int]) ->
 
 
 def _number(sheet: Sheet, axes: Any, edge: Edge) -> None:
-    """Write the numbers of one edge outside of it, and the axis's name beyond the middle one."""
+    """Write the numbers of one edge outside it, and the axis name beyond the middle."""
     font, line = sheet.font_size, sheet.line_px
     if edge.axis == 1:
         axes.plot(*edge.at.T, color=FAINT, lw=0.8, zorder=4)

@@ -1,4 +1,4 @@
-"""Free, occupied and unknown floor of a map without rays: seen ground is free."""
+"""Free, occupied and unknown floor of a map without rays: visible ground is free."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +9,13 @@ from recon.records import GroundGrid, Voxels
 from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN
 
 THICKNESS_CELLS = 2.0
-"""Cells so far above the ground are part of it: it is neither smooth nor measured exactly."""
+"""Height up to which cells belong to the ground, which is neither smooth nor exactly measured."""
 
 
 def states_by_ground(voxels: Voxels) -> GroundGrid | None:
-    """States (NX, NZ) of floor cells: OCCUPIED where something stands on the ground, FREE where
-    ground is seen and nothing on it, else UNKNOWN. None where the map shows no ground.
+    """States (NX, NZ) of floor cells; None if the map shows no ground.
+
+    OCCUPIED below obstacles, FREE where ground is visible without obstacles, else UNKNOWN.
     """
     T_floor_world = level_plane(voxels.means)
     if T_floor_world is None:

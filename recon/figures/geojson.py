@@ -1,7 +1,7 @@
 """Labelled occupancy as data: GeoJSON of footprints, in the map's own metres.
 
-GeoJSON's x is the world's x, its y is -z, so that north, which is ahead, is up. RFC 7946 knows
-degrees only; that these are lengths is said in `crs`, as GeoJSON of 2008 did and readers expect.
+GeoJSON's x is the world's x, its y is -z, so that north, which is ahead, is up. RFC 7946 allows
+degrees only; `crs` states that these are lengths, as in GeoJSON 2008 and as readers expect.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ DIGITS = 6
 def feature_collection(
     voxels: Voxels, objects: Sequence[FoundObject], trajectory: Array | None = None, unit: str = ""
 ) -> dict[str, Any]:
-    """One polygon per object, and the way of the camera as a line.
+    """One polygon per object, and the path of the camera as a line.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def feature_collection(
 def flat(points_xz: Array) -> list[list[float]]:
     """Coordinates (x, -z) of points (N, 2) in x, z."""
     turned = points_xz * (1.0, -1.0)
-    # No minus zero: it would be another text for the same place.
+    # No minus zero: it would be another text for the same position.
     rows: list[list[float]] = (np.round(turned, DIGITS) + 0.0).tolist()
     return rows
 

@@ -1,4 +1,4 @@
-"""The kinds of figures that no map tells: drawn from arrays that the run keeps beside them."""
+"""The kinds of figures not drawn from the map, but from arrays kept by the run."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from recon.figures.photo import plain
 from recon.records import Matches
 
 LABEL_HEIGHT = 1.5
-"""Of the floor in the overview, to one of an image."""
+"""Height of the floor plan in the overview, relative to an image."""
 
 
 def kept_pair(left: NDArray[np.uint8], matches: Matches) -> dict[str, NDArray[Any]]:
@@ -24,14 +24,14 @@ def kept_pair(left: NDArray[np.uint8], matches: Matches) -> dict[str, NDArray[An
 
 
 def kept_matches(name: str, matches: Matches) -> dict[str, NDArray[Any]]:
-    """One set of matches among others, by its name."""
+    """Arrays of one named set of matches."""
     return {
         f"{name}/points_px": matches.points_px, f"{name}/disparity_px": matches.disparity_px
     }  # fmt: skip
 
 
 def _sets(arrays: Arrays) -> dict[str, matching.Drawn]:
-    """Sets of matches by name, as `kept_matches` kept them."""
+    """Sets of matches by name, as stored by `kept_matches`."""
     names = [key.removesuffix("/points_px") for key in arrays if key.endswith("/points_px")]
     return {
         name: matching.Drawn(

@@ -14,36 +14,36 @@ if TYPE_CHECKING:
     from recon.figures.canvas import Sheet
 
 Arrays = Mapping[str, NDArray[Any]]
-"""Arrays that a figure shows, by name, as its `.npz` holds them."""
+"""Arrays that a figure shows, by name, as in its `.npz`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Subject:
-    """Subject of a figure: a run with a map, or the arrays that it kept for one figure, or both."""
+    """The subject of a figure: a run with a map, arrays kept for one figure, or both."""
 
     run: Reconstruction[Any] | None = None
     kept: Arrays | None = None
-    """Left by the run for this figure, as its map does not tell them."""
+    """Kept by the run for this figure, as they do not follow from its map."""
     mesh: Mesh | None = None
     cameras: NDArray[np.float64] | None = None
-    """(N, 3) where the cameras stood that saw the mesh."""
+    """(N, 3) positions of the cameras that saw the mesh."""
     unit: str = "world units"
     """Of lengths."""
     is_recorded: bool = False
-    """True where the run saw the real world; by default it is then seen from behind the camera."""
+    """True if the run is a real recording; the default view is then from behind the camera."""
     asked_view: str = "default"
 
     @property
     def mapped(self) -> Reconstruction[Any]:
-        """The run's map and what belongs to it.
+        """The run's map and its associated results.
 
         Raises
         ------
         InputError
-            Where the run left none.
+            If the run has no map.
         """
         if self.run is None:
-            raise InputError("the run holds no map.npz, but this kind of figure shows the map")
+            raise InputError("the run has no map.npz, but this kind of figure shows the map")
         return self.run
 
     @property
@@ -53,7 +53,7 @@ class Subject:
         Raises
         ------
         InputError
-            Where it kept nothing.
+            If it kept none.
         """
         if self.kept is None:
             raise InputError("the run kept no arrays for this kind of figure")
@@ -61,7 +61,7 @@ class Subject:
 
     @property
     def view(self) -> str:
-        """The view of a figure in space."""
+        """The view of a 3D figure."""
         is_seen = self.is_recorded and self.run is not None and len(self.run.trajectory) > 0
         return "ego" if self.asked_view == "default" and is_seen else self.asked_view
 
@@ -73,14 +73,12 @@ class Subject:
 
     @property
     def has_rays(self) -> bool:
-        """True where the map knows what was looked through."""
+        """True if the map keeps the rays."""
         return "rays" in getattr(self.mapped.map, "channels", ())
 
     @property
     def states(self) -> GroundGrid | None:
-        """Free, occupied and unknown floor cells: by the rays where the map keeps them, else by
-        the ground of a recording; None where there is neither.
-        """
+        """Free, occupied and unknown floor cells, by rays or visible ground; None without both."""
         from recon.figures.free_ground import states_by_ground
         from recon.voxelmap.ground import navigation
 
@@ -97,7 +95,7 @@ def _drawable(subject: Subject) -> str | None:
 class Kind:
     """One kind of figure.
 
-    A plug-in of the group `recon.figures` is one of these.
+    A plug-in of the group `recon.figures` is an instance of this class.
     """
 
     draw: Callable[[Subject, "Sheet"], Any]
@@ -105,12 +103,12 @@ class Kind:
     data: Callable[[Subject], Arrays]
     """The arrays that are drawn, by name."""
     size: tuple[int, int] = (1200, 900)
-    """Pixels where nobody says."""
+    """Default size, pixels."""
     has_view: bool = False
-    """True where it is seen from somewhere."""
+    """True if it has a selectable viewpoint."""
     is_kept: bool = False
-    """True where it is drawn from arrays that the run kept, not from its map."""
+    """True if it is drawn from arrays kept by the run, not from its map."""
     needs_mesh: bool = False
-    """True where it shows the run's mesh."""
+    """True if it shows the run's mesh."""
     lack: Callable[[Subject], str | None] = _drawable
-    """The thing that a run with a map lacks for it; None where it can be drawn."""
+    """What a run with a map lacks for it; None if it can be drawn."""

@@ -1,4 +1,4 @@
-"""The map in space (thesis figure 27): the exposed faces of its cells in their colours."""
+"""The map in 3D (thesis figure 27): the exposed faces of its cells in their colours."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,12 +25,12 @@ UNITS = "world units"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Standpoint:
-    """Viewpoint of a figure in space by name, and the unit of its lengths."""
+    """Viewpoint of a 3D figure by name, and the unit of its lengths."""
 
     view: str = "default"
-    """As `viewpoint` takes it."""
+    """As accepted by `viewpoint`."""
     first: Array | None = None
-    """(4, 4) pose of the first camera in the world, for the views from there."""
+    """(4, 4) pose of the first camera in the world, for the views from that camera."""
     unit: str = UNITS
 
     def __post_init__(self) -> None:
@@ -43,7 +43,7 @@ class Standpoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stage:
-    """The box under and round a figure in space, and what its lengths are called."""
+    """The bounding box of a 3D figure, and the unit of its lengths."""
 
     box: Box
     unit: str
@@ -52,7 +52,7 @@ class Stage:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawn:
-    """Contents of a figure in space."""
+    """Content of a 3D figure."""
 
     voxels: Voxels
     objects: tuple[FoundObject, ...]
@@ -85,9 +85,9 @@ def map3d(
     with_solids : bool
         Draw the objects' fitted solids instead of opaque cells.
     title : str, optional
-        What the map is where not given.
+        By default a description of the map.
     with_numbers : bool
-        Number the edges of the box; the width of the grid is said in any case.
+        Number the edges of the box; the grid spacing is stated in any case.
     sheet : Sheet, optional
 
     Returns
@@ -97,7 +97,7 @@ def map3d(
     Raises
     ------
     InputError
-        For a view that is not known.
+        For an unknown view.
     """
     standpoint = standpoint or Standpoint()
     sheet = sheet or Sheet.of(SIZE)
@@ -129,7 +129,7 @@ def valued(
     is_log: bool = False,
     sheet: Sheet | None = None,
 ) -> Any:
-    """The occupied cells in the colours of a number each (K,), with its scale beside."""
+    """The occupied cells coloured by values (K,), with a colour bar."""
     standpoint = standpoint or Standpoint()
     sheet = sheet or Sheet.of(SIZE)
     axes = space_axes(sheet, f"Map: {label}", with_bar=True)
@@ -146,7 +146,7 @@ def valued(
 
 
 def heading(voxels: Voxels, unit: str) -> str:
-    """The title of a map: how many cells, and how large."""
+    """The title of a map: number and size of its cells."""
     one = unit.removesuffix("s") if voxels.cell_size == 1.0 else unit
     return f"Map: {len(voxels):,} occupied cells of {voxels.cell_size:g} {one}"
 
@@ -161,7 +161,7 @@ def whole_box(voxels: Voxels, objects: Sequence[FoundObject]) -> Box:
 
 
 def space_axes(sheet: Sheet, title: str, *, with_bar: bool) -> Any:
-    """Axes that leave room for a title above and, where wanted, a scale to the right."""
+    """Axes that leave room for a title above and, if wanted, a colour bar to the right."""
     width, height = sheet.size
     sheet.place_by_hand()
     top = 1.9 * sheet.line_px / height if sheet.style.with_title and title else 0.0
@@ -206,7 +206,7 @@ def show_scene(
 
 
 def _name(sheet: Sheet, axes: Any, drawn: Drawn, view: Viewpoint, cover: Cover) -> None:
-    """Every named object's name beside its place in the image."""
+    """Write every named object's name beside it in the image."""
     size = frame.axes_size(axes)
     named = [found for found in drawn.objects if found.label != UNKNOWN]
     boxes = [_image_box(drawn.voxels, found, view, size) for found in named]
@@ -219,7 +219,7 @@ def _name(sheet: Sheet, axes: Any, drawn: Drawn, view: Viewpoint, cover: Cover) 
 
 
 def _image_box(voxels: Voxels, found: FoundObject, view: Viewpoint, size: Size) -> Array | None:
-    """Left, top, right and bottom of an object's cells in the image; None where it has none."""
+    """Left, top, right and bottom of an object's cells in the image; None if it has none."""
     at = view.project(cells_of(voxels, found).centres, size)
     at = at[(at[:, 2] > 0) & (at[:, :2] >= 0).all(axis=1) & (at[:, :2] <= size).all(axis=1), :2]
     if not len(at):

@@ -1,4 +1,4 @@
-"""The kinds of figures that a map tells: of every run that leaves one."""
+"""The kinds of figures drawn from a run's map."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ def _objects(subject: Subject) -> Arrays:
     return {
         **_cells(subject),
         "label": np.array([found.label for found in objects], dtype=np.str_),
-        # Nobody was asked: not a number.
+        # No catalogue: None becomes NaN.
         "probability": np.array([found.probability for found in objects], dtype=np.float64),
         "centre": np.array([found.centre for found in objects]).reshape(-1, 3),
         "size": np.array([found.size for found in objects]).reshape(-1, 3),
@@ -45,7 +45,7 @@ def _way(subject: Subject) -> Arrays:
 
 
 def sigma_cells(voxels: Voxels) -> NDArray[np.float64]:
-    """(K,) the sigma, in cells, that points of a cell's mean weight have."""
+    """(K,) the sigma, in cells, that corresponds to a cell's mean weight."""
     assert voxels.weights is not None
     mean = np.clip(voxels.weights / voxels.counts, 1e-9, 1.0)
     sigma: NDArray[np.float64] = Weights.SIGMA_OF_HALF * np.sqrt(1.0 / mean - 1.0)
@@ -54,7 +54,7 @@ def sigma_cells(voxels: Voxels) -> NDArray[np.float64]:
 
 def _no_weights(subject: Subject) -> str | None:
     if subject.mapped.voxels.weights is None:
-        return 'the map keeps no weights; make it with map.occupancy = ["weight"]'
+        return 'the map keeps no weights; create it with map.occupancy = ["weight"]'
     return None
 
 
@@ -112,7 +112,7 @@ def draw_labels(subject: Subject, sheet: Sheet, *, with_legend: bool = True) -> 
 
 def _mesh(subject: Subject, sheet: Sheet) -> Any:
     if subject.mesh is None:
-        raise InputError("the run holds no mesh.ply, but this kind of figure shows it")
+        raise InputError("the run has no mesh.ply, but this kind of figure shows it")
     cameras = np.empty((0, 3)) if subject.cameras is None else subject.cameras
     first = None if subject.run is None else subject.first
     standpoint = Standpoint(view=subject.asked_view, first=first, unit=subject.unit)

@@ -1,4 +1,4 @@
-"""Matches held against the truth: error map, one scale against three, fine tuning along an edge."""
+"""Matches compared with the truth: error map, one scale or three, fine tuning along an edge."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ MAX_ERROR_PX = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drawn:
-    """Matched points as figures show them."""
+    """Matched points to be drawn."""
 
     points_px: Array
     """(M, 2) in the left image."""
@@ -35,7 +35,7 @@ class Drawn:
 def error_map(
     left: NDArray[np.uint8], matches: Drawn, truth_px: Array, *, sheet: Sheet | None = None
 ) -> Any:
-    """Disparity beside its error, every judged point in the colour of |error|.
+    """Disparity beside its error, with every evaluated point in the colour of |error|.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def error_map(
 def side_by_side(
     left: NDArray[np.uint8], found: Mapping[str, Drawn], *, sheet: Sheet | None = None
 ) -> Any:
-    """Several sets of matches of one image, in one scale of colours (thesis figure 16)."""
+    """Several sets of matches of one image, with a common colour scale (thesis figure 16)."""
     sheet = sheet or Sheet.of(WIDE)
     values = np.concatenate([matches.disparity_px for matches in found.values()])
     low, high = scales.ends(values)

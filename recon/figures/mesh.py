@@ -1,4 +1,4 @@
-"""A mesh seen from where its cameras stood, in its own colours and as bare shape."""
+"""A mesh seen from the side of its cameras, in its own colours and as plain shape."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ _STRAY = 0.002
 _MARGIN = 0.02
 _DOT_PX = 4.0
 _RISE = 0.25
-"""Of the place it is seen from, to one of distance, at least."""
+"""Minimum height of the viewpoint, relative to its horizontal distance."""
 
 
 def mesh(
@@ -38,7 +38,7 @@ def mesh(
     surface : Mesh
         World, y up.
     cameras : (N, 3)
-        Where the cameras stood; by default it is seen from their side.
+        Camera positions; by default it is seen from their side.
     standpoint : Standpoint, optional
     sheet : Sheet, optional
 
@@ -71,17 +71,17 @@ def _box(surface: Mesh) -> Box:
 
 
 def _viewpoint(box: Box, cameras: Array, standpoint: Standpoint, size: Size) -> Viewpoint:
-    """From the side on which most of the cameras stood, where no other view is asked for."""
+    """The requested view, by default from the side of most of the cameras."""
     if standpoint.view != "default":
         return standpoint.viewpoint(box, size)
     middle, reach = (box[0] + box[1]) / 2.0, float(np.linalg.norm(box[1] - box[0]))
     side = np.mean(cameras, axis=0) - middle if len(cameras) else np.zeros(3)
     if len(cameras) and np.hypot(side[0], side[2]) < 0.1 * reach:
-        # Cameras all round: from the first one's side.
+        # Cameras on all sides: from the first one's side.
         side = cameras[0] - middle
     if np.hypot(side[0], side[2]) < 1e-9 * reach:
         side = np.array([0.0, 0.3, 1.0])
     level = float(np.hypot(side[0], side[2]))
-    # A little from above, so that the floor is seen.
+    # Slightly from above, so that the floor is visible.
     side[1] = max(side[1], _RISE * level)
     return framed(side, box, size)

@@ -1,4 +1,4 @@
-"""Right pairs as the von Mises matcher sees them (thesis figure 17)."""
+"""The von Mises matcher's model of correct pairs (thesis figure 17)."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 SIZE: Size = (1300, 420)
 
 _NUM_BINS = 60
-"""Of the histogram of measured phases, over a whole turn."""
+"""Number of bins of the histogram of measured phases, over a full turn."""
 
 
 def mixture(
@@ -28,9 +28,9 @@ def mixture(
     Parameters
     ----------
     phases_rad : (N,)
-        Where the densities were taken, -pi to pi.
+        Phases at which the densities are sampled, -pi to pi.
     densities : sequence of (B, N)
-        A scale's densities for unlike magnitudes (first) to like ones (last).
+        A scale's densities, from dissimilar magnitudes (first) to similar ones (last).
     measured_rad : sequence of (M,)
         A scale's phase differences of matched pairs.
     titles : sequence of str

@@ -1,4 +1,4 @@
-"""Names beside what they name: never over an object, never over each other, never cut off."""
+"""Placement of names beside their objects, without overlaps or clipping."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from recon.figures.cover import Cover
 Array = NDArray[np.float64]
 
 LETTER_WIDTH = 0.56
-"""Of a letter, to its height, on average."""
+"""Mean width of a letter, relative to its height."""
 NUM_AROUND = 16
 RINGS = (0.0, 1.0, 2.0, 3.5, 5.5, 8.0)
-"""Distances from an object at which a name is tried, lines of text."""
+"""Candidate distances of a name from its object, in lines of text."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Name:
-    """A text and the box (left, top, right, bottom) in pixels of what it names, y down."""
+    """A text, and the box (left, top, right, bottom) of its object in pixels, y down."""
 
     text: str
     box: Array
@@ -37,9 +37,8 @@ def place(
 ) -> Array:
     """Boxes (M, 4) for texts of `sizes` (M, 2) inside `extent` (4,), y down.
 
-    One after the other takes the nearest place that covers nothing drawn, no object and no
-    earlier name, and no `reserved` box; where everything is covered, the place that covers the
-    least.
+    Each name in turn takes the nearest position that covers nothing drawn, no object, no earlier
+    name and no `reserved` box; if everything is covered, the position that covers the least.
     """
     taken = [*reserved, *([] if cover else [name.box for name in names])]
     placed = []
@@ -60,7 +59,7 @@ def place(
 
 
 def _spots(box: Array, size: Array, gap: float) -> Array:
-    """Upper left corners (S, 2), first straight above the box, then round it in rings."""
+    """Upper left corners (S, 2), first straight above the box, then around it in rings."""
     middle, reach = (box[:2] + box[2:]) / 2.0, (box[2:] - box[:2]) / 2.0
     angles = np.linspace(0.0, 2.0 * np.pi, NUM_AROUND, endpoint=False)
     around = np.column_stack([np.sin(angles), -np.cos(angles)])
@@ -73,7 +72,7 @@ def _spots(box: Array, size: Array, gap: float) -> Array:
 
 
 def _overlap(boxes: Array, others: Array) -> Array:
-    """Area (S,) that each box shares with the others."""
+    """Area (S,) of each box's overlap with the others."""
     low = np.maximum(boxes[:, None, :2], others[None, :, :2])
     high = np.minimum(boxes[:, None, 2:], others[None, :, 2:])
     area: Array = np.prod(np.maximum(high - low, 0.0), axis=2).sum(axis=1)
@@ -81,7 +80,7 @@ def _overlap(boxes: Array, others: Array) -> Array:
 
 
 def text_sizes(sheet: Sheet, texts: Sequence[str]) -> Array:
-    """Widths and heights (M, 2) of texts in pixels, with the air round them."""
+    """Widths and heights (M, 2) of texts in pixels, including padding."""
     lines = [text.split("\n") for text in texts]
     width = [LETTER_WIDTH * sheet.line_px / 1.35 * max(map(len, line)) for line in lines]
     height = [0.95 * sheet.line_px * len(line) for line in lines]
@@ -95,7 +94,7 @@ def write(
     cover: Cover | None = None,
     reserved: Sequence[Array] = (),
 ) -> None:
-    """Write names into axes that have their place, with a line to what lies further off."""
+    """Write names into settled axes, with a line to objects further away."""
     window = axes.get_window_extent()
     sizes = text_sizes(sheet, [name.text for name in names])
     extent = np.array([0.0, 0.0, window.width, window.height])
@@ -115,7 +114,7 @@ def write(
 
 
 def to_data(axes: Any, at: Array) -> Array:
-    """Data coordinates of pixels (..., 2) counted from the upper left corner of axes."""
+    """Data coordinates of pixels (..., 2) relative to the upper left corner of axes."""
     window = axes.get_window_extent()
     shown = np.array([window.x0, window.y1]) + at * (1.0, -1.0)
     data: Array = axes.transData.inverted().transform(shown)
@@ -123,7 +122,7 @@ def to_data(axes: Any, at: Array) -> Array:
 
 
 def to_pixels(axes: Any, at: Array) -> Array:
-    """Pixels (..., 2), counted from the upper left corner of axes, of data coordinates."""
+    """Pixels (..., 2), relative to the upper left corner of axes, of data coordinates."""
     window = axes.get_window_extent()
     pixels: Array = (axes.transData.transform(at) - (window.x0, window.y1)) * (1.0, -1.0)
     return pixels

@@ -1,4 +1,4 @@
-"""The figure that notebooks show without being told to."""
+"""The figure that notebooks show automatically."""
 
 import io
 
@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 
 class ShownFigure(Figure):
-    """A matplotlib figure outside pyplot: nothing keeps it alive, and notebooks show it."""
+    """A matplotlib figure outside pyplot, which does not keep it alive; notebooks show it."""
 
     def _repr_png_(self) -> bytes:
         stream = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Occupancy of the floor with names (thesis figures 30 to 32), and without."""
+"""Occupancy of the floor, with names (thesis figures 30 to 32) and without."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -17,7 +17,7 @@ from recon.voxelmap import ground
 Array = NDArray[np.float64]
 SIZE: Size = (1000, 860)
 
-# Okabe and Ito's colours, which any colour vision tells apart.
+# Okabe and Ito's colours, distinguishable with any colour vision.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 STATES = {ground.UNKNOWN: "#dfe3e6", ground.FREE: "#ffffff", ground.OCCUPIED: "#4a4f55"}
 WAY = "#9aa1a8"
@@ -64,9 +64,9 @@ def labels(
         Occupied cells.
     objects : sequence of FoundObject
     trajectory : (N, 4, 4), optional
-        `T_world_left` of every pair; north is where the first one looks.
+        `T_world_left` of every pair; north is the direction of the first one.
     states : GroundGrid, optional
-        Free, occupied and unknown floor cells, where they are told apart.
+        Free, occupied and unknown floor cells, if known.
     unit : str
         Of lengths.
     with_legend : bool
@@ -130,7 +130,7 @@ def _draw_way(axes: Any, way: Array) -> list[Any]:
     axes.plot(*way.T, color=WAY, lw=1.0, zorder=3, scalex=False, scaley=False)
     axes.plot(*way[0], "o", color=ACCENT, ms=5, zorder=6, scalex=False, scaley=False)
     start = floor.line("first camera", marker="o", color=ACCENT, ms=5, lw=0)
-    return [start, floor.line("way of the camera", color=WAY)] if len(way) > 1 else [start]
+    return [start, floor.line("path of the camera", color=WAY)] if len(way) > 1 else [start]
 
 
 def _draw_footprints(
@@ -162,7 +162,7 @@ def _write_names(
     objects: Iterable[tuple[FoundObject, Array]],
     taken: tuple[Cover, Sequence[Array]],
 ) -> None:
-    """The name of every known object with its outline, off the cells and the reserved boxes."""
+    """Write the name of every known object, off the cells and the reserved boxes."""
     texts = [
         names.Name(text=_name(found), box=_box(names.to_pixels(axes, outline)))
         for found, outline in objects
@@ -172,7 +172,7 @@ def _write_names(
 
 
 def _cover(axes: Any, voxels: Voxels) -> Cover:
-    """The pixels of the axes over which cells lie."""
+    """The pixels of the axes that cells cover."""
     window = axes.get_window_extent()
     at = names.to_pixels(axes, voxels.centres[:, [0, 2]])
     across = np.ptp(names.to_pixels(axes, np.array([[0.0, 0.0], [voxels.cell_size, 0.0]]))[:, 0])

@@ -1,4 +1,4 @@
-"""One sheet of a run: the map with its names, what the camera saw, what was matched, the floor."""
+"""An overview of a run: the map with names, a camera image, its matches, the floor."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -7,9 +7,9 @@ from recon.figures.canvas import Sheet, Size
 
 SIZE: Size = (1700, 1000)
 PANEL_FONT = 0.8
-"""Letters of the small figures, to those of the large one."""
+"""Font size of the small figures, relative to that of the large one."""
 Panel = Callable[[Sheet], Any]
-"""Draws one figure onto the sheet it is given."""
+"""Draws one figure onto a given sheet."""
 
 
 def overview(
@@ -27,7 +27,7 @@ def overview(
         Draws the large one.
     others : sequence of callable
     heights : sequence of float, optional
-        Of the others, to each other.
+        Relative heights of the others.
     sheet : Sheet, optional
 
     Returns

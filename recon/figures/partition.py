@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from recon.records import FoundObject, Voxels
 
 MARGIN_CELLS = 1.0
-"""Cells so far outside the box of an object still belong to it."""
+"""Distance outside the box of an object up to which cells still belong to it."""
 GREY = (138, 138, 138)
 NUM_HUES = 18
 RGB = tuple[int, int, int]
 
 
 def cells_of_mask(voxels: Voxels, found: FoundObject) -> NDArray[np.bool_]:
-    """(K,) whether a cell lies in the box of an object."""
+    """(K,) mask of the cells in the box of an object."""
     reach = found.size / 2.0 + MARGIN_CELLS * voxels.cell_size
     away = np.abs(voxels.means - found.centre)
     inside: NDArray[np.bool_] = np.all(away <= reach, axis=1)
@@ -28,14 +28,14 @@ def cells_of(voxels: Voxels, found: FoundObject) -> Voxels:
 
 
 def nearest_part(voxels: Voxels, found: FoundObject) -> NDArray[np.intp]:
-    """(K,) number of the part whose surface is the nearest."""
+    """(K,) index of the part with the nearest surface."""
     distances = [part.solid.distances(voxels.means) for part in found.parts]
     nearest: NDArray[np.intp] = np.argmin(distances, axis=0)
     return nearest
 
 
 def part_colour(voxels: Voxels, found: FoundObject, number: int) -> RGB:
-    """The middle colour of a part's own cells; where it has none, that of its hue."""
+    """The median colour of a part's own cells; if it has none, that of its hue."""
     own = _cells_of_part(voxels, found, number)
     hue = found.parts[number].hue_deg
     if len(own):
@@ -48,7 +48,7 @@ def part_colour(voxels: Voxels, found: FoundObject, number: int) -> RGB:
 
 
 def _cells_of_part(voxels: Voxels, found: FoundObject, number: int) -> Voxels:
-    """The cells of a part; of those, where two parts meet, the half that is farther from others."""
+    """The cells of a part; if it has neighbours, the half that is farther from them."""
     own = cells_of(voxels, found)
     own = own.select(np.flatnonzero(nearest_part(own, found) == number))
     others = [part.solid for place, part in enumerate(found.parts) if place != number]
@@ -59,7 +59,7 @@ def _cells_of_part(voxels: Voxels, found: FoundObject, number: int) -> Voxels:
 
 
 def _of_one_hue(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The colours (M, 3) round the commonest hue: where two meet, their mean is neither."""
+    """The colours (M, 3) around the most common hue: the mean of two hues would be neither."""
     hues = np.array([colorsys.rgb_to_hsv(*row)[0] for row in (colours / 255.0).tolist()])
     counts = np.bincount((hues * NUM_HUES).astype(int) % NUM_HUES, minlength=NUM_HUES)
     smooth = counts + np.roll(counts, 1) + np.roll(counts, -1)
@@ -70,7 +70,7 @@ def _of_one_hue(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def by_hue(voxels: Voxels) -> NDArray[np.uint8]:
-    """Colours (K, 3) that show nothing but the hue; grey where there is none."""
+    """Colours (K, 3) that show only the hue; grey where there is none."""
     rgb = voxels.colours / 255.0
     hsv = [colorsys.rgb_to_hsv(*row) for row in rgb.tolist()]
     pure = [colorsys.hsv_to_rgb(h, min(1.0, 2.0 * s), 0.85) for h, s, _ in hsv]

@@ -1,4 +1,4 @@
-"""Objects taken apart (thesis figures 28, 29): the cells by hue, then every part by itself."""
+"""Objects by parts (thesis figures 28, 29): the cells by hue, then every part separately."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ from recon.records import UNKNOWN, FoundObject, Voxels
 
 SIZE: Size = (1200, 1050)
 MAX_ROWS = 5
-"""Kinds of objects on one sheet."""
+"""Maximum number of kinds on one sheet."""
 
 
 def parts(

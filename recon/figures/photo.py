@@ -1,4 +1,4 @@
-"""An image under what was found in it: dark and grey, so that strong colours stand out."""
+"""An image as background: dark and grey, so that strong colours stand out."""
 
 from typing import Any
 
@@ -11,11 +11,11 @@ from recon.figures.canvas import Sheet
 Array = NDArray[np.float64]
 
 POINT_SHARE = 0.0016
-"""Width of a point, of the image's width in the figure."""
+"""Width of a point, as a share of the image's width in the figure."""
 
 
 def photo(sheet: Sheet, left: NDArray[np.uint8], title: str, at: Any = 111) -> Any:
-    """Axes with a dimmed image, for points in colours."""
+    """Axes with a dimmed image, for coloured points."""
     axes = sheet.axes(title, at=at)
     grey = left.mean(axis=2) if left.ndim == 3 else left
     axes.imshow(grey * 0.45, cmap="gray", vmin=0, vmax=255, interpolation="none")
@@ -30,7 +30,7 @@ def plain(sheet: Sheet, left: NDArray[np.uint8], title: str) -> Any:
 
 
 def without_ticks(axes: Any) -> Any:
-    """The axes, without numbers for pixels."""
+    """The axes, without pixel numbers."""
     axes.set_xticks([])
     axes.set_yticks([])
     return axes
@@ -47,6 +47,6 @@ def points(sheet: Sheet, axes: Any, at: Array, values: Array, **look: Any) -> An
 
 
 def add_bar(sheet: Sheet, axes: Any, drawn: Any, label: str, values: Array) -> None:
-    """The scale of what was drawn, with arrows where values lie beyond it."""
+    """Add a colour bar, with arrows if values lie beyond it."""
     extend = scales.beyond(values, *drawn.get_clim())
     sheet.colour_bar(drawn, axes, label, extend=extend)

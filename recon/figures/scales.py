@@ -1,4 +1,4 @@
-"""Scales of colour that people with any colour vision can read, and their ends."""
+"""Colour scales that are readable with any colour vision, and their limits."""
 
 import functools
 from typing import Any
@@ -12,12 +12,13 @@ COUNT = "cividis"
 SIGMA = "cividis"
 ERROR = "plasma"
 ORDER = "plasma"
-# Their lightness rises from end to end, so that it alone tells values apart; a test holds it.
+# Their lightness is monotonic, so that it alone distinguishes values; a test checks this.
 
 STRAY_PERCENT = 0.5
-"""Of the values, at either end, that may lie beyond a scale: false matches are rare but far out."""
+"""Percentage of values at either end that may exceed a scale: wrong matches are rare but far
+out."""
 DARKEST_SHARE = 0.22
-"""Of viridis, left out where it would vanish in a dimmed image."""
+"""Share of viridis left out because it would vanish in a dimmed image."""
 
 
 @functools.cache
@@ -30,7 +31,7 @@ def disparity() -> Any:
 
 
 def ends(values: Array) -> tuple[float, float]:
-    """Smallest and largest value of a scale; strays lie beyond, and (0, 1) where there is none."""
+    """Limits of a scale, without outliers; (0, 1) if no value is finite."""
     known = np.asarray(values)[np.isfinite(values)]
     if not len(known):
         return 0.0, 1.0
@@ -57,7 +58,7 @@ def rgb(scale: Any, values: Array) -> NDArray[np.uint8]:
 
 
 def beyond(values: Array, low: float, high: float) -> str:
-    """Ends of a colour bar that need an arrow: values lie beyond them."""
+    """Ends of a colour bar that need an arrow, as values lie beyond them."""
     known = np.asarray(values)[np.isfinite(values)]
     under, over = bool((known < low).any()), bool((known > high).any())
     if under and over:
@@ -66,7 +67,7 @@ def beyond(values: Array, low: float, high: float) -> str:
 
 
 def plain_numbers(bar: Any) -> None:
-    """Number a logarithmic colour bar as people count: 1, 2, 5, 10, ..."""
+    """Number a logarithmic colour bar 1, 2, 5, 10, ..."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

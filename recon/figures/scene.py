@@ -1,4 +1,4 @@
-"""Scene of a figure in space: cells, solids and the grid under them, as pyvista's Plotter."""
+"""The scene of a 3D figure: cells, solids and the grid below them, in a PyVista Plotter."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,15 +15,15 @@ from recon.records import FoundObject, Mesh, Voxels
 from recon.voxelmap.faces import exposed_faces
 
 BARE = "#cfcabd"
-"""Of a surface without colours."""
+"""Colour of a surface without colours."""
 STRAY = 0.005
 """Share of the cells, on each side, that may lie outside the image."""
 STRAY_REACH = 1.3
-"""Strays are shown as well where they make the box no longer than so many times."""
+"""Outliers are shown if they extend the box by less than this factor."""
 
 
 class Scene:
-    """A pyvista Plotter that is filled piece by piece; `plotter` is what notebooks show."""
+    """A PyVista Plotter filled step by step; notebooks show `plotter`."""
 
     def __init__(self, size: Size) -> None:
         self.plotter = load_pyvista().Plotter(off_screen=True, window_size=list(size))
@@ -51,7 +51,7 @@ class Scene:
                 )  # fmt: skip
 
     def add_surface(self, surface: Mesh, *, is_bare: bool = False) -> None:
-        """Triangles in their colours, or in one where they are bare or have none."""
+        """Triangles in their colours, or in one colour if bare or without colours."""
         faces = np.column_stack([np.full(len(surface), 3), surface.triangles]).ravel()
         shape = load_pyvista().PolyData(surface.vertices, faces=faces)
         look: dict[str, Any] = {"color": BARE, "ambient": 0.35}
@@ -60,14 +60,14 @@ class Scene:
         self.plotter.add_mesh(shape, diffuse=0.6, specular=0.0, **look)
 
     def add_lines(self, lines: NDArray[np.float64], width: float = 1.0) -> None:
-        """Straight lines (L, 2, 3) in a quiet colour."""
+        """Straight lines (L, 2, 3) in a faint colour."""
         self.plotter.add_mesh(
             load_pyvista().line_segments_from_points(lines.reshape(-1, 3)), color=FAINT,
             line_width=width, lighting=False,
         )  # fmt: skip
 
     def image(self, view: Viewpoint, *, is_clear: bool = False) -> Image:
-        """The pixels (H, W, 3), or (H, W, 4) over nothing, seen from a viewpoint; closes it."""
+        """The image (H, W, 3 or 4 if transparent) from a viewpoint; closes the plotter."""
         aim(self.plotter, view)
         try:
             self.plotter.render()
@@ -78,7 +78,7 @@ class Scene:
 
 
 def aim(plotter: Any, view: Viewpoint) -> None:
-    """Put a plotter's camera where a viewpoint is."""
+    """Set a plotter's camera to a viewpoint."""
     T = view.T_world_cam
     camera = plotter.camera
     camera.position = tuple(T[:3, 3])
@@ -92,7 +92,7 @@ def aim(plotter: Any, view: Viewpoint) -> None:
 
 
 def box_of(voxels: Voxels) -> Box:
-    """The box of the cells; stray ones far out must not make the rest small."""
+    """The box of the cells, without far outliers that would make the rest small."""
     low, high = np.quantile(voxels.centres, (STRAY, 1.0 - STRAY), axis=0)
     ends = voxels.centres.min(axis=0), voxels.centres.max(axis=0)
     is_near = ends[1] - ends[0] < STRAY_REACH * (high - low) + 2.0 * voxels.cell_size

@@ -16,7 +16,7 @@ NUM_SLICES = 6
 def slices(voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None) -> Any:
     """Layers of cells at `NUM_SLICES` heights, evenly spread over the cells, seen from above."""
     sheet = sheet or Sheet.of(SIZE)
-    # Most cells lie in between; layers of a few strays would be empty sheets.
+    # Most cells lie in between; layers with a few outliers would be nearly empty.
     places = np.linspace(0.02, 0.98, NUM_SLICES)
     heights = np.quantile(voxels.index[:, 1], places) if len(voxels) else np.zeros(0)
     layers = np.unique(heights.astype(int))

@@ -1,4 +1,4 @@
-"""Fitted solids as closed meshes, to be drawn over the cells they were fitted to."""
+"""Fitted solids as closed meshes, to be drawn over their cells."""
 
 from typing import Any
 
@@ -12,9 +12,9 @@ from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Solid, Sphere, 
 Array = NDArray[np.float64]
 
 AROUND = 48
-"""Corners of a circle."""
+"""Number of corners of a circle."""
 PLANE_SIZE = 10.0
-"""Edge of the square that stands for a plane, world units."""
+"""Edge of the square that represents a plane, world units."""
 
 
 def mesh(solid: Solid) -> Any:
@@ -54,7 +54,7 @@ def triangles_of(solid: Solid) -> tuple[Array, NDArray[np.int32]]:
 
 
 def _frustum(point: Array, axis: Array, height: float, bottom: float, top: float) -> Any:
-    """The side between two circles, and the circles."""
+    """The lateral surface between two circles, and the circles."""
     pyvista = load_pyvista()
     across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
     across /= np.linalg.norm(across)

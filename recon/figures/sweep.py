@@ -1,4 +1,4 @@
-"""A number of many runs over a setting that was swept, a line for each of the other settings."""
+"""A metric of many runs over a swept setting, with a line per combination of other settings."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,17 +10,17 @@ from recon.figures.scales import ORDER
 
 SIZE: Size = (900, 620)
 Runs = Mapping[str, Sequence[tuple[Any, float]]]
-"""Value of the setting and the number of each run, by what the other settings were."""
+"""Value of the setting and metric of each run, by the values of the other settings."""
 
 
 def sweep(runs: Runs, setting: str, metric: str, *, sheet: Sheet | None = None) -> Any:
-    """The mean of each value of a setting as a line, and every run as a dot.
+    """The mean metric per value of a setting as a line, and every run as a dot.
 
     Parameters
     ----------
     runs : mapping
     setting : str
-        Name below the axis; words are set at equal distances.
+        Name below the axis; words are placed at equal distances.
     metric : str
         Name beside the axis.
     sheet : Sheet, optional

@@ -1,4 +1,4 @@
-"""The table of figures; a new kind is its file and a line here, or a plug-in's entry point."""
+"""The table of figures; a new kind needs its file and a line here, or an entry point."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""The way the cameras took, over what they mapped."""
+"""The path of the cameras, over their map."""
 
 from typing import Any
 
@@ -15,20 +15,20 @@ SIZE: Size = (1000, 860)
 
 MAPPED = "#d3d8dc"
 MAX_ARROWS = 120
-"""More would hide each other; the way is drawn whole."""
+"""More would hide each other; the path is drawn completely."""
 
 
 def trajectory(
     T_world_left: Array, voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None
 ) -> Any:
-    """The way of the left camera with its direction at every pair, in the order of the pairs.
+    """The path of the left camera with its direction at every pair, in the order of the pairs.
 
     Parameters
     ----------
     T_world_left : (N, 4, 4)
         Pose of every pair.
     voxels : Voxels
-        Occupied cells, drawn pale below.
+        Occupied cells, drawn pale in the background.
     unit : str
         Of lengths.
     sheet : Sheet, optional
@@ -48,7 +48,7 @@ def trajectory(
     at, gaze = T_world_left[:, :3, 3][:, [0, 2]], T_world_left[:, :3, 2][:, [0, 2]]
     floor.show(axes, floor.extent_of(voxels), at)
     axes.plot(*at.T, color=QUIET, lw=0.8, zorder=3)
-    handles = [floor.line("way of the left camera")]
+    handles = [floor.line("path of the left camera")]
     if len(at):
         axes.plot(*at[0], "o", color=ACCENT, ms=6, zorder=5)
         handles.append(floor.line("first camera", marker="o", color=ACCENT, ms=6, lw=0))

@@ -1,4 +1,4 @@
-"""Viewpoints of figures in space: named views, the recording's own, or six numbers."""
+"""Viewpoints of 3D figures: named views, the recording's own, or six numbers."""
 
 from dataclasses import dataclass, replace
 
@@ -10,7 +10,7 @@ from recon.geometry import look_at
 
 Array = NDArray[np.float64]
 Box = tuple[Array, Array]
-"""Lowest and highest corner (3,) of what is looked at, world."""
+"""Lowest and highest corner (3,) of the viewed box, world."""
 
 DIRECTIONS = {
     "default": (0.55, 0.75, 1.0),
@@ -19,33 +19,33 @@ DIRECTIONS = {
     "side": (1.0, 0.0, 0.0),
     "top": (0.0, 1.0, 1e-9),
 }
-"""Towards the camera, from the middle of what is looked at; z points at the reader."""
+"""Directions from the centre of the box to the camera; z points at the reader."""
 FLAT = ("front", "back", "side", "top")
-"""Seen without perspective, so that lengths can be measured."""
+"""Views in parallel projection, so that lengths can be measured."""
 FROM_CAMERA = ("ego", "camera")
-"""From behind the first camera, and out of it."""
+"""Views from behind the first camera, and from it."""
 VIEWS = (*DIRECTIONS, *FROM_CAMERA)
 
 VIEW_ANGLE_DEG = 28.0
 EGO_ANGLE_DEG = 42.0
 EGO_RISE = 0.42
-"""Height of the place behind the camera above it, to one of distance."""
+"""Height of the viewpoint behind the camera, relative to its distance."""
 CAMERA_ANGLE_DEG = 60.0
 FRAME = 1.08
-"""Room round what is looked at, for names and numbers."""
+"""Margin around the box, for names and numbers."""
 FLAT_FRAME = 1.18
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Viewpoint:
-    """A camera of a figure: x right, y down, z forward, as all of recon's."""
+    """A camera of a figure: x right, y down, z forward, as everywhere in recon."""
 
     T_world_cam: Array
     """(4, 4)"""
     angle_deg: float = VIEW_ANGLE_DEG
     """Vertical field of view."""
     half_height: float | None = None
-    """Half of what a parallel projection shows, world units; None = perspective."""
+    """Half the height of a parallel projection, world units; None = perspective."""
 
     def project(self, points: ArrayLike, size: tuple[int, int]) -> Array:
         """Columns, rows and depths (N, 3) of points (N, 3) in an image of `size` pixels."""
@@ -57,21 +57,21 @@ class Viewpoint:
         return np.column_stack([at, depth])
 
     def pixels_per_unit(self, depth: Array, size: tuple[int, int]) -> Array:
-        """Pixels (N,) that a world unit takes at depths (N,)."""
+        """Pixels (N,) per world unit at depths (N,)."""
         half = self.half_height or np.tan(np.radians(self.angle_deg) / 2.0) * depth
         return np.broadcast_to(size[1] / 2.0 / half, depth.shape)
 
 
 def viewpoint(view: str, box: Box, size: tuple[int, int], first: Array | None = None) -> Viewpoint:
-    """The camera of a view, as near as the whole box allows.
+    """The camera of a view, as close as possible with the whole box visible.
 
     Parameters
     ----------
     view : str
-        One of VIEWS, or "x,y,z" (a place that looks at the middle), or "x,y,z,x,y,z" (a place and
-        what it looks at).
+        One of VIEWS, or "x,y,z" (a position that looks at the centre), or "x,y,z,x,y,z" (a position
+        and a target).
     box : (low, high)
-        Corners (3,) of what is looked at.
+        Corners (3,) of the viewed box.
     size : (width, height)
         Of the image, pixels.
     first : (4, 4), optional
@@ -80,7 +80,7 @@ def viewpoint(view: str, box: Box, size: tuple[int, int], first: Array | None = 
     Raises
     ------
     InputError
-        For another view, and for the camera's own where there is none.
+        For an unknown view, and for a camera's view if there is no camera.
     """
     check(view)
     if view in DIRECTIONS:
@@ -88,7 +88,7 @@ def viewpoint(view: str, box: Box, size: tuple[int, int], first: Array | None = 
     if view not in FROM_CAMERA:
         return _placed(view, box)
     if first is None:
-        raise InputError(f"view is {view!r}, but what is drawn has no camera")
+        raise InputError(f"view is {view!r}, but there is no camera")
     if view == "camera":
         return Viewpoint(T_world_cam=first, angle_deg=CAMERA_ANGLE_DEG)
     behind = -first[:3, 2] * (1.0, 0.0, 1.0)
@@ -119,7 +119,7 @@ def _placed(view: str, box: Box) -> Viewpoint:
     target = numbers[3:] if len(numbers) == 6 else (box[0] + box[1]) / 2.0
     offset = target - numbers[:3]
     if np.hypot(offset[0], offset[2]) < 1e-9 * max(1.0, float(np.abs(offset).max())):
-        # Straight down: up in the image is then -z, as in the view from the top.
+        # Straight down: up in the image is then -z, as in the top view.
         numbers = (
             numbers + np.array([0.0, 0.0, 1e-6 * max(1.0, abs(offset[1])), 0, 0, 0])[: len(numbers)]
         )
@@ -130,7 +130,7 @@ def framed(
     away: Array, box: Box, size: tuple[int, int], *, is_flat: bool = False,
     angle_deg: float = VIEW_ANGLE_DEG,
 ) -> Viewpoint:  # fmt: skip
-    """The camera that lies in the direction `away` (3,), as near as the whole box allows."""
+    """The camera in the direction `away` (3,), as close as possible with the whole box visible."""
     low, high = box
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     rotation = look_at(away, np.zeros(3))
@@ -151,7 +151,7 @@ def framed(
 
 
 def _centred(seen: Array, distance: float, shape: Array, tangent: float) -> tuple[Array, float]:
-    """Shift across and distance that put the box, near and far end, into the middle."""
+    """Lateral shift and distance that centre the box, near and far end."""
     middle = np.zeros(2)
     for _ in range(8):
         shown = (seen[:, :2] - middle) / (seen[:, 2:] + distance) / (shape * tangent)

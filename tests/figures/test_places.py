@@ -54,7 +54,7 @@ def test_the_cameras_view_is_the_cameras():
     first = look_at((0.0, 5.0, 60.0), (0.0, 5.0, 0.0))
     at = viewpoint("camera", BOX, SIZE, first).project([[0.0, 5.0, 0.0]], SIZE)
     np.testing.assert_allclose(at, [[400.0, 300.0, 60.0]], atol=1e-9)
-    with pytest.raises(InputError, match="has no camera"):
+    with pytest.raises(InputError, match="there is no camera"):
         viewpoint("ego", BOX, SIZE, None)
 
 
