@@ -1,4 +1,4 @@
-"""Maps and clouds as files and objects of other programs, and back."""
+"""Conversion of maps and clouds to and from files and objects of other programs."""
 
 from recon.exports.formats import FORMATS, format_of, read, read_mesh, write
 from recon.exports.open3d import as_point_cloud, as_voxel_grid, of_point_cloud, of_voxel_grid

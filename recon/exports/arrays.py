@@ -13,16 +13,16 @@ from recon.exports.text import names_by_kind
 
 log = logging.getLogger(__name__)
 
-# What the arrays of points are called, by us and by others.
+# Names of the arrays of points, ours and those of other programs.
 _POINTS = ("points", "xyz", "pos", "positions", "vertices", "pc", "point_cloud", "pointcloud")
 _COLOURS = ("colours", "colors", "rgb", "colour", "color")
 _NORMALS = ("normals", "normal")
 _MOST_COLUMNS = 16
-"""That three or four points may have without being columns themselves."""
+"""More columns than this, with only 3 or 4 rows, mean a transposed array."""
 
 
 def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
-    """Arrays of rows as single columns."""
+    """Split arrays of rows into single columns."""
     points = _points(arrays)
     named = {points: XYZ} if points else {}
     num = (
@@ -46,12 +46,12 @@ def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
         else:
             columns |= {f"{name}_{n}": column for n, column in enumerate(values.T)}
     if dropped:
-        log.info("arrays that are not a value for every point are left out: %s", dropped)
+        log.info("arrays without one value per point are left out: %s", dropped)
     return columns
 
 
 def _points(arrays: Mapping[str, NDArray[Any]]) -> str | None:
-    """The array of the places; None where x, y and z stand alone, or nothing is like one."""
+    """The name of the array of points; None if x, y and z are separate arrays."""
     lower = {name.lower(): name for name in arrays}
     found = next((lower[name] for name in _POINTS if name in lower), None)
     if found is None and not set(XYZ) <= lower.keys():
@@ -63,7 +63,7 @@ def _points(arrays: Mapping[str, NDArray[Any]]) -> str | None:
 
 
 def _split(name: str, values: NDArray[Any], names: tuple[str, ...]) -> Columns:
-    """The columns of an array; what stands behind the three is told by its range."""
+    """The columns of an array; columns after the first three are identified by their range."""
     if names == XYZ and len(values) in (3, 4) and values.shape[1] > _MOST_COLUMNS:
         raise InputError(
             f"{name} has shape {values.shape}, but one row per point is needed: transpose it"

@@ -1,4 +1,4 @@
-"""Colours of points as other programs name and scale them, brought to 8 bits."""
+"""Colours of points as named and scaled by other programs, converted to 8 bits."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,9 +21,9 @@ _ROUNDING = 1e-4
 
 
 def colour_names(columns: Mapping[str, NDArray[Any]]) -> tuple[str, ...]:
-    """Names of the three columns, or of the packed one, that hold the colour; none: empty.
+    """Names of the three colour columns, or of the packed one; empty if there are none.
 
-    Capitals do not matter.
+    Case does not matter.
     """
     by_lower = {name.lower(): name for name in reversed(list(columns))}
     for names in _TRIPLES:
@@ -36,12 +36,12 @@ def colour_names(columns: Mapping[str, NDArray[Any]]) -> tuple[str, ...]:
 
 
 def colours_of(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...]) -> NDArray[np.uint8]:
-    """The colours (N, 3) that the columns of `names` hold.
+    """The colours (N, 3) in the columns `names`.
 
     Raises
     ------
     InputError
-        For levels below 0 or over 16 bits.
+        For levels < 0 or > 16 bits.
     """
     if len(names) == 1:
         return unpacked(columns[names[0]])
@@ -49,7 +49,7 @@ def colours_of(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...]) -> N
 
 
 def unpacked(values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Colours (N, 3) of 0xRRGGBB; of floats the bits count, as in the Point Cloud Library."""
+    """Colours (N, 3) from 0xRRGGBB; floats are reinterpreted as bits, as in PCL."""
     bits = np.ascontiguousarray(values).view(np.uint32)
     return np.column_stack([(bits >> shift) & 255 for shift in (16, 8, 0)]).astype(np.uint8)
 
@@ -57,7 +57,7 @@ def unpacked(values: NDArray[Any]) -> NDArray[np.uint8]:
 def as_bytes(levels: NDArray[Any]) -> NDArray[np.uint8]:
     """Levels (N, 3) of 8 or 16 bits, or shares from 0 to 1, as 8 bits.
 
-    Floats that are all within 0 and 1 are shares; whole numbers over 255 have 16 bits.
+    Floats all between 0 and 1 are shares; integers above 255 have 16 bits.
     """
     if levels.dtype == np.uint8:
         return levels

@@ -1,4 +1,4 @@
-"""Clouds and cells as named columns, one value a row: what tables of points can hold."""
+"""Clouds and cells as named columns with one value per row, for tables of points."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -18,14 +18,14 @@ RGB = ("red", "green", "blue")
 INDEX = ("index_x", "index_y", "index_z")
 
 MAX_COORDINATE = 1e15
-"""Squares of farther ones lose all meaning, or overflow."""
+"""Squares of larger ones lose all precision or overflow."""
 
-# Names of single columns and of the fields of Voxels that they hold.
+# Names of single columns, and the fields of Voxels they correspond to.
 _KEPT = {"weight": "weights", "num_views": "num_views", "hits": "hits", "passes": "passes"}
 
 
 def columns_of(data: PointCloud | Voxels) -> Columns:
-    """The columns of points, or of cells, whose place is the mean of their points."""
+    """The columns of points, or of cells, whose position is the mean of their points."""
     return _of_cloud(data) if isinstance(data, PointCloud) else _of_voxels(data)
 
 
@@ -40,7 +40,7 @@ def _of_cloud(cloud: PointCloud) -> Columns:
 
 def _of_voxels(voxels: Voxels) -> Columns:
     columns = _split(XYZ, voxels.means) | _split(RGB, voxels.colours)
-    # Signed 32 bits: the one whole number that every format here has.
+    # Signed 32 bits: the one integer type that every format here supports.
     columns["count"] = voxels.counts.astype(np.int32)
     columns |= _split(INDEX, voxels.index.astype(np.int32))
     for name, field in _KEPT.items():
@@ -53,15 +53,15 @@ def _of_voxels(voxels: Voxels) -> Columns:
 def from_columns(
     columns: Mapping[str, NDArray[Any]], crs: Crs | None = None
 ) -> PointCloud | Voxels:
-    """Cells where the columns name their index, count and size, otherwise points.
+    """Cells if the columns include index, count and size, otherwise points.
 
-    Points that are not finite, with which depth cameras mark that nothing was measured, are left
-    out. Columns of text are left out and named.
+    Points that are not finite, by which depth cameras mark missing measurements, are left out.
+    Columns of text are left out with a notice.
 
     Raises
     ------
     InputError
-        Where x, y or z is missing, or a value cannot be what its name says.
+        If x, y or z is missing, or a value does not fit its name.
     """
     texts = [name for name, values in columns.items() if values.dtype.kind not in "biuf"]
     leave_out(texts, "the table")
@@ -72,7 +72,7 @@ def from_columns(
 
 
 def cloud_in(columns: Mapping[str, NDArray[Any]], crs: Crs | None = None) -> PointCloud:
-    """The points of columns, each of them; what is neither place nor colour is an attribute."""
+    """All points of columns; columns other than position and colour become attributes."""
     by_lower = {name.lower(): name for name in reversed(list(columns))}
     missing = [name for name in XYZ if name not in by_lower]
     if missing:
@@ -95,11 +95,11 @@ def cloud_in(columns: Mapping[str, NDArray[Any]], crs: Crs | None = None) -> Poi
 def _check_reach(points: NDArray[np.float64]) -> None:
     farthest = np.abs(points[np.isfinite(points)]).max(initial=0.0)
     if farthest > MAX_COORDINATE:
-        raise InputError(f"a coordinate is {farthest:g}, but {MAX_COORDINATE:g} at most is needed")
+        raise InputError(f"a coordinate is {farthest:g}, but at most {MAX_COORDINATE:g} is allowed")
 
 
 def _sigma(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.float64] | None:
-    """Values that can be a standard deviation; other programs may mean another sigma."""
+    """The sigma column if it can be a standard deviation, which programs may not mean by it."""
     values = columns.get("sigma")
     if values is None or values.dtype.kind != "f" or (values < 0).any():
         return None

@@ -1,4 +1,4 @@
-"""Points out of E57 (ASTM), by pye57: z up, all scans of a file in its frame."""
+"""Points from E57 (ASTM), by pye57: z up, all scans of a file in its common frame."""
 
 import struct
 from pathlib import Path
@@ -22,12 +22,12 @@ _HEADER = struct.Struct("<8sIIQQQQ")
 
 
 def read(path: Path) -> Columns:
-    """The points of all scans, posed; what only some scans hold is NaN in the others.
+    """The points of all scans in the common frame; values missing in some scans are NaN there.
 
     Raises
     ------
     InputError
-        Where the file is cut short or holds no scan.
+        If the file is truncated or contains no scan.
     """
     pye57 = load_extra("pye57", "e57")
     _check_header(path)
@@ -38,7 +38,7 @@ def read(path: Path) -> Columns:
         scans = [_scan(file, n, one) for n, one in enumerate(headers)]
     except InputError:
         raise
-    # The library raises errors of its own C++ part, of no common kind.
+    # The library's C++ part raises errors without a common base class.
     except Exception as error:
         raise InputError(f"not a whole E57 file ({_one_line(error)})") from error
     if not scans:
@@ -50,7 +50,7 @@ def _check_header(path: Path) -> None:
     with path.open("rb") as file:
         head = file.read(_HEADER.size)
     if len(head) < _HEADER.size or head[:8] != b"ASTM-E57":
-        raise InputError("not an E57 file (its first bytes are others)")
+        raise InputError("not an E57 file (wrong signature)")
     _, _, _, claimed, xml_start, xml_bytes, page = _HEADER.unpack(head)
     size = path.stat().st_size
     if claimed > size or xml_start + xml_bytes > size or page != 1024:

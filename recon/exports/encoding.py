@@ -1,4 +1,4 @@
-"""Images as the bytes of a file, for pages that show them."""
+"""Images encoded as the bytes of a file, for web pages."""
 
 import cv2
 import numpy as np
@@ -11,12 +11,12 @@ JPEG_QUALITY = 88
 
 
 def encode_image(image: NDArray[np.uint8], ending: str = ".png") -> bytes:
-    """The bytes of an image (H, W) or (H, W, 3) RGB as a file of that ending.
+    """The bytes of an image (H, W) or (H, W, 3) RGB as a file with the given suffix.
 
     Raises
     ------
     InputError
-        For an ending that is none of ENDINGS.
+        For a suffix that is not one of ENDINGS.
     """
     if ending not in ENDINGS:
         raise InputError(f"ending is {ending!r}, but one of {', '.join(ENDINGS)} is needed")

@@ -1,4 +1,4 @@
-"""The record of one file format, and the formats that are tables of points."""
+"""The record of one file format, and formats that are tables of points."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -19,24 +19,24 @@ Up = Literal["y", "z"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Format:
-    """Reading and writing of files of one ending; data has y up on this side of it."""
+    """Reading and writing of files of one suffix; data in memory has y up."""
 
     read: "Callable[..., PointCloud | Voxels | VoxelMap] | None" = None
-    """Path, and the `options` by name. None where it holds neither a map nor a cloud."""
+    """Path, and the `options` by name. None if it contains neither a map nor a cloud."""
     write: Callable[[Path, Any], None] | None = None
-    """None where it is only read."""
+    """None if the format is read-only."""
     up: Up = "y"
     """The axis that is up in the file."""
     takes: tuple[type, ...] = (PointCloud, Voxels)
-    """Types it is written of; of a map its cells are taken where it is not among these."""
+    """Types that can be written; a map that is not among these is written as cells."""
     options: frozenset[str] = frozenset()
-    """Keywords that `read` knows."""
+    """Keywords that `read` accepts."""
     read_mesh: Callable[[Path], Mesh] | None = None
     write_mesh: Callable[[Path, Mesh], None] | None = None
     has_mesh: Callable[[Path], bool] = lambda _: True
-    """True where a file holds triangles, where the format can."""
+    """True if a file contains triangles, in a format that supports them."""
     write_parts: "Callable[[Path, Iterator[Voxels], int], None] | None" = None
-    """Writes cells that come in pieces, and their number; None where it needs all at once."""
+    """Writes cells in chunks, given their total number; None if it needs all at once."""
 
 
 MeshParts = tuple[
@@ -54,14 +54,14 @@ def table(
     mesh: MeshParts | tuple[None, None, Any] = (None, None, lambda _: False),
     write_parts: Callable[[Path, Iterator[Columns], int], None] | None = None,
 ) -> Format:
-    """A format that holds named columns.
+    """A format of named columns.
 
     Parameters
     ----------
     read, write : callables
-        Columns of a path, with the coordinate reference system where `keeps_crs`.
+        Columns of a path, with the coordinate reference system if `keeps_crs`.
     write_parts : callable, optional
-        Writes columns that come in pieces, given their number of rows; of a format with y up.
+        Writes columns in chunks, given their total number of rows; for formats with y up.
     """
 
     def read_table(path: Path, **given: Any) -> PointCloud | Voxels:

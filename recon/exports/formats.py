@@ -1,4 +1,4 @@
-"""All formats by ending: one table, one function to write and one to read."""
+"""All formats by suffix: one table, one function to write and one to read."""
 
 import sys
 from collections.abc import Sequence
@@ -44,16 +44,16 @@ def _home(place: str) -> str:
 FORMATS: Registry[Format] = Registry(
     "recon.formats", "format", {ending: _home(place) for ending, place in _HOMES.items()}
 )
-"""Formats by ending, those of installed packages too."""
+"""Formats by suffix, including those of installed packages."""
 
 
 def format_of(path: PathLike) -> Format:
-    """The format of an ending.
+    """The format of a file, by its suffix.
 
     Raises
     ------
     InputError
-        For an ending that none has.
+        For an unknown suffix.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
@@ -65,28 +65,28 @@ def format_of(path: PathLike) -> Format:
 def write(
     data: "Data | PartitionedMap", path: PathLike, box: Box | None = None, *, up: Up | None = None
 ) -> None:
-    """Write a cloud, cells, a map or a mesh by the ending of `path`, whole or not at all.
+    """Write a cloud, cells, a map or a mesh atomically, in the format of the suffix of `path`.
 
-    Formats of robots and surveyors (.las .laz .bt .ot .pgm) have z up; what is written there is
-    turned: (x, y, z) becomes (x, -z, y).
+    Formats of robotics and surveying (.las .laz .bt .ot .pgm) have z up; data is rotated when
+    written: (x, y, z) becomes (x, -z, y).
 
     Parameters
     ----------
     data : PointCloud, Voxels, VoxelMap, PartitionedMap or Mesh
-        Of a map, all cells with a point; one in partitions goes piece by piece into formats that
-        can (.ply .parquet .csv .xyz .txt .asc), into others as a whole.
+        For a map, all cells with a point; a partitioned one is written in chunks if the format
+        allows (.ply .parquet .csv .xyz .txt .asc), else as a whole.
     path : path
     box : (low, high), optional
-        Only points, or cells whose middle, inside these corners (3,) of the world.
+        Write only points, or cells with their centre, between these corners (3,), world.
     up : "y" or "z", optional
-        The axis that is up in the file; the format's own where not given.
+        The axis that is up in the file; by default the format's own.
 
     Raises
     ------
     InputError
-        For an unknown ending, or data that the format cannot hold.
+        For an unknown suffix, or data that the format cannot store.
     MissingLibraryError
-        Where the library of the format is not installed.
+        If the library of the format is not installed.
     """
     form = format_of(path)
     check_name(path)
@@ -102,7 +102,7 @@ def write(
         if not len_of(data):
             notify("box-empty", f"{path}: nothing lies inside the box")
     if up is not None and up != form.up:
-        # The format turns it once more, by as much.
+        # The format rotates it once more by the same angle.
         data = turned(_cells_of(data), R_ZUP_YUP if up == "z" else R_YUP_ZUP)
     _write_whole(data, path, form)
 
@@ -110,7 +110,7 @@ def write(
 def _write_whole(data: Data, path: PathLike, form: Format) -> None:
     if isinstance(data, Mesh):
         if form.write_mesh is None:
-            raise InputError(f"{path}: a format that holds no triangles; give --sample N")
+            raise InputError(f"{path}: the format cannot hold triangles; give --sample N")
         form.write_mesh(Path(path), data)
         return
     if is_map(data) and not isinstance(data, form.takes):
@@ -122,20 +122,20 @@ def _write_whole(data: Data, path: PathLike, form: Format) -> None:
 
 def _cannot_hold(form: Format, data: Data) -> str:
     if form.write is None and form.write_mesh is None:
-        return "a format that is only read"
+        return "the format is read-only"
     kind = "a cloud of points" if isinstance(data, PointCloud) else "cells"
     holds = "cells" if Voxels in form.takes else "triangles"
     return f"a format for {holds} cannot hold {kind}"
 
 
 def is_map(data: "Data | PartitionedMap") -> "TypeIs[VoxelMap]":
-    """Tell a map from other data; where its room is not loaded yet, there is none."""
+    """Test for a map; if its package is not loaded yet, there are none."""
     room = sys.modules.get("recon.voxelmap")
     return room is not None and isinstance(data, room.VoxelMap)
 
 
 def is_in_partitions(data: "Data | PartitionedMap") -> "TypeIs[PartitionedMap]":
-    """Tell a map in partitions from other data."""
+    """Test for a partitioned map."""
     room = sys.modules.get("recon.exports.partitions.partitioned")
     return room is not None and isinstance(data, room.PartitionedMap)
 
@@ -152,26 +152,26 @@ def read(
     sample: int | None = None,
     seed: int = 0,
 ) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
-    """Read a cloud, cells or a map, with y up, by the ending of `path`.
+    """Read a cloud, cells or a map, with y up, in the format of the suffix of `path`.
 
     Parameters
     ----------
     path : path
-        A file; or the folder or URL of a map in partitions, which are read as they are asked for.
+        A file, or the folder or URL of a partitioned map, which is read on demand.
     columns : sequence of str, optional
         Names of the columns of a table of text.
     sample : int, optional
-        Points drawn from a cloud, or evenly from the triangles of a mesh, of which otherwise the
-        vertices are taken.
+        Number of points sampled from a cloud, or evenly from the triangles of a mesh, whose
+        vertices are taken by default.
     seed : int
         Of the sample.
 
     Raises
     ------
     InputError
-        For an unknown ending, one that holds neither, or a file that is not whole.
+        For an unknown suffix, one without clouds or maps, or a damaged file.
     MissingLibraryError
-        Where the library of the format is not installed.
+        If the library of the format is not installed.
     """
     data = read_silently(path, columns=columns, sample=sample, seed=seed)
     if format_of(path).up == "z":
@@ -186,7 +186,7 @@ def read_silently(
     sample: int | None = None,
     seed: int = 0,
 ) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
-    """The same as `read`, without a word on how it was turned."""
+    """Do the same as `read`, without a notice about the rotation."""
     rng = np.random.default_rng(seed)
     if is_partitioned(path):
         from recon.exports.partitions.partitioned import PartitionedMap
@@ -228,7 +228,7 @@ def _named(path: PathLike, reader: Any, **given: Any) -> Any:
 def _drawn(
     data: "PointCloud | Voxels | VoxelMap", num: int, rng: np.random.Generator
 ) -> PointCloud | Voxels:
-    """Some points or cells, in the order they had."""
+    """Some points or cells, in their original order."""
     rows = data.occupied(min_count=1) if is_map(data) else data
     if num >= len(rows):
         return rows
@@ -236,7 +236,7 @@ def _drawn(
 
 
 def holds_mesh(path: PathLike) -> bool:
-    """True where a file holds triangles."""
+    """True if a file contains triangles."""
     if is_partitioned(path):
         return False
     form = _readable(path)
@@ -244,16 +244,16 @@ def holds_mesh(path: PathLike) -> bool:
 
 
 def read_mesh(path: PathLike) -> Mesh:
-    """Read triangles, with y up, by the ending of `path`.
+    """Read triangles, with y up, in the format of the suffix of `path`.
 
     Raises
     ------
     InputError
-        For an ending or a file without triangles, and for one that is not whole.
+        For a suffix or a file without triangles, or a damaged file.
     """
     form = _readable(path)
     if form.read_mesh is None:
-        raise InputError(f"{path}: a format that holds no triangles")
+        raise InputError(f"{path}: the format cannot hold triangles")
     mesh: Mesh = _named(path, form.read_mesh)
     return mesh
 

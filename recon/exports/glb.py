@@ -1,4 +1,4 @@
-"""An image of the cells for any browser: their exposed faces as glTF (GLB), by trimesh; y up."""
+"""Cells for viewing in any browser: their exposed faces as glTF (GLB), by trimesh; y up."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,13 +17,13 @@ from recon.records import Mesh, PointCloud, Voxels
 from recon.voxelmap.faces import exposed_faces
 
 _NEAR = 16.0
-"""Extents from the origin up to which 32 bits are fine enough."""
+"""Distance from the origin, in extents, up to which 32 bits are precise enough."""
 
 
 def write(path: Path, data: PointCloud | Voxels) -> None:
-    """Write the outside of the cells, or points, in their colours."""
+    """Write the outer faces of the cells, or points, in their colours."""
     if isinstance(data, PointCloud) and not len(data):
-        raise InputError(f"nothing is there to be written as {path.name}, but a point is needed")
+        raise InputError(f"there is nothing to write to {path.name}, but a point is needed")
     if isinstance(data, PointCloud):
         drop_columns([*data.attributes, *(["sigma"] if data.sigma is not None else [])], path)
         _write(path, data.points, lambda trimesh, places: _points(trimesh, data, places))
@@ -46,7 +46,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
 
 
 def _write(path: Path, places: NDArray[np.float64], shape: Callable[[Any, Any], Any]) -> None:
-    """Write what `shape` makes of places; glTF has 32 bits for them, and a node moves them."""
+    """Write the result of `shape` for positions; glTF stores 32 bits, so a node adds an offset."""
     trimesh = load_extra("trimesh", "mesh")
     offset = _offset(places)
     transform = np.eye(4)
@@ -59,7 +59,7 @@ def _write(path: Path, places: NDArray[np.float64], shape: Callable[[Any, Any], 
 
 
 def _offset(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The whole numbers to move by; none where places are near the origin for their extent."""
+    """The integer offset (3,); 0 if positions are near the origin relative to their extent."""
     if not len(places):
         return np.zeros(3)
     low, high = places.min(axis=0), places.max(axis=0)
@@ -76,7 +76,7 @@ def _points(trimesh: Any, cloud: PointCloud, places: Any) -> Any:
 
 
 def _make_matt(tree: dict[str, Any]) -> None:
-    """Without a material of its own a viewer shows metal, which is black where nothing shines."""
+    """Set a matt material: by default viewers show metal, which is black without lights."""
     tree["materials"] = [{"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}}]
     for mesh in tree.get("meshes", []):
         for primitive in mesh["primitives"]:

@@ -1,4 +1,4 @@
-"""Headings of tables of points: the names of columns, x, y and z among them."""
+"""Header lines of tables of points: column names that include x, y and z."""
 
 import re
 
@@ -7,7 +7,7 @@ from recon.exports.columns import XYZ
 _WORD = re.compile(r"[^\s,;]+")
 _UNIT = re.compile(r"\s*[\[(][^\])]*[\])]$")
 
-# What surveyors, ParaView and others call x, y and z.
+# Names of x, y and z in surveying, ParaView and other programs.
 _PLACES = (
     XYZ,
     ("easting", "northing", "elevation"),
@@ -20,9 +20,9 @@ _PLACES = (
 
 
 def heading(line: bytes) -> tuple[str, ...] | None:
-    """The names in a line; None unless x, y and z are among them, whatever they are called.
+    """The column names in a line; None unless x, y and z, or their synonyms, are among them.
 
-    A column without a name, as that of a table's row numbers, is called by its number.
+    A column without a name, such as row numbers, is named by its position.
     """
     text = line.decode("utf-8", "replace").lstrip("#/%! ")
     separator = next((mark for mark in ";\t," if mark in text), None)

@@ -1,4 +1,4 @@
-"""Points as LAS or LAZ (ASPRS), by laspy: z up, every other value a dimension of its own."""
+"""Points as LAS or LAZ (ASPRS), by laspy: z up, every other value as its own dimension."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from recon.files import atomic_path
 from recon.libraries import load_extra, silent
 from recon.records import Crs
 
-# LAS keeps places as whole steps in 32 bits: as fine as the extent allows, by powers of ten.
+# LAS stores coordinates as 32-bit integers: as fine as the extent allows, in powers of ten.
 _FINEST_STEP = 1e-7
 _MAX_STEPS = 2**31 - 1
 
@@ -24,7 +24,7 @@ _COLOUR_FACTOR = 257
 _HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
 _MAX_NAME_BYTES = 32
 
-# A column whose name is LAS's own, but whose values are not, stands beside it.
+# Suffix of a column whose name is a LAS dimension, but whose values do not fit it.
 _BESIDE = "_value"
 
 _CRS_USER = "LASF_Projection"
@@ -33,7 +33,7 @@ _WKT = 2112
 
 
 def write(path: Path, columns: Columns, crs: Crs | None) -> None:
-    """Write columns; places are rounded to steps of a power of ten, from 1e-7 on."""
+    """Write columns; coordinates are rounded to steps of a power of ten, at least 1e-7."""
     laspy = load_extra("laspy", "las")
     extra = {name: v for name, v in columns.items() if name not in XYZ + RGB}
     held = held_columns(extra, _HELD, path)
@@ -56,8 +56,8 @@ def write(path: Path, columns: Columns, crs: Crs | None) -> None:
 def _header(
     laspy: Any, columns: Columns, held: Columns, crs: Crs | None
 ) -> tuple[Any, dict[str, str]]:
-    """The header, and the dimension that each column goes into."""
-    # Format 7 is 6 with colours.
+    """The header, and the dimension of each column."""
+    # Format 7 is format 6 with colours.
     kind = 7 if set(RGB) <= columns.keys() else 6
     header = laspy.LasHeader(point_format=kind, version="1.4")
     low = np.array([columns[name].min(initial=np.inf) for name in XYZ])
@@ -79,7 +79,7 @@ def _header(
 
 
 def _fits(values: Any, dimension: Any) -> bool:
-    """True where a dimension of LAS itself holds the values; its name is then its own."""
+    """True if a standard LAS dimension can hold the values."""
     whole = values.dtype.kind in "iub" or bool((values == np.floor(values)).all())
     if dimension.kind.name == "FloatingPoint":
         return True
@@ -87,12 +87,12 @@ def _fits(values: Any, dimension: Any) -> bool:
 
 
 def read(path: Path) -> tuple[Columns, Crs | None]:
-    """Places, colours where there are any, every other dimension, and the reference system.
+    """Coordinates, colours if there are any, all other dimensions, and the reference system.
 
     Raises
     ------
     InputError
-        Where the header claims what the file cannot hold, or its points cannot be unpacked.
+        If the header does not fit the file, or the points cannot be decompressed.
     """
     laspy = load_extra("laspy", "las")
     check_header(path)
@@ -114,8 +114,8 @@ def _one_line(error: Exception) -> str:
 
 
 def _columns(file: Any) -> Columns:
-    """Places and dimensions; of LAS's own dimensions those that are not 0 throughout."""
-    with np.errstate(over="ignore"):  # what is not finite is left out later
+    """Coordinates and dimensions; standard LAS dimensions only if not all 0."""
+    with np.errstate(over="ignore"):  # non-finite points are left out later
         columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
     extra = set(file.point_format.extra_dimension_names)
     for name in file.point_format.dimension_names:

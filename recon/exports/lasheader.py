@@ -1,4 +1,4 @@
-"""The header of a LAS or LAZ file (ASPRS 1.0 to 1.4), held against the file before it is read."""
+"""The header of a LAS or LAZ file (ASPRS 1.0 to 1.4), checked against the file before reading."""
 
 import struct
 from dataclasses import dataclass
@@ -14,32 +14,32 @@ _MIN_HEADER_BYTES = 227
 _RECORD_BYTES, _EXTENDED_BYTES = 54, 60
 _NO_TABLE = -1
 
-# Compressed points are marked by the highest bit of their format.
+# The highest bit of the format marks compressed points.
 _COMPRESSED = 0x80
 _MIN_POINT_BYTES = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
 
-# Chunks of LAZ hold 50000 points unless told; even constant ones take some bytes.
+# LAZ chunks have 50000 points by default; even constant ones take some bytes.
 _MAX_POINTS_OF_BYTE = 20_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """A file by its own header."""
+    """A file as described by its header."""
 
     num_points: int
     point_bytes: int
     start: int
-    """Byte at which the points begin."""
+    """Byte offset of the points."""
     is_compressed: bool
 
 
 def check_header(path: Path) -> Header:
-    """The header of a file that is as large as it claims.
+    """The header of a file, checked against the file's size.
 
     Raises
     ------
     InputError
-        Where counts, scales, offsets or lengths cannot be those of this file.
+        If counts, scales, offsets or lengths do not fit the file.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -57,7 +57,7 @@ def check_header(path: Path) -> Header:
 
 def _parsed(head: bytes) -> Header:
     if head[:4] != b"LASF" or len(head) < _MIN_HEADER_BYTES:
-        raise ValueError("its first bytes are others")
+        raise ValueError("wrong signature")
     major, minor = head[24:26]
     (start,) = struct.unpack_from("<I", head, 96)
     code, point_bytes, num_points = struct.unpack_from("<BHI", head, 104)
@@ -78,7 +78,7 @@ def _check_scales(head: bytes) -> None:
 
 
 def _check_records(file: BinaryIO, head: bytes, found: Header, size: int) -> None:
-    """The variable records lie between the header and the points, the extended ones after."""
+    """Check that variable records precede the points, and extended ones follow them."""
     header_bytes, _, count = struct.unpack_from("<HII", head, 94)
     if not header_bytes <= found.start <= size:
         raise ValueError(f"its points begin at byte {found.start} of {size}")
@@ -111,7 +111,7 @@ def _check_points(file: BinaryIO, found: Header, size: int) -> None:
 
 
 def _check_chunks(file: BinaryIO, found: Header, size: int) -> None:
-    """The table of chunks lies after the points, and has room in the file."""
+    """Check that the table of chunks lies after the points and inside the file."""
     file.seek(found.start)
     place = _int64(file.read(8))
     if place == _NO_TABLE:

@@ -17,7 +17,7 @@ Colour = tuple[float, float, float]
 
 MAX_BYTES = 1 << 24
 _LEVELS = 16
-"""Of a channel, to which the colours of triangles are rounded: thousands of materials at most."""
+"""Levels per channel of the colours of triangles: limits the number of materials."""
 
 
 def painted(
@@ -26,9 +26,9 @@ def painted(
     materials: Sequence[str | None],
     colours: dict[str, Colour],
 ) -> NDArray[np.uint8] | None:
-    """(V, 3) vertices in the colours of the faces they belong to; None where one has none.
+    """Vertex colours (V, 3) from the materials of their faces; None if a vertex has none.
 
-    Where materials meet, a vertex takes the last one's.
+    Where materials meet, a vertex takes the last one.
     """
     shares = np.full((num_vertices, 3), np.nan)
     for face, material in zip(faces, materials, strict=True):
@@ -40,12 +40,12 @@ def painted(
 
 
 def read_colours(path: Path, names: Iterable[str]) -> dict[str, Colour]:
-    """The colours of the material files that `path` names; what cannot be had is said."""
+    """The colours of the material files that `path` names; missing ones cause a notice."""
     found: dict[str, Colour] = {}
     for name in dict.fromkeys(names):
         file = path.parent / name
         if Path(name).is_absolute() or ".." in Path(name).parts or not file.is_file():
-            notify("colour-missing", f"{path}: its materials {name!r} are not beside it")
+            notify("colour-missing", f"{path}: its material file {name!r} is not beside it")
             continue
         found |= dict(_colours(file))
     return found
@@ -74,7 +74,7 @@ def _colour(file: Path, text: str) -> Colour:
 
 
 def material_names(mesh: Mesh) -> list[str]:
-    """A material for every triangle, called by its colour: the mean of its corners, rounded."""
+    """A material per triangle, named by its colour: the rounded mean of its corners."""
     assert mesh.colours is not None
     means = mesh.colours[mesh.triangles].mean(axis=1)
     levels = np.rint(means / 255.0 * (_LEVELS - 1)).astype(int) * 255 // (_LEVELS - 1)
@@ -82,7 +82,7 @@ def material_names(mesh: Mesh) -> list[str]:
 
 
 def write_materials(path: Path, names: Iterable[str]) -> None:
-    """Write the materials that `material_names` named."""
+    """Write the materials named by `material_names`."""
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         for name in sorted(set(names)):
             shares = (byte / 255.0 for byte in bytes.fromhex(name[-6:]))

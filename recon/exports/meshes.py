@@ -30,7 +30,7 @@ def read_mesh(path: Path) -> Mesh:
     Raises
     ------
     InputError
-        Where it is cut short, or holds no triangles.
+        If it is truncated or contains no triangles.
     """
     parts = [part for part in _parts(path) if len(getattr(part, "faces", ()))]
     if not parts:
@@ -46,7 +46,7 @@ def read_mesh(path: Path) -> Mesh:
 
 
 def read(path: Path) -> PointCloud:
-    """The vertices of a file, of its triangles and of its points."""
+    """The vertices of a file, of triangles and of points."""
     parts = [part for part in _parts(path) if len(getattr(part, "vertices", ()))]
     if not parts:
         raise InputError("it holds no vertices")
@@ -54,9 +54,9 @@ def read(path: Path) -> PointCloud:
 
 
 def _parts(path: Path) -> list[Any]:
-    """The geometries of a file, each moved to its place."""
+    """The geometries of a file, each transformed to its position."""
     trimesh = load_extra("trimesh", "mesh")
-    # It logs what goes wrong, with tracebacks, before it raises.
+    # trimesh logs errors with tracebacks before it raises.
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     content = path.read_bytes()
     check_memory(path, _COPIES * len(content))
@@ -70,17 +70,17 @@ def _parts(path: Path) -> list[Any]:
         )  # fmt: skip
         parts = list(scene.dump())
         if ending == "stl":
-            # Its triangles have corners of their own, as if none touched another.
+            # Each triangle has its own corners, unconnected to its neighbours.
             for part in parts:
                 part.merge_vertices()
         return parts
-    # trimesh's readers raise whatever their parsing meets.
+    # trimesh's readers raise errors of any kind.
     except Exception as error:
         raise InputError(f"not a whole {ending.upper()} file ({_reason(error)})") from error
 
 
 def _check_stl(content: bytes) -> None:
-    """A binary file has room for what it claims; a text ends."""
+    """Check that a binary file has its claimed size, and that a text has an end."""
     if content[:5].lower() == b"solid" and b"facet" in content[:2000]:
         if b"endsolid" not in content[-2000:]:
             raise InputError("not a whole STL file (its text has no end)")
@@ -101,7 +101,7 @@ def _check_off(content: bytes) -> None:
     lines = [line.split(b"#")[0] for line in content.splitlines()]
     words = b" ".join(lines).split()
     if not words or words[0].upper() not in (b"OFF", b"COFF", b"NOFF", b"CNOFF"):
-        raise InputError("not an OFF file (its first line is another)")
+        raise InputError("not an OFF file (wrong first line)")
     if words[0].upper().startswith(b"C"):
         notify("colour-missing", "colours of an OFF file are not read; its vertices have none")
     counts = [int(word) for word in words[1:4] if word.isdigit()]
@@ -119,7 +119,7 @@ def _vertices(parts: list[Any]) -> NDArray[np.float64]:
 
 
 def _colours(parts: list[Any]) -> NDArray[np.uint8] | None:
-    """RGB of the vertices, where all parts have colours of vertices."""
+    """RGB of the vertices, if all parts have vertex colours."""
     found = [_vertex_colours(part) for part in parts]
     kept = [colours for colours in found if colours is not None]
     return np.concatenate(kept) if len(kept) == len(found) else None
@@ -136,7 +136,7 @@ def _vertex_colours(part: Any) -> NDArray[np.uint8] | None:
 
 
 def _reason(error: BaseException) -> str:
-    """The words of an error that was meant; others tell of the inside of trimesh."""
+    """The text of an intended error; others concern trimesh's internals."""
     words = " ".join(str(error).split())[:200]
     return words if words and isinstance(error, ValueError) else "its parts do not fit together"
 
@@ -147,7 +147,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
     Raises
     ------
     InputError
-        Where STL, which has 32-bit places, cannot hold them to a thousandth of the mesh's size.
+        If STL with its 32-bit coordinates is too coarse for the mesh's size.
     """
     ending = path.suffix.lower().removeprefix(".")
     if ending == "stl":
@@ -167,12 +167,12 @@ def _check_precision(path: Path, mesh: Mesh) -> None:
     error = np.abs(mesh.vertices - mesh.vertices.astype(np.float32)).max(initial=0.0)
     if error > 1e-4 * size:
         raise InputError(
-            f"{path}: 32-bit places would move vertices by {error:g}; give .ply, .obj or .glb"
+            f"{path}: 32-bit coordinates would move vertices by {error:g}; give .ply, .obj or .glb"
         )
 
 
 def has_triangles(path: Path) -> bool:
-    """True where a file holds triangles, beside or without points."""
+    """True if a file contains triangles, with or without points."""
     return any(len(getattr(part, "faces", ())) for part in _parts(path))
 
 

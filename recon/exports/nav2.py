@@ -1,4 +1,4 @@
-"""A map of the floor for nav2 and other planners of robots: `.pgm` and its `.yaml`; z up."""
+"""A floor map for nav2 and other robot planners: `.pgm` and its `.yaml`; z up."""
 
 import math
 from pathlib import Path
@@ -22,12 +22,12 @@ _GREYS = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
 
 
 def write(path: Path, data: Voxels | VoxelMap) -> None:
-    """Write both files, whichever ending `path` has; free space is known of a map with rays.
+    """Write both files, whichever suffix `path` has; free space needs a map with rays.
 
     Raises
     ------
     InputError
-        Where the band of heights of `navigation` holds nothing.
+        If the map has no cells in the height band of `navigation`.
     """
     has_rays = isinstance(data, VoxelMap) and "rays" in data.channels
     sightings = data.sightings() if isinstance(data, VoxelMap) and has_rays else _NONE
@@ -53,7 +53,7 @@ def _write_image(path: Path, floor: GroundGrid) -> None:
 
 
 def image(floor: GroundGrid) -> NDArray[np.uint8]:
-    """The floor as grey values (rows, columns): columns go along x, rows from small z on.
+    """The floor as grey values (rows, columns): columns along x, rows along z.
 
     With z up the second axis is -z, and it points up in the image.
     """
@@ -70,7 +70,7 @@ def _write_description(path: Path, floor: GroundGrid) -> None:
         "image": path.with_suffix(".pgm").name,
         "mode": "trinary",
         "resolution": floor.cell_size,
-        # Of the lower left pixel: the largest z, as the second axis is -z.
+        # Origin of the lower left pixel: the largest z, as the second axis is -z.
         "origin": [float(x), float(-high_z), 0.0],
         "negate": 0,
         "occupied_thresh": 0.65,
@@ -83,13 +83,13 @@ def _write_description(path: Path, floor: GroundGrid) -> None:
 def read(path: Path) -> Voxels:
     """The occupied cells, each with count 1, in one layer at the height of a robot.
 
-    Cells of an origin between cells of the world's grid are moved by less than half a cell; free
-    and unknown floor is not kept.
+    A grid that is not aligned with the world's is shifted by less than half a cell; free and
+    unknown floor is not kept.
 
     Raises
     ------
     InputError
-        Where the description lacks a number, or the image is not whole.
+        If the description lacks a number, or the image is damaged.
     """
     is_image = path.suffix.lower() == ".pgm"
     description = _description(_description_of(path) if is_image else path)
@@ -98,7 +98,7 @@ def read(path: Path) -> Voxels:
     row, column = np.nonzero(shares > description["occupied_thresh"])
     size = description["resolution"]
     x, y = description["origin"][:2]
-    # Rows go down, and the second axis of a format with z up is -z of the world.
+    # Rows go down, and the second axis of a format with z up is the world's -z.
     ground = np.column_stack(
         [x + (column + 0.5) * size, -(y + (greys.shape[0] - row - 0.5) * size)]
     )
@@ -116,7 +116,7 @@ def read(path: Path) -> Voxels:
 
 
 _LOWEST = 0.5
-"""Height from which on a cell stands in a robot's way, as `navigation` has it."""
+"""Minimum height of an obstacle, as in `navigation`."""
 _ROUNDING = 1e-6
 
 
@@ -130,7 +130,7 @@ def _description_of(image_path: Path) -> Path:
 
 
 def _description(path: Path) -> dict[str, Any]:
-    """The numbers of a description, with nav2's own where one is left out."""
+    """The numbers of a description, with nav2's defaults for missing ones."""
     check_regular(path)
     content = read_yaml(path)
     try:
@@ -147,7 +147,7 @@ def _description(path: Path) -> dict[str, Any]:
     if not (0 < found["resolution"] < math.inf and len(origin) >= 2 and np.isfinite(origin).all()):
         raise InputError(f"{path}: resolution is {found['resolution']}, origin {origin}")
     if any(origin[2:]):
-        raise InputError(f"{path}: its origin is turned by {origin[2]}, but 0 is needed")
+        raise InputError(f"{path}: its origin is rotated by {origin[2]}, but 0 is needed")
     if Path(found["image"]).is_absolute() or ".." in Path(found["image"]).parts:
         raise InputError(f"{path}: its image {found['image']!r} lies outside its folder")
     return found

@@ -21,7 +21,7 @@ _OWN = {field.name for field in fields(PointCloud)}
 
 
 def write(path: Path, data: Data) -> None:
-    """Write a map exactly; of cells and points, the fields of the record under their names."""
+    """Write a map losslessly; for cells and points, the fields of the record by name."""
     if isinstance(data, VoxelMap):
         data.save(path)
         return
@@ -38,12 +38,12 @@ def write(path: Path, data: Data) -> None:
 
 
 def read(path: Path) -> Data:
-    """A map, cells or points, told apart by the names of the arrays.
+    """A map, cells or points, distinguished by the names of the arrays.
 
     Raises
     ------
     InputError
-        Where the arrays are none of these.
+        If the arrays are none of these.
     """
     columns = archive.read_columns(path)
     if "version" in columns and "channels" in columns:
@@ -63,7 +63,7 @@ def read_npy(path: Path) -> PointCloud:
     Raises
     ------
     InputError
-        Where it is cut short, or holds anything but numbers.
+        If it is truncated, or contains anything but numbers.
     """
     array = archive.read_array(path)
     if array.dtype.names:

@@ -1,4 +1,4 @@
-"""Numbers out of text, and numbers brought into the types that a format has."""
+"""Numbers parsed from text, and conversion to the types of a format."""
 
 import re
 import warnings
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.notices import notify
 
-# How C libraries write what is not a number.
+# Spellings of NaN and infinity by C libraries.
 _NOT_A_NUMBER = re.compile(rb"[-+]?(?:nan\([a-z0-9]*\)|1\.#(?:qnan|snan|ind)\d*)", re.IGNORECASE)
 _INFINITE = re.compile(rb"1\.#inf\d*", re.IGNORECASE)
 _SHOWN = 40
@@ -25,12 +25,12 @@ def parsed(
     Raises
     ------
     InputError
-        Where a line has another number of words, or a word that is not a number.
+        If a line has a different number of words, or a word that is not a number.
     """
     if not lines:
         return np.zeros((0, num_columns or 0))
     try:
-        # It only warns where there is nothing.
+        # loadtxt only warns if there is no data.
         with warnings.catch_warnings(action="error"):
             table = np.loadtxt(lines, np.float64, delimiter=separator, ndmin=2, comments=None)
     except (ValueError, UserWarning):
@@ -41,7 +41,7 @@ def parsed(
 
 
 def _parsed_slowly(lines: Sequence[bytes], separator: str | None) -> NDArray[np.float64]:
-    """The same, with the rarer ways to write NaN and infinity; an empty field is NaN."""
+    """Parse rarer spellings of NaN and infinity, too; an empty field is NaN."""
     rows = [
         [_number(word) for word in _words(_INFINITE.sub(b"inf", line), separator)] for line in lines
     ]
@@ -60,7 +60,7 @@ def _words(line: bytes, separator: str | None) -> list[bytes]:
 
 def _number(word: bytes) -> float:
     try:
-        # Python's own would take underscores.
+        # Python's float would accept underscores.
         return float(_NOT_A_NUMBER.sub(b"nan", word).replace(b"_", b"?"))
     except ValueError:
         raise InputError(f"{_shown(word)} is not a number") from None
@@ -71,12 +71,12 @@ def _shown(text: bytes) -> str:
 
 
 def whole(values: NDArray[Any], dtype: str | np.dtype[Any], name: str) -> NDArray[Any]:
-    """Values in the type that was claimed for them.
+    """Values converted to the type declared for them.
 
     Raises
     ------
     InputError
-        Where the type is one of whole numbers that cannot hold them.
+        If the type cannot hold them.
     """
     kind = np.dtype(dtype)
     if kind.kind == "f":
@@ -95,7 +95,7 @@ def whole(values: NDArray[Any], dtype: str | np.dtype[Any], name: str) -> NDArra
 
 
 def narrowed(values: NDArray[Any], held: Collection[str]) -> NDArray[Any] | None:
-    """The same values in one of the types `held`; None where none holds them exactly."""
+    """The same values in one of the types `held`; None if none can represent them exactly."""
     if values.dtype.str[1:] in held:
         return values
     if values.dtype.kind not in "biuf":
@@ -110,7 +110,7 @@ def _is_exact(values: NDArray[Any], kind: np.dtype[Any]) -> bool:
     if values.dtype.kind == "f" and kind.kind != "f":
         return False
     with np.errstate(over="ignore", invalid="ignore"):
-        # There and back: compared with each other, whole numbers would become floats first.
+        # A round trip: a direct comparison would convert integers to floats first.
         back = values.astype(kind).astype(values.dtype)
     return bool(np.array_equal(back, values, equal_nan=values.dtype.kind == "f"))
 
@@ -118,19 +118,19 @@ def _is_exact(values: NDArray[Any], kind: np.dtype[Any]) -> bool:
 def held_columns(
     columns: dict[str, NDArray[Any]], held: Collection[str], place: object
 ) -> dict[str, NDArray[Any]]:
-    """The columns in types that a format holds; those that it cannot are named in a notice."""
+    """The columns in types of the format; a notice names those that it cannot store."""
     found = {name: narrowed(values, held) for name, values in columns.items()}
     drop_columns([name for name, values in found.items() if values is None], place)
     return {name: values for name, values in found.items() if values is not None}
 
 
 def drop_columns(names: Sequence[str], place: object) -> None:
-    """Say which columns a format does not get."""
+    """Notify of columns that are not written."""
     if names:
         notify("columns-dropped", f"{place}: cannot hold {', '.join(names)}; left out")
 
 
 def leave_out(names: Sequence[str], place: object) -> None:
-    """Say which columns of a file are not read."""
+    """Notify of columns that are not read."""
     if names:
         notify("columns-dropped", f"{place}: {', '.join(names)} are not numbers; left out")

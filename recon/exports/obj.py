@@ -1,4 +1,4 @@
-"""The vertices and faces of an OBJ file (Wavefront), with colours of places or of materials."""
+"""The vertices and faces of an OBJ file (Wavefront), with vertex or material colours."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -22,13 +22,13 @@ _WITH_COLOUR = len(XYZ) + len(RGB)
 
 @dataclass(slots=True)
 class _Lines:
-    """The lines of a file that hold places or faces."""
+    """The lines of a file with vertices or faces."""
 
     places: list[bytes] = field(default_factory=list)
     faces: list[NDArray[np.int64]] = field(default_factory=list)
     libraries: list[str] = field(default_factory=list)
     materials: list[str | None] = field(default_factory=list)
-    """Of every face."""
+    """Material of every face."""
 
 
 def read(path: Path) -> Columns:
@@ -37,7 +37,7 @@ def read(path: Path) -> Columns:
     Raises
     ------
     InputError
-        Where a line is cut short, or a face names a vertex that is not there.
+        If a line is truncated, or a face refers to a missing vertex.
     """
     return _read(path)[0]
 
@@ -75,7 +75,7 @@ def _lines(content: bytes) -> _Lines:
 
 
 def _painted(path: Path, lines: _Lines) -> Columns:
-    """Colours by material, where all vertices have one."""
+    """Colours by material, if all vertices have one."""
     if not lines.libraries:
         return {}
     colours = read_colours(path, lines.libraries)
@@ -84,18 +84,18 @@ def _painted(path: Path, lines: _Lines) -> Columns:
 
 
 def _face(words: Sequence[bytes], num_vertices: int) -> NDArray[np.int64]:
-    """Rows of vertices from 0 on; a negative number counts back from the last."""
+    """Vertex indices, starting at 0; a negative number counts back from the last."""
     try:
         numbers = np.array([int(word.split(b"/")[0]) for word in words], np.int64)
     except (ValueError, OverflowError):
         raise InputError(f"a face is {b' '.join(words)[:40].decode('latin-1')!r}") from None
     if (numbers == 0).any():
-        raise InputError("a face names vertex 0, but numbers begin at 1")
+        raise InputError("a face names vertex 0, but indices start at 1")
     return np.where(numbers < 0, numbers + num_vertices, numbers - 1)
 
 
 def _columns(values: NDArray[np.float64]) -> Columns:
-    """Places, and colours where three more numbers follow; a weight is passed over."""
+    """Coordinates, and colours if three more numbers follow; a weight is ignored."""
     if values.shape[1] < len(XYZ):
         raise InputError(f"a vertex has {values.shape[1]} numbers, but x, y and z are needed")
     names = XYZ + (RGB if values.shape[1] >= _WITH_COLOUR else ())
@@ -126,7 +126,7 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
 
 
 def _triangle_lines(mesh: Mesh, names: Sequence[str]) -> Iterator[str]:
-    """The triangles in their order, each after its material where that is another."""
+    """The triangles in their order, with a material line whenever it changes."""
     last = None
     for number, (a, b, c) in enumerate((mesh.triangles + 1).tolist()):
         if names and names[number] != last:

@@ -1,4 +1,4 @@
-"""Cells as OctoMap's trees, by pyoctomap: z up, `.bt` occupied or free, `.ot` also with colour."""
+"""Cells as OctoMap trees, by pyoctomap: z up, `.bt` occupied or free, `.ot` also with colour."""
 
 from pathlib import Path
 from typing import Any
@@ -22,20 +22,20 @@ _REACH = 1 << 15
 _DEPTH = 16
 
 _CELL_BYTES = 300.0
-"""Of memory for a cell, while leaves are cut into cells and ordered."""
+"""Memory per cell while leaves are split into cells and sorted."""
 
-# What OctoMap gives a cell after one hit, and where it stops counting.
+# OctoMap's log-odds of a cell after one hit, and its clamping limits.
 _ONE_HIT = float(log_odds(np.ones(1, np.int64), np.zeros(1, np.int64))[0])
 _LOWEST, _HIGHEST = -2.0, 3.5
 
 
 def write(path: Path, data: Voxels | VoxelMap) -> None:
-    """Write occupied cells; of a map that keeps rays, hit and passed ones by their log-odds.
+    """Write occupied cells; for a map that keeps rays, hit and passed cells by their log-odds.
 
     Raises
     ------
     InputError
-        Where a cell lies beyond the 32768 from the origin that a tree can hold.
+        If a cell is more than 32768 cells from the origin, the limit of a tree.
     """
     octomap = load_extra("pyoctomap", "octomap")
     voxels = data.occupied(min_count=1) if isinstance(data, VoxelMap) else data
@@ -50,7 +50,7 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     if has_colour:
         for place, colour in zip(_centres(voxels.index, voxels), voxels.colours, strict=True):
             tree.setNodeColor(place, *colour.tolist())
-    # An empty tree has no root to update, and OctoMap does not look.
+    # An empty tree has no root to update, which OctoMap does not check.
     if len(index):
         tree.updateInnerOccupancy()
     with atomic_path(path) as temporary:
@@ -60,7 +60,7 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
 
 
 def _check_written(temporary: Path, path: Path, num_nodes: int) -> None:
-    """OctoMap does not say where a disk is full."""
+    """Check the written file, since OctoMap does not report a full disk."""
     try:
         held = check_whole(temporary).num_nodes
     except InputError:
@@ -81,12 +81,12 @@ def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:
 
 
 def read(path: Path) -> Voxels:
-    """The occupied cells, each with count 1; grey where the tree has no colour.
+    """The occupied cells, each with count 1; grey if the tree has no colours.
 
     Raises
     ------
     InputError
-        Where the file is no whole tree.
+        If the file is not a complete tree.
     """
     octomap = load_extra("pyoctomap", "octomap")
     header = check_whole(path)
@@ -99,7 +99,7 @@ def read(path: Path) -> Voxels:
 
 
 def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[float, ...]]:
-    """Middle, side and colour of each: x, y, z, side, red, green, blue."""
+    """Centre, side and colour of each: x, y, z, side, red, green, blue."""
     has_colour = header.kind == "ColorOcTree"
     tree = (octomap.ColorOcTree if has_colour else octomap.OcTree)(header.cell_size)
     with silent():
@@ -135,7 +135,7 @@ def _voxels(leaves: NDArray[np.float64], cell_size: float) -> Voxels:
 def _expanded(
     leaves: NDArray[np.float64], cell_size: float
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """Index and colour of every smallest cell: a leaf may stand for a cube of them."""
+    """Index and colour of every smallest cell: a leaf may represent a cube of them."""
     sides = np.rint(leaves[:, 3] / cell_size).astype(np.int64)
     low = np.rint(leaves[:, :3] / cell_size - sides[:, None] / 2).astype(np.int64)
     index, rows = [], []

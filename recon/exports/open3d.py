@@ -1,4 +1,4 @@
-"""Points and cells as Open3D's own objects, and back."""
+"""Conversion of points and cells to and from Open3D objects."""
 
 from typing import Any
 
@@ -10,12 +10,12 @@ from recon.records import PointCloud, Voxels
 
 
 def as_point_cloud(data: PointCloud | Voxels) -> Any:
-    """An `open3d.t.geometry.PointCloud`; of cells, their means, and every value an attribute."""
+    """An `open3d.t.geometry.PointCloud` of points or cell means, with every value as attribute."""
     return cloud_of(columns_of(data))
 
 
 def of_point_cloud(cloud: Any) -> PointCloud | Voxels:
-    """Points, or the cells of `as_point_cloud`, of an `open3d.t.geometry.PointCloud`."""
+    """Points, or the cells of `as_point_cloud`, from an `open3d.t.geometry.PointCloud`."""
     return from_columns(columns_in(cloud))
 
 
@@ -32,9 +32,9 @@ def as_voxel_grid(voxels: Voxels) -> Any:
 
 
 def of_voxel_grid(grid: Any) -> Voxels:
-    """The cells of an `open3d.geometry.VoxelGrid`, each with count 1 and its middle as mean.
+    """The cells of an `open3d.geometry.VoxelGrid`, each with count 1 and its centre as mean.
 
-    A grid that is not anchored at 0 is moved by less than half a cell.
+    A grid that is not anchored at 0 is shifted by less than half a cell.
     """
     from recon.voxelmap.table import order_of
 
@@ -65,7 +65,7 @@ def cloud_of(columns: Columns) -> Any:
 
 
 def columns_in(cloud: Any) -> Columns:
-    """The attributes of an `open3d.t.geometry.PointCloud`; none where it has no positions."""
+    """The attributes of an `open3d.t.geometry.PointCloud`; none if it has no positions."""
     columns: Columns = {}
     for field, names in (("positions", XYZ), ("colors", RGB)):
         if field in cloud.point:

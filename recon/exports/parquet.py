@@ -17,14 +17,14 @@ from recon.libraries import load_extra
 
 
 def write(path: Path, columns: Columns) -> None:
-    """Write columns under their names."""
+    """Write columns by name."""
     parquet = load_extra("pyarrow.parquet", "tables")
     with atomic_path(path) as temporary:
         parquet.write_table(_as_table(columns), temporary, compression="zstd")
 
 
 def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
-    """Write columns that come in pieces, a group of rows for each."""
+    """Write columns in chunks, one row group per chunk."""
     parquet = load_extra("pyarrow.parquet", "tables")
     first = _as_table(next(parts))
     with (
@@ -41,12 +41,12 @@ def _as_table(columns: Columns) -> Any:
 
 
 def read(path: Path) -> Columns:
-    """The columns of numbers; a missing one is NaN.
+    """The numeric columns; missing values are NaN.
 
     Raises
     ------
     InputError
-        Where the file is cut short, or unpacks to more than the memory allowed.
+        If the file is truncated, or exceeds the memory limit when unpacked.
     """
     parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
     try:
@@ -62,7 +62,7 @@ def read(path: Path) -> Columns:
 
 
 def check_size(source: Any, path: PathLike) -> None:
-    """Against a column of one value, which packs to nothing: the rows count too."""
+    """Check the unpacked size; counts rows too, as a constant column packs to nearly nothing."""
     about = source.metadata
     groups = [about.row_group(n) for n in range(about.num_row_groups)]
     unpacked = sum(abs(one.total_byte_size) for one in groups)

@@ -1,4 +1,4 @@
-"""Points as PCD (Point Cloud Library), by pypcd4: every value a named field."""
+"""Points as PCD (Point Cloud Library), by pypcd4: every value as a named field."""
 
 import io
 from pathlib import Path
@@ -28,12 +28,12 @@ def write(path: Path, columns: Columns) -> None:
 
 
 def read(path: Path) -> Columns:
-    """The fields of the points; what pads them is passed over.
+    """The fields of the points; padding is ignored.
 
     Raises
     ------
     InputError
-        Where the file holds fewer points than it claims, or words that are not numbers.
+        If the file has fewer points than it claims, or words that are not numbers.
     """
     content = path.read_bytes()
     header, start = parse_header(content)
@@ -77,7 +77,7 @@ def _check_size(header: Header, body: bytes) -> None:
 
 
 def _from_bytes(header: Header, body: bytes) -> Columns:
-    """The points as pypcd4 finds them, under a header in the one form that it knows."""
+    """Parse the points with pypcd4, under a header in the only form it supports."""
     import pypcd4
 
     names = [f"field{number}" for number in range(len(header.names))]

@@ -11,7 +11,7 @@ from recon.errors import InputError
 _TYPES = {"F": "f", "U": "u", "I": "i"}
 _SIZES = {"f": (4, 8), "u": (1, 2, 4, 8), "i": (1, 2, 4, 8)}
 HELD = frozenset(f"{kind}{size}" for kind, sizes in _SIZES.items() for size in sizes)
-"""The numbers that PCD has, by numpy's codes."""
+"""The number types of PCD, as numpy codes."""
 
 _MAX_HEADER_BYTES = 100_000
 _MAX_VALUES = 100_000
@@ -24,12 +24,12 @@ _LAYOUTS = ("ascii", "binary", "binary_compressed")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """The points of a file by its header."""
+    """The points of a file as described by its header."""
 
     names: tuple[str, ...]
     dtypes: tuple[str, ...]
     counts: tuple[int, ...]
-    """Values of each field in a point."""
+    """Number of values of each field per point."""
     width: int
     height: int
     layout: str
@@ -37,17 +37,17 @@ class Header:
 
     @property
     def num_points(self) -> int:
-        """Points, whether they were measured or not."""
+        """Number of points, measured or not."""
         return self.width * self.height
 
     @property
     def num_values(self) -> int:
-        """Values of a point, padding included."""
+        """Number of values per point, including padding."""
         return sum(self.counts)
 
     @property
     def point_bytes(self) -> int:
-        """Bytes of a binary point."""
+        """Bytes per binary point."""
         sizes = [np.dtype(code).itemsize for code in self.dtypes]
         return sum(size * count for size, count in zip(sizes, self.counts, strict=True))
 
@@ -58,7 +58,7 @@ def parse_header(content: bytes) -> tuple[Header, int]:
     Raises
     ------
     InputError
-        Where a line is missing, or lines contradict each other.
+        If a line is missing, or lines contradict each other.
     """
     lines: dict[str, list[str]] = {}
     at = 0

@@ -1,4 +1,4 @@
-"""Points as PLY (Turk 1994): every value a named property of a vertex."""
+"""Points as PLY (Turk 1994): every value as a named vertex property."""
 
 import os
 from collections.abc import Iterator
@@ -25,13 +25,13 @@ RUN_CLOUD = np.dtype(
     + [(name, "u1") for name in ("red", "green", "blue")]
     + [("sigma", "<f8"), ("pair", "<i4")]
 )
-"""A vertex of the run folder's `cloud.ply`."""
+"""Type of a vertex of the run folder's `cloud.ply`."""
 
 _CHUNK_ROWS = 1 << 17
 
 
 class CloudWriter:
-    """Writes `cloud.ply` chunk by chunk; it appears whole when the block ends well.
+    """Writes `cloud.ply` chunk by chunk; the file appears when the block ends without error.
 
     Example
     -------
@@ -75,7 +75,7 @@ class CloudWriter:
 def read_cloud_chunks(
     path: str | os.PathLike[str],
 ) -> Iterator[tuple[PointCloud, NDArray[np.int32]]]:
-    """The points of a run folder's cloud in pieces, each with the number of its pair (M,)."""
+    """The points of a run folder's cloud in chunks, with their pair numbers (M,)."""
     with Path(path).open("rb") as file:
         vertex = _run_vertices(read_header(file, path), path)
         _check_held(file, vertex, path)
@@ -90,7 +90,7 @@ def _run_vertices(found: Header, path: str | os.PathLike[str]) -> Element:
     vertex = found.elements[0]
     if found.is_text or vertex.has_lists or vertex.row_dtype != RUN_CLOUD:
         names = ", ".join(one.name for one in vertex.properties)
-        raise InputError(f"{path}: holds {names}, which is not what a run's cloud holds")
+        raise InputError(f"{path}: has {names}, which are not the properties of a run's cloud")
     return vertex
 
 
@@ -101,12 +101,12 @@ def _check_held(file: BinaryIO, vertex: Element, path: str | os.PathLike[str]) -
 
 
 def write(path: Path, columns: Columns) -> None:
-    """Write columns as the properties of vertices, in the smallest type of PLY that holds them."""
+    """Write columns as vertex properties, in the smallest PLY type that can hold them."""
     _write(path, columns, None)
 
 
 def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
-    """The same of columns that come in pieces, with `num` rows together."""
+    """Write columns in chunks, with `num` rows in total."""
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         for number, columns in enumerate(parts):
             held = held_columns(columns, HELD, path)
@@ -121,7 +121,7 @@ def _vertex_dtype(columns: Columns) -> np.dtype[np.void]:
 
 
 def write_mesh(path: Path, mesh: Mesh) -> None:
-    """Write vertices, with colours and normals where there are any, and triangles."""
+    """Write vertices, with colours and normals if there are any, and triangles."""
     columns: Columns = dict(zip("xyz", mesh.vertices.T, strict=True))
     if mesh.normals is not None:
         columns |= zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)
@@ -145,13 +145,13 @@ def _write(path: Path, columns: Columns, faces: NDArray[np.void] | None) -> None
 
 
 def read(path: Path) -> Columns:
-    """The properties of the vertices, of a binary or a text file, whoever wrote it.
+    """The properties of the vertices of a binary or text file from any program.
 
     Raises
     ------
     InputError
-        Where the file is not a PLY file of vertices, holds less than it claims, or its faces name
-        vertices that are not there.
+        If the file is not a PLY file of vertices, has less data than it claims, or its faces refer
+        to missing vertices.
     """
     rows = _rows(path, {"vertex", "face"})
     check_faces(_faces(rows.get("face")), rows["vertex"].count)
@@ -159,19 +159,19 @@ def read(path: Path) -> Columns:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """The vertices and the faces, cut into triangles.
+    """The vertices, and the faces split into triangles.
 
     Raises
     ------
     InputError
-        Where it holds no faces, or one that names a vertex that is not there.
+        If it has no faces, or one that refers to a missing vertex.
     """
     rows = _rows(path, {"vertex", "face"})
     return mesh_of(rows["vertex"].columns, _faces(rows.get("face")))
 
 
 def has_faces(path: Path) -> bool:
-    """True where a file holds faces too."""
+    """True if a file contains faces, too."""
     with path.open("rb") as file:
         face = read_header(file, path).element("face")
     return face is not None and face.count > 0
@@ -192,7 +192,7 @@ def _rows(path: Path, names: set[str]) -> dict[str, Rows]:
 
 
 def _check_memory(found: Header, path: Path) -> None:
-    # Text is counted by its bytes, which are more than those of its numbers.
+    # Text is measured by its size, which exceeds that of its numbers.
     size = path.stat().st_size
     claimed = sum(one.count * one.min_row_bytes for one in found.elements)
     check_memory(path, 3 * max(size, claimed if not found.is_text else 0))

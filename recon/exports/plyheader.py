@@ -1,4 +1,4 @@
-"""The header of a PLY file: its elements and what each of their rows holds."""
+"""The header of a PLY file: its elements and the properties of their rows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from recon.errors import InputError
 from recon.files import PathLike
 
-# Both generations of names.
+# Old and new names of the types.
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
     "float": "f4", "double": "f8",
@@ -18,7 +18,7 @@ _TYPES = {
 }  # fmt: skip
 _NAMES = {code: name for name, code in reversed(_TYPES.items())}
 HELD = frozenset(_NAMES)
-"""The numbers that PLY has, by numpy's codes."""
+"""The number types of PLY, as numpy codes."""
 _BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
 
 _MAX_HEADER_BYTES = 1_000_000
@@ -27,13 +27,13 @@ _END = b"end_header"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Property:
-    """One value of a row, or a list of values after their number."""
+    """One value of a row, or a list of values with its length."""
 
     name: str
     dtype: str
-    """Of the value, or of each value of the list."""
+    """Type of the value, or of each value of the list."""
     length_dtype: str | None = None
-    """Of the number before a list; None for a single value."""
+    """Type of the length of a list; None for a single value."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,41 +42,41 @@ class Element:
 
     name: str
     count: int
-    """Rows."""
+    """Number of rows."""
     properties: tuple[Property, ...]
 
     @property
     def has_lists(self) -> bool:
-        """True where rows may differ in length."""
+        """True if rows may differ in length."""
         return any(one.length_dtype for one in self.properties)
 
     @property
     def row_dtype(self) -> np.dtype[np.void]:
-        """Of a row without its lists."""
+        """Type of a row without its lists."""
         return np.dtype([(p.name, p.dtype) for p in self.properties if not p.length_dtype])
 
     @property
     def min_row_bytes(self) -> int:
-        """Of a binary row whose lists are empty."""
+        """Size of a binary row with empty lists."""
         return sum(np.dtype(p.length_dtype or p.dtype).itemsize for p in self.properties)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Header:
-    """A file by its own header."""
+    """A file as described by its header."""
 
     elements: tuple[Element, ...]
     is_text: bool
 
     def element(self, name: str) -> Element | None:
-        """The element of that name; None where there is none."""
+        """The element of that name; None if there is none."""
         return next((one for one in self.elements if one.name == name), None)
 
 
 def header(dtype: np.dtype[np.void], count: int, faces: int | None = None) -> bytes:
     """The header of binary vertices, and of triangles after them.
 
-    It is as long for every count, so that it can be written again.
+    Its length is independent of the count, so that it can be overwritten.
     """
     lines = ["ply", "format binary_little_endian 1.0", f"element vertex {count:012d}"]
     for name in dtype.names or ():
@@ -92,7 +92,7 @@ def read_header(file: BinaryIO, path: PathLike) -> Header:
     Raises
     ------
     InputError
-        Where the file is not a PLY file of vertices.
+        If the file is not a PLY file of vertices.
     """
     try:
         found = _parsed(_header_lines(file))
@@ -102,7 +102,7 @@ def read_header(file: BinaryIO, path: PathLike) -> Header:
 
 
 def _header_lines(file: BinaryIO) -> list[list[str]]:
-    """The words of each line; the file is left at its first row."""
+    """The words of each line; the file is then positioned at its first row."""
     content = file.read(_MAX_HEADER_BYTES)
     if content[:3] != b"ply":
         raise ValueError("its first line is not ply")
@@ -138,7 +138,7 @@ def _element(lines: Sequence[list[str]], order: str) -> Element:
         raise ValueError(f"its {name} has no properties")
     names = [one.name for one in properties]
     if len(set(names)) < len(names):
-        raise ValueError(f"two properties of its {name} have one name")
+        raise ValueError(f"two properties of its {name} have the same name")
     return Element(name=name, count=int(count), properties=properties)
 
 

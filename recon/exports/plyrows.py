@@ -23,16 +23,16 @@ class Rows:
     count: int
     columns: Columns
     lists: Lists
-    """The list of each row: an array (N, K) where all have one length."""
+    """The list of each row: an array (N, K) if all have the same length."""
 
 
 def read_rows(content: bytes, header: Header, names: set[str]) -> dict[str, Rows]:
-    """The rows of the elements of `names`; those between are passed over.
+    """The rows of the elements `names`; others are skipped.
 
     Raises
     ------
     InputError
-        Where fewer rows follow than the header claims, or words that are not numbers.
+        If fewer rows follow than the header claims, or a word is not a number.
     """
     source = _Text(content) if header.is_text else _Binary(content)
     wanted = [one.name for one in header.elements if one.name in names]
@@ -54,7 +54,7 @@ def _check_count(element: Element, num_bytes: int, row_bytes: int) -> None:
 
 
 class _Binary:
-    """Rows out of bytes, one element after the other."""
+    """Rows parsed from bytes, one element after the other."""
 
     def __init__(self, content: bytes) -> None:
         self._content = content
@@ -69,7 +69,7 @@ class _Binary:
         return self._of_one_length(element) or self._of_any_length(element)
 
     def _of_one_length(self, element: Element) -> Rows | None:
-        """All rows at once, where every list is as long as in the first row."""
+        """Read all rows at once if every list is as long as in the first row."""
         dtype = np.dtype(self._fields_of_first(element))
         if self._at + dtype.itemsize * element.count > len(self._content):
             return None
@@ -100,7 +100,7 @@ class _Binary:
         return fields
 
     def _value(self, dtype: str, at: int) -> int:
-        """A length of a list, which has to fit into what follows."""
+        """The length of a list, checked against the remaining data."""
         try:
             length = int(np.frombuffer(self._content, dtype, 1, at)[0])
         except ValueError as error:
@@ -110,7 +110,7 @@ class _Binary:
         return length
 
     def _of_any_length(self, element: Element) -> Rows:
-        """Row by row."""
+        """Read row by row."""
         columns: dict[str, list[Any]] = {one.name: [] for one in element.properties}
         try:
             for _ in range(element.count):
@@ -136,14 +136,14 @@ class _Binary:
 
 
 class _Text:
-    """Rows out of lines, one element after the other."""
+    """Rows parsed from lines, one element after the other."""
 
     def __init__(self, content: bytes) -> None:
         self._lines = iter(line for line in content.splitlines() if line.strip())
         self._left = len(content)
 
     def rows(self, element: Element) -> Rows:
-        # A row takes a digit and a line's end at least; the last line may lack its end.
+        # A row has at least a digit and a newline, which may be missing in the last line.
         _check_count(element, self._left + 1, 2)
         lines = list(self._take(element.count))
         if len(lines) < element.count:

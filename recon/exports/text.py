@@ -1,4 +1,4 @@
-"""Points as rows of text (.xyz .txt .asc .csv .pts), columns told by a header or by range."""
+"""Points as rows of text (.xyz .txt .asc .csv .pts), columns identified by a header or by range."""
 
 import codecs
 import csv
@@ -28,35 +28,35 @@ _CHUNK_ROWS = 1 << 16
 _HEADER_LINES = 20
 _MAX_LINE_BYTES = 50_000
 _TURNS = {"qw", "q_w", "qx", "q_x"}
-"""Columns of a trajectory."""
+"""Columns that indicate a trajectory."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Table:
-    """The lines of a file, told apart."""
+    """The parsed structure of a file."""
 
     names: tuple[str, ...] | None
-    """Of the header; None where there is none."""
+    """Names from the header; None if there is none."""
     rows: Sequence[bytes]
     separator: str | None
     claimed: int | None
-    """Points that a first line of one number claims, as in .pts."""
+    """Number of points claimed by the first line, as in .pts."""
 
 
 def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
-    """The columns of numbers.
+    """The numeric columns.
 
     Parameters
     ----------
     path : path
     columns : sequence of str, optional
-        Names of the columns in their order, `_` for one to pass over; otherwise a header names
-        them, or their number and range: places, then intensity, colours and normals.
+        Names of the columns in order, `_` for one to skip; by default from the header, or from
+        their number and range: coordinates, then intensity, colours and normals.
 
     Raises
     ------
     InputError
-        Where a row is cut short, or holds a word that is not a number.
+        If a row is truncated, or contains a word that is not a number.
     """
     check_memory(path, 6.0 * path.stat().st_size)
     found = _split(path.read_bytes())
@@ -100,7 +100,7 @@ def _split(content: bytes) -> _Table:
 
 
 def _utf8(content: bytes) -> bytes:
-    """Text as spreadsheets save it: with a mark of its encoding, in 8 or 16 bits."""
+    """Text in UTF-8; spreadsheets save it with a byte order mark, in 8 or 16 bits."""
     for mark, encoding in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
         if content.startswith(mark):
             return content[len(mark) :].decode(encoding, "replace").encode()
@@ -108,14 +108,14 @@ def _utf8(content: bytes) -> bytes:
 
 
 def _unquoted(rows: Sequence[bytes], separator: str | None) -> list[bytes]:
-    """Rows without their quotation marks, and without separators between these."""
+    """Rows without quotation marks and quoted separators."""
     mark = separator or " "
     cells = csv.reader((row.decode("latin-1") for row in rows), delimiter=mark)
     return [mark.join(cell.replace(mark, "_") for cell in row).encode("latin-1") for row in cells]
 
 
 def names_points(path: Path) -> bool:
-    """True where the first lines of a table name x, y and z, and nothing that turns."""
+    """True if the first lines of a table name x, y and z, and no rotation."""
     with path.open("rb") as file:
         lines = [file.readline(_MAX_LINE_BYTES) for _ in range(_HEADER_LINES)]
     names = next((n for line in _utf8(b"".join(lines)).splitlines() if (n := heading(line))), ())
@@ -123,7 +123,7 @@ def names_points(path: Path) -> bool:
 
 
 def _values(found: _Table, names: tuple[str, ...] | None) -> tuple[NDArray[np.float64], set[int]]:
-    """The numbers (N, K), and which columns of a table with names hold text."""
+    """The numbers (N, K), and the indices of text columns in a table with names."""
     separator = found.separator
     if names is None or separator is None or not found.rows:
         return parsed(found.rows, len(names) if names else None, separator), set()
@@ -166,7 +166,7 @@ def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
 
 
 def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
-    """Possible meanings of three columns: unit normals, or colours of bytes or shares."""
+    """Possible meanings of three columns: unit normals, or colours as bytes or shares."""
     with np.errstate(over="ignore"):
         lengths = np.linalg.norm(triple, axis=1)
     is_unit = ((np.abs(lengths - 1.0) < 0.01) | (lengths == 0.0)).all() and lengths.any()
@@ -177,7 +177,7 @@ def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
 
 
 def _typed(values: NDArray[np.float64], name: str, rows: Sequence[bytes]) -> NDArray[Any]:
-    """Whole numbers as such, so that colours of bytes are told from shares."""
+    """Convert integers, so that colours as bytes are distinguished from shares."""
     has_point = bool(rows) and b"." in rows[0]
     is_share = has_point and values.max(initial=0.0) <= 1.0
     is_whole = np.abs(values) < 2**31
@@ -187,12 +187,12 @@ def _typed(values: NDArray[np.float64], name: str, rows: Sequence[bytes]) -> NDA
 
 
 def write(path: Path, columns: Columns) -> None:
-    """Write a header of names and one row per point, every number to its last digit."""
+    """Write a header of names and one row per point, every number with full precision."""
     write_parts(path, iter([columns]), len(columns["x"]))
 
 
 def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
-    """The same of columns that come in pieces."""
+    """Write columns in chunks."""
     mark = "," if path.suffix.lower() == ".csv" else " "
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         for number, columns in enumerate(parts):
@@ -203,7 +203,7 @@ def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
 
 
 def write_pts(path: Path, columns: Columns) -> None:
-    """Write the number of points, then x y z, intensity and colours as Leica's programs do."""
+    """Write the number of points, then x y z, intensity and colours, as Leica's programs do."""
     num = len(columns["x"])
     kept: Columns = {name: columns[name] for name in XYZ}
     kept["intensity"] = columns.get("intensity", np.zeros(num, np.int32))

@@ -1,4 +1,4 @@
-"""Triangles out of the faces of other programs, and points on them."""
+"""Triangles from the faces of other programs, and points sampled on them."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,18 +12,18 @@ from recon.exports.numbers import drop_columns
 from recon.records import Mesh, PointCloud
 
 Faces = NDArray[Any] | Sequence[NDArray[Any]]
-"""Rows of vertices: (F, K), or one array a face."""
+"""Vertex indices: (F, K), or one array per face."""
 
 _NORMAL = ("nx", "ny", "nz")
 
 
 def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
-    """The mesh of vertices as columns, and faces of three corners or more.
+    """The mesh from vertices as columns, and faces of three or more corners.
 
     Raises
     ------
     InputError
-        Where there are no faces, or one names a vertex that is not there.
+        If there are no faces, or one refers to a missing vertex.
     """
     cloud = cloud_in(columns)
     check_faces(faces, len(cloud))
@@ -41,7 +41,7 @@ def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
 
 
 def check_faces(faces: Faces, num_vertices: int) -> None:
-    """Raise `InputError` where a face names a vertex that is not there."""
+    """Raise `InputError` if a face refers to a missing vertex."""
     if not len(faces):
         return
     named = faces.reshape(-1) if isinstance(faces, np.ndarray) else np.concatenate(faces)
@@ -52,7 +52,7 @@ def check_faces(faces: Faces, num_vertices: int) -> None:
 
 
 def fans(faces: Faces) -> NDArray[np.int32]:
-    """Triangles (T, 3) of faces, each a fan round its first corner."""
+    """Triangles (T, 3) of faces, each a fan around its first corner."""
     by_length: dict[int, Any] = {}
     if isinstance(faces, np.ndarray):
         by_length[faces.shape[1]] = faces
@@ -75,14 +75,14 @@ def sampled(mesh: Mesh, num: int, rng: np.random.Generator) -> PointCloud:
     Raises
     ------
     InputError
-        Where the surface has no area.
+        If the surface has no area.
     """
     areas = mesh.triangle_areas
     if not areas.sum() > 0:
-        raise InputError("the triangles have no area, but points on them are asked for")
+        raise InputError("the triangles have no area, but points on them are requested")
     drop_columns([*mesh.attributes], "points on the triangles")
     rows = rng.choice(len(areas), num, p=areas / areas.sum())
-    # Even in a triangle: the root of one share, and the other along it.
+    # Uniform in a triangle: the square root of one random number, and another along it.
     root, share = np.sqrt(rng.random(num)), rng.random(num)
     weights = np.column_stack([1.0 - root, root * (1.0 - share), root * share])
 

@@ -1,4 +1,4 @@
-"""The world has y up; formats of robots and surveyors have z up: a quarter turn about x."""
+"""Conversion between y up (the world) and z up (robotics, surveying): a quarter turn about x."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,16 +11,16 @@ from recon.records import Mesh, PointCloud, Voxels
 from recon.records.clouds import NORMALS
 
 R_ZUP_YUP: NDArray[np.int64] = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-"""Brings the world's points into the frame of a format that has z up: (x, -z, y)."""
+"""Rotates the world's points into the frame of a format with z up: (x, -z, y)."""
 
 R_YUP_ZUP: NDArray[np.int64] = R_ZUP_YUP.T
-"""And back."""
+"""The inverse rotation."""
 
 Turnable = TypeVar("Turnable", bound=PointCloud | Voxels | Mesh)
 
 
 def turned(data: Turnable, rotation: NDArray[np.int64]) -> Turnable:
-    """Points, triangles, or cells in the order of their new index, turned by quarters."""
+    """Points, triangles, or cells (in their new index order), rotated by quarter turns."""
     found: Any
     if isinstance(data, PointCloud):
         found = replace(
@@ -50,12 +50,12 @@ def _turned_cells(data: Voxels, rotation: NDArray[np.int64]) -> Voxels:
 
 
 def turned_points(points: NDArray[Any], rotation: NDArray[np.int64]) -> NDArray[Any]:
-    """Points (N, 3) turned by quarters, to the last bit: columns change places and signs."""
+    """Points (N, 3) rotated by quarter turns, exactly: columns change positions and signs."""
     source = np.abs(rotation).argmax(axis=1)
     moved = points[:, source]
     is_turned = rotation[np.arange(3), source] < 0
     moved[:, is_turned] *= -1
-    # No minus before a zero.
+    # Avoid negative zeros.
     return np.asarray(moved + 0)
 
 
@@ -71,6 +71,6 @@ def _turned_normals(
 
 
 def turned_index(index: NDArray[np.int64], rotation: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells (K, 3) turned: what turns round are their middles, in halves of a cell."""
+    """Cells (K, 3) rotated about the origin by their centres, in half cells."""
     turned_halves: NDArray[np.int64] = (2 * index + 1) @ rotation.T
     return (turned_halves - 1) // 2

@@ -1,4 +1,4 @@
-"""Cells as a VTK image: a dense block, every value an array of its cells."""
+"""Cells as a VTK image: a dense block with an array for every value."""
 
 import math
 import re
@@ -17,7 +17,7 @@ from recon.libraries import load_pyvista, silent
 from recon.records import PointCloud, Voxels
 
 MAX_CELLS = 1 << 25
-"""Of a block, so that a point gone astray far away does not take all memory and disk."""
+"""Limit of a block: a single far outlier must not exhaust memory and disk."""
 
 
 _HEADER_BYTES = 1000
@@ -34,7 +34,7 @@ def write(path: Path, voxels: Voxels) -> None:
 
 
 def _check_written(temporary: Path, path: Path, image: Any) -> None:
-    """VTK does not say where a disk is full."""
+    """Check the written file, since VTK does not report a full disk."""
     try:
         _check_whole(temporary)
         again = read_dataset(temporary)
@@ -53,15 +53,15 @@ def as_image(voxels: Voxels) -> Any:
     Raises
     ------
     InputError
-        Where they span more than MAX_CELLS.
+        If they span more than MAX_CELLS.
     """
     span = voxels.index if len(voxels) else np.zeros((1, 3), np.int64)
     low = span.min(axis=0)
     shape = span.max(axis=0) - low + 1
     if np.prod(shape.astype(float)) > MAX_CELLS:
         raise InputError(
-            f"the cells span {' x '.join(map(str, shape))}, but {MAX_CELLS} are the most for "
-            "a dense block; give a box, or another format"
+            f"the cells span {' x '.join(map(str, shape))}, but at most {MAX_CELLS} fit "
+            "into a dense block; give a box, or another format"
         )
     image = load_pyvista().ImageData(
         dimensions=shape + 1, spacing=[voxels.cell_size] * 3, origin=low * voxels.cell_size
@@ -84,12 +84,12 @@ def _fields(voxels: Voxels) -> dict[str, NDArray[Any]]:
 
 
 def read(path: Path) -> PointCloud | Voxels:
-    """The cells of a block that have points; of others' blocks, the places that have a value.
+    """The cells of a block that have points; for other programs' blocks, positions with a value.
 
     Raises
     ------
     InputError
-        Where the file is not a whole VTK image.
+        If the file is not a whole VTK image.
     """
     _check_whole(path)
     image = read_dataset(path)
@@ -110,7 +110,7 @@ def _check_cells(image: Any) -> None:
 
 
 def _check_whole(path: Path) -> None:
-    """VTK itself would say on the screen what is missing, and go on."""
+    """Check for completeness: VTK itself would only print a message and continue."""
     content = path.read_bytes()
     extent = _EXTENT.search(content[:_HEADER_BYTES])
     if extent is None or not content.rstrip().endswith(b"</VTKFile>"):
@@ -118,11 +118,11 @@ def _check_whole(path: Path) -> None:
     ends = [int(word) for word in extent.groups()]
     num_cells = math.prod(high - low for low, high in zip(ends[::2], ends[1::2], strict=True))
     if num_cells > MAX_CELLS:
-        raise InputError(f"claims {num_cells} cells, but {MAX_CELLS} are the most")
+        raise InputError(f"claims {num_cells} cells, but at most {MAX_CELLS} are allowed")
 
 
 def of_image(image: Any) -> Voxels:
-    """The cells with points of a `pyvista.ImageData` that `as_image` made."""
+    """The cells with points of a `pyvista.ImageData` created by `as_image`."""
     from recon.voxelmap.table import order_of
 
     cell_size = float(image.spacing[0])

@@ -17,14 +17,14 @@ from recon.records import PointCloud, Voxels
 
 
 def read(path: Path) -> Columns:
-    """The points, or the middles of cells that alone have values, with every value by name.
+    """The points, or cell centres if only cells have values, with every value by name.
 
-    Of a block (.vti, structured points) only places with a value other than 0 are taken.
+    From a block (.vti, structured points) only positions with a value other than 0 are read.
 
     Raises
     ------
     InputError
-        Where the file is not whole, or holds no points.
+        If the file is damaged or contains no points.
     """
     mesh = read_dataset(path)
     if not mesh.n_points:
@@ -32,7 +32,7 @@ def read(path: Path) -> Columns:
     has_cells = not mesh.point_data.keys() and bool(mesh.cell_data.keys())
     points = mesh.cell_centers().points if has_cells else mesh.points
     values = mesh.cell_data if has_cells else mesh.point_data
-    # Scalars may come without a name, or with one that is not text.
+    # Scalars may have no name, or one that is not text.
     names = [name for name in list(values.keys()) if name and isinstance(name, str)]
     arrays = {_name(name, values[name]): np.asarray(values[name]) for name in names}
     columns = columns_in({"points": np.asarray(points)} | arrays)
@@ -40,19 +40,19 @@ def read(path: Path) -> Columns:
 
 
 def read_dataset(path: Path) -> Any:
-    """The dataset of a file, without what VTK prints.
+    """The dataset of a file, without VTK's output.
 
     Raises
     ------
     InputError
-        Where VTK cannot read it.
+        If VTK cannot read it.
     """
     check_claims(path.read_bytes(), path)
     pyvista = load_pyvista()
     try:
         with silent(), warnings.catch_warnings(action="error"):
             found = pyvista.read(path)
-    # VTK and pyvista raise whatever their parsing meets.
+    # VTK and PyVista raise errors of any kind.
     except Exception as error:
         raise InputError("VTK cannot read it") from error
     if not isinstance(found, pyvista.DataSet):
@@ -61,13 +61,13 @@ def read_dataset(path: Path) -> Any:
 
 
 def _name(name: str, values: Any) -> str:
-    """Colours, whatever a program calls them, by one name."""
+    """The name of an array; colours get a common name."""
     is_colour = values.ndim == 2 and values.shape[1] in (3, 4) and values.dtype == np.uint8
     return "rgb" if is_colour and ("rgb" in name.lower() or "col" in name.lower()) else name
 
 
 def _with_value(columns: Columns, path: Path) -> Columns:
-    """The rows where a value is neither 0 nor NaN; all where none has values."""
+    """The rows with a value that is neither 0 nor NaN; all if there are no values."""
     values = [v for name, v in columns.items() if name not in ("x", "y", "z", *RGB)]
     if not values:
         return columns
@@ -75,8 +75,8 @@ def _with_value(columns: Columns, path: Path) -> Columns:
     if not is_kept.all():
         notify(
             "places-left-out",
-            f"{path}: {(~is_kept).sum()} of {len(is_kept)} places of the block hold 0 or nothing; "
-            "they are left out",
+            f"{path}: {(~is_kept).sum()} of {len(is_kept)} positions of the block have the value 0 "
+            "or none; they are left out",
         )
     return {name: column[is_kept] for name, column in columns.items()}
 

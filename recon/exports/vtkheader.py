@@ -1,4 +1,4 @@
-"""Headers of VTK's files, held against what the files hold: VTK believes what they claim."""
+"""Headers of VTK files, checked against their content, since VTK trusts them."""
 
 import base64
 import re
@@ -13,28 +13,28 @@ from recon.files import check_memory
 
 _COPIES = 10.0
 
-# Counts that a legacy file claims, and the bytes that each takes at least.
+# Counts claimed by a legacy file; each takes at least one byte.
 _LEGACY = re.compile(rb"(?m)^\s*(POINTS|CELLS|POINT_DATA|CELL_DATA|LINES|POLYGONS)\s+(\d+)", re.I)
 _XML = re.compile(rb"NumberOf(?:Points|Cells|Polys|Verts)=\"(\d+)\"")
 _DIMENSIONS = re.compile(rb"(?m)^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", re.I)
 
-# Arrays in an XML file: behind their tag, or at an offset of the data at its end.
+# Arrays in an XML file: after their tag, or at an offset in the appended data.
 _ARRAY = re.compile(rb"<(?:DataArray|Array)\b([^>]*)>", re.S)
 _OFFSET = re.compile(rb"\boffset=\"(\d+)\"")
 _APPENDED = re.compile(rb"<AppendedData[^>]*encoding=\"(raw|base64)\"[^>]*>\s*_")
 _HEAD_WORDS = 3
-"""Of a packed array: its number of blocks, their size, the last one's size."""
+"""Header words of a packed array: number of blocks, their size, the last one's size."""
 
 
 def check_claims(content: bytes, path: Path) -> None:
-    """Raise `InputError` where a file is none of VTK's, or claims more than it can hold."""
+    """Raise `InputError` if a file is not a VTK file, or claims more than it can hold."""
     size = len(content)
     if content.startswith(b"# vtk DataFile"):
         _check_legacy(content, size)
     elif b"<VTKFile" not in content[:1000]:
-        raise InputError("not a file of VTK")
+        raise InputError("not a VTK file")
     elif not content.rstrip().endswith(b"</VTKFile>"):
-        raise InputError("not a whole file of VTK")
+        raise InputError("not a whole VTK file")
     else:
         _check_arrays(content, path)
     for match in _DIMENSIONS.finditer(content[:10_000]):
@@ -50,7 +50,7 @@ def _check_legacy(content: bytes, size: int) -> None:
 
 
 def _check_arrays(content: bytes, path: Path) -> None:
-    """Hold the head of every binary array against the file and the memory allowed."""
+    """Check the header of every binary array against the file and the memory limit."""
     head = content[: content.find(b">", content.find(b"<VTKFile"))]
     is_packed, is_wide = b"compressor=" in head, b"UInt64" in head
     form = f"{'>' if b'BigEndian' in head else '<'}{_HEAD_WORDS}{'Q' if is_wide else 'I'}"
@@ -61,7 +61,9 @@ def _check_arrays(content: bytes, path: Path) -> None:
         num, block, last = struct.unpack(form, start)
         num_bytes = (num - 1 if last else num) * block + last if is_packed and num else num
         if (num if is_packed else num_bytes) > len(content):
-            raise InputError(f"an array claims {num} blocks or bytes, but {len(content)} are there")
+            raise InputError(
+                f"an array claims {num} blocks or bytes, but {len(content)} bytes follow"
+            )
         unpacked += num_bytes
     check_memory(path, 2.0 * unpacked)
 

@@ -1,4 +1,4 @@
-"""A group of arrays as Zarr (version 3): a folder, one array a column."""
+"""A group of arrays as Zarr (version 3): a folder with one array per column."""
 
 import contextlib
 import math
@@ -19,21 +19,21 @@ from recon.libraries import load_extra
 
 
 def write(path: Path, columns: Columns) -> None:
-    """Write columns under their names; a Zarr group that stands there is replaced.
+    """Write columns by name; an existing Zarr group is replaced.
 
     Raises
     ------
     InputError
-        Where something else stands there.
+        If `path` is something else.
     """
     zarr = load_extra("zarr", "tables")
     if path.exists() and not (path / "zarr.json").is_file():
-        raise InputError(f"{path} is there and not a Zarr group, but a free name is needed")
-    # A folder cannot take the place of another in one step: the old one is moved away first.
+        raise InputError(f"{path} exists and is not a Zarr group, but a free name is needed")
+    # A folder cannot replace another atomically: the old one is moved away first.
     mark = secrets.token_hex(4)
     new, old = (path.with_name(f".{mark}-{word}-{path.name}") for word in ("new", "old"))
     try:
-        # Zeros are written too, so that a missing chunk is one that was lost.
+        # Zeros are written too, so that a missing chunk is a lost one.
         with zarr.config.set({"array.write_empty_chunks": True}):
             group = zarr.create_group(str(new))
             for name, values in columns.items():
@@ -54,7 +54,7 @@ def read(path: Path) -> Columns:
     Raises
     ------
     InputError
-        Where a chunk is missing, or arrays claim more than the memory allowed.
+        If a chunk is missing, or arrays exceed the memory limit.
     """
     zarr = load_extra("zarr", "tables")
     if not path.is_dir():
@@ -69,7 +69,7 @@ def read(path: Path) -> Columns:
             return columns_in({name: _values(array) for name, array in arrays.items()})
     except InputError:
         raise
-    # Its parts raise errors of no common kind for damaged folders.
+    # Zarr raises errors without a common base class for damaged folders.
     except Exception as error:
         raise InputError(f"not a whole Zarr group ({_one_line(error)})") from error
 

@@ -302,7 +302,7 @@ def test_a_zarr_group_replaces_its_like_and_nothing_else(tmp_path):
     other = tmp_path / "mine.zarr"
     other.mkdir()
     (other / "work.txt").write_text("mine")
-    with pytest.raises(InputError, match="is there and not a Zarr group"):
+    with pytest.raises(InputError, match="exists and is not a Zarr group"):
         write(a_cloud(), other)
     assert (other / "work.txt").read_text() == "mine"
 

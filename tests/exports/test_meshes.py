@@ -79,7 +79,7 @@ def test_an_obj_with_colours_behind_its_places(tmp_path):
     ("name", "content", "message"),
     [
         ("a.obj", b"v 0 0 0\nf 1 2 3\n", "names vertex [12], but there are 1"),
-        ("a.obj", b"v 0 0 0\nf 0 1 1\n", "numbers begin at 1"),
+        ("a.obj", b"v 0 0 0\nf 0 1 1\n", "indices start at 1"),
         ("a.obj", b"v 0 0 zero\n", "'zero' is not a number"),
         ("a.obj", b"v 0 0\n", "a vertex has 2 numbers"),
         ("a.obj", b"f 1 2 x\n", "a face is '1 2 x'"),
@@ -101,7 +101,7 @@ def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
 
 def test_an_stl_too_coarse_for_its_places_is_refused(tmp_path):
     far = Mesh(vertices=SQUARE.vertices + 5e7, triangles=SQUARE.triangles)
-    with pytest.raises(InputError, match="32-bit places would move vertices"):
+    with pytest.raises(InputError, match="32-bit coordinates would move vertices"):
         write(far, tmp_path / "a.stl")
     write(far, tmp_path / "a.glb")
     assert np.abs(read_mesh(tmp_path / "a.glb").vertices - far.vertices).max() == 0.0
@@ -109,7 +109,7 @@ def test_an_stl_too_coarse_for_its_places_is_refused(tmp_path):
 
 @pytest.mark.parametrize("ending", [".las", ".xyz", ".vti"])
 def test_a_format_without_triangles_takes_no_mesh(tmp_path, ending):
-    with pytest.raises(InputError, match="holds no triangles; give --sample N"):
+    with pytest.raises(InputError, match="cannot hold triangles; give --sample N"):
         write(SQUARE, tmp_path / f"a{ending}")
 
 
@@ -160,7 +160,7 @@ def test_materials_from_elsewhere_are_not_looked_up(tmp_path, name):
     )
     with collected_notices() as notices:
         assert read_mesh(tmp_path / "in/a.obj").colours is None
-    assert "are not beside it" in notices[0].text
+    assert "is not beside it" in notices[0].text
 
 
 def test_an_obj_leaves_its_colours_as_materials_too(tmp_path):

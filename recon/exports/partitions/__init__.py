@@ -1,1 +1,1 @@
-"""Voxel maps as folders of partitions: cubes of space, each a Parquet file, read as asked for."""
+"""Voxel maps as folders of partitions: cubes of space, each a Parquet file, read on demand."""

@@ -1,4 +1,4 @@
-"""Cells of several partitions as one record, and a coarser form of them."""
+"""Cells of several partitions as one record, and coarser cells."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -10,11 +10,11 @@ from recon.records import Voxels
 
 SUMMED = ("counts", "weights")
 LARGEST = ("num_views", "hits", "passes")
-"""Of these a coarser cell has the most that one of its cells has."""
+"""Fields for which a coarser cell has the maximum of its cells."""
 
 
 def joined(parts: Iterable[Voxels], cell_size: float) -> Voxels:
-    """The cells of all parts, which share none, in the order of their index."""
+    """The cells of all parts, which must be disjoint, in index order."""
     found = [part for part in parts if len(part)]
     if not found:
         return _nothing(cell_size)
@@ -40,14 +40,14 @@ def _nothing(cell_size: float) -> Voxels:
 
 
 def coarser(voxels: Voxels, factor: int) -> Voxels:
-    """The same points in cells that are `factor` times as large."""
+    """The same points in cells `factor` times as large."""
     if factor == 1 or not len(voxels):
         return voxels
     index, row = np.unique(voxels.index // factor, axis=0, return_inverse=True)
     size, counts = factor * voxels.cell_size, np.bincount(row, voxels.counts)
 
     def mean(values: NDArray[Any]) -> NDArray[np.float64]:
-        """(K, 3) by the number of points."""
+        """Mean (K, 3), weighted by the number of points."""
         sums = [np.bincount(row, axis * voxels.counts) for axis in values.T.astype(np.float64)]
         return np.column_stack(sums) / counts[:, None]
 

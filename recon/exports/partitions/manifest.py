@@ -1,4 +1,4 @@
-"""The manifest of a partitioned map: the form of its cells, and which partitions there are."""
+"""The manifest of a partitioned map: the form of its cells, and the list of partitions."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -15,7 +15,7 @@ from recon.voxelmap.voxelmap import CHANNELS
 VERSION = 1
 MAX_BYTES = 1 << 28
 COARSEST = 1 << MAX_LEVEL
-"""A side is a multiple of the coarsest cell, which then lies in one partition."""
+"""Partition sides are multiples of the coarsest cell, so that it lies in one partition."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,13 +35,13 @@ class Entry:
     """One partition."""
 
     index: Key
-    """Number of the cube along x, y, z."""
+    """Index of the cube along x, y, z."""
     num_rows: int
-    """Of its file: its cells, coarser ones, and those that were only looked through."""
+    """Rows of its file: its cells, coarser ones, and those that rays only passed through."""
     num_cells: int
-    """Cells that hold a point."""
+    """Cells with a point."""
     num_points: int
-    """In them."""
+    """Points in these cells."""
 
     @property
     def file(self) -> str:
@@ -51,14 +51,14 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Manifest:
-    """Everything that is known of a partitioned map before a partition is read."""
+    """Everything known about a partitioned map before a partition is read."""
 
     form: Form
     partitions: tuple[Entry, ...]
-    """In the order of their index."""
+    """In index order."""
 
     def write(self, store: Store) -> None:
-        """Write it, which makes the map whole."""
+        """Write the manifest, which completes the map."""
         document = {"format": "recon partitions", "version": VERSION} | asdict(self.form)
         rows = ",\n".join(json.dumps(asdict(one)) for one in self.partitions)
         head = json.dumps(document, indent=1).removesuffix("\n}")
@@ -71,7 +71,7 @@ def read_manifest(store: Store, place: Place) -> Manifest:
     Raises
     ------
     InputError
-        Where it is missing, or says what cannot be.
+        If it is missing or invalid.
     """
     try:
         content = store.read(MANIFEST)
@@ -97,7 +97,7 @@ def _parsed(document: dict[str, Any]) -> Manifest:
     entries = tuple(_entry(one, farthest) for one in document["partitions"])
     order = [one.index for one in entries]
     if order != sorted(set(order)):
-        raise InputError("its partitions are not in order, or not all different")
+        raise InputError("its partitions are not in order or not unique")
     return Manifest(form=form, partitions=entries)
 
 
@@ -127,5 +127,5 @@ def _entry(document: dict[str, Any], farthest: int) -> Entry:
 
 def _whole(name: str, value: object, low: int, high: int) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-        raise InputError(f"{name} is {value!r}, but a whole number from {low} on is needed")
+        raise InputError(f"{name} is {value!r}, but a whole number >= {low} is needed")
     return value

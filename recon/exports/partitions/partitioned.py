@@ -1,4 +1,4 @@
-"""A voxel map in partitions, of which only those are in memory that are asked for."""
+"""A partitioned voxel map that loads only the partitions needed."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -23,24 +23,23 @@ Box = tuple[Sequence[float], Sequence[float]]
 Choice = Callable[[VoxelMap], Voxels]
 """The occupied cells of a map."""
 BYTES_PER_ROW = 200.0
-"""Memory of a cell while a map is built of it."""
+"""Memory per cell while a map is built."""
 
 
 class PartitionedMap:
-    """A voxel map in a folder: cubes of space, each a file, which are read as they are asked for.
+    """A voxel map in a folder: cubes of space, each a file that is read on demand.
 
-    Iterating gives the partitions one after the other, in the order of their place, each as a
-    `VoxelMap` of its own.
+    Iteration yields the partitions in the order of their index, each as a separate `VoxelMap`.
 
     Parameters
     ----------
     place : path or URL
-        What `write_partitions` or a reconstruction in chunks left.
+        The output of `write_partitions` or of a reconstruction in chunks.
 
     Raises
     ------
     InputError
-        Where the folder does not hold a whole partitioned map.
+        If the folder does not contain a complete partitioned map.
 
     Examples
     --------
@@ -74,21 +73,21 @@ class PartitionedMap:
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Names of what the cells keep besides hits, place and colour."""
+        """Names of the data of the cells besides hits, position and colour."""
         return self.form.channels
 
     @property
     def num_cells(self) -> int:
-        """Number of cells that hold a point."""
+        """Number of cells with a point."""
         return sum(entry.num_cells for entry in self.partitions)
 
     @property
     def num_points(self) -> int:
-        """Number of points in them."""
+        """Number of points in all cells."""
         return sum(entry.num_points for entry in self.partitions)
 
     def meeting(self, box: Box | None) -> list[Entry]:
-        """The partitions that a box meets, all where it is None."""
+        """The partitions that intersect a box, all if it is None."""
         if box is None:
             return list(self.partitions)
         low, high = np.asarray(box, dtype=np.float64)
@@ -107,7 +106,7 @@ class PartitionedMap:
         Raises
         ------
         InputError
-            Where its file is missing or damaged, or not the one that the manifest knows.
+            If its file is missing, damaged, or not the one in the manifest.
         """
         try:
             content = self._store.read(entry.file)
@@ -128,7 +127,7 @@ class PartitionedMap:
         return bool(is_inside) and entry == summary(entry.index, cells)
 
     def within(self, box: Box) -> VoxelMap:
-        """The cells whose middle lies in a box, as a map; only what the box meets is read."""
+        """The cells whose centre lies in a box, as a map; only intersecting partitions are read."""
         low, high = box
         return self.whole(self.meeting(box)).cropped(low, high)
 
@@ -138,7 +137,7 @@ class PartitionedMap:
         Raises
         ------
         InputError
-            Where it is larger than the memory allowed.
+            If it exceeds the memory limit.
         """
         chosen = self.partitions if entries is None else entries
         num_rows = sum(entry.num_rows for entry in chosen)
@@ -159,13 +158,13 @@ class PartitionedMap:
         Parameters
         ----------
         box : (low, high), optional
-            Only cells whose middle lies inside; only partitions that it meets are read.
+            Only cells whose centre lies inside; only intersecting partitions are read.
         """
         maps = iter(self) if box is None else iter([self.within(box)])
         return joined((one.occupied(min_count) for one in maps), self.cell_size)
 
     def fitting(self, choice: Choice, max_cells: int) -> "Fitting":
-        """The chosen cells of all partitions, made coarser until they are few enough."""
+        """The chosen cells of all partitions, coarsened until there are at most `max_cells`."""
         factor, parts, num, most = 1, [], 0, self.form.partition_size
         for voxel_map in self:
             chosen = choice(voxel_map)
@@ -178,7 +177,7 @@ class PartitionedMap:
         return Fitting(voxels=voxels, factor=factor, num_chosen=num)
 
     def sightings(self) -> Sightings:
-        """Every cell that a scan hit or passed; of a map that keeps rays."""
+        """Every cell that a scan hit or passed, from a map that keeps rays."""
         found = [one.sightings() for one in self]
         columns: dict[str, Any] = {
             name: np.concatenate([getattr(one, name) for one in found])
@@ -190,13 +189,13 @@ class PartitionedMap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fitting:
-    """Cells of a partitioned map, few enough for what is done with all of them at once."""
+    """Cells of a partitioned map, few enough to be processed at once."""
 
     voxels: Voxels
     factor: int
-    """So many times larger than those of the map they are; 1 where they fit as they are."""
+    """Size of the cells relative to those of the map; 1 if they fit unchanged."""
     num_chosen: int
-    """Cells of the map that they stand for."""
+    """Number of map cells that they represent."""
 
 
 def summary(index: tuple[int, int, int], cells: CellSums) -> Entry:

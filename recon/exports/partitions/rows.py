@@ -1,4 +1,4 @@
-"""One partition as a Parquet file: a row for each cell, with what its points add up to."""
+"""One partition as a Parquet file: a row per cell with the sums over its points."""
 
 import io
 from typing import Any
@@ -19,7 +19,7 @@ MAX_SUM = hits.CAPACITY[hits.WIDE]
 
 
 def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
-    """The file of some cells; the same cells give the same bytes."""
+    """The file content for some cells; the same cells yield the same bytes."""
     parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
     columns = dict(zip(INDEX, cells.index, strict=True)) | dict(cells.sums)
     content = {name: arrow.array(values) for name, values in columns.items()}
@@ -29,7 +29,7 @@ def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
         offsets = np.concatenate([[0], ends]).astype(np.int32)
         content[VIEWS] = arrow.ListArray.from_arrays(offsets, arrow.array(cells.views[3]))
     stream = io.BytesIO()
-    # Sums are as good as random: a dictionary of them only takes time.
+    # Sums are practically random: a dictionary would only cost time.
     parquet.write_table(
         arrow.table(content), stream, compression="zstd", use_dictionary=["level"],
         write_statistics=False,
@@ -38,7 +38,7 @@ def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
 
 
 def _rows_of_views(cells: CellSums) -> NDArray[np.int64]:
-    """(P,) the cell that each view belongs to: both are in the order of the cells."""
+    """(P,) row of the cell of each view: both are in cell order."""
     begins = np.ones(cells.views.shape[1], np.bool_)
     begins[1:] = (np.diff(cells.views[:3], axis=1) != 0).any(axis=0)
     is_seen = (cells.index[0] == 0) & (cells.sums["count"] > 0)
@@ -52,7 +52,7 @@ def from_parquet(content: bytes, names: tuple[str, ...], *, keeps_views: bool) -
     Raises
     ------
     InputError
-        Where it is cut short, lacks a column, or holds what cannot come from points.
+        If it is truncated, lacks a column, or has sums that cannot result from points.
     """
     parquet, arrow = load_extra("pyarrow.parquet", "tables"), load_extra("pyarrow", "tables")
     wanted = [*INDEX, *names, *([VIEWS] if keeps_views else [])]
@@ -107,9 +107,9 @@ def _views(table: Any, index: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 def _check(cells: CellSums) -> None:
-    """Raise `InputError` for what no map gives."""
+    """Raise `InputError` for cells that no map can produce."""
     if not (is_ordered(cells.index) and is_ordered(cells.views)):
-        raise InputError("its cells are not in order, or not all different")
+        raise InputError("its cells are not in order or not unique")
     level, count = cells.index[0], cells.sums["count"]
     if not ((level >= 0) & (level <= MAX_LEVEL)).all():
         raise InputError(f"a level is not one of 0 to {MAX_LEVEL}")

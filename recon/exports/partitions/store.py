@@ -1,4 +1,4 @@
-"""The place of a partitioned map: a folder of this machine, or of any store that fsspec knows."""
+"""Storage of a partitioned map: a local folder, or any store that fsspec supports."""
 
 from pathlib import Path
 from typing import Any, Protocol
@@ -8,16 +8,16 @@ from recon.files import PathLike, atomic_path, check_regular
 from recon.libraries import load_extra
 
 MANIFEST = "_partitions.json"
-"""Readers of folders of Parquet pass over names that begin so."""
+"""Readers of Parquet folders ignore names with this prefix."""
 Place = PathLike
 """A path, or a URL such as s3://bucket/map.parquet."""
 
 
 class Store(Protocol):
-    """Files of one folder, each of which appears whole or not at all."""
+    """Files of one folder, each written atomically."""
 
     def names(self) -> list[str]:
-        """Names of the files that are there."""
+        """Names of the existing files."""
         ...
 
     def read(self, name: str) -> bytes:
@@ -25,22 +25,22 @@ class Store(Protocol):
         ...
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file, in place of one that is there."""
+        """Write a file, replacing an existing one."""
         ...
 
     def remove(self, name: str) -> None:
-        """Remove a file where it is there."""
+        """Remove a file if it exists."""
         ...
 
 
 class Folder:
-    """A folder of this machine."""
+    """A local folder."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     def names(self) -> list[str]:
-        """Names of the files that are there."""
+        """Names of the existing files."""
         return [one.name for one in self.path.iterdir()] if self.path.is_dir() else []
 
     def read(self, name: str) -> bytes:
@@ -49,18 +49,18 @@ class Folder:
         return (self.path / name).read_bytes()
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file, in place of one that is there."""
+        """Write a file, replacing an existing one."""
         self.path.mkdir(exist_ok=True)
         with atomic_path(self.path / name) as part:
             part.write_bytes(content)
 
     def remove(self, name: str) -> None:
-        """Remove a file where it is there."""
+        """Remove a file if it exists."""
         (self.path / name).unlink(missing_ok=True)
 
 
 class Remote:
-    """A folder of a store that fsspec knows; object stores put a file there whole."""
+    """A folder of a store that fsspec supports; object stores write files atomically."""
 
     def __init__(self, url: str) -> None:
         fsspec: Any = load_extra("fsspec", "tables")
@@ -70,7 +70,7 @@ class Remote:
             raise InputError(f"{url}: {error}") from error
 
     def names(self) -> list[str]:
-        """Names of the files that are there."""
+        """Names of the existing files."""
         if not self._files.isdir(self._root):
             return []
         return [str(one).rpartition("/")[2] for one in self._files.ls(self._root, detail=False)]
@@ -81,26 +81,26 @@ class Remote:
         return content
 
     def write(self, name: str, content: bytes) -> None:
-        """Write a file, in place of one that is there."""
+        """Write a file, replacing an existing one."""
         self._files.makedirs(self._root, exist_ok=True)
         self._files.pipe_file(f"{self._root}/{name}", content)
 
     def remove(self, name: str) -> None:
-        """Remove a file where it is there."""
+        """Remove a file if it exists."""
         if name in self.names():
             self._files.rm_file(f"{self._root}/{name}")
 
 
 def is_partitioned(place: Place) -> bool:
-    """True for a folder that holds a partitioned map, and for every URL."""
+    """True for a folder that contains a partitioned map, and for every URL."""
     return is_url(place) or (Path(place) / MANIFEST).is_file()
 
 
 def is_url(place: Place) -> bool:
-    """True for what fsspec has to open."""
+    """True if fsspec is needed to open it."""
     return isinstance(place, str) and "://" in place
 
 
 def store_of(place: Place) -> Store:
-    """The store at a place."""
+    """The store for a path or URL."""
     return Remote(str(place)) if is_url(place) else Folder(Path(place))

@@ -1,4 +1,4 @@
-"""Partitioned maps written: of a map in memory, and of other partitioned maps, added up."""
+"""Writing of partitioned maps, from a map in memory or as the sum of partitioned maps."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -15,19 +15,19 @@ from recon.voxelmap.summed import sums_of
 from recon.voxelmap.sums import CellSums, Key, added, split
 
 PARTITION_SIZE = 256
-"""Cells along a side of a partition where nobody says."""
+"""Default number of cells along a side of a partition."""
 Parts = Iterable[tuple[Key, CellSums]]
 
 
 def write_partitions(
     voxel_map: VoxelMap, place: Place, partition_size: int = PARTITION_SIZE
 ) -> PartitionedMap:
-    """Write a map as a folder of partitions; the same map gives the same bytes.
+    """Write a map as a folder of partitions; the same map yields the same bytes.
 
     Parameters
     ----------
     place : path or URL
-        The folder; a partitioned map that stands there is replaced.
+        The folder; an existing partitioned map is replaced.
     partition_size : int
         Cells along a side, a multiple of 64.
     """
@@ -49,22 +49,22 @@ def merge_partitions(
 ) -> PartitionedMap:
     """Write the sum of some maps, partition by partition; the order of the maps does not matter.
 
-    At most as many cells as those of one partition in all maps are in memory.
+    Memory holds at most the cells of one partition of all maps.
 
     Parameters
     ----------
     sources : sequence of PartitionedMap
-        Of one form, at least one.
+        At least one, all of the same form.
     place : path or URL
         The folder to write.
     first_views : sequence of int, optional
-        What is added to the numbers of the views of each map, so that views of different
-        recordings are not taken for the same.
+        Offset added to the view numbers of each map, so that views of different recordings stay
+        distinct.
 
     Raises
     ------
     InputError
-        Where the maps are of different forms.
+        If the maps are of different forms.
     """
     for source in sources:
         if source.form != sources[0].form:
@@ -95,7 +95,7 @@ def _renumbered(cells: CellSums, first_view: int) -> CellSums:
 
 
 def _write(parts: Parts, form: Form, place: Place) -> PartitionedMap:
-    """Write partitions, and the manifest last: only with it is the map whole."""
+    """Write partitions, and the manifest last, which completes the map."""
     store = store_of(place)
     store.remove(MANIFEST)
     entries = []
