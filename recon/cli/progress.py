@@ -31,7 +31,7 @@ def shown_progress(unit: str, quiet: bool) -> Iterator["Events"]:
         def name(stage: str) -> None:
             if stage == "compiling" and stage not in stages and not quiet:
                 bar.clear()
-                click.echo("recon: compiling, which only the first run has to", err=True)
+                click.echo("recon: compiling kernels (first run only)", err=True)
             stages.add(stage)
             bar.set_postfix_str(stage)
 
