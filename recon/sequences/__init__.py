@@ -1,4 +1,4 @@
-"""Recorded sequences: readers of many forms, calibration, rectification, odometry."""
+"""Recorded sequences: readers of many formats, calibration, rectification, odometry."""
 
 from recon.sequences.open import open_sequence
 from recon.sequences.truth import read_truth, read_truth_file

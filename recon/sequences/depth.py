@@ -1,4 +1,4 @@
-"""Sixteen bits brought to eight: one stretch for both cameras and all frames."""
+"""Conversion of 16 to 8 bits, with the same stretch for both cameras and all frames."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,24 +14,24 @@ Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
 FULL = 65535
 LOW_PERCENT, HIGH_PERCENT = 0.1, 99.9
-"""Of the pixels: beyond are hot pixels and highlights."""
+"""Percentiles of the pixels; beyond are hot pixels and highlights."""
 MARGIN = 0.05
-"""Of the span, left on both sides for frames that are darker or brighter than the first ones."""
+"""Margin on both sides, as a share of the span, for frames darker or brighter than the first."""
 FULL_SHARE = 0.8
-"""A span from here on is taken for all of the 16 bits."""
+"""A larger share of the 16-bit range is treated as the full range."""
 NUM_SAMPLES = 100_000
-"""Pixels of an image that are looked at."""
+"""Number of pixels sampled per image."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Levels that become black and white."""
+    """Levels mapped to black and white."""
 
     low: float = 0.0
     high: float = FULL
 
     def __call__(self, pixels: Pixels) -> Image:
-        """The image in 8 bits; one that has 8 stays as it is."""
+        """The image in 8 bits; an 8-bit image is unchanged."""
         if pixels.dtype == np.uint8:
             return pixels.astype(np.uint8, copy=False)
         scaled = (pixels.astype(np.float32) - self.low) * (255.0 / (self.high - self.low))
@@ -40,9 +40,9 @@ class Stretch:
 
 
 def stretch_of(images: Sequence[Pixels]) -> Stretch:
-    """The stretch that shows what images of both cameras hold; said where they are 16 bits deep.
+    """The stretch that covers the levels of both cameras' images; reported for 16 bits.
 
-    Pixels of 0 are left out where there are others: they are masked, not dark.
+    Pixels of 0 are ignored unless there are no others: they are masked, not dark.
     """
     deep = [_sample(pixels) for pixels in images if pixels.dtype == np.uint16]
     if not deep:

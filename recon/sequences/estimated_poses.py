@@ -1,4 +1,4 @@
-"""Poses of a recording that has none: stereo visual odometry, scale from the baseline."""
+"""Poses of a recording without any: stereo visual odometry, scale from the baseline."""
 
 import logging
 from collections.abc import Iterator, Sequence
@@ -24,27 +24,27 @@ log = logging.getLogger(__name__)
 
 
 class EstimatedPoses(DerivedSource):
-    """A `PairSource` whose pairs carry estimated poses and are freed of what rectification left.
+    """A `PairSource` of pairs with estimated poses and corrected rectification.
 
-    The world is the first left camera's frame turned so that y is up. Poses that the source
-    itself has are what the drift is told by.
+    The world is the first left camera's frame, rotated so that y is up. The source's own poses
+    serve to measure the drift.
     """
 
     def __init__(self, source: PairSource) -> None:
         self._straight = RefinedPairs(source, full_residual)
         super().__init__(self._straight)
         self.carried: list[str] = []
-        """Names of the frames, so far, that could not be tracked: they got the last motion."""
+        """Names of the frames so far that could not be tracked: they repeat the last motion."""
         self._estimated: list[Array] = []
         self._true: list[Array | None] = []
 
     @property
     def residual(self) -> Residual:
-        """Of rows and disparities, estimated from the images and taken out of the pairs."""
+        """Residual of rows and disparities, estimated from the images and removed in the pairs."""
         return self._straight.residual
 
     def __getitem__(self, part: slice) -> PartOf:
-        """A part of the pairs; their poses lead on from the first one of all."""
+        """A part of the pairs; their poses continue from the first pair of all."""
         return PartOf(self, part)
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -64,18 +64,18 @@ class EstimatedPoses(DerivedSource):
             notify(
                 "frames-carried",
                 f"{len(self.carried)} of {len(self._estimated)} frames could not be tracked, and "
-                f"got the motion before; the first is {self.carried[0]}",
+                f"repeat the previous motion; the first is {self.carried[0]}",
             )
 
     @property
     def metrics(self) -> Metrics:
-        """Also how many frames were carried, and the drift where the true poses are known."""
+        """Metrics of the source, number of untracked frames, and drift if true poses are known."""
         numbers = super().metrics | {"num_carried": len(self.carried)}
         drift = self.drift_percent_of(self._estimated)
         return numbers if drift is None else numbers | {"drift_percent": drift}
 
     def drift_percent_of(self, poses: Sequence[Array]) -> float | None:
-        """The drift of poses (N, 4, 4) of the pairs given so far; None without true ones."""
+        """The drift of poses (N, 4, 4) of the pairs so far; None without true poses."""
         both = [(e, t) for e, t in zip(poses, self._true, strict=True) if t is not None]
         if len(both) < 2:
             return None
@@ -83,10 +83,10 @@ class EstimatedPoses(DerivedSource):
         return drift_percent(estimated, true)
 
     def _motion(self, first: StereoPair, second: StereoPair, usual: Array) -> Array:
-        """`T_first_second` (4, 4); the usual one where too little can be tracked."""
+        """`T_first_second` (4, 4); `usual` if too little can be tracked."""
         T_second_first = estimate_motion(track(first, second), first.rig)
         if T_second_first is not None:
             return invert(T_second_first)
-        log.info("frame %s could not be tracked: the last motion goes on", second.name)
+        log.info("frame %s could not be tracked: the last motion is repeated", second.name)
         self.carried.append(second.name)
         return usual

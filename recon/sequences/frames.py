@@ -1,4 +1,4 @@
-"""Frames of a recording, read one at a time; what cannot be used is skipped and counted."""
+"""Frames of a recording, read one at a time; unusable ones are skipped and counted."""
 
 import copy
 import logging
@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 
 
 class Skipped(NamedTuple):
-    """A frame that was left out, and why."""
+    """A skipped frame, and the reason."""
 
     name: str
     reason: str
@@ -23,16 +23,16 @@ class Skipped(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frame:
-    """One moment of a recording, its images not read yet."""
+    """One frame of a recording, with its images not yet loaded."""
 
     name: str
     stamp_s: float
     load: Callable[[], StereoPair]
-    """Reads and rectifies; an `InputError` leaves the frame out."""
+    """Reads and rectifies; the frame is skipped on `InputError`."""
 
 
 class Frames(Protocol):
-    """Frames in order; each pass begins anew."""
+    """Frames in order; each iteration starts from the beginning."""
 
     def __len__(self) -> int: ...
 
@@ -42,7 +42,7 @@ class Frames(Protocol):
 
 
 class Recording:
-    """A `PairSource` over frames that are read as they are asked for, never all in memory."""
+    """A `PairSource` over frames that are read on demand, never all in memory."""
 
     def __init__(
         self,
@@ -53,20 +53,20 @@ class Recording:
         disparity_range: tuple[int, int] | None = None,
     ) -> None:
         self.disparity_range = disparity_range
-        """(min, max) in pixels, both included, where the recording tells; else None."""
+        """(min, max) in pixels, both included, if the recording states it; else None."""
         self._frames = frames
         self._unlisted = tuple(skipped)
         self._unneeded = tuple(unneeded)
         self._has_told = False
         self.skipped: list[Skipped] = [*self._unneeded, *self._unlisted]
-        """Frames left out so far."""
+        """Frames skipped so far."""
 
     def __len__(self) -> int:
-        """Pairs to be read at most."""
+        """Maximum number of pairs."""
         return len(self._frames)
 
     def __getitem__(self, part: slice) -> "Recording":
-        """A part of the frames; nothing of what lies before is read."""
+        """A part of the frames; earlier frames are not read."""
         return Recording(self._frames[part], disparity_range=self.disparity_range)
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -83,11 +83,11 @@ class Recording:
             last = frame
             yield pair
         if last is None:
-            raise InputError(f"no pair could be read; the first fault: {self._first_reason()}")
+            raise InputError(f"no pair could be read; the first error: {self._first_reason()}")
         self._say_skipped()
 
     def _say_skipped(self) -> None:
-        """Tell once what a whole pass left out."""
+        """Report once the frames skipped by a complete pass."""
         faulty = self.skipped[len(self._unneeded) :]
         if faulty and not self._has_told:
             self._has_told = True
@@ -106,42 +106,42 @@ Metrics = dict[str, float | list[float]]
 
 
 class DerivedSource:
-    """A `PairSource` that changes the pairs of another one as they come."""
+    """A `PairSource` that modifies the pairs of another one."""
 
     def __init__(self, source: PairSource) -> None:
         self.source = source
         self.disparity_range = source.disparity_range
-        """(min, max) in pixels, both included, where the recording tells; else None."""
+        """(min, max) in pixels, both included, if the recording states it; else None."""
 
     @property
     def skipped(self) -> Sequence[tuple[str, str]]:
-        """Frames left out so far."""
+        """Frames skipped so far."""
         return self.source.skipped
 
     @property
     def metrics(self) -> Metrics:
-        """Numbers about the pairs given so far, by their names in metrics.json."""
+        """Metrics of the pairs so far, by their names in metrics.json."""
         return self.source.metrics if isinstance(self.source, DerivedSource) else {}
 
     def __len__(self) -> int:
         return len(self.source)
 
     def __getitem__(self, part: slice) -> "DerivedSource":
-        """A part of the pairs, changed as those of the whole are."""
+        """A part of the pairs, modified like the whole."""
         return self.over(self.source[part])
 
     def __iter__(self) -> Iterator[StereoPair]:
         return iter(self.source)
 
     def over(self, source: PairSource) -> "DerivedSource":
-        """The same change of the pairs of another source."""
+        """The same modification applied to another source."""
         changed = copy.copy(self)
         changed.source = source
         return changed
 
 
 class PartOf(DerivedSource):
-    """Some pairs of a source that has to go through all before them."""
+    """Some pairs of a source that must process all pairs before them."""
 
     def __init__(self, source: PairSource, part: slice) -> None:
         super().__init__(source)

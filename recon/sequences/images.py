@@ -1,4 +1,4 @@
-"""Images from files, whole or not at all."""
+"""Images from files, complete or not at all."""
 
 import io
 import struct
@@ -22,13 +22,13 @@ from recon.sequences.text import read_bytes
 ENDINGS = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp"}
 MAX_BYTES = 1 << 30
 MAX_PIXELS = 1 << 27
-"""Pixels that a header may claim: 130 megapixels."""
+"""Maximum number of pixels in a header: 130 megapixels."""
 
 _FORMATS = ("PNG", "JPEG", "BMP", "TIFF", "PPM", "TGA", "WEBP")
-"""Those of Pillow's that are images of cameras; others may run programs."""
+"""Pillow formats of camera images; others may run programs."""
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 _PNG_DEPTH = 24
-"""Byte of a PNG that holds the bits of a channel."""
+"""Byte of a PNG with the bit depth."""
 _JPEG_START = b"\xff\xd8"
 _TIFF_STARTS = (b"II*\0", b"MM\0*")
 _EXIF_ORIENTATION = 274
@@ -47,18 +47,18 @@ def read_image(path: Path, eight_bits: Callable[[Pixels], Image] | None = None) 
     ----------
     path : Path
     eight_bits : callable, optional
-        What brings 16 bits to 8; a stretch of this image's own where not given.
+        Conversion from 16 to 8 bits; by default a stretch of this image.
 
     Raises
     ------
     InputError
-        Where the file is missing, cut short, damaged or no image.
+        If the file is missing, truncated, damaged or not an image.
     """
     return (eight_bits or _own_stretch)(read_pixels(path))
 
 
 def read_pixels(path: Path) -> Pixels:
-    """An image as it is stored, grey or RGB, 8 or 16 bits deep; see `read_image`."""
+    """An image as stored, grey or RGB, 8 or 16 bits; see `read_image`."""
     try:
         data = read_bytes(path, MAX_BYTES)
     except InputError as error:
@@ -67,15 +67,15 @@ def read_pixels(path: Path) -> Pixels:
 
 
 def decode(data: bytes, name: str) -> Image:
-    """The image in the bytes of a file; messages call it `name`."""
+    """The image in the bytes of a file, called `name` in messages."""
     return _own_stretch(decode_pixels(data, name))
 
 
 def decode_pixels(data: bytes, name: str) -> Pixels:
-    """The image in the bytes of a file, as it is stored.
+    """The image in the bytes of a file, as stored.
 
-    Where alpha says that a pixel is not part of the image, it is black. How a viewer would turn
-    it (EXIF) is not done: the camera was calibrated as it stores.
+    Transparent pixels become black. The EXIF orientation is ignored: the camera was calibrated with
+    the images as stored.
     """
     if not data:
         raise InputError(f"{name} is empty, but a whole image is needed")
@@ -87,7 +87,7 @@ def decode_pixels(data: bytes, name: str) -> Pixels:
 
 
 def masked(pixels: Pixels) -> Pixels:
-    """Pixels (H, W), (H, W, 1 to 4) without their alpha, black where it is under a half."""
+    """Pixels (H, W) or (H, W, 1 to 4) without alpha, black where it is below one half."""
     if pixels.ndim == 2:
         return pixels
     channels = pixels.shape[2]
@@ -104,7 +104,7 @@ def _own_stretch(pixels: Pixels) -> Image:
 
 
 def _opencv(data: bytes, name: str) -> Pixels:
-    """An image in 8 bits, RGB or RGBA, by Pillow."""
+    """An image decoded by OpenCV."""
     try:
         stored = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
@@ -123,8 +123,8 @@ def _pillow(data: bytes, name: str) -> Pixels:
     if orientation not in _EXIF_UPRIGHT and not data.startswith(_TIFF_STARTS):
         notify(
             "exif-ignored",
-            f"images are marked to be shown turned (EXIF orientation {orientation}), which is "
-            "ignored: they are taken as the camera stored them",
+            f"images are marked as rotated (EXIF orientation {orientation}), which is "
+            "ignored: they are used as the camera stored them",
         )
     pixels = _array(image, data, name)
     if data.startswith(_JPEG_START) and _is_cut(data, pixels, name):
@@ -133,7 +133,7 @@ def _pillow(data: bytes, name: str) -> Pixels:
 
 
 def _is_cut(data: bytes, pixels: Pixels, name: str) -> bool:
-    """True where a JPEG that was decoded lacks a part."""
+    """True if a decoded JPEG lacks a part."""
     if not has_all_parts(data):
         return True
     if not may_be_cut(data, pixels):
@@ -150,13 +150,13 @@ def _loaded(data: bytes, name: str) -> Any:
         try:
             image = PIL.Image.open(io.BytesIO(data), formats=_FORMATS)
             _check_claim(image.size, name)
-            # libtiff prints what it thinks of a damaged file.
+            # libtiff prints messages about damaged files.
             with silent() if data.startswith(_TIFF_STARTS) else nullcontext():
                 image.load()
         except PIL.UnidentifiedImageError as error:
             raise InputError(f"{name} is not an image that can be read") from error
         except PIL.Image.DecompressionBombError as error:
-            raise InputError(f"{name} claims more pixels than are read") from error
+            raise InputError(f"{name} claims more pixels than allowed") from error
         except InputError:
             raise
         except _FAULTS as error:
@@ -167,11 +167,11 @@ def _loaded(data: bytes, name: str) -> Any:
 
 def _check_claim(size: tuple[int, int], name: str) -> None:
     if size[0] * size[1] > MAX_PIXELS:
-        raise InputError(f"{name} claims {size[0]} x {size[1]} pixels, which are not read")
+        raise InputError(f"{name} claims {size[0]} x {size[1]} pixels, which are too many")
 
 
 def _reason(error: BaseException) -> str:
-    """Damage in one word for people: libraries say it in many ways."""
+    """A short description of the damage, from the various messages of libraries."""
     text = str(error).lower()
     cut = any(word in text for word in ("truncated", "cut", "not processed", "end of", "eof"))
     return "cut short" if cut or isinstance(error, EOFError) else "damaged"
@@ -188,7 +188,7 @@ def _array(image: Any, data: bytes, name: str) -> Pixels:
     if data.startswith(_TIFF_STARTS) and image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
         return masked(_opencv(data, name))
     if image.mode == "F":
-        raise InputError(f"{name} holds floating point numbers, but an image is needed")
+        raise InputError(f"{name} contains floating-point numbers, but an image is needed")
     has_alpha = "transparency" in image.info or image.mode in ("PA", "La", "RGBa")
     wanted = {"1": "L", "L": "L", "LA": "LA", "RGB": "RGB", "RGBA": "RGBA"}.get(image.mode)
     mode = "RGBA" if has_alpha and image.mode in ("P", "PA") else (wanted or "RGB")
@@ -196,7 +196,7 @@ def _array(image: Any, data: bytes, name: str) -> Pixels:
 
 
 def _png_fault(data: bytes) -> str | None:
-    """The fault of a PNG, which its library would write to stderr."""
+    """The fault of a PNG, which libpng would write to stderr."""
     position = len(_PNG_START)
     while position + 12 <= len(data):
         (length,) = struct.unpack_from(">I", data, position)

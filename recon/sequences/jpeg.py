@@ -1,4 +1,4 @@
-"""JPEG files that were cut and closed again: their decoder fills the rest with grey, silently."""
+"""Truncated JPEG files with a valid end, which decoders silently fill with grey."""
 
 import re
 
@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 PROBE = b"\x55" * 64
-"""More entropy-coded bits: whole images ignore them, cut ones decode them as what is missing."""
+"""Additional entropy-coded bits: complete images ignore them, truncated ones decode them."""
 FILLED = 128
-"""The level of what was never decoded."""
+"""The grey level of undecoded blocks."""
 
 _SCAN, _END = 0xDA, 0xD9
 _MARKER = re.compile(rb"\xff[^\x00\xd0-\xd7\xff]")
@@ -16,7 +16,7 @@ _PROGRESSIVE = 0xC2
 
 
 def has_all_parts(data: bytes) -> bool:
-    """True where the parts of a file lead to its end, and no progressive scan is missing."""
+    """True if the segments of a file lead to its end, and no progressive scan is missing."""
     markers = _markers(data)
     if not any(kind == _END for kind, _ in markers):
         return False
@@ -35,13 +35,13 @@ def has_all_parts(data: bytes) -> bool:
 
 
 def may_be_cut(data: bytes, pixels: NDArray[np.generic]) -> bool:
-    """True where a decoded image (H, W, ...) ends as a cut one does, or is progressive."""
+    """True if a decoded image (H, W, ...) ends like a truncated one, or is progressive."""
     is_filled = bool((pixels[-8:, -8:] == FILLED).all())
     return is_filled or any(kind == _PROGRESSIVE for kind, _ in _markers(data))
 
 
 def probed(data: bytes) -> bytes:
-    """The file with more bits before its end: its pixels change where some were missing."""
+    """The file with additional bits before its end, which change its pixels if some are missing."""
     end = next((at for kind, at in _markers(data) if kind == _END), len(data))
     return data[:end] + PROBE + data[end:]
 
@@ -54,6 +54,6 @@ def _markers(data: bytes) -> list[tuple[int, int]]:
         found.append((kind, at))
         if kind == _END:
             break
-        # The bits of a scan follow its header, and are passed over by the search.
+        # The data of a scan follow its header, and are skipped by the search.
         at += 2 + int.from_bytes(data[at + 2 : at + 4], "big")
     return found

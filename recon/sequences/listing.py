@@ -12,7 +12,7 @@ from recon.sequences.images import ENDINGS
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Listed:
-    """One row of a recording: at least one of the two images is there."""
+    """One entry of a recording, with at least one of the two images."""
 
     name: str
     left: Path | None
@@ -22,14 +22,14 @@ class Listed:
 def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
     """The images of two folders, paired by name and sorted; a missing partner is None.
 
-    Names are the same on both sides, or hold the same last number (left07.jpg, right07.jpg), or
-    are as many on both sides and go in sorted order. One folder may hold both sides, where the
-    names say "left" and "right".
+    Names are equal on both sides, or have the same last number (left07.jpg, right07.jpg), or are
+    paired in sorted order if equally many. Both sides may be in one folder, if the names contain
+    "left" and "right".
 
     Raises
     ------
     InputError
-        Where a folder is missing or empty, or where it is not certain what belongs together.
+        If a folder is missing or empty, or if the pairing is ambiguous.
     """
     lefts, rights = _images(left_dir), _images(right_dir)
     if lefts == rights:
@@ -42,8 +42,8 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
             return [Listed(name=n, left=left.get(n), right=right.get(n)) for n in names]
     if len(lefts) != len(rights):
         raise InputError(
-            f"{left_dir} holds {len(lefts)} images and {right_dir} {len(rights)} under other "
-            "names, but the names must tell which belong together"
+            f"{left_dir} has {len(lefts)} images and {right_dir} {len(rights)} with other "
+            "names, but the names must identify the pairs"
         )
     return [
         Listed(name=left.stem, left=left, right=right)
@@ -52,9 +52,9 @@ def list_pairs(left_dir: Path, right_dir: Path) -> list[Listed]:
 
 
 def gaps(listed: Sequence[Listed]) -> list[str]:
-    """Names that are missing on both sides, where names are numbers that count by a fixed step.
+    """Names missing on both sides, if names are numbers with a fixed step.
 
-    Times in nanoseconds jitter and are not a count: all but a few steps must be the smallest one.
+    Times in nanoseconds jitter and are not a count: most steps must equal the smallest one.
     """
     if len(listed) < 3 or not all(entry.name.isdigit() for entry in listed):
         return []
@@ -69,7 +69,7 @@ def gaps(listed: Sequence[Listed]) -> list[str]:
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:
-    """A sorting key under which frame10 comes after frame9."""
+    """A sorting key that places frame10 after frame9."""
     parts = re.findall(r"\d+|\D+", name)
     return tuple((0, int(p), "") if p.isdigit() else (1, 0, p) for p in parts)
 
@@ -79,14 +79,14 @@ def _images(folder: Path) -> list[Path]:
         raise InputError(f"{folder} is not a folder, but one of images is needed")
     found = [p for p in folder.iterdir() if p.suffix.lower() in ENDINGS and p.name[0] != "."]
     if not found:
-        raise InputError(f"{folder} holds no images ({', '.join(sorted(ENDINGS))})")
+        raise InputError(f"{folder} contains no images ({', '.join(sorted(ENDINGS))})")
     return sorted(found, key=lambda path: natural(path.stem))
 
 
 def _of_side(folder: Path, side: str) -> list[Path]:
     found = [path for path in _images(folder) if side in path.stem.lower()]
     if not found:
-        raise InputError(f"{folder} is given for both sides, but no name in it says {side}")
+        raise InputError(f"{folder} is given for both sides, but no name in it contains {side}")
     return found
 
 

@@ -1,4 +1,4 @@
-"""One door to recordings of every form."""
+"""Opening of recordings of any format."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -21,7 +21,7 @@ _ROOM = "recon.sequences.readers"
 READERS: Registry[Reader] = Registry(
     "recon.sequences",
     "format",
-    {  # tried in this order: a ring may have images called like a pair's
+    {  # tried in this order: a ring may have images named like those of a pair
         "folder": f"{_ROOM}.folder:READER",
         "kitti": f"{_ROOM}.kitti:READER",
         "euroc": f"{_ROOM}.euroc:READER",
@@ -33,27 +33,27 @@ READERS: Registry[Reader] = Registry(
     },
 )
 NESTED_LEVELS = 2
-"""Folders that hold nothing but one recording are looked into so deep."""
+"""Depth to which nested folders are searched for a single recording."""
 
 
 def open_sequence(
     path: Path, settings: SequenceSettings, refined: Refined | None = None
 ) -> DerivedSource:
-    """The pairs of a recording, read one at a time as they are asked for.
+    """The pairs of a recording, read one at a time on demand.
 
-    They are rectified, posed and cut to the region as the settings say, in recon's world (y up).
-    Where the first pairs show that rows do not quite correspond, the right images are resampled.
+    They are rectified, posed and cropped as set, in recon's world (y up). If the first pairs show
+    that rows do not quite correspond, the right images are resampled.
 
     Parameters
     ----------
     refined : Refined, optional
-        What was estimated of the recording before: then a part, `source[i:j]`, is read without
-        what lies before it; videos and bags have to be gone through, unconverted.
+        Earlier estimates for the recording: then a part, `source[i:j]`, is read without the pairs
+        before it; videos and bags are skipped through without conversion.
 
     Raises
     ------
     InputError
-        Where nothing is at `path`, no reader knows it, or nothing of it can be used.
+        If `path` does not exist, no reader recognises it, or nothing in it is usable.
     """
     recording = CheckedPairs(
         RangedPairs(_recording(Path(path), settings)), has_given_poses=settings.poses == "given"
@@ -73,7 +73,7 @@ def open_sequence(
 
 
 class RangedPairs(DerivedSource):
-    """Pairs that carry the search range which their recording states."""
+    """Pairs with the search range stated by their recording."""
 
     def __iter__(self) -> Iterator[StereoPair]:
         for pair in self.source:
@@ -84,7 +84,7 @@ class RangedPairs(DerivedSource):
 
 
 class PosedPairs(DerivedSource):
-    """The pairs of a recording that has poses; a single pair without one is level at the origin."""
+    """The pairs of a recording with poses; a single pair without one is level at the origin."""
 
     def __init__(self, source: PairSource) -> None:
         super().__init__(source)
@@ -94,8 +94,8 @@ class PosedPairs(DerivedSource):
         for pair in self.source:
             if pair.T_world_left is None and not self._is_single:
                 raise InputError(
-                    f"{pair.name} has no pose, but all pairs need one to be put together: add "
-                    "poses.txt, or take --poses estimated or --poses none"
+                    f"{pair.name} has no pose, but all pairs need one to be combined: add "
+                    "poses.txt, or give --poses estimated or --poses none"
                 )
             yield _level(pair)
 
@@ -128,24 +128,24 @@ def _recording(path: Path, settings: SequenceSettings) -> PairSource:
     found = find_recording(path)
     if found is None:
         known = ", ".join(READERS.names())
-        raise InputError(f"{path} is not a recording that is known ({known})")
+        raise InputError(f"{path} is not a known recording ({known})")
     return found[0].open(found[1], settings)
 
 
 def find_recording(path: Path) -> tuple[Reader, Path] | None:
-    """The reader that knows what is at `path`, and where: there or in the one folder it holds.
+    """The reader that recognises `path` or the only folder in it, and the path of the recording.
 
     Raises
     ------
     InputError
-        Where there is more than one recording.
+        If there is more than one recording.
     """
     places = [path]
     for _ in range(NESTED_LEVELS + 1):
         found = [(one, place) for place in places if (one := _reader_of(place)) is not None]
         if len(found) > 1:
             names = ", ".join(place.name for _, place in found[:3])
-            raise InputError(f"{path} holds {len(found)} recordings ({names}, ...): name one")
+            raise InputError(f"{path} contains {len(found)} recordings ({names}, ...): name one")
         if found:
             return found[0]
         places = [inner for place in places for inner in _inside(place)]
@@ -153,7 +153,7 @@ def find_recording(path: Path) -> tuple[Reader, Path] | None:
 
 
 def name_of(reader: Reader) -> str | None:
-    """The name of a form, as `--format` has it."""
+    """The name of a format, as for `--format`."""
     return next((name for name, one in READERS.parts() if one is reader), None)
 
 
@@ -162,19 +162,19 @@ def _inside(place: Path) -> list[Path]:
 
 
 def _reader_of(path: Path) -> Reader | None:
-    """The first reader that knows a path; one of a plug-in that fails is left out."""
+    """The first reader that recognises a path; failing plug-ins are skipped."""
     for name, reader in READERS.parts():
         try:
             if reader.fits(path):
                 return reader
-        # A package of somebody else's may fail in any way.
+        # A third-party package may fail in any way.
         except Exception as error:
-            say_once(f"format {name!r} fails ({error}); it is left out")
+            say_once(f"format {name!r} fails ({error}); it is skipped")
     return None
 
 
 def _fitting_path(reader: Reader, path: Path) -> Path:
-    """`path`, or the only thing in it that the reader knows."""
+    """`path`, or the only entry in it that the reader recognises."""
     if reader.fits(path):
         return path
     inner = [place for place in _inside(path) if reader.fits(place)]

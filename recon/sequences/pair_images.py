@@ -1,4 +1,4 @@
-"""The two images of a pair: read alike, in colour or in grey."""
+"""The two images of a pair, both in colour or both in grey."""
 
 from pathlib import Path
 
@@ -10,12 +10,12 @@ from recon.sequences.images import read_pixels
 
 
 def read_pair(left_path: Path, right_path: Path) -> tuple[Image, Image]:
-    """Two images, both in colour or both in grey, stretched alike where they have 16 bits.
+    """Two images, both in colour or both in grey, with the same stretch if they have 16 bits.
 
     Raises
     ------
     InputError
-        Where one is missing, cut short, damaged or no image.
+        If one is missing, truncated, damaged or not an image.
     """
     left, right = read_pixels(left_path), read_pixels(right_path)
     stretch = stretch_of([left, right])
@@ -23,10 +23,10 @@ def read_pair(left_path: Path, right_path: Path) -> tuple[Image, Image]:
 
 
 def alike(left: Image, right: Image) -> tuple[Image, Image]:
-    """Both images in grey where one of them is."""
+    """Both images in grey if one of them is."""
     if left.ndim == right.ndim:
         return left, right
-    notify("colour-missing", "one camera is grey and one in colour: both are taken as grey")
+    notify("colour-missing", "one camera is grey and one in colour: both are used as grey")
     return grey(left), grey(right)
 
 

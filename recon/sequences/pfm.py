@@ -1,4 +1,4 @@
-"""Portable float maps, in every form that is about."""
+"""Portable float maps, in all common variants."""
 
 import re
 from pathlib import Path
@@ -11,36 +11,35 @@ from recon.files import atomic_path
 
 MAX_PIXELS = 1 << 27
 
-# Type, width, height, scale, and the one white space (or line end of two letters) before the rows.
+# Type, width, height, scale, then one white space (or a two-character newline) before the rows.
 _HEADER = re.compile(
     rb"(P[fF])\s(?:\s*#[^\n]*\n)*\s*(\d{1,9})\s+(\d{1,9})\s+([-+]?[\d.]{1,40}(?:[eE][-+]?\d{1,3})?)"
 )
 
 
 def is_pfm(data: bytes) -> bool:
-    """True where bytes begin as a portable float map does."""
+    """True if bytes begin like a portable float map."""
     return data[:2] in (b"Pf", b"PF")
 
 
 def decode_pfm(data: bytes, name: str) -> NDArray[np.float32]:
-    """The numbers (H, W) or (H, W, 3) of a file, top row first, as they are stored.
+    """The numbers (H, W) or (H, W, 3) of a file, top row first, as stored.
 
-    The sign of the scale tells the order of bytes; its magnitude is a unit nobody agrees on, and
-    is not applied.
+    The sign of the scale gives the byte order; its magnitude, an unspecified unit, is ignored.
 
     Raises
     ------
     InputError
-        Where the header is none, or claims more than the file holds.
+        If the header is invalid, or claims more than the file contains.
     """
     header = _HEADER.match(data)
     if header is None:
-        raise InputError(f"{name} has no header of a PFM (Pf, width, height, scale)")
+        raise InputError(f"{name} has no PFM header (Pf, width, height, scale)")
     kind, width, height = header[1], int(header[2]), int(header[3])
     channels = 3 if kind == b"PF" else 1
     need = 4 * width * height * channels
     if not 0 < width * height <= MAX_PIXELS:
-        raise InputError(f"{name} claims {width} x {height} pixels, which are not read")
+        raise InputError(f"{name} claims {width} x {height} pixels, which are too many")
     start = header.end() + 1
     if data[header.end() : start + 1] == b"\r\n" and len(data) - start > need:
         start += 1
@@ -56,7 +55,7 @@ def decode_pfm(data: bytes, name: str) -> NDArray[np.float32]:
 
 
 def write_pfm(path: Path, values: NDArray[np.floating]) -> None:
-    """Write numbers (H, W) as a portable float map, little end first."""
+    """Write numbers (H, W) as a portable float map, little-endian."""
     height, width = values.shape
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         file.write(f"Pf\n{width} {height}\n-1.0\n".encode())

@@ -1,4 +1,4 @@
-"""Poses in files, told apart by content: KITTI, TUM, EuRoC, OpenVINS, COLMAP, nerfstudio."""
+"""Pose files, identified by content: KITTI, TUM, EuRoC, OpenVINS, COLMAP, nerfstudio."""
 
 import re
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from recon.sequences.units import in_seconds
 Array = NDArray[np.float64]
 
 KITTI_COLUMNS = {12: 0, 13: 1, 16: 0, 17: 1}
-"""Rows of 3 or 4 by 4 numbers, and whether the number of the frame comes first."""
+"""Columns of rows of 3 x 4 or 4 x 4 numbers; 1 if the frame number comes first."""
 MIN_TIMED_COLUMNS = 8
 """Time, position, quaternion; velocities, biases, covariances may follow."""
 
@@ -31,7 +31,7 @@ class _Table:
 
     path: Path
     lines: list[int]
-    """Of the file, from 1."""
+    """Line numbers in the file, starting at 1."""
     rows: list[list[float]]
     heading: str
     """The comment before the first row."""
@@ -39,12 +39,12 @@ class _Table:
 
     @property
     def columns(self) -> set[int]:
-        """Number of numbers in a row."""
+        """The row lengths that occur."""
         return {len(row) for row in self.rows}
 
 
 def read_poses(path: Path) -> GivenPoses:
-    """Poses of a file, in the world they were recorded in.
+    """Poses of a file, in the world of the recording.
 
     KITTI's rows of 12 numbers, TUM's of 8, EuRoC's and VINS-Fusion's with commas (the quaternion
     begins with w), OpenVINS's with covariances, KITTI-360's with the number of the frame first,
@@ -100,7 +100,7 @@ def _table(path: Path, lines: list[str]) -> _Table:
 
 
 def _is_heading(fields: list[str]) -> bool:
-    """True where the words of a first line are names of columns."""
+    """True if the words of a first line are column names."""
     return len(fields) >= MIN_TIMED_COLUMNS and not any(is_finite(field) for field in fields)
 
 
@@ -135,8 +135,8 @@ def _timed(table: _Table) -> GivenPoses:
 def _order(table: _Table) -> tuple[list[int], list[int]]:
     """Columns of x, y, z and of the quaternion's x, y, z, w.
 
-    The heading tells; without one, w comes first where commas part the columns (EuRoC) and last
-    where spaces do (TUM).
+    The heading decides; without one, w comes first in comma-separated files (EuRoC) and last in
+    space-separated ones (TUM).
     """
     names = re.sub(r"[\[(][^\])]*[\])]", "", table.heading.lower()).replace(",", " ").split()
     axes = [name[-1] if name.startswith("q") else "" for name in names[:MIN_TIMED_COLUMNS]]
@@ -149,19 +149,19 @@ def _order(table: _Table) -> tuple[list[int], list[int]]:
 
 
 def _rising(table: _Table, stamps: Array) -> NDArray[np.bool_]:
-    """(N,) rows whose time is not that of the one before; times that go back are refused."""
+    """(N,) mask of rows whose time differs from the previous one; decreasing times are refused."""
     steps = np.diff(stamps, prepend=-np.inf)
     if (steps < 0).any():
         raise InputError(
-            f"{table.path}, line {table.lines[int(np.argmax(steps < 0))]}: the time is not after "
-            "the one before"
+            f"{table.path}, line {table.lines[int(np.argmax(steps < 0))]}: the time is before that "
+            "of the previous row"
         )
     again = np.flatnonzero(steps == 0)
     if again.size:
         notify(
             "stamps-repeated",
-            f"{table.path}, line {table.lines[again[0]]}: {again.size} poses have the time of the "
-            "one before and are left out",
+            f"{table.path}, line {table.lines[again[0]]}: {again.size} poses have the same time as "
+            "the previous one and are left out",
         )
     kept: NDArray[np.bool_] = steps > 0
     return kept

@@ -1,4 +1,4 @@
-"""Poses by the names of images, as COLMAP and nerfstudio keep them."""
+"""Poses by image name, as in COLMAP and nerfstudio."""
 
 import json
 import math
@@ -28,7 +28,7 @@ OPENCV_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 def is_colmap(lines: Sequence[str]) -> bool:
-    """True where the first row is an image of COLMAP: nine numbers and a name."""
+    """True if the first row is a COLMAP image: nine numbers and a name."""
     first = next((line for line in lines if line.strip() and line[0] != "#"), "").split()
     return (
         len(first) >= COLMAP_COLUMNS
@@ -38,12 +38,12 @@ def is_colmap(lines: Sequence[str]) -> bool:
 
 
 def read_colmap(path: Path, lines: Sequence[str]) -> GivenPoses:
-    """The images of COLMAP's images.txt: world to camera, every second row their points.
+    """The images of COLMAP's images.txt: world to camera; every second row lists their points.
 
     Raises
     ------
     InputError
-        With the line that is none.
+        With the line that is not an image.
     """
     rows = [(number, line) for number, line in enumerate(lines, start=1) if line[:1] != "#"]
     names, poses = [], []
@@ -52,10 +52,10 @@ def read_colmap(path: Path, lines: Sequence[str]) -> GivenPoses:
         if not fields:
             continue
         if len(fields) < COLMAP_COLUMNS or not all(is_finite(field) for field in fields[:9]):
-            raise InputError(f"{path}, line {number}: {line[:60]!r} is not an image of COLMAP")
+            raise InputError(f"{path}, line {number}: {line[:60]!r} is not a COLMAP image")
         w, x, y, z, *step = (float(field) for field in fields[1:8])
         if not 0.9 < math.hypot(w, x, y, z) < 1.1:
-            raise InputError(f"{path}, line {number}: its quaternion has not length 1")
+            raise InputError(f"{path}, line {number}: its quaternion does not have length 1")
         poses.append(invert(pose(Rotation.from_quat([x, y, z, w]).as_matrix(), step)))
         names.append(fields[9].strip())
     return _sorted(names, poses)
@@ -67,12 +67,12 @@ def read_nerfstudio(path: Path) -> GivenPoses:
     Raises
     ------
     InputError
-        Where a frame lacks its file or its matrix.
+        If a frame lacks its file or its matrix.
     """
     document = read_json(path)
     frames = document.get("frames") if isinstance(document, dict) else None
     if not isinstance(frames, list) or not frames:
-        raise InputError(f"{path} holds no frames, but those of nerfstudio are needed")
+        raise InputError(f"{path} has no frames, but those of nerfstudio are needed")
     names, poses, errors = [], [], []
     for number, frame in enumerate(frames):
         name, T_world_gl = _nerfstudio_frame(path, number, frame)
@@ -98,9 +98,9 @@ def _nerfstudio_frame(path: Path, number: int, frame: Any) -> tuple[str, Array]:
 
 
 def _sorted(names: list[str], poses: list[Array]) -> GivenPoses:
-    """In the order of their names, the first of which tells what is up."""
+    """Poses sorted by name; the first one defines what is up."""
     if not names:
-        raise InputError("the file holds no pose")
+        raise InputError("the file contains no pose")
     order = sorted(range(len(names)), key=lambda row: names[row])
     return GivenPoses(
         poses=np.stack([poses[row] for row in order]), names=tuple(names[row] for row in order)
@@ -142,7 +142,7 @@ def write_nerfstudio(
 ) -> None:
     """Write transforms.json of left cameras (N, 4, 4); pixel (0, 0) is a corner there.
 
-    Intrinsics that differ from frame to frame stand at the frames.
+    Intrinsics that differ between frames are stored per frame.
     """
     is_one = len(set(rigs)) == 1
     document = {
@@ -159,7 +159,7 @@ def write_nerfstudio(
 
 
 def _intrinsics(rig: StereoRig) -> dict[str, float]:
-    """Of the left camera, by nerfstudio's keys."""
+    """Intrinsics of the left camera, by nerfstudio's keys."""
     return {
         "w": rig.width, "h": rig.height, "fl_x": rig.focal_px, "fl_y": rig.focal_px,
         "cx": rig.cx_left_px + 0.5, "cy": rig.cy_px + 0.5,

@@ -1,4 +1,4 @@
-"""Given poses at any time, brought into recon's world."""
+"""Given poses, interpolated in time and transformed to recon's world."""
 
 from dataclasses import dataclass, replace
 
@@ -13,10 +13,10 @@ from recon.records.trajectory import MAX_NUMBER
 Array = NDArray[np.float64]
 
 MAX_GAP_S = 0.5
-"""Between two poses further apart nothing is interpolated."""
+"""Maximum time between two poses for interpolation."""
 SAME_TIME_S = 1e-6
 END_TOLERANCE_S = 2e-3
-"""Before the first pose and after the last one: stamps rounded to milliseconds."""
+"""Tolerance before the first pose and after the last one, for stamps rounded to milliseconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,21 +26,21 @@ class GivenPoses:
     poses: Array
     """(N, 4, 4) T_recorded_body."""
     stamps_s: Array | None = None
-    """(N,) rising; None where rows are numbered or named, not timed."""
+    """(N,) ascending; None if rows are numbered or named, not timed."""
     names: tuple[str, ...] | None = None
-    """(N,) image files they belong to, where the file says (COLMAP, nerfstudio)."""
+    """(N,) image files, if the file states them (COLMAP, nerfstudio)."""
     numbers: NDArray[np.int64] | None = None
-    """(N,) of the frames, where rows state them (KITTI-360)."""
+    """(N,) frame numbers, if the rows state them (KITTI-360)."""
 
     def __post_init__(self) -> None:
         if not (np.abs(self.poses) < MAX_NUMBER).all():
-            raise InputError(f"a pose holds a number beyond {MAX_NUMBER:g}")
+            raise InputError(f"a pose contains a number beyond {MAX_NUMBER:g}")
 
     def __len__(self) -> int:
         return len(self.poses)
 
     def of(self, T_body_part: Array) -> "GivenPoses":
-        """The poses of a part that is fixed to the body."""
+        """The poses of a part fixed to the body."""
         return replace(self, poses=self.poses @ T_body_part)
 
     def in_world(self, stamp_s: float) -> Array | None:
@@ -55,11 +55,11 @@ class GivenPoses:
 
     @property
     def T_world_recorded(self) -> Array:
-        """(4, 4) the turn that makes the recording's world one with y up."""
+        """(4, 4) rotation from the recording's world to one with y up."""
         return T_up_recorded(self.poses[0])
 
     def at(self, stamp_s: float) -> Array | None:
-        """The pose at a time, moved and turned evenly between its neighbours; None outside."""
+        """The pose at a time, interpolated between its neighbours; None outside the time range."""
         stamps = np.arange(len(self)) if self.stamps_s is None else self.stamps_s
         after = int(np.searchsorted(stamps, stamp_s - SAME_TIME_S))
         nearest = int(np.clip(after, 0, len(self) - 1))
@@ -80,11 +80,11 @@ def _between(first: Array, second: Array, share: float) -> Array:
 
 
 def T_up_recorded(T_recorded_first: ArrayLike) -> Array:
-    """The turn (4, 4) that makes a recording's world one with y up.
+    """The rotation (4, 4) from a recording's world to one with y up.
 
     A recording's world has its own vertical: KITTI's is the first camera's -y, EuRoC's is z. The
-    axis nearest to the first camera's up becomes y, by right angles only, so that a world that
-    knows gravity keeps it; y up stays as it is. The origin stays.
+    axis nearest to the first camera's up becomes y, by right angles only, so that a gravity-aligned
+    world stays aligned; y up is unchanged. The origin stays.
     """
     up = -np.asarray(T_recorded_first, dtype=np.float64)[:3, 1]
     axis = int(np.argmax(np.abs(up)))

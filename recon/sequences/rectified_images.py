@@ -1,4 +1,4 @@
-"""Images brought into their rectified rig and saved, with the calibration that is then theirs."""
+"""Images rectified and saved, with their new calibration."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +17,7 @@ from recon.sequences.readers.folder import first_size, first_stretch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rectified:
-    """Counts of what was written."""
+    """Statistics of the written files."""
 
     rig: StereoRig
     num_pairs: int
@@ -26,17 +26,19 @@ class Rectified:
 
 
 def rectify_files(left: Path, right: Path, calib: Path, output: Path) -> Rectified:
-    """Rectify two images, or two folders of images, into a recording that needs no more of it.
+    """Rectify two images, or two folders of images, into a rectified recording.
 
-    Leaves left/ and right/ (left.png and right.png of two files) and calib.txt below `output`.
+    Writes left/ and right/ (left.png and right.png for two files) and calib.txt below `output`.
 
     Raises
     ------
     InputError
-        Where the calibration is of another size, or nothing can be read.
+        If the calibration is for another size, or nothing can be read.
     """
     if left.is_dir() != right.is_dir():
-        raise InputError(f"{left} and {right} are a folder and a file, but two alike are needed")
+        raise InputError(
+            f"{left} and {right} are a folder and a file, but two of the same kind are needed"
+        )
     if left.is_dir():
         return _folders(left, right, calib, output)
     images = read_pair(left, right)
@@ -64,7 +66,7 @@ def _folders(left: Path, right: Path, calib: Path, output: Path) -> Rectified:
         for side, image in zip(("left", "right"), pair, strict=True):
             _write(output / side / f"{entry.name}.png", image)
     if len(skipped) == len(listed):
-        raise InputError(f"no pair could be read; the first fault: {skipped[0]}")
+        raise InputError(f"no pair could be read; the first error: {skipped[0]}")
     _write_calibration(output, rectify.rig)
     return Rectified(rig=rectify.rig, num_pairs=len(listed) - len(skipped), skipped=tuple(skipped))
 
@@ -83,7 +85,7 @@ def _write(path: Path, image: Image) -> None:
 
 
 def _write_calibration(folder: Path, rig: StereoRig) -> None:
-    """calib.txt in KITTI's rows: the right camera's fourth column is its step times the focal."""
+    """Write calib.txt as KITTI rows: the right camera's fourth column is -focal times baseline."""
     f, b = rig.focal_px, rig.baseline
     rows = [
         f"P{number}: {f!r} 0 {cx!r} {-f * x!r} 0 {f!r} {rig.cy_px!r} 0 0 0 1 0\n"

@@ -1,4 +1,4 @@
-"""Estimates of a whole recording as a record, made once: with it any part is read by itself."""
+"""Estimates for a whole recording, made once, with which any part can be read by itself."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -29,10 +29,10 @@ class Refined:
     residual: Residual
     """Residual of the rectification."""
     poses: Mapping[str, Array] = field(default_factory=dict)
-    """`T_world_left` (4, 4) by the name of the pair, where poses are estimated; else none."""
+    """`T_world_left` (4, 4) by the name of the pair if poses are estimated; else empty."""
 
     def write(self, path: Path) -> None:
-        """Write it as JSON."""
+        """Write the record as JSON."""
         document = {
             "row_residual_px": self.residual.row.coefficients.tolist(),
             "disparity_residual_px": self.residual.disparity.coefficients.tolist(),
@@ -48,7 +48,7 @@ class Refined:
 
 
 class RecordedPoses(DerivedSource):
-    """Pairs with the poses that a record has for them."""
+    """Pairs with their poses from a record."""
 
     def __init__(self, source: PairSource, poses: Mapping[str, Array]) -> None:
         super().__init__(source)
@@ -77,19 +77,19 @@ def _pose(pair: StereoPair) -> Array:
 
 
 def _layers(source: PairSource) -> Iterator[PairSource]:
-    """A source and those whose pairs it changes."""
+    """A source and the sources it derives from."""
     yield source
     if isinstance(source, DerivedSource):
         yield from _layers(source.source)
 
 
 def read_refined(path: PathLike) -> Refined:
-    """The record that `Refined.write` left.
+    """The record written by `Refined.write`.
 
     Raises
     ------
     InputError
-        Where it is not one.
+        If it is not one.
     """
     document = read_json(path)
     try:

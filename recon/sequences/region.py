@@ -1,4 +1,4 @@
-"""A part of the images."""
+"""Cropping of the images."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -26,13 +26,13 @@ class RegionSource(DerivedSource):
 def cut(pair: StereoPair, region: Region) -> StereoPair:
     """The region of both images; disparities and the poses stay as they are.
 
-    What lies left of the region in the right image is lost: along its left side, things nearer
-    than the width of a disparity have no partner.
+    Content left of the region in the right image is lost: near objects at the left border have no
+    partner.
 
     Raises
     ------
     InputError
-        Where the region is empty or goes beyond the images.
+        If the region is empty or goes beyond the images.
     """
     x, y, width, height = region
     rig = pair.rig

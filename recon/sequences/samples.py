@@ -1,4 +1,4 @@
-"""Sample recordings out of installed packages: nothing is fetched from a network."""
+"""Sample recordings from installed packages, without network access."""
 
 import difflib
 import json
@@ -33,14 +33,14 @@ META = {
 
 
 def fetch(name: str, folder: Path) -> list[Path]:
-    """Put a sample recording into a folder; files that are there stay.
+    """Put a sample recording into a folder; existing files stay.
 
     Parameters
     ----------
     name : str
         "motorcycle": a pair with its calibration and true disparity.
     folder : Path
-        Made where it is not there.
+        Created if missing.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def fetch(name: str, folder: Path) -> list[Path]:
     Raises
     ------
     InputError
-        For a name that is not known.
+        For an unknown name.
     """
     if name not in SAMPLES:
         near = difflib.get_close_matches(name, SAMPLES, n=1, cutoff=0.0)

@@ -1,4 +1,4 @@
-"""Text of other people's files, bounded before it is believed."""
+"""Text of untrusted files, with limits."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from recon.errors import InputError
 from recon.files import check_regular, documents
 
 MAX_BYTES = 1 << 26
-"""Of a file of poses or times: a million rows."""
+"""Maximum size of a file of poses or times: a million rows."""
 
 
 def read_bytes(path: Path, max_bytes: int) -> bytes:
@@ -17,7 +17,7 @@ def read_bytes(path: Path, max_bytes: int) -> bytes:
     Raises
     ------
     InputError
-        Where it cannot be read, is a device or a pipe, or is larger than `max_bytes`.
+        If it cannot be read, is a device or a pipe, or is larger than `max_bytes`.
     """
     try:
         check_regular(path)
@@ -30,12 +30,12 @@ def read_bytes(path: Path, max_bytes: int) -> bytes:
 
 
 def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
-    """A text file in UTF-8, with or without a mark of its byte order.
+    """A text file in UTF-8, with or without a byte order mark.
 
     Raises
     ------
     InputError
-        Where it cannot be read or is not text.
+        If it cannot be read or is not text.
     """
     try:
         return documents.read_text(path, max_bytes)
@@ -44,12 +44,12 @@ def read_text(path: Path, max_bytes: int = MAX_BYTES) -> str:
 
 
 def read_lines(path: Path, max_bytes: int = MAX_BYTES) -> list[str]:
-    """The lines of a text file, as `read_text` has it."""
+    """The lines of a text file, read by `read_text`."""
     return read_text(path, max_bytes).splitlines()
 
 
 def is_finite(field: str) -> bool:
-    """True where a word is a finite number."""
+    """True if a word is a finite number."""
     try:
         return bool(np.isfinite(float(field)))
     except ValueError:

@@ -1,4 +1,4 @@
-"""Times and poses of frames: the row of each file that belongs to a frame."""
+"""Times and poses of frames: assignment of file rows to frames."""
 
 import re
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from recon.sequences.units import in_seconds, matched
 Array = NDArray[np.float64]
 
 MIN_STAMP = 10**9
-"""Numbers in names from here on are times: in nanoseconds a second, in seconds the year 2001."""
+"""Larger numbers in names are times: in nanoseconds a second, in seconds the year 2001."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,9 +26,9 @@ class FramePose:
 
     stamp_s: float
     T_world_left: Array | None = None
-    """(4, 4) of the left camera as it is, in recon's world."""
+    """(4, 4) of the raw left camera, in recon's world."""
     fault: str | None = None
-    """Why the frame cannot be used."""
+    """The reason why the frame cannot be used."""
 
 
 def list_frame_poses(
@@ -40,11 +40,10 @@ def list_frame_poses(
 ) -> list[FramePose]:
     """The time and pose of each named frame.
 
-    Where nothing is timed, the number of its row is its time. Rows that are as many as names go
-    in order. Otherwise the numbers in the names count the rows, so that a frame that is missing
-    does not shift the rest: from the first frame where the numbers span as many rows as there
-    are, else from frame 0. Poses with times are joined by time, where the frames have times too:
-    in a file, or as their names.
+    Without times, the row number is the time. If there are as many rows as names, they correspond
+    in order. Otherwise the numbers in the names index the rows, so that a missing frame does not
+    shift the rest: relative to the first frame if the numbers span all rows, else to frame 0. Poses
+    with times are assigned by time if the frames have times, too, in a file or as their names.
 
     Parameters
     ----------
@@ -52,15 +51,15 @@ def list_frame_poses(
     times : (R,) or None
         Seconds, one per row.
     given : GivenPoses or None
-        Of the left camera: timed, named, numbered, or one per row.
+        Poses of the left camera: timed, named, numbered, or one per row.
     needs_pose : bool
-        Whether a frame for which there is no pose is at fault; otherwise poses that cannot be
-        joined are left out.
+        True if a frame without a pose is unusable; otherwise poses that cannot be assigned are
+        ignored.
 
     Raises
     ------
     InputError
-        Where times or poses are neither as many as the frames nor told apart by the names.
+        If times or poses match the frames neither in number nor by the names.
     """
     if times is None and given is not None and given.stamps_s is not None:
         times = _times_of_names(names, given)
@@ -84,7 +83,7 @@ def list_frame_poses(
 
 
 def _times_of_names(names: Sequence[str], given: GivenPoses) -> Array | None:
-    """Seconds that the names of the frames state, as those of EuRoC do; None where they do not."""
+    """Times in seconds from the frame names, as in EuRoC; None if they have none."""
     assert given.stamps_s is not None
     numbers = [last_number(name) for name in names]
     if any(number is None or number < MIN_STAMP for number in numbers):
@@ -103,7 +102,7 @@ def _stamps(names: Sequence[str], times: Array | None, given: GivenPoses | None)
 def _poses(
     names: Sequence[str], stamps: Sequence[float], given: GivenPoses, *, is_timed: bool
 ) -> list[Array | None]:
-    """The pose of each frame in recon's world: by its name, number, time or row."""
+    """The pose of each frame in recon's world, by its name, number, time or row."""
     if given.names is not None:
         return _by_name(names, given)
     if given.numbers is not None:
@@ -118,7 +117,7 @@ def _poses(
 
 
 def _by_name(names: Sequence[str], given: GivenPoses) -> list[Array | None]:
-    """Poses of files whose stem is the frame's name, or holds its number; the left one first."""
+    """Poses of files whose stem is the frame's name or contains its number; left ones first."""
     rows: dict[str, int] = {}
     files = [*enumerate(given.names or ())]
     for row, name in sorted(files, key=lambda item: "right" in item[1].lower(), reverse=True):
@@ -129,7 +128,7 @@ def _by_name(names: Sequence[str], given: GivenPoses) -> list[Array | None]:
     if not any(key in rows for key in keys):
         raise InputError(
             f"the poses are of {given.names[0] if given.names else 'no image'}, ..., but the "
-            f"frames are called {names[0]}, ..."
+            f"frames are named {names[0]}, ..."
         )
     return [given.row_in_world(rows[key]) if key in rows else None for key in keys]
 
@@ -142,28 +141,28 @@ def _rows(names: Sequence[str], num_rows: int, what: str) -> list[int]:
     start = known[0] if known and known[-1] - known[0] + 1 == num_rows else 0
     if len(known) < len(names) or max(known) - start >= num_rows:
         raise InputError(
-            f"there are {num_rows} {what} for {len(names)} frames ({names[0]}, ...), but as many "
-            "are needed, or numbers in the names that tell which is whose"
+            f"there are {num_rows} {what} for {len(names)} frames ({names[0]}, ...), but "
+            "equally many are needed, or numbers in the names that identify the rows"
         )
     return [number - start for number in known]
 
 
 def last_number(name: str) -> int | None:
-    """The last whole number in a name, None where there is none."""
+    """The last whole number in a name, None if there is none."""
     numbers = re.findall(r"\d+", name)
     return int(numbers[-1]) if numbers else None
 
 
 def read_times(path: Path) -> Array | None:
-    """The first number of each line of a file, in seconds; None where there is no file.
+    """The first number of each line of a file, in seconds; None if there is no file.
 
-    Milliseconds, microseconds and nanoseconds are known by their size, times of the day
-    (KITTI raw's "2011-09-26 13:02:25.964389445") count from the first.
+    Milliseconds, microseconds and nanoseconds are detected by their size; dates with times (KITTI
+    raw's "2011-09-26 13:02:25.964389445") are converted.
 
     Raises
     ------
     InputError
-        With the line that has none.
+        With the line that is not a time.
     """
     if not path.is_file():
         return None

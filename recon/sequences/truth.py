@@ -1,4 +1,4 @@
-"""Disparity in files: the true one of a pair folder, and a found one."""
+"""Disparity in files: the truth of a pair folder, and a computed disparity."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +15,7 @@ from recon.sequences.pfm import decode_pfm, is_pfm, write_pfm
 from recon.sequences.text import read_bytes
 
 NAMES = ("disp_left", "disp0GT", "disp0", "disp1", "disp2", "disp_occ_0", "disp_occ", "disp_noc_0")
-"""recon's; Middlebury's of 2014, of 2005 and 2006 (view1), of 2001 and 2003 (im2); KITTI's."""
+"""Names of recon, Middlebury 2014, 2005 and 2006 (view1), 2001 and 2003 (im2), and KITTI."""
 ENDINGS = IMAGE_ENDINGS | {".pfm"}
 KITTI_SCALE = 256.0
 
@@ -26,18 +26,18 @@ class DisparityTruth(NamedTuple):
     disparity_px: NDArray[np.float64]
     """(H, W) of the left image, NaN where unknown."""
     quantisation_px: float
-    """Step of the truth: a pixel where all is in whole pixels; 0 for floats."""
+    """Quantisation step of the truth: 1 if all values are integers; 0 for floats."""
 
 
 def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTruth:
-    """The truth `disp_left.*` of a pair folder, or what Middlebury and KITTI call it.
+    """The truth `disp_left.*` of a pair folder, or by the names of Middlebury and KITTI.
 
     Its scale is in meta.json unless given.
 
     Raises
     ------
     InputError
-        Where there is no truth, or no scale of whole-numbered truth.
+        If there is no truth, or no scale for integer truth.
     """
     found = find_truth(Path(pair_dir))
     if found is None:
@@ -46,7 +46,7 @@ def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTru
 
 
 def find_truth(pair_dir: Path) -> Path | None:
-    """The truth of the left image in a pair folder; None where it has none."""
+    """The truth of the left image in a pair folder; None if it has none."""
     for stem in NAMES:
         files = [f for f in sorted(pair_dir.glob(f"{stem}.*")) if f.suffix.lower() in ENDINGS]
         if files:
@@ -55,16 +55,16 @@ def find_truth(pair_dir: Path) -> Path | None:
 
 
 def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTruth:
-    """Disparity of a file: floats as they are (scale 1), whole numbers by their scale.
+    """Disparity of a file: floats unchanged (scale 1), integers divided by their scale.
 
-    0 and what is not finite is unknown. Without `truth_scale`, whole numbers need the
-    "truth_scale" of the meta.json beside the file; 16 bits without one are KITTI's, 256.
+    0 and non-finite values are unknown. Without `truth_scale`, integers need the "truth_scale" of
+    the meta.json beside the file; for 16 bits without one it is KITTI's, 256.
     """
     stored = _read_numbers(path)
     whole = np.issubdtype(stored.dtype, np.integer)
     if truth_scale is None:
         truth_scale = _scale_beside(path, stored.dtype) if whole else 1.0
-    # Some NaNs of 32 bits signal when they are cast.
+    # Signalling NaNs in 32 bits warn when cast.
     with np.errstate(invalid="ignore"):
         disparity = stored.astype(np.float64) / truth_scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
@@ -72,18 +72,18 @@ def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTr
 
 
 def write_disparity(path: Path, disparity_px: NDArray[np.float64]) -> None:
-    """Write a disparity (H, W) as PFM, what is unknown (NaN) as infinite, as Middlebury has it."""
+    """Write a disparity (H, W) as PFM, unknown values (NaN) as infinite, as in Middlebury."""
     write_pfm(path, np.where(np.isnan(disparity_px), np.inf, disparity_px))
 
 
 def _step_px(disparity: NDArray[np.float64], scale: float) -> float:
-    """A pixel where all truth is in whole pixels, else the step of the stored numbers."""
+    """1 if all values are integers, else the step of the stored numbers."""
     known = disparity[np.isfinite(disparity)]
     return 1.0 if (known == np.rint(known)).all() else 1.0 / scale
 
 
 def _read_numbers(path: Path) -> NDArray[np.generic]:
-    """(H, W) numbers of an image; several channels must say the same."""
+    """(H, W) numbers of an image; several channels must be equal."""
     data = read_bytes(path, MAX_BYTES)
     numbers = decode_pfm(data, str(path)) if is_pfm(data) else _decode(data, path)
     if numbers.ndim == 2:
@@ -100,7 +100,7 @@ def _read_numbers(path: Path) -> NDArray[np.generic]:
 
 
 def _decode(data: bytes, path: Path) -> NDArray[np.generic]:
-    if data.startswith((b"II*\0", b"MM\0*")):  # TIFF may hold floats
+    if data.startswith((b"II*\0", b"MM\0*")):  # TIFF may contain floats
         try:
             stored = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
         except cv2.error as error:
@@ -122,7 +122,7 @@ def _scale_beside(path: Path, stored: np.dtype[np.generic]) -> float:
         scale = float(read_json(meta)["truth_scale"])
     except (InputError, OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
-            f"{path} holds whole numbers, but {meta} tells no truth_scale: give --truth-scale"
+            f"{path} contains whole numbers, but {meta} states no truth_scale: give --truth-scale"
         ) from error
     if not 0 < scale < np.inf:
         raise InputError(f"{meta} has truth_scale {scale}, but a positive number is needed")

@@ -1,4 +1,4 @@
-"""Times in seconds, whatever unit a file counts in."""
+"""Conversion of times to seconds from any unit."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,14 @@ Array = NDArray[np.float64]
 FACTORS = (1.0, 1e-3, 1e-6, 1e-9)
 """Seconds, milliseconds, microseconds, nanoseconds."""
 EPOCH_S = (5e8, 5e9)
-"""Seconds since 1970 of anything recorded from 1985 on."""
+"""Plausible seconds since 1970: after 1985."""
 LONGEST_STEP = 10.0
-"""More than so many seconds between frames are taken for another unit."""
+"""A longer time between frames indicates another unit."""
 USUAL_STEP_S = 0.1
 
 
 def in_seconds(stamps: Array) -> Array:
-    """Times (N,) in seconds; their unit is told by their size since 1970, else by their step."""
+    """Times (N,) in seconds; the unit follows from their size since 1970, else from their step."""
     return stamps * _factor(stamps)
 
 
@@ -32,17 +32,17 @@ def _factor(stamps: Array) -> float:
 
 
 def _is_step(stamps: Array) -> bool:
-    """True where times follow each other as those of frames in seconds do."""
+    """True if the steps of the times are plausible in seconds."""
     return len(stamps) > 1 and float(np.median(np.diff(stamps))) <= LONGEST_STEP
 
 
 def matched(stamps: Array, wanted: Array, name: str) -> Array:
-    """Times (N,) brought to the unit in which they overlap with `wanted` (M,) seconds.
+    """Times (N,) converted to the unit in which they overlap with `wanted` (M,) seconds.
 
     Raises
     ------
     InputError
-        Where no unit makes them overlap.
+        If no unit makes them overlap.
     """
     for factor in (*FACTORS, *(1.0 / factor for factor in FACTORS[1:])):
         scaled = stamps * factor
@@ -50,5 +50,5 @@ def matched(stamps: Array, wanted: Array, name: str) -> Array:
             return scaled
     raise InputError(
         f"{name} are from {stamps[0]:.6f} to {stamps[-1]:.6f} s and the images from "
-        f"{wanted[0]:.6f} to {wanted[-1]:.6f} s, but times that overlap are needed"
+        f"{wanted[0]:.6f} to {wanted[-1]:.6f} s, but overlapping times are needed"
     )

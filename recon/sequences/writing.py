@@ -16,8 +16,8 @@ _HIGHEST = np.iinfo(np.uint16).max
 def write_depth(folder: Path, name: str, depth: NDArray[np.floating]) -> None:
     """Write a depth (H, W), NaN = unknown, as NAME.pfm and as NAME.png.
 
-    The image counts thousandths of a world unit (millimetres of a metre); what is unknown or
-    farther than 65.535 units is 0 there.
+    The image is in thousandths of a world unit (millimetres for metres); unknown depths or those
+    beyond 65.535 units are 0 there.
     """
     folder.mkdir(exist_ok=True)
     write_pfm(folder / f"{name}.pfm", depth)

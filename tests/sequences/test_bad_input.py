@@ -76,7 +76,7 @@ def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
         file.rename(file.with_name("abcd"[number] + ".png"))
     assert read(folder)[0] == ["000000", "000001", "000002", "000003"]
     (folder / "right" / "b.png").unlink()
-    with pytest.raises(InputError, match=r"holds 4 images and .* 3 under other names"):
+    with pytest.raises(InputError, match=r"has 4 images and .* 3 with other names"):
         read(folder)
 
 
@@ -161,7 +161,7 @@ def test_a_principal_point_outside_of_the_image_is_refused(folder):
 def test_swapped_cameras_are_refused(folder):
     calib = folder / "calib.txt"
     calib.write_text("\n".join(reversed(calib.read_text().splitlines())))
-    with pytest.raises(InputError, match=r"stands 0\.5 to the left"):
+    with pytest.raises(InputError, match=r"is 0\.5 to the left"):
         read(folder)
 
 

@@ -82,7 +82,7 @@ def test_the_unit_is_that_of_the_square(board_dirs):
 
 
 def test_another_board_is_not_found(board_dirs):
-    with pytest.raises(InputError, match=r"0 pairs show a whole board of 9 x 6 .* first fault"):
+    with pytest.raises(InputError, match=r"0 pairs show a whole board of 9 x 6 .* first error"):
         calibrate(*board_dirs, chessboard((9, 6)))
 
 
@@ -121,7 +121,7 @@ def test_one_folder_may_hold_both_sides_but_never_mixes_them(tmp_path):
     ]
     for path in tmp_path.glob("right*"):
         path.unlink()
-    with pytest.raises(InputError, match="no name in it says right"):
+    with pytest.raises(InputError, match="no name in it contains right"):
         list_pairs(tmp_path, tmp_path)
 
 

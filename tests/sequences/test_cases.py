@@ -166,12 +166,12 @@ def test_kittis_colour_cameras_have_another_baseline(tmp_path, text):
         (XML.replace("<data>450.0", "<data>45x"), "not a calibration in XML"),
         ('<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "XML entities"),
         ("<a>" * 5000, "not a calibration in XML"),
-        ("a: " + "[" * 5000, "beyond what a calibration holds"),
+        ("a: " + "[" * 5000, "for a calibration"),
         ("a: &a [1,1,1,1,1,1,1,1,1,1]\n"
          + "".join(f"{chr(98 + n)}: &{chr(98 + n)} [{','.join([f'*{chr(97 + n)}'] * 10)}]\n"
-                   for n in range(8)), "beyond what a calibration holds"),
+                   for n in range(8)), "for a calibration"),
         ("K1: " + "9" * 5000, "more than 400 digits"),
-        (VINS.replace("cam0_pinhole.yaml", "../secret.yaml"), "outside of its folder"),
+        (VINS.replace("cam0_pinhole.yaml", "../secret.yaml"), "outside its folder"),
         (kalibr("T_cn_cnm1").replace("[1.0, 0.0, 0.0, -0.11]", "[1.5, 0.0, 0.0, -0.11]"),
          "not a rotation"),
         (kalibr("T_cn_cnm1", model="fov"), "camera model pinhole with fov is not known"),

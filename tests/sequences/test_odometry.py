@@ -149,7 +149,7 @@ def test_one_pair_stands_at_the_origin(drive):
 
 def test_a_rig_that_changes_is_refused(drive):
     other = replace(drive[1], rig=replace(RIG, focal_px=210.0))
-    with pytest.raises(InputError, match="000001 has another rig than 000000"):
+    with pytest.raises(InputError, match="000001 has a different rig than 000000"):
         list(EstimatedPoses(recording([drive[0], other])))
 
 

@@ -183,7 +183,7 @@ def test_poses_of_other_times_are_refused(tmp_path):
     path = write_folder(tmp_path / "recording")
     (path / "times.txt").write_text("\n".join(f"{100 + 0.1 * n}" for n in range(NUM_PAIRS)))
     (path / "poses.txt").write_text(tum([5000.0, 5000.1, 5000.2, 5000.3]))
-    with pytest.raises(InputError, match="but times that overlap are needed"):
+    with pytest.raises(InputError, match="but overlapping times are needed"):
         read(path)
 
 

@@ -154,7 +154,7 @@ def test_one_video_holds_both_eyes_side_by_side(tmp_path):
 
 
 def test_what_is_no_recording_is_refused(tmp_path):
-    with pytest.raises(InputError, match="is not a recording that is known"):
+    with pytest.raises(InputError, match="is not a known recording"):
         open_sequence(tmp_path, SequenceSettings())
     with pytest.raises(InputError, match="does not exist"):
         open_sequence(tmp_path / "nothing", SequenceSettings())
@@ -176,7 +176,7 @@ def test_a_broken_plug_in_hurts_nobody(tmp_path, monkeypatch, value):
     plug_in(monkeypatch, broken=value)
     path = write_folder(tmp_path / "recording")
     assert len(list(open_sequence(path, SequenceSettings()))) == NUM_PAIRS
-    with pytest.raises(InputError, match="is not a recording that is known"):
+    with pytest.raises(InputError, match="is not a known recording"):
         open_sequence(path / "left", SequenceSettings())
 
 

@@ -132,5 +132,5 @@ def test_swapped_unrectified_cameras_are_refused():
 def test_cameras_that_share_no_view_are_refused():
     turn = [0, 2.5, 0]
     step = Rotation.from_rotvec(turn).apply([-0.2, 0, 0])  # the right eye stands at x = 0.2
-    with pytest.raises(InputError, match="share no view"):
+    with pytest.raises(InputError, match="share no field of view"):
         rectifier(calibration(turn, step), SIZE)

@@ -1,1 +1,1 @@
-"""Calibrations: read, estimated from boards, refined from the images."""
+"""Calibrations: reading, estimation from boards, refinement from the images."""

@@ -1,4 +1,4 @@
-"""Pairs of boards held against each other: one step between the cameras must explain them all."""
+"""Consistency of board pairs: one rig geometry must explain them all."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,22 +13,22 @@ from recon.sequences.calibration.targets import Indices, Points
 Array = NDArray[np.float64]
 
 MAX_SPREAD = 3.0
-"""Of the median residual: a pair beyond stands out."""
+"""Multiple of the median residual beyond which a pair is an outlier."""
 ROUGH_PX = 3.0
-"""Residuals below this do not stand out before both cameras are solved for together."""
+"""Residuals below this are no outliers before the joint solution of both cameras."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoardPair:
-    """One board as both cameras saw it."""
+    """One board seen by both cameras."""
 
     name: str
     size: tuple[int, int]
     """(width, height) of the images."""
     numbers: Indices
-    """(N,) of the corners that both saw."""
+    """(N,) indices of the corners that both see."""
     points: Points
-    """(N, 3) of the board."""
+    """(N, 3) on the board."""
     left: Points
     """(N, 2)"""
     right: Points
@@ -37,7 +37,7 @@ class BoardPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lens:
-    """One camera by itself, and where it saw each board."""
+    """One camera by itself, with the pose of each board."""
 
     matrix: Array
     distortion: Array
@@ -45,7 +45,7 @@ class Lens:
 
 
 def lens(pairs: Sequence[BoardPair], side: str) -> Lens:
-    """One camera calibrated by all its boards."""
+    """One camera, calibrated from all its boards."""
     seen = [getattr(pair, side) for pair in pairs]
     _, K, D, turns, steps = cv2.calibrateCamera(
         [pair.points for pair in pairs], seen, pairs[0].size, None, None
@@ -57,11 +57,11 @@ def lens(pairs: Sequence[BoardPair], side: str) -> Lens:
 def agreed(
     pairs: Sequence[BoardPair], left: Lens, right: Lens, orders: Sequence[Indices]
 ) -> tuple[list[BoardPair], list[str]]:
-    """The pairs with the order of right corners that fits, and the names of those that fit none.
+    """The pairs with the fitting order of right corners, and the names of pairs that fit none.
 
-    A chessboard that looks the same from both ends may be found turned by one camera. Every pair
-    and order offers a step between the cameras; the one that most boards are explained by is
-    taken, and each board's order by it.
+    A chessboard that looks the same from both ends may be detected rotated in one camera. Every
+    pair and order proposes a rig geometry; the one that explains most boards is chosen, and with it
+    each board's order.
     """
     residuals = np.array([_residuals(pairs, left, right, T, orders)
                           for T in _offered(pairs, left, right, orders)])  # fmt: skip
@@ -80,7 +80,7 @@ def agreed(
 def _offered(
     pairs: Sequence[BoardPair], left: Lens, right: Lens, orders: Sequence[Indices]
 ) -> list[Array]:
-    """`T_right_left` by every pair in every order of its right corners."""
+    """`T_right_left` from every pair in every order of its right corners."""
     return [
         _right_pose(pair, right, order) @ invert(T_left_board)
         for pair, T_left_board in zip(pairs, left.T_camera_board, strict=True)
@@ -115,5 +115,5 @@ def _residuals(
 
 
 def _reordered(pair: BoardPair, order: Indices) -> Points:
-    """The right corners in another order of a whole board."""
+    """The right corners in another order; partial boards stay unchanged."""
     return pair.right if len(order) != len(pair.right) else pair.right[order]

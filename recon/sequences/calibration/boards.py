@@ -1,4 +1,4 @@
-"""A rig's calibration from pairs of images of a board."""
+"""Calibration of a rig from pairs of images of a board."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,27 +20,27 @@ from recon.sequences.images import read_image
 from recon.sequences.listing import Listed, list_pairs
 
 MIN_PAIRS = 3
-"""Fewer leave the lenses undetermined."""
+"""Fewer pairs leave the lenses undetermined."""
 MIN_CORNERS = 8
-"""Fewer of a board in both images say little of a lens."""
+"""Fewer corners common to both images constrain a lens too little."""
 FINE_PX = 0.5
-"""Residuals below this do not stand out."""
+"""Residuals below this are no outliers."""
 MAX_RMS_PX = 1.0
-"""Of a calibration that can be used: beyond, boards were matched wrongly."""
+"""Maximum for a usable calibration; beyond, boards were mismatched."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoardCalibration:
-    """A calibration and how well it explains the boards."""
+    """A calibration and its residual on the boards."""
 
     calibration: Calibration
     rms_px: float
-    """Root mean square distance of corners to where the calibration puts them, both cameras."""
+    """Root mean square reprojection error of the corners, both cameras."""
     num_pairs: int
     skipped: tuple[Skipped, ...] = ()
-    """Pairs in which the board was not found by both eyes, and why."""
+    """Pairs in which the board was not found in both images, with the reason."""
     dropped: tuple[str, ...] = ()
-    """Names of pairs whose residual stands out."""
+    """Names of outlier pairs."""
 
 
 def calibrate(
@@ -48,8 +48,7 @@ def calibrate(
 ) -> BoardCalibration:
     """Calibrate a rig.
 
-    Pairs that do not fit the rest (boards of different moments, corners found wrongly) are left
-    out and named.
+    Pairs that do not fit the rest (taken at different times, wrong corners) are left out and named.
 
     Parameters
     ----------
@@ -58,22 +57,22 @@ def calibrate(
     target : Target
         The board.
     force : bool
-        Give a calibration that is off by more than a pixel, too.
+        Accept a calibration that is off by more than a pixel.
 
     Raises
     ------
     InputError
-        Where fewer than three pairs show the board.
+        If fewer than three pairs show the board.
     ReconError
-        Where the calibration does not explain what was seen.
+        If the calibration does not explain the images.
     """
     found, skipped = _all_found(left_dir, right_dir, target)
     _check_number(len(found), target, skipped)
     kept, dropped = agreed(found, lens(found, "left"), lens(found, "right"), target.orders)
     if len(kept) < MIN_PAIRS:
         raise ReconError(
-            f"{len(kept)} of {len(found)} pairs agree on how the cameras stand to each other, but "
-            f"{MIN_PAIRS} are needed: are the images paired by their moment?"
+            f"{len(kept)} of {len(found)} pairs agree on the relative pose of the cameras, but "
+            f"{MIN_PAIRS} are needed: are the images paired by time?"
         )
     solved, more = _solved(kept)
     dropped = sorted([*dropped, *more])
@@ -112,12 +111,12 @@ def _all_found(
 
 def _check_number(number: int, target: Target, skipped: Sequence[Skipped]) -> None:
     if number < MIN_PAIRS:
-        first = f"; the first fault: {skipped[0].reason}" if skipped else ""
+        first = f"; the first error: {skipped[0].reason}" if skipped else ""
         raise InputError(f"{number} pairs show a {target.name}, but {MIN_PAIRS} are needed{first}")
 
 
 def _found(entry: Listed, target: Target, size: tuple[int, int] | None) -> BoardPair:
-    """The corners of a board that both images show."""
+    """The corners of a board visible in both images."""
     if entry.left is None or entry.right is None:
         raise InputError(f"it has no {'left' if entry.left is None else 'right'} image")
     left, right = read_image(entry.left), read_image(entry.right)
@@ -150,7 +149,7 @@ def _found(entry: Listed, target: Target, size: tuple[int, int] | None) -> Board
 
 
 def _solved(pairs: list[BoardPair]) -> tuple[BoardCalibration, list[str]]:
-    """Both cameras together, without the pairs that stand out, one after the other."""
+    """The joint solution of both cameras, with outlier pairs removed one by one."""
     kept, dropped = [*pairs], list[str]()
     while True:
         solved, residuals = _solve(kept)
@@ -162,7 +161,7 @@ def _solved(pairs: list[BoardPair]) -> tuple[BoardCalibration, list[str]]:
 
 
 def _solve(pairs: Sequence[BoardPair]) -> tuple[BoardCalibration, NDArray[np.float64]]:
-    """Each camera alone first, then both with the step between them, all numbers free."""
+    """Solve each camera alone, then both with their relative pose, all parameters free."""
     size = pairs[0].size
     left, right = (lens(pairs, side) for side in ("left", "right"))
     solution = cv2.stereoCalibrateExtended(
@@ -191,7 +190,7 @@ def _solve(pairs: Sequence[BoardPair]) -> tuple[BoardCalibration, NDArray[np.flo
 
 
 def write_calibration(rig: Calibration, path: Path, rms_px: float | None = None) -> None:
-    """Save as OpenCV's YAML, which recon and OpenCV 4 and 5 read."""
+    """Save as OpenCV YAML, readable by recon and OpenCV 4 and 5."""
     with atomic_path(path) as temporary:
         storage = cv2.FileStorage(str(temporary), cv2.FILE_STORAGE_WRITE)
         for name, number in zip(("image_width", "image_height"), rig.size or (), strict=False):
@@ -206,6 +205,6 @@ def write_calibration(rig: Calibration, path: Path, rms_px: float | None = None)
             ("R", rig.T_right_left[:3, :3]),
             ("T", rig.T_right_left[:3, 3:]),
         ):
-            # Two-dimensional all: OpenCV 4 and 5 write and read vectors differently.
+            # All two-dimensional: OpenCV 4 and 5 write and read vectors differently.
             storage.write(name, np.ascontiguousarray(matrix))
         storage.release()

@@ -1,4 +1,4 @@
-"""Calibrations of the two cameras of a rig, as measured, rectified or not."""
+"""Calibrations of the two cameras of a rig, raw or rectified."""
 
 from dataclasses import dataclass
 
@@ -21,11 +21,11 @@ class Camera:
     matrix: Array
     """(3, 3) focal lengths and principal point, pixels."""
     distortion: Array
-    """(n,) in OpenCV's order: none, 4, 5, 8, 12 or 14 numbers, 4 where `is_fisheye`."""
+    """(n,) in OpenCV's order: 0, 4, 5, 8, 12 or 14 numbers; 4 if `is_fisheye`."""
     is_fisheye: bool = False
     """Equidistant (Kannala-Brandt) rather than radial-tangential."""
     size: tuple[int, int] | None = None
-    """(width, height) in pixels, None where the file does not say."""
+    """(width, height) in pixels, None if the file does not state it."""
 
     def __post_init__(self) -> None:
         check_shape("camera matrix", self.matrix, (3, 3))
@@ -51,37 +51,37 @@ class Camera:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Calibration:
-    """Two cameras and how they stand to each other."""
+    """Two cameras and their relative pose."""
 
     left: Camera
     right: Camera
     T_right_left: Array
-    """(4, 4) brings points of the left camera into the right one's frame; world units."""
+    """(4, 4) transform from the left camera's frame to the right one's; world units."""
     disparity_range: tuple[int, int] | None = None
-    """(min, max) that occur, both included, where the file says (Middlebury's ndisp)."""
+    """(min, max) that occur, both included, if the file states it (Middlebury's ndisp)."""
 
     def __post_init__(self) -> None:
         check_rigid("T_right_left", self.T_right_left)
         check_magnitude("T_right_left", self.T_right_left)
         if not self.baseline > 0:
-            raise InputError("the two cameras stand at one place, but a baseline is needed")
+            raise InputError("the two cameras have the same position, but a baseline is needed")
 
     @property
     def baseline(self) -> float:
-        """Distance of the two eyes, world units."""
+        """Distance of the two cameras, world units."""
         return float(np.linalg.norm(self.T_right_left[:3, 3]))
 
     @property
     def size(self) -> tuple[int, int] | None:
-        """(width, height) that the calibration is for, None where it does not say."""
+        """(width, height) that the calibration is for, None if not stated."""
         return self.left.size or self.right.size
 
     @property
     def is_rectified(self) -> bool:
-        """True where rows correspond as they are.
+        """True if rows correspond without rectification.
 
-        Published rigs that are rectified (KITTI's colour cameras) still state some millimetres
-        of offset along y and z, which nobody applies: a hundredth of the baseline is let pass.
+        Published rectified rigs (KITTI's colour cameras) still state offsets of some millimetres
+        along y and z, which nobody applies: up to a hundredth of the baseline is tolerated.
         """
         across = np.abs(self.T_right_left[1:3, 3]).max() <= 0.01 * self.baseline
         aligned = np.abs(self.T_right_left[:3, :3] - np.eye(3)).max() < 1e-9
@@ -92,33 +92,33 @@ class Calibration:
 
 
 def check_magnitude(name: str, numbers: Array) -> None:
-    """Raise `InputError` for a number so large that its square means nothing."""
+    """Raise `InputError` for a number whose square would lose all precision."""
     largest = float(np.abs(numbers).max(initial=0.0))
     if largest > MAX_NUMBER:
-        raise InputError(f"{name} holds {largest:g}, but {MAX_NUMBER:g} is the most")
+        raise InputError(f"{name} contains {largest:g}, but at most {MAX_NUMBER:g} is allowed")
 
 
 def from_projections(
     left: Array, right: Array, *, size: tuple[int, int] | None = None
 ) -> Calibration:
-    """Rectified cameras of two (3, 4) projections ``K [I | t]`` of one world."""
+    """Rectified cameras from two (3, 4) projections ``K [I | t]`` of the same world."""
     cameras = [Camera(matrix=P[:, :3], distortion=np.zeros(0), size=size) for P in (left, right)]
     step = projected_step(right) - projected_step(left)
     return Calibration(left=cameras[0], right=cameras[1], T_right_left=pose(np.eye(3), step))
 
 
 def projected_step(projection: Array) -> Array:
-    """The step t (3,) of a projection ``K [I | t]`` (3, 4)."""
+    """The translation t (3,) of a projection ``K [I | t]`` (3, 4)."""
     try:
         step = np.linalg.solve(projection[:, :3], projection[:, 3]).astype(np.float64)
     except np.linalg.LinAlgError as error:
         raise InputError(
-            f"projection matrix is {projection.tolist()}, but one of a camera is needed"
+            f"projection matrix is {projection.tolist()}, but that of a camera is needed"
         ) from error
     return step
 
 
 def _same_rows(left: Array, right: Array) -> bool:
-    """Square pixels of one size, principal points in one row."""
+    """Test for square pixels of equal size, and principal points in the same row."""
     focal = np.array([left[0, 0], left[1, 1], right[0, 0], right[1, 1]])
     return bool(np.ptp(focal) <= 1e-6 * focal[0] and abs(left[1, 2] - right[1, 2]) <= 1e-6)

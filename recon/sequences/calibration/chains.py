@@ -1,4 +1,4 @@
-"""Calibrations of visual odometry and its tools: Kalibr, EuRoC, OKVIS, VINS-Fusion, ORB-SLAM."""
+"""Calibrations of visual odometry tools: Kalibr, EuRoC, OKVIS, VINS-Fusion, ORB-SLAM."""
 
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,12 @@ Array = NDArray[np.float64]
 
 
 def is_kalibr(document: Document) -> bool:
-    """True where a document is Kalibr's chain of cameras (OpenVINS has it too)."""
+    """True if a document is a camera chain of Kalibr (also used by OpenVINS)."""
     return "cam0" in document and "cam0_calib" not in document
 
 
 def kalibr(document: Document) -> Calibration:
-    """cam0 and cam1, their step given directly or through the inertial unit."""
+    """cam0 and cam1, with their relative pose given directly or through the IMU."""
     sides = [_mapping(document, name) for name in ("cam0", "cam1")]
     left, right = (_camera(side, "distortion_coeffs") for side in sides)
     return Calibration(left=left, right=right, T_right_left=_kalibr_step(*sides))
@@ -40,7 +40,7 @@ def _kalibr_step(left: Document, right: Document) -> Array:
 
 
 def read_sensors(left_path: Path, right_path: Path) -> tuple[Calibration, Array]:
-    """The rig of EuRoC's two sensor.yaml, and `T_body_left` (4, 4)."""
+    """The rig from EuRoC's two sensor.yaml, and `T_body_left` (4, 4)."""
     left, right = read_document(left_path), read_document(right_path)
     try:
         T_body_left, T_body_right = (_motion(document, "T_BS") for document in (left, right))
@@ -55,15 +55,15 @@ def read_sensors(left_path: Path, right_path: Path) -> tuple[Calibration, Array]
 
 
 def is_okvis(document: Document) -> bool:
-    """True where a document is a configuration of OKVIS."""
+    """True if a document is an OKVIS configuration."""
     return isinstance(document.get("cameras"), list)
 
 
 def okvis(document: Document) -> Calibration:
-    """The first two `cameras`, each with its place T_SC on the sensor."""
+    """The first two `cameras`, each with its pose T_SC on the sensor."""
     listed = document["cameras"]
     if len(listed) < 2 or not all(isinstance(one, dict) for one in listed[:2]):
-        raise ValueError(f"cameras holds {len(listed)} cameras, but two are needed")
+        raise ValueError(f"there are {len(listed)} cameras, but two are needed")
     T_sensor_left, T_sensor_right = (_motion(one, "T_SC") for one in listed[:2])
     left, right = (_okvis_camera(one) for one in listed[:2])
     return Calibration(left=left, right=right, T_right_left=invert(T_sensor_right) @ T_sensor_left)
@@ -80,12 +80,12 @@ def _okvis_camera(document: Document) -> Camera:
 
 
 def is_vins(document: Document) -> bool:
-    """True where a document is a stereo configuration of VINS-Fusion."""
+    """True if a document is a stereo configuration of VINS-Fusion."""
     return "cam0_calib" in document
 
 
 def vins(document: Document, folder: Path) -> Calibration:
-    """`body_T_cam0`, `body_T_cam1`, and the cameras in files beside."""
+    """`body_T_cam0`, `body_T_cam1`, and the cameras in separate files."""
     T_body_left, T_body_right = (_motion(document, f"body_T_cam{side}") for side in (0, 1))
     left, right = (_vins_camera(_beside(document, f"cam{side}_calib", folder)) for side in (0, 1))
     return Calibration(left=left, right=right, T_right_left=invert(T_body_right) @ T_body_left)
@@ -96,7 +96,7 @@ def _beside(document: Document, name: str, folder: Path) -> Document:
         raise KeyError(name)
     path = folder / str(document[name])
     if not path.resolve().is_relative_to(folder.resolve()):
-        raise ValueError(f"{name} is {document[name]!s:.60}, which is outside of its folder")
+        raise ValueError(f"{name} is {document[name]!s:.60}, which is outside its folder")
     return read_document(path)
 
 
@@ -116,12 +116,12 @@ def _vins_camera(document: Document) -> Camera:
 
 
 def is_orbslam(document: Document) -> bool:
-    """True where a document holds settings of ORB-SLAM 2 or 3."""
+    """True if a document contains settings of ORB-SLAM 2 or 3."""
     return any(name in document for name in ("Camera.fx", "Camera1.fx"))
 
 
 def orbslam(document: Document) -> Calibration:
-    """Stereo cameras of ORB-SLAM: rectified with Camera.bf or Stereo.b, or raw with their step."""
+    """Stereo cameras of ORB-SLAM: rectified with Camera.bf or Stereo.b, or raw with their pose."""
     if "LEFT.K" in document:
         return _orbslam2_raw(document)
     second = "Camera2.fx" in document
@@ -173,7 +173,7 @@ def _orbslam2_raw(document: Document) -> Calibration:
 
 
 def pinhole(focal: Any, distortion: Array, lens: str, size: tuple[int, int] | None) -> Camera:
-    """A camera of fx, fy, cx, cy and a distortion model by any tool's name."""
+    """A camera from fx, fy, cx, cy and a distortion model by any tool's name."""
     if lens.lower() not in LENSES:
         raise ValueError(f"camera model pinhole with {lens:.40} is not known")
     fx, fy, cx, cy = (float(value) for value in focal)
@@ -186,7 +186,7 @@ def pinhole(focal: Any, distortion: Array, lens: str, size: tuple[int, int] | No
 
 
 def _camera(document: Document, distortion: str) -> Camera:
-    """A pinhole camera of Kalibr's or EuRoC's keys."""
+    """A pinhole camera from Kalibr's or EuRoC's keys."""
     model = document.get("camera_model", "pinhole")
     lens = str(document.get("distortion_model", "none"))
     if model != "pinhole":

@@ -1,4 +1,4 @@
-"""Documents of keys as calibration tools write them: YAML, OpenCV's dialects of it, XML, JSON."""
+"""Key-value documents of calibration tools: YAML, OpenCV's dialects of it, XML, JSON."""
 
 import re
 import xml.etree.ElementTree as ET
@@ -17,16 +17,16 @@ Array = NDArray[np.float64]
 Document = Mapping[str, Any]
 
 MAX_BYTES = 1 << 21
-"""Of a calibration file: stereo boards of a hundred views are a tenth."""
+"""Maximum size of a calibration file; one with a hundred board views has a tenth."""
 MAX_DEPTH = 32
 MAX_NODES = 300_000
-"""After all aliases are written out."""
+"""Maximum number of nodes after alias expansion."""
 
 _Safe: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _Loader(_Safe):  # type: ignore[misc]  # PyYAML ships no types
-    """Plain YAML and OpenCV's two kinds of matrix; nothing is run."""
+    """Plain YAML and OpenCV's two kinds of matrix; nothing is executed."""
 
 
 def _matrix_node(loader: Any, node: yaml.MappingNode) -> Array:
@@ -44,12 +44,12 @@ for _name in ("opencv-matrix", "opencv-nd-matrix"):
 
 
 def read_document(path: Path) -> Document:
-    """The keys of a file, told apart by its first letters: XML, else YAML (and so JSON).
+    """The keys of a file: XML if it starts with "<", else YAML (which includes JSON).
 
     Raises
     ------
     InputError
-        With the line that is neither, and where it is nested or repeated beyond reason.
+        With the line that is neither, or if it is nested or repeated excessively.
     """
     text = read_text(path, MAX_BYTES)
     document = _xml(path, text) if text.lstrip()[:1] == "<" else _yaml(path, text)
@@ -73,7 +73,7 @@ def _yaml(path: Path, text: str) -> Any:
 
 
 def _check_extent(text: str) -> None:
-    """Bound the depth and, aliases written out, the number of nodes, before any is built."""
+    """Limit the depth and the number of nodes, aliases expanded, before any is built."""
     depth = nodes = 0
     open_anchors: list[tuple[str | None, int]] = []
     sizes: dict[str, int] = {}
@@ -89,7 +89,7 @@ def _check_extent(text: str) -> None:
             nodes += sizes.get(event.anchor, 1)
         nodes += 1
         if depth > MAX_DEPTH or nodes > MAX_NODES:
-            raise InputError("is nested or repeated beyond what a calibration holds")
+            raise InputError("is nested or repeated too much for a calibration")
 
 
 def _xml(path: Path, text: str) -> Any:
@@ -103,9 +103,9 @@ def _xml(path: Path, text: str) -> Any:
 
 
 def _xml_value(element: ET.Element, depth: int = 0) -> Any:
-    """OpenCV's XML: a matrix, keys, a list of `_`, numbers or a text."""
+    """A value of OpenCV's XML: a matrix, keys, a list of `_`, numbers or a text."""
     if depth > MAX_DEPTH:
-        raise ValueError("it is nested beyond what a calibration holds")
+        raise ValueError("it is nested too deeply for a calibration")
     if element.find("data") is not None and element.find("rows") is not None:
         values = {child.tag: (child.text or "").split() for child in element}
         return _matrix_of(
@@ -129,28 +129,28 @@ def _xml_scalar(text: str) -> Any:
 
 
 def numbers(value: Any, shape: tuple[int, ...]) -> Array:
-    """A matrix however it is written: OpenCV's, rows of rows, {rows, cols, data}.
+    """A matrix in any notation: OpenCV's, nested rows, {rows, cols, data}.
 
     Raises
     ------
     ValueError
-        Where these are not so many numbers.
+        If the count does not match the shape.
     """
     data = value.get("data") if isinstance(value, dict) else value
     try:
         return np.array(data, dtype=np.float64).reshape(shape)
     except (ValueError, TypeError, OverflowError) as error:
         shown = "an array" if isinstance(data, np.ndarray) else f"a {type(data).__name__}"
-        raise ValueError(f"{shown} of other than {shape} numbers is given") from error
+        raise ValueError(f"{shown} is given, but numbers of shape {shape} are needed") from error
 
 
 def whole(value: Any, name: str) -> int:
-    """A positive whole number.
+    """A positive integer.
 
     Raises
     ------
     ValueError
-        Where it is none.
+        If it is not one.
     """
     number = float(numbers(value, (1,))[0])
     if not (0 < number < 1e6 and number == round(number)):

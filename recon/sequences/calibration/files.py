@@ -1,4 +1,4 @@
-"""Calibration files of every form, told apart by what they hold."""
+"""Calibration files of all formats, identified by their content."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ from recon.sequences.text import read_lines
 
 PARTNERS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("cam0", "cam1"),
             ("camera0", "camera1"), ("infra1", "infra2"))  # fmt: skip
-"""Words in which the names of two files of one rig differ."""
+"""Words by which the file names of one rig differ."""
 ENDINGS = (".txt", ".yaml", ".yml", ".xml", ".json")
 
 
@@ -28,9 +28,9 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     Parameters
     ----------
     path : Path
-        A file, one of two that belong together, or a folder that holds one calibration.
+        A file, one of a pair of files, or a folder that contains one calibration.
     cameras : (left, right), optional
-        Which of KITTI's four cameras took the images; the first two where not given.
+        Numbers of the KITTI cameras that took the images; by default the first two.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _of_document(path: Path, document: Document) -> Calibration:
 
 
 def _two_sides(path: Path) -> tuple[Document, Document]:
-    """The documents of a left and a right file, whichever of them is given."""
+    """The documents of a left and a right file, given either of them."""
     for left, right in PARTNERS:
         for here, there in ((left, right), (right, left)):
             partner = path.with_name(path.name.replace(here, there))
@@ -78,13 +78,13 @@ def _two_sides(path: Path) -> tuple[Document, Document]:
                 files = (path, partner) if here == left else (partner, path)
                 return read_document(files[0]), read_document(files[1])
     raise InputError(
-        f"{path} holds one camera of ROS, but no file of the other side lies beside it "
+        f"{path} contains one ROS camera, but there is no file of the other side beside it "
         "(left.yaml and right.yaml)"
     )
 
 
 def _with_partner(path: Path, document: Document) -> Document:
-    """Intrinsics with the extrinsics beside them, or the other way round."""
+    """Intrinsics with the extrinsics beside them, or vice versa."""
     has_step, has_cameras = "R" in document and "T" in document, is_opencv(document)
     if has_step and "M1" in document:
         return document
@@ -95,19 +95,19 @@ def _with_partner(path: Path, document: Document) -> Document:
             return {**read_document(partner), **document}
     if not has_cameras and not has_step:
         raise KeyError(
-            "K1 or M1: it is not a calibration that is known (OpenCV, ROS, Kalibr, OKVIS, "
+            "K1 or M1: it is not a known calibration (OpenCV, ROS, Kalibr, OKVIS, "
             "VINS-Fusion, ORB-SLAM, KITTI, Middlebury)"
         )
     return document
 
 
 def find_calibration(path: Path, names: Sequence[str] = ("calib.txt",)) -> Path:
-    """The calibration file of a folder: one of `names`, or the first that holds a calibration.
+    """The calibration file of a folder: one of `names`, or the first with a calibration.
 
     Raises
     ------
     InputError
-        Where there is none.
+        If there is none.
     """
     for name in names:
         if (path / name).is_file():
@@ -130,7 +130,7 @@ def find_calibration(path: Path, names: Sequence[str] = ("calib.txt",)) -> Path:
 
 
 def _likelihood(file: Path) -> tuple[bool, bool]:
-    """A sorting key: names that say calibration first, then structured files before texts."""
+    """A sorting key: names with "calib" first, then structured files before plain text."""
     return "calib" not in file.name.lower(), file.suffix.lower() == ".txt"
 
 

@@ -1,4 +1,4 @@
-"""Calibrations that OpenCV's users save, and those of ROS: matrices K, D, R, T or P by name."""
+"""Calibrations saved with OpenCV or ROS: matrices K, D, R, T or P by name."""
 
 import re
 from typing import Any
@@ -33,11 +33,11 @@ LENSES = {
     "radialtangential": False, "radialtangential8": False, "none": False, "": False,
     "equidistant": True, "fisheye": True, "kannala_brandt4": True,
 }  # fmt: skip
-"""Distortion models of every tool, and whether they are a fisheye's."""
+"""Distortion models of all tools; true for fisheye models."""
 
 
 def is_opencv(document: Document) -> bool:
-    """True where a document holds two cameras by OpenCV's names, or their rectified projections."""
+    """True if a document has two cameras by OpenCV's names, or their rectified projections."""
     return any(_named(document, what, side) is not None for what in "KP" for side in SIDES)
 
 
@@ -50,7 +50,7 @@ def opencv(document: Document) -> Calibration:
     cameras = [_camera(document, side, size) for side in SIDES]
     rotation = numbers(_step(document, "R"), (-1,))
     step = numbers(_step(document, "T"), (3,))
-    if rotation.size == 3:  # a rotation vector, as Rodrigues has it
+    if rotation.size == 3:  # a rotation vector (Rodrigues)
         import cv2
 
         rotation = cv2.Rodrigues(rotation)[0]
@@ -83,7 +83,7 @@ def _projection(document: Document, side: str) -> Array:
 
 
 def _named(document: Document, what: str, side: str) -> Any:
-    """The value whose name says what it is and of which side, however it is spelt."""
+    """The value of a matrix of one side, by any common spelling of its name."""
     plain = {re.sub(r"[^a-z0-9]", "", name.lower()): name for name in document}
     stem = _STEMS[what]
     for own in _spellings(plain, stem, side):
@@ -95,7 +95,7 @@ def _named(document: Document, what: str, side: str) -> Any:
 
 
 def _spellings(plain: dict[str, str], stem: str, side: str) -> list[str]:
-    """Words that tell a side; numbers that begin at 0 make 1 the right one."""
+    """Words that indicate a side; if numbering starts at 0, 1 is the right one."""
     from_zero = any(re.fullmatch(rf"{stem}(cam)?0|(cam)?0{stem}", key) for key in plain)
     if from_zero:
         return [r"(?:cam)?0"] if side == "left" else [r"(?:cam)?1"]
@@ -110,7 +110,7 @@ def _step(document: Document, what: str) -> Any:
 
 
 def image_size(document: Document) -> tuple[int, int] | None:
-    """(width, height) in pixels, None where the document does not say."""
+    """(width, height) in pixels, None if not stated."""
     for names in (("image_width", "image_height"), ("imageWidth", "imageHeight"),
                   ("Camera.width", "Camera.height"), ("width", "height")):  # fmt: skip
         if all(name in document for name in names):
@@ -123,15 +123,14 @@ def image_size(document: Document) -> tuple[int, int] | None:
 
 
 def is_ros(document: Document) -> bool:
-    """True where a document is one camera of ROS's camera_calibration."""
+    """True if a document is one camera of ROS camera_calibration."""
     return "camera_matrix" in document and "projection_matrix" in document
 
 
 def ros(left: Document, right: Document) -> Calibration:
-    """The rig of ROS's two camera files, for raw images.
+    """The rig from the two ROS camera files, for raw images.
 
-    The step between the cameras is in the right projection; the cameras are turned from the
-    rectified ones by their own R.
+    The baseline is in the right projection; R rotates each raw camera to the rectified one.
     """
     cameras = [_ros_camera(document) for document in (left, right)]
     P_left, P_right = (numbers(one["projection_matrix"], (3, 4)) for one in (left, right))
@@ -142,7 +141,7 @@ def ros(left: Document, right: Document) -> Calibration:
 def from_rectified(
     cameras: list[Camera], projections: tuple[Array, Array], rotations: tuple[Array, Array]
 ) -> Calibration:
-    """Raw cameras whose rectified frames, turned by `rotations`, are a step apart."""
+    """Raw cameras from their rectified projections and the `rotations` to the rectified frames."""
     step = projected_step(projections[1]) - projected_step(projections[0])
     T_rectified_left, T_rectified_right = (
         rigid("the rectification matrix", pose(R, np.zeros(3))) for R in rotations

@@ -1,4 +1,4 @@
-"""Rows of one image onto the rows of the other, once per rig."""
+"""Rectification: aligns the rows of both images, computed once per rig."""
 
 from dataclasses import dataclass
 
@@ -17,16 +17,16 @@ from recon.sequences.pair_images import alike
 
 Array = NDArray[np.float64]
 MAX_OFF_CENTRE = 0.14
-"""Share of the images that the mean principal point may lie off their middle without a word.
+"""Maximum offset of the mean principal point from the centre, as a share of the image size.
 
-Of published rigs it is below 0.1; images enlarged by half put it 0.17 off, halved ones at the edge.
+Published rigs are below 0.1; images enlarged by half have 0.17, halved ones are at the edge.
 """
 Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rectifier:
-    """Brings raw images into the rectified rig; without maps they are so already."""
+    """Warps raw images to the rectified rig; without maps they are already rectified."""
 
     rig: StereoRig
     raw_size: tuple[int, int]
@@ -36,10 +36,10 @@ class Rectifier:
     maps: tuple[Maps, Maps] | None = None
     """(u, v) of the source pixel of each rectified one, left and right."""
     disparity_range: tuple[int, int] | None = None
-    """(min, max) in pixels, both included, where the calibration states it."""
+    """(min, max) in pixels, both included, if the calibration states it."""
 
     def __call__(self, left: Image, right: Image) -> tuple[Image, Image]:
-        """The two images as the rectified rig sees them; outside of the raw ones is black."""
+        """The two images warped to the rectified rig; areas outside the raw images are black."""
         for side, image in (("left", left), ("right", right)):
             if image.shape[1::-1] != self.raw_size:
                 raise InputError(
@@ -62,7 +62,7 @@ class Rectifier:
         stamp_s: float = 0.0,
         name: str = "pair",
     ) -> StereoPair:
-        """The rectified pair of raw images, whose left camera stood at `T_world_raw`."""
+        """The rectified pair from raw images, with the left camera at `T_world_raw`."""
         left, right = self(*alike(left, right))
         return StereoPair(
             left=left,
@@ -81,7 +81,7 @@ def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
     Raises
     ------
     InputError
-        Where the calibration is for images of another size, or has left and right swapped.
+        If the calibration is for images of another size, or has left and right swapped.
     """
     _check_size(calibration, size)
     _say_centre(calibration, size)
@@ -97,8 +97,8 @@ def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
 def common_axes(T_right_left: Array) -> Array:
     """Rows x, y, z (3, 3) of the rectified frame in the left camera's.
 
-    x goes from eye to eye, z is as near to both optical axes as it can be. A rig whose eyes stand
-    one above the other is thereby turned by a quarter, with no case of its own.
+    x points along the baseline, z is as close to both optical axes as possible. A rig with a
+    vertical baseline is thereby rotated by a quarter turn, without a special case.
     """
     R = T_right_left[:3, :3]
     x = -R.T @ T_right_left[:3, 3]
@@ -112,7 +112,7 @@ def common_axes(T_right_left: Array) -> Array:
 def warping(
     calibration: Calibration, size: tuple[int, int], rotation: Array, rig: StereoRig
 ) -> Rectifier:
-    """The rectifier that looks along `rotation` (`common_axes`) with the intrinsics of `rig`."""
+    """The rectifier with axes `rotation` (`common_axes`) and the intrinsics of `rig`."""
     R_rectified_right = rotation @ calibration.T_right_left[:3, :3].T
     return Rectifier(
         rig=rig,
@@ -145,7 +145,7 @@ def _filled_rig(calibration: Calibration, size: tuple[int, int], rotation: Array
     )
     low, high = inner[:, 0].max(axis=0), inner[:, 1].min(axis=0)
     if not (low < high).all():
-        raise InputError("the two cameras share no view by their calibration")
+        raise InputError("according to the calibration the two cameras share no field of view")
     lies_across = abs(rotation[0, 1]) > abs(rotation[0, 0])
     width, height = size[::-1] if lies_across else size
     focal = float(np.max((np.array([width, height]) - 1) / (high - low)))
@@ -162,7 +162,7 @@ def _filled_rig(calibration: Calibration, size: tuple[int, int], rotation: Array
 
 
 def _inner_rectangle(camera: Camera, size: tuple[int, int], rotation: Array) -> Array:
-    """[[x_min, y_min], [x_max, y_max]] with z = 1, filled by the raw image."""
+    """[[x_min, y_min], [x_max, y_max]] at z = 1, covered by the raw image."""
     border = _border_rays(camera, size, rotation)
     middle = (border.min(axis=0) + border.max(axis=0)) / 2
     relative = (border - middle) / np.ptp(border, axis=0)
@@ -199,7 +199,7 @@ def _check_size(calibration: Calibration, size: tuple[int, int]) -> None:
 
 
 def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
-    """Tell where the principal points lie so far off that images may have been cut or scaled."""
+    """Notify if the principal points are so far off that images may be cropped or scaled."""
     if calibration.size is not None:
         return
     matrices = calibration.left.matrix, calibration.right.matrix
@@ -208,7 +208,7 @@ def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
         notify(
             "calibration-off-centre",
             f"the principal point lies at {shares[0]:.0%} of the width and {shares[1]:.0%} of the "
-            f"height of {size[0]} x {size[1]} pixels: is the calibration of images of this size?",
+            f"height of {size[0]} x {size[1]} pixels: is the calibration for images of this size?",
         )
 
 
@@ -216,7 +216,7 @@ def _check_sides(calibration: Calibration) -> None:
     x, y, _ = invert(calibration.T_right_left)[:3, 3]
     if -x > abs(y):
         raise InputError(
-            f"by its calibration the right camera stands {-x:g} to the left of the left one: "
+            f"according to the calibration the right camera is {-x:g} to the left of the left one: "
             "the images or the cameras are swapped"
         )
 

@@ -1,6 +1,6 @@
-"""Pairs of a rig that is not quite rectified, freed of what is left over.
+"""Correction of the residual of an imperfect rectification.
 
-Rows that are off by a third of a pixel cost a matcher a fifth of its points.
+A row offset of a third of a pixel costs a matcher a fifth of its points.
 """
 
 import logging
@@ -21,22 +21,22 @@ from recon.sequences.odometry.tracking import Tracks, sight, track
 log = logging.getLogger(__name__)
 
 NUM_ROW_PAIRS = 10
-"""From which rows are estimated: the first ones, as rows need no motion."""
+"""Number of first pairs used to estimate the row offset, which needs no motion."""
 MAX_TRACKED_PAIRS = 30
-"""From which disparities are estimated, evenly spread over the recording."""
+"""Number of pairs used to estimate the disparity offset, evenly spread over the recording."""
 
 
 class RefinedPairs(DerivedSource):
-    """The pairs of a source with their right images resampled where the images ask for it."""
+    """The pairs of a source with their right images resampled if the images require it."""
 
     def __init__(self, source: PairSource, estimate: Callable[[PairSource], Residual]) -> None:
         super().__init__(source)
-        self._whole = source  # a part of the pairs is straightened as the whole is
+        self._whole = source  # a part of the pairs is corrected like the whole
         self._estimate = estimate
 
     @cached_property
     def residual(self) -> Residual:
-        """The residual taken out; estimated by a pass of its own when it is first asked for."""
+        """The residual removed; estimated by a separate pass at first access."""
         residual = self._estimate(self._whole)
         for name, field in (("rows", residual.row), ("disparities", residual.disparity)):
             if field.coefficients.any():
@@ -49,14 +49,14 @@ class RefinedPairs(DerivedSource):
 
     @property
     def metrics(self) -> Metrics:
-        """The residual taken out of rows and disparities, as the coefficients of `Field`."""
+        """The residual removed from rows and disparities, as the coefficients of `Field`."""
         return super().metrics | {
             "row_residual_px": self.residual.row.coefficients.round(4).tolist(),
             "disparity_residual_px": self.residual.disparity.coefficients.round(4).tolist(),
         }
 
     def __iter__(self) -> Iterator[StereoPair]:
-        # Other passes come before this one: a source counts what it skips in one pass at a time.
+        # Do other passes first: a source counts its skipped frames in one pass at a time.
         maps = self.residual.maps(next(iter(self.source)).rig)
         for pair in self.source:
             yield pair if maps is None else _resampled(pair, maps)
@@ -68,7 +68,7 @@ def _resampled(pair: StereoPair, maps: Maps) -> StereoPair:
 
 
 def row_residual(source: PairSource) -> Residual:
-    """Residual of rows in the first pairs; none where their rigs differ."""
+    """Residual of rows in the first pairs; zero if their rigs differ."""
     pairs = islice(source, NUM_ROW_PAIRS)
     first = next(pairs)
     seen = [sight(first)]
@@ -80,12 +80,12 @@ def row_residual(source: PairSource) -> Residual:
 
 
 def full_residual(source: PairSource) -> Residual:
-    """Residual of rows and disparities, from tracks between pairs all over a recording.
+    """Residual of rows and disparities, from tracks between pairs throughout a recording.
 
     Raises
     ------
     InputError
-        Where the pairs are not all of one rig, as those of a ring.
+        If the pairs are not all of the same rig, as in a ring.
     """
     pairs = iter(source)
     first = next(pairs)
@@ -95,7 +95,7 @@ def full_residual(source: PairSource) -> Residual:
     for number, second in enumerate(pairs):
         if second.rig != rig:
             raise InputError(
-                f"{second.name} has another rig than {first.name}, but poses are estimated "
+                f"{second.name} has a different rig than {first.name}, but poses are estimated "
                 "for one moving rig"
             )
         if number % stride == 0:

@@ -1,8 +1,8 @@
-"""Residuals of a rectification: an offset of rows and disparities, smooth in the right image.
+"""Residual of a rectification: a smooth offset of rows and disparities in the right image.
 
-Real rigs are never quite rectified. A disparity that is a pixel too small makes everything ten
-percent too far, and the path as much too long; the images themselves tell, since the wrong
-disparities of a point do not fit one motion.
+Real rigs are never perfectly rectified. A disparity offset of a pixel can put everything ten
+percent too far away, with a path too long by as much; it is observable, since the wrong disparities
+of a point do not fit a common motion.
 """
 
 import dataclasses
@@ -34,13 +34,13 @@ class Field:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Residual:
-    """Offsets to add to disparities, and by which rows lie lower in the right image."""
+    """Offsets to add to disparities, and of rows downwards in the right image."""
 
     disparity: Field = Field()
     row: Field = Field()
 
     def corrected(self, tracks: Tracks, rig: StereoRig) -> Tracks:
-        """The tracks as a perfect rig would have made them."""
+        """The tracks as seen by a perfect rig."""
         return Tracks(
             first=self._corrected(tracks.first, rig), second=self._corrected(tracks.second, rig)
         )
@@ -54,7 +54,7 @@ class Residual:
         )
 
     def maps(self, rig: StereoRig) -> Maps | None:
-        """(u, v) of the source of each pixel of a right image without the residual."""
+        """(u, v) of the source of each pixel of the corrected right image."""
         if not self.disparity.coefficients.any() and not self.row.coefficients.any():
             return None
         v, u = np.mgrid[: rig.height, : rig.width].astype(np.float64)

@@ -1,4 +1,4 @@
-"""Calibrations in rows of text: KITTI's projections, KITTI raw's, Middlebury's keys."""
+"""Calibrations as lines of text: KITTI's projections, KITTI raw's, Middlebury's keys."""
 
 import re
 from collections.abc import Sequence
@@ -20,21 +20,21 @@ from recon.sequences.text import is_finite, read_lines
 
 Array = NDArray[np.float64]
 Cameras = tuple[int, int]
-"""Numbers of the left and the right camera, as KITTI counts its four."""
+"""Numbers of the left and the right camera, as KITTI numbers its four."""
 
 MAX_CAMERAS = 8
-"""More unlabelled projections than a rig has cameras are poses."""
+"""Maximum number of unlabelled projections; more are poses."""
 MIN_FOCAL_PX = 2.0
-"""A projection with less has pixels of 50 degrees: it is a pose."""
+"""A matrix with a smaller focal length is a pose."""
 
 
 def is_middlebury(lines: Sequence[str]) -> bool:
-    """True where there is a key cam0=."""
+    """True if there is a key cam0=."""
     return any(re.match(r"\s*cam0\s*=", line) for line in lines)
 
 
 def is_kitti(lines: Sequence[str]) -> bool:
-    """True where a row holds twelve numbers after its label."""
+    """True if a row has twelve numbers after its label."""
     return any(len(_fields(line)) == 12 and all(map(is_finite, _fields(line))) for line in lines)
 
 
@@ -43,7 +43,7 @@ def _fields(line: str) -> list[str]:
 
 
 def middlebury(path: Path) -> Calibration:
-    """Middlebury 2014's keys; their millimetres become metres."""
+    """Middlebury 2014's keys, with millimetres converted to metres."""
     lines = read_lines(path, MAX_BYTES)
     keys = {line.partition("=")[0].strip(): line.partition("=")[2] for line in lines}
     left, right = (_matrix(path, keys, name, (3, 3)) for name in ("cam0", "cam1"))
@@ -60,7 +60,7 @@ def middlebury(path: Path) -> Calibration:
 
 
 def kitti(path: Path, cameras: Cameras | None = None) -> Calibration:
-    """Two rows of projections: those of the cameras asked for, else the first two."""
+    """Two projections: those of the requested cameras, else the first two."""
     rows = kitti_projections(path)
     left, right = chosen(rows, cameras)
     size = _rectified_size(path, left)
@@ -73,7 +73,7 @@ def kitti_projections(path: Path) -> dict[str, Array]:
     Raises
     ------
     InputError
-        Where there are not two, a row has not twelve numbers, or the rows are poses.
+        If there are fewer than two, a row does not have twelve numbers, or the rows are poses.
     """
     rows = _labelled(path)
     wanted = [name for name in rows if re.match(r"P\d|P_rect|P$|line", name)]
@@ -86,7 +86,7 @@ def kitti_projections(path: Path) -> dict[str, Array]:
 
 
 def chosen(names: Sequence[str] | dict[str, Array], cameras: Cameras | None) -> tuple[str, str]:
-    """The labels of two cameras by their numbers; the first two where none is so called."""
+    """The labels of two cameras by their numbers; the first two if there are none of that name."""
     for form in ("P{0}", "P_rect_{0:02d}", "P_rect_{0}"):
         labels = [form.format(number) for number in cameras or ()]
         if labels and all(label in names for label in labels):
@@ -96,7 +96,7 @@ def chosen(names: Sequence[str] | dict[str, Array], cameras: Cameras | None) -> 
 
 
 def T_camera0_left(path: Path, cameras: Cameras) -> Array:
-    """Pose of the left camera in the frame of camera 0, by its projection ``K [I | t]``."""
+    """Pose of the left camera in the frame of camera 0, from its projection ``K [I | t]``."""
     rows = kitti_projections(path)
     P = rows[chosen(rows, cameras)[0]]
     return pose(np.eye(3), -projected_step(P))
@@ -112,7 +112,7 @@ def _labelled(path: Path) -> dict[str, str]:
 
 
 def _is_pose(P: Array) -> bool:
-    """True where a (3, 4) matrix has the focal length of a rotation."""
+    """True if a (3, 4) matrix has the focal length of a rotation."""
     return bool(np.abs(P[:2, :2]).max() < MIN_FOCAL_PX)
 
 
@@ -127,7 +127,7 @@ def _rectified_size(path: Path, label: str) -> tuple[int, int] | None:
 
 
 def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int]) -> Array:
-    """The numbers of a key, row by row, brackets and semicolons left out."""
+    """The numbers of a key, row by row, ignoring brackets and semicolons."""
     fields = re.sub(r"[\[\];,]", " ", keys.get(name, "")).split()
     try:
         values = np.array([float(field) for field in fields]).reshape(shape)

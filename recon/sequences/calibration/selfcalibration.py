@@ -1,4 +1,4 @@
-"""The residual of a rectification from the images alone, chosen by images held out."""
+"""The residual of a rectification from the images alone, selected on held-out images."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -24,32 +24,33 @@ Array = NDArray[np.float64]
 Seen = TypeVar("Seen", Sightings, Tracks)
 
 FIELDS = ([0], [0, 3], [0, 1, 2, 3, 4, 5])
-"""Terms of the fields that are tried beside none, each richer than the one before: constant; what
-eyes that turn against each other leave, 1 and x^2; any quadratic."""
+"""Terms of the candidate fields besides none, increasingly rich: constant; the effect of a relative
+rotation of the cameras, 1 and x^2; a full quadratic."""
 MIN_GAIN = 0.02
-"""Share of the held-out cost that a richer field must save: each term makes the scale less sure."""
+"""Relative decrease of the held-out cost required of a richer field: each term makes the scale less
+certain."""
 MIN_CALIBRATION_TRACKS = 1000
-"""Over all pairs; fewer sit on few things, whose sliding silhouettes look like a residual."""
+"""Over all pairs; fewer lie on few objects, whose sliding silhouettes resemble a residual."""
 NUM_PASSES, NUM_ROUNDS = 2, 10
 SMALL_STEP_PX = 1e-3
 PRIOR_PX = 3.0
-"""Standard deviation of a coefficient before anything is seen: a rig at rest tells nothing."""
+"""Prior standard deviation of a coefficient: a rig at rest is uninformative."""
 ROW_SIGMA_PX = 0.15
-"""Of the row offset of one corner."""
+"""Standard deviation of the row offset of one corner."""
 
 
 def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
-    """Residuals of rows and disparities, by the tracks between pairs of one rig.
+    """Residuals of rows and disparities, from the tracks between pairs of one rig.
 
-    A field is fitted to every other pair of pairs and judged by its robust cost on the rest;
-    the best is then fitted to all.
+    A field is fitted to every other pair of pairs and evaluated by its robust cost on the rest; the
+    best is then fitted to all.
     """
     row = estimate_row_residual([seen.first for seen in tracks], rig).row
     return Residual(row=row, disparity=_chosen(tracks, rig, _fit_disparity, _disparity_cost))
 
 
 def estimate_row_residual(seen: Sequence[Sightings], rig: StereoRig) -> Residual:
-    """Residuals of rows by single pairs of one rig; disparities are let be."""
+    """Residuals of rows from single pairs of one rig, without disparities."""
     return Residual(row=_chosen(seen, rig, _fit_row, _row_cost))
 
 
@@ -71,7 +72,7 @@ def _chosen(
 
 
 def _field(used: list[int], values: Array) -> Field:
-    """The field of some terms."""
+    """The field with values for some terms."""
     coefficients = np.zeros(NUM_TERMS)
     coefficients[used] = values
     return Field(coefficients=coefficients)
@@ -95,7 +96,7 @@ def _row_cost(seen: Sequence[Sightings], rig: StereoRig, row: Field) -> float:
 
 
 def _disparity_cost(tracks: Sequence[Tracks], rig: StereoRig, disparity: Field) -> float:
-    """Mean misfit of the tracks between two pairs to one motion, outliers and all."""
+    """Mean robust cost of the tracks between two pairs under one motion, including outliers."""
     costs = [np.zeros(0)]
     for seen in tracks:
         corrected = Residual(disparity=disparity).corrected(seen, rig)
@@ -109,14 +110,14 @@ def _disparity_cost(tracks: Sequence[Tracks], rig: StereoRig, disparity: Field) 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Motion:
-    """A motion and the tracks, as they were measured, that agree on it."""
+    """A motion and the measured tracks that agree on it."""
 
     T_second_first: Array
     tracks: Tracks
 
 
 def _fit_disparity(tracks: Sequence[Tracks], rig: StereoRig, used: list[int]) -> Field:
-    """All motions and the field together: Gauss-Newton with the motions eliminated."""
+    """Estimate all motions and the field jointly: Gauss-Newton with the motions eliminated."""
     field = Field()
     for _ in range(NUM_PASSES):
         starts = (_start(seen, rig, field) for seen in tracks)
@@ -142,7 +143,7 @@ def _start(seen: Tracks, rig: StereoRig, disparity: Field) -> _Motion | None:
 def _step(
     motions: Sequence[_Motion], rig: StereoRig, field: Field, used: list[int]
 ) -> tuple[Array, list[_Motion]]:
-    """The change of the used terms (K,), and the motions moved along with it."""
+    """The update of the used terms (K,), and the motions updated with it."""
     blocks = [_block(motion, rig, field, used) for motion in motions]
     prior = 1.0 / PRIOR_PX**2
     normal = np.sum([block.normal for block in blocks], axis=0) + prior * np.eye(len(used))
@@ -167,10 +168,10 @@ class _Block:
     gradient: Array
     """(K,)"""
     back: Array
-    """(6, K + 1) what the field's change and 1 make of the motion, negative."""
+    """(6, K + 1) back substitution from the field's change and 1 to the motion, negative."""
 
     def motion_change(self, change: Array) -> Array:
-        """(6,) turn and step that go with a change of the field (K,)."""
+        """(6,) rotation and translation update for a change of the field (K,)."""
         moved_by: Array = -self.back @ np.append(change, 1.0)
         return moved_by
 

@@ -1,4 +1,4 @@
-"""Boards that cameras are calibrated by: chessboards, and ChArUco boards of which parts may do."""
+"""Calibration targets: chessboards, and ChArUco boards, of which a part is enough."""
 
 import re
 from dataclasses import dataclass, field
@@ -16,11 +16,11 @@ Points = NDArray[np.float32]
 Indices = NDArray[np.int64]
 
 CORNER_WINDOW = (5, 5)
-"""Half of the square in which a corner is refined."""
+"""Half size of the window in which a corner is refined."""
 STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-6)
 MIN_CHARUCO_CORNERS = 4
 MARKER_SHARE = 0.75
-"""Side of a marker where it is not given, of the side of a square."""
+"""Default side of a marker, relative to the side of a square."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,7 +28,7 @@ class Corners:
     """Corners of a board in one image."""
 
     numbers: Indices
-    """(N,) rising, of the board's corners."""
+    """(N,) indices of the board's corners, ascending."""
     points_px: Points
     """(N, 2)"""
 
@@ -48,17 +48,17 @@ class Target(Protocol):
 
     @property
     def orders(self) -> list[Indices]:
-        """Orders (C,) in which the corners of one and the same board may be found."""
+        """Orders (C,) in which the corners of the same board may be found."""
         ...
 
     def find(self, image: Image) -> Corners | None:
-        """The corners that an image shows; None where they are too few."""
+        """The corners visible in an image; None if there are too few."""
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chessboard:
-    """A chessboard, found whole; nothing on it tells which end is which."""
+    """A chessboard, detected as a whole; its ends are indistinguishable."""
 
     columns: int
     rows: int
@@ -78,7 +78,7 @@ class Chessboard:
 
     @property
     def orders(self) -> list[Indices]:
-        """As found, turned by half a turn, and by quarters where the board is square."""
+        """As found, rotated by half a turn, and by quarter turns if the board is square."""
         grid = np.arange(self.columns * self.rows).reshape(self.rows, self.columns)
         turns = range(4) if self.columns == self.rows else (0, 2)
         return [np.rot90(grid, turn).ravel() for turn in turns]
@@ -96,7 +96,7 @@ class Chessboard:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Charuco:
-    """A chessboard with markers in its white squares, which name every corner."""
+    """A chessboard with markers in its white squares, which identify every corner."""
 
     columns: int
     rows: int
@@ -106,7 +106,7 @@ class Charuco:
     marker: float
     """Side of a marker, world units."""
     dictionary: str | None = None
-    """Name of OpenCV's dictionary of markers; the one that is seen where None."""
+    """Name of OpenCV's marker dictionary; detected if None."""
     _seen_by: list[Any] = field(default_factory=list, compare=False, repr=False)
     """The detector that found the first board."""
 
@@ -122,11 +122,11 @@ class Charuco:
 
     @property
     def orders(self) -> list[Indices]:
-        """One: the markers tell."""
+        """A single order, as the markers identify the corners."""
         return [np.arange((self.columns - 1) * (self.rows - 1))]
 
     def find(self, image: Image) -> Corners | None:
-        """The corners between markers that are seen; what found the first board finds the rest."""
+        """The corners between visible markers; the detector of the first board is reused."""
         best: Corners | None = None
         for detector in self._seen_by or self._detectors():
             found = _charuco_corners(detector, grey(image))
@@ -137,7 +137,7 @@ class Charuco:
         return best
 
     def _detectors(self) -> list[Any]:
-        """One per dictionary and pattern that may be meant."""
+        """One detector per possible dictionary and pattern."""
         names = [self.dictionary] if self.dictionary else self._dictionaries()
         # Before OpenCV 4.6 boards of even rows began with a white square.
         patterns = (False, True) if self.rows % 2 == 0 else (False,)
@@ -150,7 +150,7 @@ class Charuco:
         return cv2.aruco.CharucoDetector(board)
 
     def _dictionaries(self) -> list[str]:
-        """The smallest of each size of marker that has enough: the larger ones hold the same."""
+        """The smallest sufficient dictionary of each marker size: larger ones include it."""
         number = self.columns * self.rows // 2
         size = next((size for size in (50, 100, 250) if number <= size), 1000)
         return [*(f"DICT_{bits}X{bits}_{size}" for bits in (4, 5, 6, 7)), "DICT_APRILTAG_36h11"]
@@ -172,7 +172,7 @@ def parse_target(text: str, square: float) -> Target:
     Raises
     ------
     InputError
-        With what is needed.
+        If the text is not one of these.
     """
     kind, _, rest = text.partition(":") if ":" in text else ("", "", text)
     counts, *options = rest.split(":")

@@ -1,1 +1,1 @@
-"""Contradictions between what a recording says of itself and what its images show."""
+"""Contradictions between the metadata of a recording and its images."""

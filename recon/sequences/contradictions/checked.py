@@ -1,4 +1,4 @@
-"""Pairs held, as they pass, against what the recording says of them."""
+"""Pairs checked, as they pass, against the metadata of the recording."""
 
 from collections.abc import Iterator
 
@@ -9,17 +9,17 @@ from recon.sequences.contradictions.pairs import Finding, findings
 from recon.sequences.frames import DerivedSource
 
 SURVEYED = (0, 4, 9)
-"""Numbers of the pairs whose two images are looked at."""
+"""Numbers of the pairs whose images are checked."""
 STEPPED = (1, 5, 9)
-"""Numbers of the first pairs whose motion since the one before is looked at."""
+"""Numbers of the first pairs whose motion since the previous one is checked."""
 NUM_LATER = 12
-"""Steps that are looked at in the rest of the recording, at even distances."""
+"""Number of steps checked in the rest of the recording, evenly spaced."""
 
 
 class CheckedPairs(DerivedSource):
-    """The pairs of a source as they are; what contradicts them is said, once.
+    """The unchanged pairs of a source; contradictions are reported once.
 
-    What most of the looked-at pairs show is told, not what one of them does.
+    Only findings in most of the checked pairs are reported.
     """
 
     def __init__(self, source: PairSource, *, has_given_poses: bool) -> None:
@@ -41,7 +41,7 @@ class CheckedPairs(DerivedSource):
 
 
 class _Watch:
-    """Findings of one pass over the pairs so far."""
+    """Findings so far in one pass over the pairs."""
 
     def __init__(self, num_posed: int) -> None:
         self._num_pairs = 0
@@ -52,7 +52,7 @@ class _Watch:
         self._has_said_images = self._has_said_poses = False
 
     def look_at(self, pair: StereoPair) -> None:
-        """Hold the next pair against what is said of it, where it is one of those looked at."""
+        """Check the next pair, if it is one of the selected ones."""
         number = self._num_pairs
         if number in SURVEYED:
             nearest = pair.rig.disparity_offset_px
@@ -68,7 +68,7 @@ class _Watch:
         self._num_pairs += 1
 
     def say_images(self) -> None:
-        """Tell what most of the looked-at pairs show."""
+        """Report the findings in most of the checked pairs."""
         if self._has_said_images:
             return
         self._has_said_images = True
@@ -78,8 +78,8 @@ class _Watch:
                 notify(code, found[0].text)
 
     def say_poses(self) -> None:
-        """Tell what the last steps contradict: poses may go wrong anywhere on the way."""
-        # They are held against motions that stereo gives, which must be sound itself.
+        """Report contradictions of the last steps: poses may go wrong anywhere along the path."""
+        # Poses are compared with motions from stereo, which must be sound itself.
         if self._has_said_poses or any(self._looked_at):
             return
         del self._steps[: -len(STEPPED)]
@@ -91,7 +91,7 @@ class _Watch:
 
 
 def _stepped(num_pairs: int) -> frozenset[int]:
-    """Numbers of the pairs whose motion is looked at; none where no poses are given."""
+    """Numbers of the pairs whose motion is checked; none without given poses."""
     if not num_pairs:
         return frozenset()
     begin = STEPPED[-1] + 1

@@ -1,4 +1,4 @@
-"""Given poses held against the motions that the images show."""
+"""Given poses compared with the motions in the images."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,28 +15,29 @@ from recon.sequences.odometry.tracking import Tracks, track
 
 Array = NDArray[np.float64]
 Motion = Callable[["Step"], Array]
-"""`T_second_first` (4, 4) of a step, by some reading of the poses."""
+"""`T_second_first` (4, 4) of a step, by some interpretation of the poses."""
 
 MIN_FLOW_PX = 2.0
-"""Median way of points in the image below which a rig stands."""
+"""Median displacement of points in the image below which a rig is at rest."""
 EXPLAINED_SHARE = 0.5
-"""Of that way, poses must leave less than this unexplained: inverse ones leave twice of it."""
+"""Maximum share of the displacement unexplained by the poses; inverse poses leave twice as much as
+the whole."""
 SEEN_SHARE = 0.25
-"""Of the points that agree on one motion, so many must agree on another to make it as likely."""
+"""Share of the points agreeing on one motion that must agree on another to make it plausible."""
 FITTING_SHARE = 0.25
-"""Share that a reading of the poses must stay below to be named."""
+"""Maximum unexplained share for an interpretation of the poses to be suggested."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Step:
-    """Two pairs of one rig, and points that moved between them as one motion says."""
+    """Two pairs of one rig, and point tracks between them that agree on one motion."""
 
     first: StereoPair
     second: StereoPair
     tracks: Tracks
 
     def error_px(self, T_second_first: Array) -> float:
-        """Median distance in the second left image of the points to where a motion puts them."""
+        """Median reprojection error of the points in the second left image under a motion."""
         rig = self.first.rig
         points = rig.triangulate(self.tracks.first.points_px, self.tracks.first.disparity_px)
         moved = transform(T_second_first, points)
@@ -48,25 +49,25 @@ class Step:
 
     @property
     def name(self) -> str:
-        """Of the second pair."""
+        """Name of the second pair."""
         return self.second.name
 
     @property
     def flow_px(self) -> float:
-        """Median way of the points in the left image."""
+        """Median displacement of the points in the left image."""
         return self.error_px(np.eye(4))
 
 
 def step_between(
     first: StereoPair, second: StereoPair, T_second_first: Array | None = None
 ) -> Step | None:
-    """The step between two posed pairs; None where the images tell of none.
+    """The step between two posed pairs; None if the images show none.
 
     Parameters
     ----------
     first, second : StereoPair
     T_second_first : (4, 4), optional
-        Motion by which corners are looked for.
+        Motion used to predict the corners.
     """
     if first.rig != second.rig or first.T_world_left is None or second.T_world_left is None:
         return None
@@ -83,7 +84,7 @@ def step_between(
 
 
 def pose_finding(steps: Sequence[Step]) -> Finding | None:
-    """The contradiction between poses and steps; None where they agree or nothing moved."""
+    """The contradiction between poses and steps; None if they agree or nothing moved."""
     if not steps:
         return None
     left = _unexplained(steps, _given)
@@ -93,16 +94,16 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
     advice = f"they fit {', or '.join(fitting)}" if fitting else "try --poses estimated"
     return Finding(
         code="poses-disagree",
-        text="poses contradict the images: of the motion that these show, the poses leave "
+        text="poses contradict the images: of the motion in the images, the poses leave "
         f"{left:.0%} unexplained; {advice}",
     )
 
 
 def _are_seen(steps: Sequence[Step]) -> bool:
-    """True where the images show the motion of the poses as well.
+    """True if the images also support the motion of the poses.
 
-    Patterns that repeat, as bricks round a tower, look the same after several motions, of which
-    corners show the shortest unless they are looked for where the poses put them.
+    Repetitive patterns, such as bricks around a tower, look the same after several motions;
+    tracking finds the shortest, unless it starts where the poses predict the corners.
     """
     led = [step_between(step.first, step.second, _given(step)) for step in steps]
     found = [
@@ -113,12 +114,12 @@ def _are_seen(steps: Sequence[Step]) -> bool:
 
 
 def _unexplained(steps: Sequence[Step], motion: Motion) -> float:
-    """Share of the way of the points that a motion leaves: the median of the steps."""
+    """Share of the displacement unexplained by a motion: the median over the steps."""
     return float(np.median([step.error_px(motion(step)) / step.flow_px for step in steps]))
 
 
 def _given(step: Step) -> Array:
-    """`T_second_first` of the poses as they are."""
+    """`T_second_first` of the unchanged poses."""
     assert step.first.T_world_left is not None
     assert step.second.T_world_left is not None
     T: Array = invert(step.second.T_world_left) @ step.first.T_world_left
@@ -126,10 +127,10 @@ def _given(step: Step) -> Array:
 
 
 def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
-    """Other readings of the poses, and the share of the motion that each leaves."""
+    """Other interpretations of the poses, and the share of motion each leaves unexplained."""
     turns = [pose(R, np.zeros(3)) for R in _right_angles()]
     for text, motion in (
-        ("inverted, as they bring the world into the camera", _inverse),
+        ("inverted, as they map the world to the camera", _inverse),
         ("in the opposite order", _backward),
         ("as those of a body whose axes are not the camera's", _given),
     ):
@@ -138,7 +139,7 @@ def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
 
 
 def _turned(motion: Motion, T_body_camera: Array) -> Motion:
-    """A motion of a body as that of the camera that looks out of it."""
+    """A motion of a body as that of its camera."""
     return lambda step: invert(T_body_camera) @ motion(step) @ T_body_camera
 
 
@@ -154,7 +155,7 @@ def _backward(step: Step) -> Array:
 
 
 def _right_angles() -> Iterator[Array]:
-    """All 24 turns (3, 3) by right angles."""
+    """All 24 rotations (3, 3) by right angles."""
     for order in permutations(range(3)):
         for signs in product((-1.0, 1.0), repeat=3):
             turn = np.diag(signs)[list(order)]

@@ -1,4 +1,4 @@
-"""Two images held against what is said of them: their rows, their sides, their moment, a range."""
+"""Two images checked against their metadata: rows, sides, simultaneity, disparity range."""
 
 from dataclasses import dataclass
 
@@ -14,24 +14,24 @@ from recon.sequences.odometry.tracking import Sightings
 Array = NDArray[np.float64]
 
 MIN_SIGHTINGS = 25
-"""Fewer tell nothing."""
+"""Fewer are uninformative."""
 MIN_CORNERS, UNRELATED_SHARE = 60, 0.06
-"""Of so many corners, fewer than this share are found again by chance; sound pairs give a fifth."""
+"""Minimum number of corners, and the share matched by chance; sound pairs reach a fifth."""
 MAX_ROW_OFFSET_PX = 0.75
-"""Median of the row offsets. Real rigs stay below (KITTI 0.3): what lenses leave is not said."""
+"""Maximum median row offset. Real rigs stay below (KITTI 0.3)."""
 INLIER_PX = 1.0
 LEVEL_SHARE = 0.85
-"""Of the points of sound pairs, 0.94 and more are within a pixel of the rows of a lens."""
+"""Minimum share of points within a pixel of the fitted rows; sound pairs reach 0.94."""
 MIN_GAIN = 0.1
-"""Share of points that any motion between two moments must explain beyond a lens's rows."""
+"""Additional share of points that a motion between the images must explain."""
 SLACK_PX = 1.5
-"""Beyond both ends of a range: noise."""
+"""Tolerance for noise beyond both ends of a range."""
 SWAPPED_SHARE, OUTSIDE_SHARE = 0.7, 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One contradiction that a pair of images shows."""
+    """One contradiction in a pair of images."""
 
     code: str
     text: str
@@ -40,15 +40,15 @@ class Finding:
 def check_images(
     left: Image, right: Image, search: tuple[int, int], *, only: str | None = None
 ) -> None:
-    """Say what two images that are to be matched contradict.
+    """Notify of contradictions in two images to be matched.
 
     Parameters
     ----------
     left, right : (H, W) or (H, W, 3) uint8
     search : (min, max)
-        Disparities in pixels that are looked for, both included.
+        Search range of disparities in pixels, both included.
     only : str, optional
-        The one code to say; all where not given.
+        The only code to report; by default all.
     """
     for finding in findings(left, right, search=search):
         if only in (None, finding.code):
@@ -62,15 +62,15 @@ def findings(
     search: tuple[int, int] | None = None,
     nearest_px: float = 0.0,
 ) -> list[Finding]:
-    """Contradictions of a pair; none where too little is seen by both cameras.
+    """Contradictions of a pair; none if too little is seen by both cameras.
 
     Parameters
     ----------
     left, right : (H, W) or (H, W, 3) uint8
     search : (min, max), optional
-        Disparities in pixels that are looked for.
+        Search range of disparities in pixels.
     nearest_px : float
-        Disparity of what is infinitely far, below which nothing can be.
+        Disparity of a point at infinity, the lower bound.
     """
     if left.shape == right.shape and np.array_equal(left, right):
         return [Finding(code="same-image", text="left and right are the same image")]
@@ -85,14 +85,14 @@ def findings(
 
 
 def _unrelated(num_seen: int, num_wanted: int) -> list[Finding]:
-    """Images full of corners of which the other shows next to none."""
+    """Images with many corners but nearly no matches."""
     if num_wanted < MIN_CORNERS or num_seen > UNRELATED_SHARE * num_wanted:
         return []
     return [
         Finding(
             code="images-unrelated",
-            text=f"left and right show next to nothing in common: {num_seen} of {num_wanted} "
-            "corners are found again; is one of them turned, or of another place?",
+            text=f"left and right show almost nothing in common: {num_seen} of {num_wanted} "
+            "corners are found again; is one of them rotated, or of another place?",
         )
     ]
 
@@ -104,7 +104,7 @@ def _sides(seen: Sightings, lowest: float) -> Finding | None:
     low, high = np.percentile(seen.disparity_px, [5, 95])
     return Finding(
         code="left-right-swapped",
-        text=f"left and right seem to be swapped: {behind.mean():.0%} of what both cameras see has "
+        text=f"left and right seem to be swapped: {behind.mean():.0%} of the common points have "
         f"a disparity below {lowest:g} px ({low:.0f} to {high:.0f} px)",
     )
 
@@ -117,12 +117,12 @@ def _rows(seen: Sightings) -> Finding | None:
     return Finding(
         code="rows-differ",
         text=f"rows of the two images do not correspond: the right one's lie {typical:.1f} px off "
-        f"(median {middle:+.1f} px); rectify the images or mend their calibration",
+        f"(median {middle:+.1f} px); rectify the images or fix their calibration",
     )
 
 
 def _moment(seen: Sightings) -> Finding | None:
-    """Rows that differ with depth: a camera moved between the two images."""
+    """Row offsets that depend on depth: a camera moved between the two images."""
     is_level = np.abs(seen.row_offset_px - _lens_rows(seen)) < INLIER_PX
     if is_level.mean() > LEVEL_SHARE or np.median(np.abs(seen.row_offset_px)) < MAX_ROW_OFFSET_PX:
         return None
@@ -131,13 +131,13 @@ def _moment(seen: Sightings) -> Finding | None:
         return None
     return Finding(
         code="not-simultaneous",
-        text="left and right seem to be of different moments: a motion between them explains "
-        f"{by_motion:.0%} of what both cameras see, corresponding rows {is_level.mean():.0%}",
+        text="left and right seem to be taken at different times: a motion between them explains "
+        f"{by_motion:.0%} of the common points, corresponding rows {is_level.mean():.0%}",
     )
 
 
 def _lens_rows(seen: Sightings) -> Array:
-    """(N,) row offsets that depend on the place in the image alone, fitted robustly."""
+    """(N,) row offsets as a function of image position only, fitted robustly."""
     centre, spread = seen.points_px.mean(axis=0), seen.points_px.std(axis=0) + 1e-9
     x, y = ((seen.points_px - centre) / spread).T
     design = np.column_stack([np.ones_like(x), x, y, x * x, x * y, y * y])
@@ -153,7 +153,7 @@ def _lens_rows(seen: Sightings) -> Array:
 
 
 def _share_of_motion(seen: Sightings) -> float:
-    """Share of points that one epipolar geometry of any kind explains."""
+    """Share of points explained by one general epipolar geometry."""
     try:
         _, inliers = cv2.findFundamentalMat(
             seen.points_px, seen.right_points_px, cv2.FM_RANSAC, INLIER_PX, 0.999
@@ -172,7 +172,7 @@ def _range(seen: Sightings, search: tuple[int, int]) -> Finding | None:
     found_low, found_high = np.percentile(seen.disparity_px, [2, 98])
     return Finding(
         code="search-range-too-small",
-        text=f"{(above | below).mean():.0%} of what both cameras see lies outside of the "
-        f"disparities {low} to {high} px that are searched: it reaches from {found_low:.0f} to "
+        text=f"{(above | below).mean():.0%} of the points that both cameras see lie outside the "
+        f"searched disparities {low} to {high} px: they range from {found_low:.0f} to "
         f"{found_high:.0f} px",
     )

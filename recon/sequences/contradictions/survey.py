@@ -1,4 +1,4 @@
-"""Correspondences of two images that take nothing for granted: no range, no sides, no rows."""
+"""Correspondences of two images without assumptions about range, sides or rows."""
 
 import cv2
 import numpy as np
@@ -11,22 +11,22 @@ from recon.sequences.pair_images import grey
 Points = NDArray[np.float32]
 
 MAX_WIDTH_PX = 320
-"""Of the images in which patches are looked for."""
+"""Width of the images in which patches are searched."""
 NUM_CORNERS = 120
 PATCH_PX = 11
 MAX_ROWS_PX = 10
-"""Up and down that a patch is looked for, in the small image."""
+"""Vertical search range of a patch, in the small image."""
 MIN_SCORE = 0.85
-"""Normalised correlation of a patch that is found."""
+"""Minimum normalised correlation of a match."""
 MIN_LEAD = 0.05
-"""Over the next best place elsewhere: patches that repeat tell nothing."""
+"""Minimum lead over the second-best position: repetitive patches are uninformative."""
 
 
 def survey(left: Image, right: Image) -> tuple[Sightings, int]:
-    """Corners of the left image wherever they are in the right one, and how many were looked for.
+    """Corners of the left image matched in the right one, and the number searched for.
 
-    Patches are looked for along whole rows and some rows above and below, in small images; those
-    that are found once only are followed at full size.
+    Patches are searched along whole rows, and some rows above and below, in small images; unique
+    matches are tracked at full size.
     """
     one, other = grey(left), grey(right)
     factor = max(1.0, one.shape[1] / MAX_WIDTH_PX)
@@ -52,12 +52,12 @@ def _shrunk(image: Image, factor: float) -> Image:
 
 
 def _spread(points: Points) -> Points:
-    """Some of the points, from all over the image."""
+    """A subset of the points, from all over the image."""
     return points[:: max(1, len(points) // NUM_CORNERS)]
 
 
 def _found(image: Image, other: Image, points: Points) -> tuple[Points, Points]:
-    """The points whose patch is found, and where."""
+    """The points whose patch is found, and its positions."""
     starts, ends = [], []
     for point in points:
         place = _place(image, other, np.rint(point).astype(np.int64))

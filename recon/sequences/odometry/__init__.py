@@ -1,1 +1,1 @@
-"""Stereo visual odometry: points tracked, motions between pairs, a path."""
+"""Stereo visual odometry: tracked points, motions between pairs, trajectory errors."""

@@ -1,4 +1,4 @@
-"""A path held against the true one, as evo counts: absolute and relative errors."""
+"""Absolute and relative errors of a trajectory, as defined by evo."""
 
 from dataclasses import dataclass
 
@@ -14,22 +14,22 @@ from recon.sequences.units import matched
 Array = NDArray[np.float64]
 
 MIN_POSES = 3
-"""Fewer say nothing of a path."""
+"""Fewer are uninformative."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrajectoryErrors:
-    """Errors of a path; lengths in world units."""
+    """Errors of a trajectory; lengths in world units."""
 
     num_poses: int
     length: float
-    """Of the true path."""
+    """Length of the true path."""
     ate_rmse: float
     """Root mean square distance of positions after rigid alignment (Umeyama, no scale)."""
     rpe_rmse: float
-    """Root mean square error of the step from each pose to the next."""
+    """Root mean square error of the translation from each pose to the next."""
     rpe_rotation_rmse_deg: float
-    """Root mean square error of the turn from each pose to the next."""
+    """Root mean square error of the rotation from each pose to the next."""
     drift_percent: float
     """`ate_rmse` in percent of the length."""
 
@@ -40,12 +40,12 @@ def trajectory_errors(estimated: ArrayLike, true: ArrayLike) -> TrajectoryErrors
     Parameters
     ----------
     estimated, true : (N, 4, 4) array_like
-        Poses of the same frames, each in a world of its own.
+        Poses of the same frames, each in its own world.
 
     Raises
     ------
     InputError
-        Where there are fewer than three poses, or the true path has no length.
+        If there are fewer than three poses, or the true path has no length.
     """
     found, wanted = (np.asarray(poses, dtype=np.float64) for poses in (estimated, true))
     if len(wanted) < MIN_POSES:
@@ -73,12 +73,12 @@ def drift_percent(estimated: ArrayLike, true: ArrayLike) -> float:
     Parameters
     ----------
     estimated, true : (N, 4, 4) array_like
-        Poses of the same frames, each in a world of its own.
+        Poses of the same frames, each in its own world.
 
     Raises
     ------
     InputError
-        Where the true path has no length.
+        If the true path has no length.
     """
     path, reference = (np.asarray(poses, dtype=np.float64)[:, :3, 3] for poses in (estimated, true))
     length = _length(reference)
@@ -93,27 +93,27 @@ def _length(path: Array) -> float:
 
 
 def aligned(path: Array, reference: Array) -> Array:
-    """(N, 3) offsets of positions from the reference after the best turn and shift."""
+    """(N, 3) offsets of positions from the reference after rigid alignment."""
     path, reference = path - path.mean(axis=0), reference - reference.mean(axis=0)
-    # Kabsch's rotation; unlike evo's it also aligns a straight path, about which it may turn.
+    # Kabsch's rotation; unlike evo's it also aligns a straight path, whose roll is undetermined.
     u, _, vt = np.linalg.svd(reference.T @ path)
     offsets: Array = path @ (u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt).T - reference
     return offsets
 
 
 def paired_poses(estimated: GivenPoses, true: GivenPoses) -> tuple[Array, Array]:
-    """The poses (N, 4, 4) of both for the frames that both have: by time, else by row.
+    """The poses (N, 4, 4) of both for their common frames: by time, else by row.
 
     Raises
     ------
     InputError
-        Where times do not overlap, or rows without times are not as many.
+        If times do not overlap, or the numbers of rows without times differ.
     """
     if true.stamps_s is None or estimated.stamps_s is None:
         if len(true) != len(estimated):
             raise InputError(
                 f"there are {len(true)} true poses without times for {len(estimated)} estimated "
-                "ones, but as many are needed"
+                "ones, but equally many are needed"
             )
         return estimated.poses, true.poses
     stamps = matched(estimated.stamps_s, true.stamps_s, "the estimated poses")

@@ -1,4 +1,4 @@
-"""The motion of a rig between two pairs, from points that both saw."""
+"""The motion of a rig between two pairs, from common points."""
 
 from dataclasses import dataclass
 
@@ -14,22 +14,22 @@ from recon.sequences.odometry.tracking import MIN_SHIFT_PX, Tracks
 Array = NDArray[np.float64]
 
 MIN_TRACKS = 12
-"""Fewer that agree are taken for chance."""
+"""Fewer agreeing tracks may be coincidence."""
 RANSAC_PX = 1.0
 MAX_SIGMAS = 3.0
-"""Of a track that agrees."""
+"""Maximum residual of an agreeing track, in standard deviations."""
 TRACK_SIGMA_PX = 0.2
-"""Of a followed corner, in each of u, v and disparity: what the fits of a drive leave (0.18)."""
+"""Standard deviation of a tracked corner in u, v and disparity; fits of a drive leave 0.18."""
 NUM_ROUNDS = 8
 DAMPING = 1e-12
-"""Of the trace: points on one line leave the turn about it open, which then stays."""
+"""Relative to the trace: collinear points leave the rotation about their line undetermined."""
 MIN_DEPTH = 1e-9
-"""Points that a motion puts into the camera stand so far before it: they agree with nothing."""
+"""Minimum depth; points that a motion puts at the camera get it, and agree with nothing."""
 SMALL_CHANGE = 1e-6
-"""Radians and world units: far below what tracks tell."""
+"""Radians and world units: far below the precision of tracks."""
 
 MEDIAN_DISTANCE = 1.54
-"""Of three independent normal errors: the median of their distance from 0."""
+"""Median norm of three independent standard normal errors."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,24 +39,24 @@ class Linearised:
     residual: Array
     """(N, 3) of u, v and disparity in the second pair, in standard deviations."""
     by_motion: Array
-    """(N, 3, 6) by a small turn and step of the second left frame."""
+    """(N, 3, 6) by a small rotation and translation of the second left frame."""
     by_shift: Array
-    """(N, 3, 2) by what is added to the first and the second disparity."""
+    """(N, 3, 2) by an offset of the first and the second disparity."""
 
     @property
     def distances(self) -> Array:
-        """(N,) how many standard deviations a track is off."""
+        """(N,) residuals of the tracks, in standard deviations."""
         distances: Array = np.linalg.norm(self.residual, axis=1)
         return distances
 
     @property
     def weights(self) -> Array:
-        """(N,) Cauchy's."""
+        """(N,) Cauchy weights."""
         return 1.0 / (1.0 + self.distances**2)
 
     @property
     def spread(self) -> float:
-        """Robust standard deviation of the residuals in their own ones; at least 1."""
+        """Robust standard deviation of the whitened residuals; at least 1."""
         return max(1.0, float(np.median(self.distances)) / MEDIAN_DISTANCE)
 
     def normal_equations(self) -> tuple[Array, Array]:
@@ -73,10 +73,10 @@ class Linearised:
 
 
 def estimate_motion(tracks: Tracks, rig: StereoRig) -> Array | None:
-    """`T_second_first` (4, 4) of the left camera, None where too few tracks agree.
+    """`T_second_first` (4, 4) of the left camera, None if too few tracks agree.
 
-    A robust start by perspective n-point, then all of u, v and disparity together, weighted by
-    what the uncertain first depth makes of them.
+    A robust start by perspective-n-point, then a joint refinement of u, v and disparity, weighted
+    by the uncertainty of the first depth.
     """
     agreeing = agreeing_tracks(tracks, rig)
     if agreeing is None:
@@ -86,7 +86,7 @@ def estimate_motion(tracks: Tracks, rig: StereoRig) -> Array | None:
 
 
 def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.bool_]] | None:
-    """A first `T_second_first` (4, 4) and which tracks (N,) agree on it."""
+    """A first `T_second_first` (4, 4), and the mask (N,) of the tracks that agree on it."""
     near = are_near(tracks, rig)
     if np.count_nonzero(near) < MIN_TRACKS:
         return None
@@ -95,7 +95,7 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
     if start is None:
         return None
     T_second_first, inliers = start
-    # The few points of a sample judge by their own noise: judge all again by the fit of many.
+    # A sample of few points is noisy: evaluate all tracks again with the fit of many.
     refined = refine_motion(T_second_first, candidates.select(inliers), rig)
     if refined is None:
         return None
@@ -105,7 +105,7 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
 
 
 def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] | None:
-    """A motion (4, 4) and the numbers of the tracks that agree on it."""
+    """A motion (4, 4) and the indices of the tracks that agree on it."""
     K = np.array([[rig.focal_px, 0, rig.cx_left_px], [0, rig.focal_px, rig.cy_px], [0, 0, 1]])
     try:
         found, turn, step, inliers = cv2.solvePnPRansac(
@@ -118,7 +118,7 @@ def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] |
             confidence=0.9999,
             flags=cv2.SOLVEPNP_SQPNP,
         )
-    except cv2.error:  # points that all but coincide
+    except cv2.error:  # points that nearly coincide
         return None
     if not found or inliers is None or len(inliers) < MIN_TRACKS:
         return None
@@ -126,7 +126,7 @@ def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] |
 
 
 def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
-    """(N,) mask of the tracks whose disparities tell a depth."""
+    """(N,) mask of the tracks whose disparities determine a depth."""
     least = MIN_SHIFT_PX + rig.disparity_offset_px
     near: NDArray[np.bool_] = (
         np.minimum(tracks.first.disparity_px, tracks.second.disparity_px) > least
@@ -135,9 +135,9 @@ def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
 
 
 def refine_motion(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array | None:
-    """Gauss-Newton with Cauchy's weights from a motion that is nearly right.
+    """Gauss-Newton with Cauchy weights, starting from an approximate motion.
 
-    None where the tracks determine none: points that coincide, or that it puts into the camera.
+    None if the tracks do not determine a motion, as with coincident points or points at the camera.
     """
     try:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -160,7 +160,7 @@ def _refined(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Array:
 
 
 def motion_changed(T_second_first: Array, change: Array) -> Array:
-    """The motion after a small turn `change[:3]` and step `change[3:]` of the second frame."""
+    """The motion after a small rotation `change[:3]` and step `change[3:]` of the second frame."""
     return pose(Rotation.from_rotvec(change[:3]).as_matrix(), change[3:]) @ T_second_first
 
 
@@ -186,7 +186,7 @@ def linearise(T_second_first: Array, tracks: Tracks, rig: StereoRig) -> Linearis
 
 
 def _projection_derivative(points: Array, rig: StereoRig) -> Array:
-    """(N, 3, 3) of u, v, disparity by the point."""
+    """(N, 3, 3) derivatives of u, v, disparity by the point."""
     x, y, z = points.T
     zero = np.zeros_like(z)
     rows = [[1 / z, zero, -x / z**2], [zero, 1 / z, -y / z**2], [zero, zero, -rig.baseline / z**2]]
@@ -196,8 +196,8 @@ def _projection_derivative(points: Array, rig: StereoRig) -> Array:
 def _whitening(by_first: Array) -> Array:
     """(N, 3, 3) inverse square roots of the residuals' covariance.
 
-    The first disparity is as unsure as what is compared with it: S = s^2 (I + j j^T), whose root
-    has a closed form; no track, however near the camera, makes it fail.
+    The first disparity is as uncertain as the compared values: S = s^2 (I + j j^T), whose root has
+    a closed form that is stable even for tracks near the camera.
     """
     j = by_first[:, :, 0]
     length_sq = np.maximum((j * j).sum(axis=1), np.finfo(np.float64).tiny)

@@ -1,8 +1,8 @@
-"""Places: what a pair shows, kept small enough to be known again years later.
+"""Places: compact descriptions of pairs for visual place recognition.
 
-Blobs of the left image with their descriptors (SIFT, Lowe 2004) and with the disparity that makes
-points in space of them. Images are also looked at stretched and squeezed across, as standing
-surfaces are when they are seen from elsewhere.
+Blobs of the left image with descriptors (SIFT, Lowe 2004) and disparities, which make them 3D
+points. Images are also searched stretched and compressed horizontally, like upright surfaces seen
+from other directions.
 """
 
 from dataclasses import dataclass, replace
@@ -23,13 +23,13 @@ Array = NDArray[np.float64]
 
 NUM_POINTS = 250
 CONTRAST = 0.02
-"""Of a blob that is kept, as SIFT counts it."""
+"""Contrast threshold of SIFT."""
 STRETCHES = (1.0, 0.65, 1.5)
-"""Widths in which a place is looked for; it is kept in the first."""
+"""Horizontal scales at which a place is searched for; it is stored at the first."""
 NUM_BITS = 11
-"""Of the word of a descriptor."""
+"""Number of bits of a descriptor's word."""
 MIN_TRACKS = 12
-"""Points that have to agree on one motion."""
+"""Minimum number of points that agree on one motion."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,7 +51,7 @@ class Place:
 
     @property
     def summary(self) -> Array:
-        """(W,) how often each word occurs, of length 1: alike for places that look alike."""
+        """(W,) word histogram of unit length: similar for places that look similar."""
         count = np.bincount(_words(self.descriptors), minlength=2**NUM_BITS).astype(np.float64)
         summary: Array = np.sqrt(count / max(1.0, count.sum()))
         return summary
@@ -63,7 +63,7 @@ def see(pair: StereoPair, stretches: tuple[float, ...] = STRETCHES[:1]) -> Place
     Parameters
     ----------
     stretches : tuple of float
-        Factors of the image's width; the points of all of them are kept.
+        Horizontal scale factors of the image; the points of all of them are kept.
     """
     left, right = grey(pair.left), grey(pair.right)
     found = [_blobs(left, stretch) for stretch in stretches]
@@ -80,7 +80,7 @@ def see(pair: StereoPair, stretches: tuple[float, ...] = STRETCHES[:1]) -> Place
 def _blobs(
     image: NDArray[np.uint8], stretch: float
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Points (N, 2) of an image that is looked at in another width, with their descriptors."""
+    """Points (N, 2) of a horizontally scaled image, with their descriptors."""
     wide = image
     if stretch != 1.0:
         wide = cv2.resize(image, None, fx=stretch, fy=1.0, interpolation=cv2.INTER_AREA)
@@ -95,13 +95,13 @@ def _blobs(
 
 @cache
 def _sift() -> Any:
-    # OpenCV's stubs do not know it.
+    # Missing in OpenCV's type stubs.
     create: Any = cv2.SIFT_create  # type: ignore[attr-defined,unused-ignore]
     return create(nfeatures=NUM_POINTS, contrastThreshold=CONTRAST, sigma=1.2)
 
 
 def _words(descriptors: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """(N,) the sides of fixed random planes on which each descriptor lies, as a number."""
+    """(N,) words: bits for the side of fixed random planes on which each descriptor lies."""
     rooted = np.sqrt(descriptors.astype(np.float64))
     rooted -= rooted.mean(axis=1, keepdims=True)
     words: NDArray[np.int64] = (rooted @ _planes() > 0) @ (1 << np.arange(NUM_BITS))
@@ -114,7 +114,7 @@ def _planes() -> Array:
 
 
 def shared(first: Place, second: Place) -> Tracks:
-    """The points that two places have in common, as the rig of the second sees them."""
+    """The common points of two places, converted to the rig of the second."""
     if not (len(first) and len(second)):
         none = np.zeros(0, np.intp)
         return Tracks(first=first.sightings.select(none), second=second.sightings.select(none))
@@ -129,7 +129,7 @@ def shared(first: Place, second: Place) -> Tracks:
 
 
 def _as_seen_by(rig: StereoRig, seen: Sightings, by: StereoRig) -> Sightings:
-    """Sightings of one rig as another at the same pose has them."""
+    """Sightings of one rig, converted to another at the same pose."""
     zoom = rig.focal_px / by.focal_px
     own, other = (np.array([one.cx_left_px, one.cy_px]) for one in (rig, by))
     shift = (seen.disparity_px - by.disparity_offset_px) * (rig.baseline / by.baseline)
@@ -142,20 +142,20 @@ def _as_seen_by(rig: StereoRig, seen: Sightings, by: StereoRig) -> Sightings:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Meeting:
-    """The motion between two places that show the same."""
+    """The motion between two places that show the same scene."""
 
     T_second_first: Array
     """(4, 4) of the left cameras."""
     num_agreeing: int
-    """Points that agree on it."""
+    """Number of points that agree on it."""
     share: float
-    """Of the points that look alike."""
+    """Share of the matched points that agree."""
     tracks: Tracks
-    """Those points, as the second rig sees them."""
+    """The agreeing points, converted to the second rig."""
 
 
 def meet(first: Place, second: Place) -> Meeting | None:
-    """The motion between two places; None where too few of their points agree on one."""
+    """The motion between two places; None if too few points agree on one."""
     tracks = shared(first, second)
     agreeing = agreeing_tracks(tracks, second.rig)
     if agreeing is None:

@@ -1,4 +1,4 @@
-"""Corners followed from the left image to the right one and into the next pair."""
+"""Corners tracked from the left image to the right one and into the next pair."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -18,23 +18,23 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_] | NDArray[np.integer]
 
 NUM_CORNERS, NUM_CELLS = 700, 70
-"""Corners are asked for cell by cell, so that one textured wall does not get all of them."""
+"""Corners are detected per cell, so that one textured wall does not get all of them."""
 MIN_CORNER_SPACING_PX = 7
 CORNER_QUALITY = 0.01
 LK_WINDOW_PX, LK_LEVELS = 15, 4
 GUIDED_LEVELS = 1
-"""Of corners that are looked for where a motion puts them, and not at what else looks alike."""
+"""Pyramid levels for predicted corners; few, so that similar corners are not found."""
 MAX_RETURN_ERROR_PX = 0.5
-"""Between a corner and where following it there and back ends."""
+"""Maximum error of forward-backward tracking."""
 MIN_SHIFT_PX = 1.0
-"""Points further away, by their disparity, say nothing of a step."""
+"""Minimum disparity relative to infinity; farther points do not constrain the translation."""
 MAX_ROW_ERROR_PX = 2.0
-"""Between the eyes, about the median row offset."""
+"""Between left and right image, relative to the median row offset."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sightings:
-    """Points seen by both eyes at one moment."""
+    """Points seen by both cameras at one time."""
 
     points_px: Array
     """(N, 2) in the left image."""
@@ -73,13 +73,13 @@ class Tracks:
 
 
 def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = None) -> Tracks:
-    """Follow corners of `first` through all four images.
+    """Track corners of `first` through all four images.
 
     Parameters
     ----------
     first, second : StereoPair
     T_second_first : (4, 4), optional
-        Motion of the left camera, by which they are looked for; where they were if not given.
+        Motion of the left camera, to predict the corners; by default they start where they were.
     """
     left, right, next_left, next_right = (
         grey(image) for image in (first.left, first.right, second.left, second.right)
@@ -100,7 +100,7 @@ def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = 
 
 
 def _predicted(seen: Sightings, rig: StereoRig, T_second_first: Array) -> NDArray[np.float32]:
-    """(N, 2) where points are after a motion; where they were if it puts them behind the camera."""
+    """(N, 2) predicted points after a motion; unchanged if it puts them behind the camera."""
     shift = seen.disparity_px - rig.disparity_offset_px
     places = seen.points_px.copy()
     near = shift > MIN_SHIFT_PX
@@ -113,7 +113,7 @@ def _predicted(seen: Sightings, rig: StereoRig, T_second_first: Array) -> NDArra
 
 
 def sight(pair: StereoPair) -> Sightings:
-    """Corners that both eyes see."""
+    """Corners that both cameras see."""
     left = grey(pair.left)
     seen, is_seen = seen_by_both(left, grey(pair.right), corners(left))
     return seen.select(is_seen)
@@ -145,7 +145,7 @@ def _spans(extent: int, parts: int) -> list[tuple[int, int]]:
 def seen_by_both(
     left: Image, right: Image, points: NDArray[np.float32]
 ) -> tuple[Sightings, NDArray[np.bool_]]:
-    """Points (N, 2) of the left image as both cameras see them, and whether both do."""
+    """Points (N, 2) of the left image as seen by both cameras, and the mask of those found."""
     found, is_found = follow(left, right, points)
     offset = points.astype(np.float64) - found
     row_offset = -offset[:, 1]
@@ -164,7 +164,7 @@ def follow(
     guess: NDArray[np.float32] | None = None,
     num_levels: int = LK_LEVELS,
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-    """Points (N, 2) followed into another image, and whether following them back leads home.
+    """Points (N, 2) tracked into another image, and the mask of those that track back.
 
     Parameters
     ----------
@@ -172,9 +172,9 @@ def follow(
     points : (N, 2) float32
         In `source`.
     guess : (N, 2) float32, optional
-        Where they are about in `target`.
+        Approximate positions in `target`.
     num_levels : int
-        Halvings of the images in which the search begins; the more, the farther it reaches.
+        Pyramid levels; more levels reach farther.
     """
     if not len(points):
         return points, np.zeros(0, np.bool_)

@@ -1,1 +1,1 @@
-"""Readers of recordings: one format a file."""
+"""Readers of recordings: one format per file."""

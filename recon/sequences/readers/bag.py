@@ -1,4 +1,4 @@
-"""ROS 1 and ROS 2 bags (with the extra `ros`): two image topics, paired by their time stamps."""
+"""ROS 1 and ROS 2 bags (with the extra `ros`): two image topics, paired by timestamp."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -35,28 +35,28 @@ NAMES = (
     {"left": re.compile(r"cam(era)?_?0"), "right": re.compile(r"cam(era)?_?1")},
     {"left": re.compile(r"cam(era)?_?1"), "right": re.compile(r"cam(era)?_?2")},
 )
-"""Words for the two cameras in names of topics, tried in turn: the first that names both sides."""
+"""Words for the two cameras in topic names; the first entry that identifies both sides is used."""
 ENDINGS = (".bag", ".mcap", ".db3")
 MAX_STAMP_GAP_NS = 1_000_000
-"""Between the two images of a pair: cameras that are triggered together differ by less."""
+"""Maximum time between the two images of a pair; synchronised cameras differ by less."""
 MAX_WAITING = 64
-"""Images that are kept until their partner comes."""
+"""Maximum number of images kept until their partner arrives."""
 
 NUM_FIRST = 8
-"""Messages of whose images the first of each side tells size and levels."""
+"""Number of first messages searched for an image of each side, which gives size and levels."""
 Messages = dict[str, Any]
-"""The messages of one moment, by their side."""
+"""The messages of one time, by side."""
 
 
 def is_bag(path: Path) -> bool:
-    """True where `path` is a bag of ROS 1, a folder or a single file of ROS 2's."""
+    """True if `path` is a ROS 1 bag, or a ROS 2 bag as folder or single file."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
     return path.suffix in ENDINGS
 
 
 def open_bag(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in a bag; calib.* and poses.txt beside it come before what it holds."""
+    """The recording in a bag; calib.* and poses.txt beside it take precedence over its content."""
     images = image_topics(path, settings)
     stream = read_messages(path, [*images.values()])
     first = {topic: message for topic, _, message in islice(stream, NUM_FIRST)}
@@ -64,7 +64,7 @@ def open_bag(path: Path, settings: SequenceSettings) -> Recording:
         if topic not in first:
             first[topic] = next((m for _, _, m in read_messages(path, [topic])), None)
         if first[topic] is None:
-            raise InputError(f"{path} holds no images of the topic {topic}")
+            raise InputError(f"{path} contains no images of the topic {topic}")
     samples = {topic: image(message) for topic, message in first.items()}
     calibration = _calibration(path, images)
     height, width = samples[images["left"]].shape[:2]
@@ -94,7 +94,7 @@ class _Loader:
     needs_pose: bool
 
     def __call__(self, stamp: int, messages: Messages) -> StereoPair:
-        """The rectified pair of a moment."""
+        """The rectified pair of one time."""
         for side in SIDES:
             if side not in messages:
                 raise InputError(f"it has no {side} image")
@@ -107,7 +107,7 @@ class _Loader:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _BagFrames:
-    """Pairs of images in the order of the bag; each pass reads it anew."""
+    """Pairs of images in the order of the bag; each iteration reads it again."""
 
     path: Path
     topics: dict[str, str]
@@ -139,9 +139,9 @@ class _BagFrames:
 
 
 def paired(stream: Iterable[tuple[str, int, Any]]) -> Iterator[tuple[int, Messages]]:
-    """Messages ("left" or "right", stamp, message) put together by their stamps, in order.
+    """Messages ("left" or "right", stamp, message) paired by their stamps, in order.
 
-    A message without a partner comes alone.
+    A message without a partner is yielded alone.
     """
     waiting: dict[str, dict[int, Any]] = {side: {} for side in SIDES}
     for side, stamp, message in stream:
@@ -159,13 +159,13 @@ def paired(stream: Iterable[tuple[str, int, Any]]) -> Iterator[tuple[int, Messag
 
 
 def _alone(waiting: dict[str, dict[int, Any]], end: int | None) -> list[tuple[int, Messages]]:
-    """Take out what waited in vain for a partner, up to a time."""
+    """Remove messages without a partner, up to a time."""
     old = sorted((t, side) for side in SIDES for t in waiting[side] if end is None or t < end)
     return [(t, {side: waiting[side].pop(t)}) for t, side in old]
 
 
 def _calibration(path: Path, images: dict[str, str]) -> Calibration:
-    """The calibration beside a bag, else that of the cameras whose images are taken."""
+    """The calibration beside a bag, else that of the cameras used."""
     for file in sorted(path.parent.glob("calib*.*")):
         return read_calibration(file)
     infos = {side: _info_topic(path, topic) for side, topic in images.items()}
@@ -174,36 +174,36 @@ def _calibration(path: Path, images: dict[str, str]) -> Calibration:
             return read_calibration(path.parent)
         except InputError as error:
             raise InputError(
-                f"{path} holds no camera info, and no calib.* lies beside it"
+                f"{path} holds no camera info, and there is no calib.* beside it"
             ) from error
     left, right = (
         next((m for _, _, m in read_messages(path, [str(infos[s])])), None) for s in SIDES
     )
     if left is None or right is None:
-        raise InputError(f"{path} holds no camera info, and no calib.* lies beside it")
+        raise InputError(f"{path} holds no camera info, and there is no calib.* beside it")
     return calibration_of(left, right, is_rectified="rect" in images["left"])
 
 
 def _info_topic(path: Path, image_topic: str) -> str | None:
-    """The camera info beside a topic of images, or the only one that has its name."""
+    """The camera info beside an image topic, or the only one with its name."""
     topics = topics_of(path, (CAMERA_TYPE,))
     side = image_topic.rstrip("/").rpartition("/")[0]
     near = [t for t in topics if t.rpartition("/")[0] in (side, image_topic)]
     if near:
         return near[0]
-    # cam0/image_raw and cam0_info, left/image and left_camera_info: the same name begins both.
+    # cam0/image_raw and cam0_info, left/image and left_camera_info: both have the same prefix.
     stem = side.rpartition("/")[2]
     named = [t for t in topics if stem and re.search(rf"(^|/){re.escape(stem)}[^/]*", t)]
     return named[0] if len(named) == 1 else None
 
 
 def image_topics(path: Path, settings: SequenceSettings) -> dict[str, str]:
-    """The topic of each side: the one asked for, or the one whose name says it.
+    """The topic of each side: the requested one, or the one indicated by its name.
 
     Raises
     ------
     InputError
-        With the topics of images there are.
+        With the available image topics.
     """
     topics = topics_of(path, IMAGE_TYPES)
     asked = {"left": settings.left_topic, "right": settings.right_topic}
@@ -218,14 +218,14 @@ def image_topics(path: Path, settings: SequenceSettings) -> dict[str, str]:
     if missing or found["left"] == found["right"]:
         side = missing[0] if missing else "right"
         raise InputError(
-            f"{path} holds no Image topic of the {side} camera that is known by its name (of "
+            f"{path} holds no Image topic of the {side} camera that is identified by its name (of "
             f"{', '.join(topics) or 'none'}): give --left-topic and --right-topic"
         )
     return {side: str(topic) for side, topic in found.items()}
 
 
 def _named_sides(topics: list[str]) -> dict[str, str]:
-    """The topic of each side by its name: by its last part that tells before the others."""
+    """The topic of each side by its name; the last informative part decides."""
     ranked = sorted(topics, key=_likelihood)
     for names in NAMES:
         found = {
@@ -238,7 +238,7 @@ def _named_sides(topics: list[str]) -> dict[str, str]:
 
 
 def _says(names: dict[str, re.Pattern[str]], side: str, topic: str) -> bool:
-    """True where the last part of a topic that names a side names this one."""
+    """True if the last part of a topic that indicates a side indicates this one."""
     other = "right" if side == "left" else "left"
     for part in reversed(topic.lower().split("/")):
         if names[side].search(part):

@@ -1,4 +1,4 @@
-"""The topics and messages of a bag, of ROS 1 or 2, opened by rosbags."""
+"""The topics and messages of a ROS 1 or 2 bag, read by rosbags."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,7 +10,7 @@ from recon.libraries import load_extra
 
 
 def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
-    """Names of the topics of a bag that carry some types, sorted."""
+    """Names of the topics of a bag with the given types, sorted."""
     with opened(path) as reader:
         return sorted({c.topic for c in reader.connections if c.msgtype in types})
 
@@ -31,20 +31,20 @@ def read_messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any
 
 @contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """An open reader; what it cannot read is an `InputError`."""
+    """An open reader; failures become an `InputError`."""
     highlevel = load_extra("rosbags.highlevel", "ros")
     try:
         with highlevel.AnyReader([path], default_typestore=_usual_types()) as reader:
             yield reader
     except InputError:
         raise
-    # rosbags and what it reads databases with raise whatever they meet in damaged ones.
+    # rosbags and its database libraries raise errors of any kind for damaged bags.
     except Exception as error:
         reason = str(error).partition("\n")[0] or type(error).__name__
         raise InputError(f"{path} cannot be read as a bag ({reason})") from error
 
 
 def _usual_types() -> Any:
-    """Definitions of messages for bags of ROS 2 that bring none."""
+    """Message definitions for ROS 2 bags without their own."""
     typesys = load_extra("rosbags.typesys", "ros")
     return typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)

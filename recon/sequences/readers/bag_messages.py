@@ -1,4 +1,4 @@
-"""Images and cameras as ROS 1 and 2 write them."""
+"""Images and cameras in ROS 1 and 2 messages."""
 
 from typing import Any
 
@@ -13,28 +13,28 @@ from recon.sequences.depth import Pixels
 from recon.sequences.images import decode_pixels, masked
 
 PLAIN = {"8UC1": "mono8", "8UC3": "bgr8", "8UC4": "bgra8", "16UC1": "mono16", "16UC3": "bgr16"}
-"""Channels of OpenCV's encodings, which name no colours, in its own order."""
+"""OpenCV encodings, which do not name the colours, in OpenCV's channel order."""
 _PNG_START = b"\x89PNG"
 DEPTH_HEADER_BYTES = 64
-"""compressedDepth writes some parameters before the PNG."""
+"""compressedDepth has some parameters before the PNG."""
 
 IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 CAMERA_TYPE = "sensor_msgs/msg/CameraInfo"
 
 
 def stamp_ns(message: Any) -> int:
-    """The time of a message by its header; 0 where nobody set it."""
+    """The time in the header of a message; 0 if not set."""
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
 def image(message: Any) -> Pixels:
-    """The image of an Image or CompressedImage, grey or RGB, 8 or 16 bits deep.
+    """The image of an Image or CompressedImage, grey or RGB, 8 or 16 bits.
 
     Raises
     ------
     InputError
-        Where its encoding is not known or its bytes do not fit its size.
+        If its encoding is unknown or its bytes do not fit its size.
     """
     data = np.asarray(message.data, dtype=np.uint8)
     if hasattr(message, "format"):
@@ -57,7 +57,7 @@ def _compressed(data: bytes) -> Pixels:
 
 
 def _pixels(message: Any, data: NDArray[np.uint8], kind: np.dtype[Any], channels: int) -> Pixels:
-    """(H, W) or (H, W, channels) without what pads the rows."""
+    """(H, W) or (H, W, channels) without row padding."""
     num_bytes = message.width * channels * kind.itemsize
     if data.size != message.height * message.step or message.step < num_bytes or not num_bytes:
         raise InputError(
@@ -71,7 +71,7 @@ def _pixels(message: Any, data: NDArray[np.uint8], kind: np.dtype[Any], channels
 
 
 def _in_rgb(library: Any, pixels: Pixels, encoding: str) -> Pixels:
-    """Grey as it is, all colours as RGB, alpha kept."""
+    """Grey unchanged, all colours as RGB, alpha kept."""
     if encoding.startswith("mono"):
         return pixels
     wanted = "rgba" if "a8" in encoding or "a16" in encoding else "rgb"
@@ -81,10 +81,9 @@ def _in_rgb(library: Any, pixels: Pixels, encoding: str) -> Pixels:
 
 
 def calibration_of(left: Any, right: Any, *, is_rectified: bool) -> Calibration:
-    """The rig of two CameraInfo messages, for rectified images or for raw ones.
+    """The rig from two CameraInfo messages, for rectified or raw images.
 
-    The step between the cameras is in the right projection; raw cameras are turned from the
-    rectified ones by their own R.
+    The baseline is in the right projection; R rotates each raw camera to the rectified one.
     """
     P_left, P_right = (_field(info, "P").reshape(3, 4) for info in (left, right))
     if not (P_left[0, 0] > 0 and P_right[0, 0] > 0):
@@ -97,7 +96,7 @@ def calibration_of(left: Any, right: Any, *, is_rectified: bool) -> Calibration:
 
 
 def _field(info: Any, name: str) -> NDArray[np.float64]:
-    """A matrix; ROS 1 writes its name large, ROS 2 small."""
+    """A matrix; its name is upper case in ROS 1 and lower case in ROS 2."""
     return np.asarray(getattr(info, name if hasattr(info, name) else name.lower()), np.float64)
 
 

@@ -1,4 +1,4 @@
-"""EuRoC's (ASL's) form: cam0, cam1 with data.csv and sensor.yaml, ground truth of the body."""
+"""EuRoC (ASL) format: cam0, cam1 with data.csv and sensor.yaml, ground truth of the body."""
 
 from pathlib import Path
 
@@ -19,12 +19,12 @@ NANOSECONDS = 1e-9
 
 
 def is_euroc(path: Path) -> bool:
-    """True where `path`, or its mav0, holds cam0 and cam1 with their sensor.yaml."""
+    """True if `path`, or its mav0, contains cam0 and cam1 with their sensor.yaml."""
     return all((_root(path) / camera / "sensor.yaml").is_file() for camera in ("cam0", "cam1"))
 
 
 def open_euroc(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in `path`: images of one time stamp make a pair."""
+    """The recording in `path`: images with the same timestamp form a pair."""
     root = _root(path)
     calibration, T_body_left = read_sensors(
         root / "cam0" / "sensor.yaml", root / "cam1" / "sensor.yaml"
@@ -47,7 +47,7 @@ def _root(path: Path) -> Path:
 
 
 def _stamped(camera: Path) -> dict[int, Path]:
-    """Images of a camera by their time in nanoseconds, as data.csv or their names say."""
+    """Images of a camera by their time in nanoseconds, from data.csv or their names."""
     table = camera / "data.csv"
     if not table.is_file():
         files = [f for f in (camera / "data").glob("*.*") if f.suffix.lower() in ENDINGS]

@@ -1,4 +1,4 @@
-"""A plain folder: left/, right/, a calibration, and where known poses.txt and times.txt."""
+"""A plain folder: left/, right/, a calibration, and optional poses.txt and times.txt."""
 
 import logging
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ log = logging.getLogger(__name__)
 
 TIMES = ("times.txt", "timestamps.txt")
 POSES = ("poses.txt", "poses.csv", "groundtruth.txt", "transforms.json", "images.txt")
-"""Files of poses, KITTI's and TUM's, EuRoC's, TUM's, nerfstudio's and COLMAP's names."""
+"""Names of pose files: KITTI's and TUM's, EuRoC's, TUM's, nerfstudio's and COLMAP's."""
 NUM_FIRST = 10
-"""Frames of whose images a few tell the levels of all."""
+"""Number of first frames from which the levels of all are estimated."""
 
 
 def is_folder(path: Path) -> bool:
-    """True where `path` holds left/ and right/."""
+    """True if `path` contains left/ and right/."""
     return (path / "left").is_dir() and (path / "right").is_dir()
 
 
@@ -51,7 +51,7 @@ def open_folder(path: Path, settings: SequenceSettings) -> Recording:
 
 
 def find_times(path: Path) -> NDArray[np.float64] | None:
-    """Seconds of the frames, as times.txt or timestamps.txt of a folder says; None without."""
+    """Times of the frames in seconds, from times.txt or timestamps.txt; None without either."""
     for name in TIMES:
         if (path / name).is_file():
             return read_times(path / name)
@@ -61,12 +61,12 @@ def find_times(path: Path) -> NDArray[np.float64] | None:
 def given_poses(
     path: Path, settings: SequenceSettings, names: Sequence[str] = POSES
 ) -> GivenPoses | None:
-    """The poses of a folder where it has them: to be used, or to judge estimated ones by.
+    """The poses of a folder, if any: to be used, or to evaluate estimated ones.
 
     Raises
     ------
     InputError
-        Where they cannot be read, but are to be used.
+        If they are to be used but cannot be read.
     """
     files = [path / name for name in names if (path / name).is_file()]
     if settings.poses == "none" or not files:
@@ -102,7 +102,7 @@ def file_recording(
 
 
 def first_stretch(listed: Sequence[Listed]) -> Stretch:
-    """The stretch of 16 bits to 8, by both cameras in a few of the first frames."""
+    """The stretch from 16 to 8 bits, from both cameras in a few of the first frames."""
     samples: list[Pixels] = []
     for entry in listed[: NUM_FIRST : max(1, NUM_FIRST // 2)]:
         for path in (entry.left, entry.right):
@@ -121,7 +121,7 @@ def first_size(listed: Sequence[Listed]) -> tuple[int, int]:
     Raises
     ------
     InputError
-        Where none can.
+        If there is none.
     """
     faults = []
     for path in (path for entry in listed for path in (entry.left, entry.right) if path):
@@ -131,7 +131,7 @@ def first_size(listed: Sequence[Listed]) -> tuple[int, int]:
             faults.append(str(error))
         else:
             return width, height
-    raise InputError(f"no image can be read; the first fault: {faults[0]}")
+    raise InputError(f"no image can be read; the first error: {faults[0]}")
 
 
 def _fault(entry: Listed) -> str | None:

@@ -1,7 +1,7 @@
 """KITTI's layouts: odometry, raw drives, and the stereo sets of 2012 and 2015.
 
 Grey images are in image_0 and image_1 (raw: image_00, image_01), colour in image_2 and image_3
-(raw: image_02, image_03; 2012: colored_0, colored_1); copies call them image_l and image_r.
+(raw: image_02, image_03; 2012: colored_0, colored_1); some copies name them image_l and image_r.
 """
 
 from dataclasses import dataclass
@@ -55,20 +55,20 @@ SIDES = (  # colour before grey
 )
 CALIBRATIONS = ("calib.txt", "calib_cam_to_cam.txt")
 MANY_CALIBRATIONS = ("calib_cam_to_cam", "calib")
-"""Folders with a file per scene, of 2015 and 2012."""
+"""Folders with a file per scene, in the 2015 and 2012 sets."""
 
 
 def is_kitti(path: Path) -> bool:
-    """True where `path` holds the image folders of a KITTI recording."""
+    """True if `path` contains the image folders of a KITTI recording."""
     return _sides(path) is not None
 
 
 def open_kitti(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in `path`; its poses are camera 0's, and lead on to the left camera used."""
+    """The recording in `path`; its poses are camera 0's, converted to the left camera used."""
     sides = _sides(path)
     if sides is None:
         names = ", ".join(f"{one.left} and {one.right}" for one in SIDES)
-        raise InputError(f"{path} holds neither of {names}")
+        raise InputError(f"{path} contains neither of {names}")
     listed = list_pairs(_images(path / sides.left), _images(path / sides.right))
     calib = _calibration(path)
     if calib is None:
@@ -91,15 +91,15 @@ def _sides(path: Path) -> _Sides | None:
 
 
 def _images(folder: Path) -> Path:
-    """The folder of the images: KITTI raw's are in data/."""
+    """The folder of the images, which is data/ in KITTI raw."""
     return folder / "data" if (folder / "data").is_dir() else folder
 
 
 def _calibration(path: Path) -> Path | None:
-    """The one calibration of a recording, in its folder or, of a raw drive, a level up or two."""
+    """The calibration of a recording, in its folder or, for raw drives, one or two levels up."""
     for folder in (path, path.resolve().parent, path.resolve().parent.parent):
         for name in CALIBRATIONS:
-            # A level up only KITTI raw's own name is taken: calib.txt may be of anything.
+            # A level up only KITTI raw's own name is accepted: calib.txt may belong to anything.
             if (folder / name).is_file() and (folder == path or name == CALIBRATIONS[1]):
                 return folder / name
     if any((path / name).is_dir() for name in MANY_CALIBRATIONS):
@@ -108,13 +108,13 @@ def _calibration(path: Path) -> Path | None:
 
 
 def _times(path: Path, sides: _Sides) -> Array | None:
-    """Seconds: times.txt of the recording, or timestamps.txt of the left camera (raw)."""
+    """Times in seconds: times.txt of the recording, or timestamps.txt of the left camera (raw)."""
     times = find_times(path)
     return read_times(path / sides.left / "timestamps.txt") if times is None else times
 
 
 def _archived_poses(path: Path, settings: SequenceSettings) -> GivenPoses | None:
-    """Poses where KITTI odometry keeps them: ../../poses/NAME.txt."""
+    """Poses at KITTI odometry's location: ../../poses/NAME.txt."""
     own = path.resolve()
     return given_poses(own.parent.parent / "poses", settings, (f"{own.name}.txt",))
 
@@ -122,7 +122,7 @@ def _archived_poses(path: Path, settings: SequenceSettings) -> GivenPoses | None
 def _scenes(
     path: Path, sides: _Sides, listed: list[Listed], settings: SequenceSettings
 ) -> Recording:
-    """Pairs of the stereo sets: each has a calibration of its own, and no pose."""
+    """Pairs of the stereo sets: each has its own calibration, and no pose."""
     folder = next(path / name for name in MANY_CALIBRATIONS if (path / name).is_dir())
     eight_bits = first_stretch(listed)
     frames, skipped = [], []

@@ -1,4 +1,4 @@
-"""A single pair: left.*, right.*, a calibration, where known the truth (Middlebury)."""
+"""A single pair: left.*, right.*, a calibration, optional ground truth (Middlebury)."""
 
 from pathlib import Path
 
@@ -17,16 +17,16 @@ NAMES = {
     "left": ("left", "im0", "view1", "im2"),
     "right": ("right", "im1", "view5", "im6"),
 }
-"""Names of a side: here, and in Middlebury's sets of 2014, 2005 and 2006, 2001 and 2003."""
+"""Names per side: recon's, and those of Middlebury 2014, 2005 and 2006, 2001 and 2003."""
 
 
 def is_pair_dir(path: Path) -> bool:
-    """True where `path` holds one left and one right image."""
+    """True if `path` contains one left and one right image."""
     return path.is_dir() and all(_image(path, side) for side in NAMES)
 
 
 def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
-    """The one pair in `path`; its left eye is the origin of the world, and level."""
+    """The single pair in `path`; its left camera is the origin of the world, and level."""
     pair = Listed(
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
@@ -41,11 +41,11 @@ def find_image(path: Path, side: str) -> Path:
     Raises
     ------
     InputError
-        Where there is none.
+        If there is none.
     """
     found = _image(path, side)
     if found is None:
-        raise InputError(f"{path} holds no {side} image ({side}.png or the like)")
+        raise InputError(f"{path} contains no {side} image ({side}.png or the like)")
     return found
 
 

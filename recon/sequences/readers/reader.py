@@ -1,4 +1,4 @@
-"""The record of a reader of recordings, of recon's own and those of plug-ins."""
+"""The record of a reader of recordings, for recon's own and those of plug-ins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from recon.settings import SequenceSettings
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reader:
-    """One form of recording: a test whether a path holds it, and a function that opens it.
+    """One recording format: a test for a path, and a function that opens it.
 
-    Plug-ins name an object of this kind in the entry-point group `recon.sequences`.
+    Plug-ins register such an object in the entry-point group `recon.sequences`.
     """
 
     fits: Callable[[Path], bool]
-    """True where a path holds this form, told by what is in it."""
+    """True if a path has this format, judged by its content."""
     open: Callable[[Path, SequenceSettings], PairSource]

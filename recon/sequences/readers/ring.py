@@ -1,4 +1,4 @@
-"""Calibrated views round one object (Middlebury multi-view): neighbours become pairs."""
+"""Calibrated views around one object (Middlebury multi-view): neighbours form pairs."""
 
 import re
 from collections.abc import Sequence
@@ -28,13 +28,14 @@ from recon.settings import SequenceSettings
 Array = NDArray[np.float64]
 
 MIN_ANGLE_DEG, MAX_ANGLE_DEG = 10.0, 35.0
-"""Between the views of a pair, seen from the object: below depth is unsure, above few match."""
+"""Angle between the views of a pair, seen from the object: smaller ones give uncertain depth,
+larger ones few matches."""
 MARGIN_PX = 16
-"""Left round the object's box in the rectified images: the reach of filters and windows."""
+"""Margin around the object's box in the rectified images: the reach of filters and windows."""
 BLACK, DARK = 20.0, 40.0
-"""Levels of the background before which the object stands, and of its darkest parts."""
+"""Grey levels of the background, and of the darkest parts of the object."""
 BACKGROUND_BLUR_PX = 1.0
-"""A single bright pixel of noise makes no object."""
+"""Suppresses single bright pixels of noise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,25 +45,25 @@ class RingView:
     path: Path
     camera: Camera
     T_world_cam: Array
-    """(4, 4) in the world of the file, whose y is up."""
+    """(4, 4) in the world of the file, with y up."""
 
 
 def is_ring(path: Path) -> bool:
-    """True where `path` holds par.txt or NAME_par.txt."""
+    """True if `path` contains par.txt or NAME_par.txt."""
     return path.is_dir() and any(path.glob("*par.txt"))
 
 
 def open_ring(path: Path, settings: SequenceSettings) -> Recording:
     """Pairs of neighbouring views, chosen by their angle about the object, not by their order.
 
-    Most stand one above the other; rectification turns them. The world is the file's own.
+    Most have a vertical baseline; rectification rotates them. The world is the file's own.
     """
     views, twins = distinct(read_views(next(iter(path.glob("*par.txt")))))
     box = read_box(path, views)
     near = neighbours(views, box.mean(axis=0))
     if not near:
         raise InputError(
-            f"{path} holds no two views {MIN_ANGLE_DEG:g} to {MAX_ANGLE_DEG:g} degrees apart"
+            f"{path} contains no two views {MIN_ANGLE_DEG:g} to {MAX_ANGLE_DEG:g} degrees apart"
         )
     pairs = [_ring_pair(*views_of_pair, box) for views_of_pair in in_turn(near, box.mean(axis=0))]
     frames = [
@@ -83,7 +84,7 @@ def read_views(path: Path) -> list[RingView]:
     Raises
     ------
     InputError
-        With the line that is none.
+        With the line that is not a view.
     """
     views, errors = [], []
     for number, line in enumerate(read_lines(path), start=1):
@@ -104,13 +105,13 @@ def read_views(path: Path) -> list[RingView]:
             RingView(path=path.parent / name, camera=camera, T_world_cam=invert(T_cam_world))
         )
     if not views:
-        raise InputError(f"{path} holds no views, but a name, K, R and t per line are needed")
+        raise InputError(f"{path} contains no views, but a name, K, R and t per line are needed")
     say_rigid(f"{path}: the rotation of a view", max(errors))
     return views
 
 
 def distinct(views: Sequence[RingView]) -> tuple[list[RingView], list[Skipped]]:
-    """The views without those that stand where an earlier one stood: they add no second look."""
+    """The views without those that repeat the pose of an earlier one."""
     kept: list[RingView] = []
     twins = []
     for view in views:
@@ -123,7 +124,7 @@ def distinct(views: Sequence[RingView]) -> tuple[list[RingView], list[Skipped]]:
 
 
 def neighbours(views: Sequence[RingView], centre: Array) -> list[tuple[RingView, RingView]]:
-    """All two views whose angle about `centre` (3,) suits stereo."""
+    """All pairs of views whose angle about `centre` (3,) suits stereo."""
     chosen = []
     for first, second in combinations(views, 2):
         a, b = (view.T_world_cam[:3, 3] - centre for view in (first, second))
@@ -136,9 +137,9 @@ def neighbours(views: Sequence[RingView], centre: Array) -> list[tuple[RingView,
 def in_turn(
     pairs: Sequence[tuple[RingView, RingView]], centre: Array
 ) -> list[tuple[RingView, RingView]]:
-    """The pairs as they follow each other round `centre` (3,), so that the next sees the same.
+    """The pairs in order around `centre` (3,), so that consecutive pairs overlap.
 
-    The ring lies where the views' places spread most, seen from the centre.
+    The plane of the ring is that of the largest spread of the camera positions.
     """
     middles = np.stack(
         [first.T_world_cam[:3, 3] + second.T_world_cam[:3, 3] for first, second in pairs]
@@ -151,8 +152,8 @@ def in_turn(
 def read_box(folder: Path, views: Sequence[RingView]) -> Array:
     """[[x, y, z] lowest, [x, y, z] highest] of the object, world units.
 
-    The README states it as two bracketed triples; where it does not, the cube round the point
-    that all views look at, as large as the narrowest of them sees.
+    The README states it as two bracketed triples; otherwise it is the cube around the common target
+    of all views, as large as fits the narrowest view.
     """
     number = r"\s*(-?\d+\.?\d*(?:[eE]-?\d+)?)"
     triple = rf"\({number}[\s,]{number}[\s,]{number}\s*\)"
@@ -177,9 +178,9 @@ def _common_cube(views: Sequence[RingView]) -> Array:
 
 
 def blackened(image: Image) -> Image:
-    """The image with its dark background truly black: noise there has features too.
+    """The image with its dark background set to black: noise has features, too.
 
-    The gain goes from 0 to 1 between the two levels, as a step would be an edge that is not there.
+    The gain rises from 0 to 1 between the two levels; a step would create an artificial edge.
     """
     brightness = image if image.ndim == 2 else image.max(axis=2)
     blurred = cv2.GaussianBlur(brightness, (0, 0), BACKGROUND_BLUR_PX).astype(np.float32)
@@ -190,7 +191,7 @@ def blackened(image: Image) -> Image:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _RingPair:
-    """Two views and how they are rectified onto the object."""
+    """Two views and their rectification, centred on the object."""
 
     left: RingView
     right: RingView
@@ -233,7 +234,7 @@ def _corners_left(left: RingView, box: Array) -> Array:
 def _box_rig(
     calibration: Calibration, rotation: Array, corners_left: Array
 ) -> tuple[StereoRig, int]:
-    """The rig that just shows the box, its farthest corner at disparity 0, and the largest one."""
+    """The rig that just covers the box, farthest corner at disparity 0, and the largest one."""
     focal = float(np.mean(np.diag(calibration.left.matrix)[:2]))
     left = corners_left @ rotation.T
     right = left - [calibration.baseline, 0.0, 0.0]

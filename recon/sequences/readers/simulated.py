@@ -1,7 +1,7 @@
-"""Views of the simulated world: a folder of exported frames, each with a rig of its own.
+"""Views of the simulated world: a folder of exported frames, each with its own rig.
 
-Eyes that turn to what they look at change their principal points from view to view, so that one
-calibration cannot serve them all.
+Cameras that fixate their target have different principal points in every view, so that no single
+calibration fits them all.
 """
 
 from dataclasses import replace
@@ -21,15 +21,15 @@ from recon.settings import SequenceSettings
 
 
 def is_simulated(path: Path) -> bool:
-    """True where `path` holds folders of pairs."""
+    """True if `path` contains folders of pairs."""
     return bool(_pair_dirs(path))
 
 
 def open_simulated(path: Path, settings: SequenceSettings) -> Recording:
-    """The pairs in the folders of `path`, with a row of poses.txt and times.txt each."""
+    """The pairs in the folders of `path`, each with a row of poses.txt and times.txt."""
     folders = _pair_dirs(path)
     if not folders:
-        raise InputError(f"{path} holds no folders with left.* and right.*")
+        raise InputError(f"{path} contains no folders with left.* and right.*")
     poses = list_frame_poses(
         [folder.name for folder in folders],
         find_times(path),

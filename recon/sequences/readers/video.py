@@ -1,4 +1,4 @@
-"""Video files: left.* and right.*, or one file with both eyes side by side."""
+"""Video files: left.* and right.*, or one file with both views side by side."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -23,19 +23,19 @@ from recon.settings import SequenceSettings
 ENDINGS = {".mp4", ".avi", ".mkv", ".mov", ".webm", ".m4v", ".mpg"}
 MAX_FRAMES = 1 << 24
 USUAL_RATE_HZ = 30.0
-"""Of a file that does not say."""
+"""Frame rate of a file that does not state one."""
 
 
 def is_video(path: Path) -> bool:
-    """True where `path` is a video, or holds left.* and right.*."""
+    """True if `path` is a video, or contains left.* and right.*."""
     return path.suffix.lower() in ENDINGS if path.is_file() else bool(_two_files(path))
 
 
 def open_video(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in `path`; calibration, poses.txt and times.txt lie beside the videos."""
+    """The recording in `path`; calibration, poses.txt and times.txt are beside the videos."""
     files = [path] if path.is_file() else _two_files(path)
     if not files:
-        raise InputError(f"{path} holds no left.* and right.* ({', '.join(sorted(ENDINGS))})")
+        raise InputError(f"{path} contains no left.* and right.* ({', '.join(sorted(ENDINGS))})")
     folder = files[0].parent
     clips = [_Clip.of(file) for file in files]
     calibration = read_calibration(find_calibration(folder))
@@ -58,7 +58,7 @@ def open_video(path: Path, settings: SequenceSettings) -> Recording:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Clip:
-    """A video file by its own header."""
+    """A video file as described by its header."""
 
     path: Path
     size: tuple[int, int]
@@ -79,7 +79,7 @@ class _Clip:
             )
         )
         if not 0 < number < MAX_FRAMES:
-            raise InputError(f"{path} holds no frames")
+            raise InputError(f"{path} contains no frames")
         return cls(
             path=path,
             size=(int(width), int(height)),
@@ -89,7 +89,7 @@ class _Clip:
 
 
 class _VideoFrames:
-    """Frames decoded one after the other, each pass from the start."""
+    """Frames decoded sequentially, in each iteration from the start."""
 
     def __init__(
         self,
@@ -111,7 +111,7 @@ class _VideoFrames:
         videos = [_opened(file) for file in self._files]
         next_number = 0
         for number in self._wanted:
-            # What lies between is passed over without being converted: seeking is not exact.
+            # Frames in between are grabbed without conversion: seeking is not exact.
             for _ in range(number - next_number):
                 for video in videos:
                     video.grab()
@@ -126,7 +126,7 @@ class _VideoFrames:
             raise InputError(at.fault)
         images = [image for found, image in (v.retrieve() for v in videos) if found]
         if len(images) < len(self._files):
-            raise InputError("it cannot be decoded: the video is cut short or damaged")
+            raise InputError("it cannot be decoded: the video is truncated or damaged")
         left, right = images if len(images) == 2 else _halves(images[0])
         return self._rectify.pair(_rgb(left), _rgb(right), at.T_world_left, at.stamp_s, name)
 
@@ -143,7 +143,7 @@ def _rgb(bgr: Image) -> Image:
 def _surplus(clips: Sequence[_Clip], num_frames: int) -> list[Skipped]:
     """Frames at the end of the longer video, without a partner."""
     return [
-        Skipped(f"{number:06d}", f"{clip.path.name} alone has it")
+        Skipped(f"{number:06d}", f"only {clip.path.name} has it")
         for clip in clips
         for number in range(num_frames, clip.num_frames)
     ]
@@ -158,7 +158,7 @@ def _two_files(path: Path) -> list[Path]:
 
 
 def _opened(path: Path) -> cv2.VideoCapture:
-    # Its parser of AVI files prints what it does not expect.
+    # OpenCV's AVI parser prints messages about unexpected content.
     with silent():
         video = cv2.VideoCapture(str(path))
     if not video.isOpened():
