@@ -11,7 +11,7 @@ RECON = Path(__file__).parents[1] / "recon"
 
 FLOORS = {
     "errors": 0,
-    "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1,
+    "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1, "threads": 1,
     "settings": 2, "camera": 2, "stopwatch": 2, "environment": 2,
     "records": 3,
     "world": 4, "stereo": 4, "voxelmap": 4, "recognition": 4, "runfolder": 4,

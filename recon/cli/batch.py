@@ -53,7 +53,7 @@ def batch(jobs: str, **given: Any) -> int:
     from recon.batch.schedulers import make_scheduler
     from recon.batch.summary import write_summary
     from recon.batch.sweeps import USUAL
-    from recon.batch.threads import num_processors
+    from recon.threads import num_processors
 
     named = _named_jobs(jobs, given["command"])
     if given["dry_run"]:

@@ -36,7 +36,8 @@ def sums_of(voxel_map: VoxelMap) -> CellSums:
             levels.append(_level(level, archive.rows_of(coarse), names, {}))
     return CellSums(
         index=np.concatenate([one.index for one in levels], axis=1),
-        sums={name: np.concatenate([one.sums[name] for one in levels]) for name in names},
+        names=names,
+        values=np.concatenate([one.values for one in levels], axis=1),
         views=_of_views(columns, rows),
     )
 
@@ -46,14 +47,17 @@ def _level(
 ) -> CellSums:
     own = [rows["count"], *rows["position"].T, *rows["colour"].T]
     known = dict(zip(HITS, own, strict=True)) | extra
-    return _cells(level, rows["index"], {n: known.get(n, np.zeros(len(rows))) for n in names})
+    return _cells(
+        level, rows["index"], {n: known.get(n, np.zeros(len(rows), np.uint64)) for n in names}
+    )
 
 
 def _cells(level: int, index: NDArray[np.integer], sums: dict[str, NDArray[Any]]) -> CellSums:
     levels = np.full(len(index), level)
     return CellSums(
         index=np.vstack([levels, index.T]).astype(np.int32),
-        sums={n: np.ascontiguousarray(values, dtype=np.uint64) for n, values in sums.items()},
+        names=tuple(sums),
+        values=np.array(list(sums.values()), np.uint64),
         views=np.zeros((4, 0), np.int32),
     )
 
@@ -61,7 +65,7 @@ def _cells(level: int, index: NDArray[np.integer], sums: dict[str, NDArray[Any]]
 def _of_rays(columns: archive.Columns, names: tuple[str, ...]) -> CellSums:
     """Hits and passes of the cells that scans touched, most of them without a point."""
     num = len(columns["ray_index"])
-    sums = {n: columns.get(f"ray_{n}", np.zeros(num)) for n in names}
+    sums = {n: columns.get(f"ray_{n}", np.zeros(num, np.uint64)) for n in names}
     return _cells(0, columns["ray_index"], sums)
 
 
@@ -113,8 +117,8 @@ def _hit_columns(cells: CellSums) -> dict[str, NDArray[Any]]:
     return {
         "index": np.diff(index, axis=1, prepend=np.uint32(0)),
         "count": cells.sums["count"],
-        "position": np.array([cells.sums[name] for name in HITS[1:4]]),
-        "colour": np.array([cells.sums[name] for name in HITS[4:]]),
+        "position": cells.values[1:4],
+        "colour": cells.values[4:7],
     }
 
 

@@ -31,27 +31,37 @@ class CellSums:
 
     index: Index
     """(4, K) level, x, y, z; a cell of level k is 2^k times as large. Sorted, unique."""
-    sums: Sums
-    """(K,) each, by name: sums over the points of a cell."""
+    names: tuple[str, ...]
+    """(S,) of the sums."""
+    values: NDArray[np.uint64]
+    """(S, K) sums over the points of a cell."""
     views: Index
     """(4, P) x, y, z of a cell of level 0, and a view that saw it; sorted, unique."""
 
     def __len__(self) -> int:
         return int(self.index.shape[1])
 
+    @property
+    def sums(self) -> Sums:
+        """The sums (K,) by name."""
+        return dict(zip(self.names, self.values, strict=True))
+
     def __add__(self, other: "CellSums") -> "CellSums":
         """The union of both; the sums of common cells are added."""
-        index, sums = _united(self.index, other.index, self.sums, other.sums)
-        views, _ = _united(self.views, other.views, {}, {})
-        if len(sums["count"]) and sums["count"].max() > hits.CAPACITY[hits.WIDE]:
+        index, values = _united(self.index, other.index, self.values, other.values)
+        nothing = np.zeros((0, 0), np.uint64)
+        views, _ = _united(self.views, other.views, nothing, nothing)
+        total = CellSums(index=index, names=self.names, values=values, views=views)
+        if total.sums["count"].max(initial=0) > hits.CAPACITY[hits.WIDE]:
             raise InputError(f"a cell contains more than {hits.CAPACITY[hits.WIDE]} points")
-        return CellSums(index=index, sums=sums, views=views)
+        return total
 
     def select(self, rows: NDArray[np.integer] | slice, views: NDArray[np.integer]) -> "CellSums":
         """Some of the cells and of the views, in their original order."""
         return CellSums(
             index=np.ascontiguousarray(self.index[:, rows]),
-            sums={name: values[rows] for name, values in self.sums.items()},
+            names=self.names,
+            values=np.ascontiguousarray(self.values[:, rows]),
             views=np.ascontiguousarray(self.views[:, views]),
         )
 
@@ -82,14 +92,29 @@ def split(cells: CellSums, side: int) -> Iterator[tuple[Key, CellSums]]:
 
 
 def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
-    """Columns of (3, K) grouped by content, each group in its original order."""
+    """Columns of (3, K) grouped by content, each group in its original order.
+
+    Neighbours are mostly alike, so that runs of them are sorted.
+    """
     if not cubes.shape[1]:
         return {}
-    order = np.lexsort(cubes[::-1])
-    ordered = cubes[:, order]
-    starts = np.flatnonzero((np.diff(ordered, axis=1) != 0).any(axis=0)) + 1
-    keys = ordered[:, np.concatenate([[0], starts])].T.tolist()
-    return {(x, y, z): rows for (x, y, z), rows in zip(keys, np.split(order, starts), strict=True)}
+    starts = _starts(cubes)
+    runs = np.lexsort(cubes[::-1, starts])
+    ordered, lengths = cubes[:, starts[runs]], np.diff(starts, append=cubes.shape[1])[runs]
+    ends = np.cumsum(lengths)
+    rows = np.repeat(starts[runs] - ends + lengths, lengths) + np.arange(cubes.shape[1])
+    groups = _starts(ordered)
+    first_rows = (ends - lengths)[groups]
+    keys = ordered[:, groups].T.tolist()
+    parts = np.split(rows, first_rows[1:])
+    return {(x, y, z): own for (x, y, z), own in zip(keys, parts, strict=True)}
+
+
+def _starts(columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Columns that differ from the one before."""
+    begins = np.ones(columns.shape[1], np.bool_)
+    begins[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
+    return np.flatnonzero(begins)
 
 
 def is_ordered(index: Index) -> bool:
@@ -97,65 +122,109 @@ def is_ordered(index: Index) -> bool:
     return bool(_rises(np.ascontiguousarray(index)))
 
 
-def _united(a: Index, b: Index, sums_a: Sums, sums_b: Sums) -> tuple[Index, Sums]:
+def lie_in(index: Index, cube: Key, side: int) -> bool:
+    """True where all cells (4, K) lie in one cube of `side` cells of level 0."""
+    return bool(_lie_in(np.ascontiguousarray(index), cube, side))
+
+
+def at_most(values: NDArray[np.uint64], counts: NDArray[np.uint64], each: int) -> bool:
+    """True where no sum (K,) exceeds that of `counts` points of `each`."""
+    return bool(_at_most(values, counts, np.uint64(each)))
+
+
+def _united(
+    a: Index, b: Index, values_a: NDArray[np.uint64], values_b: NDArray[np.uint64]
+) -> tuple[Index, NDArray[np.uint64]]:
     """The union of the columns of both indices, and their sums."""
     if not a.shape[1] or not b.shape[1]:
-        return (a, sums_a) if a.shape[1] else (b, sums_b)
-    place_a, place_b = np.empty(a.shape[1], np.int64), np.empty(b.shape[1], np.int64)
-    num: int = _interleave(a, b, place_a, place_b)
-    index = np.empty((4, num), np.int32)
-    _put(a, place_a, index)
-    _put(b, place_b, index)
-    sums = {}
-    for name, values in sums_a.items():
-        sums[name] = np.zeros(num, np.uint64)
-        _add(values, place_a, sums[name])
-        _add(sums_b[name], place_b, sums[name])
-    return index, sums
+        return (a, values_a) if a.shape[1] else (b, values_b)
+    most = a.shape[1] + b.shape[1]
+    index, owners = np.empty((4, most), np.int32), np.empty(most, np.uint8)
+    stop_a, stop_b, num = _unite(a, b, index, owners)
+    rest = num + a.shape[1] - stop_a
+    index = np.hstack([index[:, :num], a[:, stop_a:], b[:, stop_b:]])
+    values = np.empty((len(values_a), index.shape[1]), np.uint64)
+    for row, total in enumerate(values):
+        _add(values_a[row], values_b[row], owners[:num], total)
+        total[num:rest], total[rest:] = values_a[row, stop_a:], values_b[row, stop_b:]
+    return index, values
 
 
-@njit(cache=True)
-def _compare(a: Index, i: int, b: Index, j: int) -> int:
-    """Negative, 0 or positive if column i of `a` is before, equal to or after column j of `b`."""
-    for row in range(4):
-        if a[row, i] != b[row, j]:
-            return -1 if a[row, i] < b[row, j] else 1
-    return 0
+@njit(cache=True, nogil=True, inline="always")
+def _order(a: Index, i: int, b: Index, j: int) -> tuple[bool, bool]:
+    """Whether column i of `a` is before column j of `b`, and whether they are equal.
+
+    Without branches: which of two maps has the next cell cannot be predicted.
+    """
+    high_a, high_b = np.int64(a[0, i]) << 32, np.int64(b[0, j]) << 32
+    high_a, high_b = high_a + a[1, i], high_b + b[1, j]
+    low_a, low_b = np.int64(a[2, i]) << 32, np.int64(b[2, j]) << 32
+    low_a, low_b = low_a + a[3, i], low_b + b[3, j]
+    same_high = high_a == high_b
+    return (high_a < high_b) | (same_high & (low_a < low_b)), same_high & (low_a == low_b)
 
 
-@njit(cache=True)
-def _interleave(a: Index, b: Index, place_a: NDArray[np.int64], place_b: NDArray[np.int64]) -> int:
-    """Fill in the position of each column in the union; return the size of the union."""
+@njit(cache=True, nogil=True)
+def _unite(a: Index, b: Index, index: Index, owners: NDArray[np.uint8]) -> tuple[int, int, int]:
+    """Fill in the union until one index ends; owners are 1 for `a`, 2 for `b`, 3 for both.
+
+    Returns
+    -------
+    stop_a, stop_b, num
+        Columns taken from either, and columns filled in.
+    """
     i = j = num = 0
     while i < a.shape[1] and j < b.shape[1]:
-        order = _compare(a, i, b, j)
-        place_a[i] = place_b[j] = num
-        i += order <= 0
-        j += order >= 0
+        is_before, is_same = _order(a, i, b, j)
+        in_a, in_b = is_before | is_same, not is_before
+        for row in range(4):
+            index[row, num] = a[row, i] if in_a else b[row, j]
+        owners[num] = np.uint8(in_a) + 2 * np.uint8(in_b)
+        i += in_a
+        j += in_b
         num += 1
-    for rest in range(i, a.shape[1]):
-        place_a[rest] = num + rest - i
-    for rest in range(j, b.shape[1]):
-        place_b[rest] = num + rest - j
-    return int(num + a.shape[1] - i + b.shape[1] - j)
+    return i, j, num
 
 
-@njit(cache=True)
-def _put(columns: Index, place: NDArray[np.int64], index: Index) -> None:
-    for row in range(4):
-        for n in range(len(place)):
-            index[row, place[n]] = columns[row, n]
+@njit(cache=True, nogil=True)
+def _add(
+    a: NDArray[np.uint64],
+    b: NDArray[np.uint64],
+    owners: NDArray[np.uint8],
+    total: NDArray[np.uint64],
+) -> None:
+    """Fill in the values of the one owner of a column, or the sums of both."""
+    i = j = np.uint64(0)
+    for n in range(len(owners)):
+        in_a, in_b = np.uint64(owners[n] & 1), np.uint64(owners[n] >> 1)
+        total[n] = a[i] * in_a + b[j] * in_b
+        i += in_a
+        j += in_b
 
 
-@njit(cache=True)
-def _add(values: NDArray[np.uint64], place: NDArray[np.int64], total: NDArray[np.uint64]) -> None:
-    for n in range(len(values)):
-        total[place[n]] += values[n]
-
-
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _rises(index: Index) -> bool:
     num_falls = 0
     for n in range(1, index.shape[1]):
-        num_falls += _compare(index, n - 1, index, n) >= 0
+        num_falls += not _order(index, n - 1, index, n)[0]
     return num_falls == 0
+
+
+@njit(cache=True, nogil=True)
+def _lie_in(index: Index, cube: Key, side: int) -> bool:
+    """A corner of a coarse cell tells: none lies in two cubes."""
+    num_outside = 0
+    for axis in range(3):
+        low = cube[axis] * side
+        for n in range(index.shape[1]):
+            place = np.int64(index[axis + 1, n]) << index[0, n]
+            num_outside += place < low or place >= low + side
+    return num_outside == 0
+
+
+@njit(cache=True, nogil=True)
+def _at_most(values: NDArray[np.uint64], counts: NDArray[np.uint64], each: np.uint64) -> bool:
+    num_above = 0
+    for n in range(len(values)):
+        num_above += values[n] > counts[n] * each
+    return num_above == 0

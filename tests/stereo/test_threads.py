@@ -5,7 +5,8 @@ import pytest
 
 from recon.libraries import THREAD_VARIABLES
 from recon.mapping.pair import match_pair
-from recon.stereo.kernels.threads import bands, num_threads, run
+from recon.stereo.kernels.threads import bands, run
+from recon.threads import num_threads
 from scenes import textured_pair
 
 

@@ -16,7 +16,7 @@ from recon.records import Voxels
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.rays import Sightings
 from recon.voxelmap.summed import map_of, names_of
-from recon.voxelmap.sums import CellSums, added
+from recon.voxelmap.sums import CellSums, added, lie_in
 
 Box = tuple[Sequence[float], Sequence[float]]
 """Low and high corner (3,), world."""
@@ -122,9 +122,8 @@ class PartitionedMap:
         return cells
 
     def _is_of(self, cells: CellSums, entry: Entry) -> bool:
-        cubes = (cells.index[1:].astype(np.int64) << cells.index[0]) // self.form.partition_size
-        is_inside = (entry.index == cubes.T).all()
-        return bool(is_inside) and entry == summary(entry.index, cells)
+        is_inside = lie_in(cells.index, entry.index, self.form.partition_size)
+        return is_inside and entry == summary(entry.index, cells)
 
     def within(self, box: Box) -> VoxelMap:
         """The cells whose centre lies in a box, as a map; only intersecting partitions are read."""

@@ -11,10 +11,12 @@ from recon.exports.parquet import check_size
 from recon.libraries import load_extra
 from recon.voxelmap import hits
 from recon.voxelmap.coarse import MAX_LEVEL
-from recon.voxelmap.sums import CellSums, is_ordered
+from recon.voxelmap.sums import CellSums, at_most, is_ordered
 
 INDEX = ("level", "index_x", "index_y", "index_z")
 VIEWS = "views"
+WHOLE = ("count", "hits", "passes")
+"""Names of what is counted."""
 MAX_SUM = hits.CAPACITY[hits.WIDE]
 
 
@@ -29,10 +31,12 @@ def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
         offsets = np.concatenate([[0], ends]).astype(np.int32)
         content[VIEWS] = arrow.ListArray.from_arrays(offsets, arrow.array(cells.views[3]))
     stream = io.BytesIO()
-    # Sums are practically random: a dictionary would only cost time.
+    # Sums are practically random numbers of few bits: packing them is fast, and then neither a
+    # dictionary nor compression makes them smaller.
+    packed = dict.fromkeys([*columns, f"{VIEWS}.list.element"], "DELTA_BINARY_PACKED")
     parquet.write_table(
-        arrow.table(content), stream, compression="zstd", use_dictionary=["level"],
-        write_statistics=False,
+        arrow.table(content), stream, compression="none", use_dictionary=False,
+        column_encoding=packed, write_statistics=False,
     )  # fmt: skip
     return stream.getvalue()
 
@@ -77,7 +81,8 @@ def _cells(table: Any, names: tuple[str, ...], keeps_views: bool) -> CellSums:
     index = index.astype(np.int32, copy=False)
     return CellSums(
         index=index,
-        sums={name: _whole(table, name).astype(np.uint64, copy=False) for name in names},
+        names=names,
+        values=np.array([_whole(table, name) for name in names], np.uint64),
         views=_views(table, index) if keeps_views else np.zeros((4, 0), np.int32),
     )
 
@@ -110,12 +115,17 @@ def _check(cells: CellSums) -> None:
     """Raise `InputError` for cells that no map can produce."""
     if not (is_ordered(cells.index) and is_ordered(cells.views)):
         raise InputError("its cells are not in order or not unique")
-    level, count = cells.index[0], cells.sums["count"]
-    if not ((level >= 0) & (level <= MAX_LEVEL)).all():
+    level = cells.index[0]
+    if level.min(initial=0) < 0 or level.max(initial=0) > MAX_LEVEL:
         raise InputError(f"a level is not one of 0 to {MAX_LEVEL}")
-    most: dict[str, Any] = dict.fromkeys(("count", "hits", "passes"), np.uint64(MAX_SUM))
-    most["weight"] = count * np.uint64(hits.STEPS)
     for name, values in cells.sums.items():
-        limit = count * np.uint64(255 if name.startswith("colour") else hits.STEPS - 1)
-        if not (values <= most.get(name, limit)).all():
+        if not _can_be(name, values, cells.sums["count"]):
             raise InputError(f"its {name} cannot come from points")
+
+
+def _can_be(name: str, values: NDArray[np.uint64], counts: NDArray[np.uint64]) -> bool:
+    """True for sums that points can add up to; those of hits and passes are not of points."""
+    if name in WHOLE:
+        return bool(values.max(initial=0) <= MAX_SUM)
+    each = 255 if name.startswith("colour") else hits.STEPS - (name != "weight")
+    return at_most(values, counts, each)

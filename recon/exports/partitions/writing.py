@@ -1,6 +1,6 @@
 """Writing of partitioned maps, from a map in memory or as the sum of partitioned maps."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +10,17 @@ from recon.exports.partitions.manifest import COARSEST, Entry, Form, Manifest
 from recon.exports.partitions.partitioned import PartitionedMap, summary
 from recon.exports.partitions.rows import to_parquet
 from recon.exports.partitions.store import MANIFEST, Place, store_of
+from recon.threads import in_threads
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.summed import sums_of
 from recon.voxelmap.sums import CellSums, Key, added, split
 
 PARTITION_SIZE = 256
 """Default number of cells along a side of a partition."""
-Parts = Iterable[tuple[Key, CellSums]]
+Packed = tuple[Entry, bytes]
+"""A partition in the manifest, and its file."""
+_Share = tuple[PartitionedMap, Entry, int]
+"""A partition of one map, and what is added to the numbers of its views."""
 
 
 def write_partitions(
@@ -41,7 +45,8 @@ def write_partitions(
         channels=voxel_map.channels,
         ray_margin=voxel_map.ray_margin,
     )
-    return _write(split(sums_of(voxel_map), partition_size), form, place)
+    parts = split(sums_of(voxel_map), partition_size)
+    return _write((_packed(key, cells, form) for key, cells in parts), form, place)
 
 
 def merge_partitions(
@@ -49,7 +54,7 @@ def merge_partitions(
 ) -> PartitionedMap:
     """Write the sum of some maps, partition by partition; the order of the maps does not matter.
 
-    Memory holds at most the cells of one partition of all maps.
+    Memory holds at most the cells of one partition of all maps per thread.
 
     Parameters
     ----------
@@ -73,18 +78,17 @@ def merge_partitions(
                 f"{sources[0].place}"
             )
     first = [0] * len(sources) if first_views is None else first_views
-    return _write(_merged(sources, first), sources[0].form, place)
-
-
-def _merged(
-    sources: Sequence[PartitionedMap], first_views: Sequence[int]
-) -> Iterator[tuple[Key, CellSums]]:
-    held: dict[Key, list[tuple[PartitionedMap, Entry, int]]] = {}
-    for source, view in zip(sources, first_views, strict=True):
+    form = sources[0].form
+    held: dict[Key, list[_Share]] = {}
+    for source, view in zip(sources, first, strict=True):
         for entry in source.partitions:
             held.setdefault(entry.index, []).append((source, entry, view))
-    for key in sorted(held):
-        yield key, added(_renumbered(one.sums(entry), view) for one, entry, view in held[key])
+
+    def merged(key: Key) -> Packed:
+        shares = (_renumbered(one.sums(entry), view) for one, entry, view in held[key])
+        return _packed(key, added(shares), form)
+
+    return _write(in_threads(merged, sorted(held)), form, place)
 
 
 def _renumbered(cells: CellSums, first_view: int) -> CellSums:
@@ -94,14 +98,17 @@ def _renumbered(cells: CellSums, first_view: int) -> CellSums:
     return replace(cells, views=cells.views + step)
 
 
-def _write(parts: Parts, form: Form, place: Place) -> PartitionedMap:
+def _packed(key: Key, cells: CellSums, form: Form) -> Packed:
+    return summary(key, cells), to_parquet(cells, keeps_views="views" in form.channels)
+
+
+def _write(parts: Iterable[Packed], form: Form, place: Place) -> PartitionedMap:
     """Write partitions, and the manifest last, which completes the map."""
     store = store_of(place)
     store.remove(MANIFEST)
     entries = []
-    for key, cells in parts:
-        entry = summary(key, cells)
-        store.write(entry.file, to_parquet(cells, keeps_views="views" in form.channels))
+    for entry, content in parts:
+        store.write(entry.file, content)
         entries.append(entry)
     known = {entry.file for entry in entries}
     for name in store.names():
