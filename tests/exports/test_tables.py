@@ -241,7 +241,7 @@ def test_places_without_a_value_are_left_out_of_a_block_with_a_word(tmp_path):
     with collected_notices() as notices:
         assert len(read(tmp_path / "a.vti")) == 23
     assert [notice.code for notice in notices] == ["places-left-out"]
-    assert "1 of 24 places" in notices[0].text
+    assert "1 of 24 positions" in notices[0].text
 
 
 def test_points_in_columns_are_refused_where_rows_are_needed(tmp_path):
