@@ -1,4 +1,4 @@
-"""Accuracy of matches, against a known disparity (Eqs 1, 2, Tables 1 and 3)."""
+"""Accuracy of matches compared with the true disparity (Eqs 1, 2, Tables 1 and 3)."""
 
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
@@ -17,15 +17,15 @@ Disparity = NDArray[np.floating]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evaluation:
-    """Numbers of one set of matches; NaN where nothing could be counted."""
+    """Metrics of one set of matches; NaN if there is nothing to count."""
 
     num_judged: int
-    """Matches whose truth is known."""
+    """Number of matches with known truth."""
     num_mismatches: int
     success_all: float
     """Percent of the judged matches within `MISMATCH_PX`."""
     success_nonocc: float
-    """The same, of those whose left point the right camera sees too."""
+    """The same for matches whose left point is also visible to the right camera."""
     rms_px: float
     """Root mean square error of the judged matches (Eq 1)."""
     bad_share: float
@@ -36,7 +36,7 @@ class Evaluation:
     """Their root mean square error."""
 
     def as_metrics(self) -> dict[str, float | int | None]:
-        """The numbers by name; None where nothing could be counted."""
+        """The metrics by name; None if there is nothing to count."""
         return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
@@ -46,7 +46,7 @@ def evaluate(
     quantisation_px: float = 0.0,
     truth_right_px: Disparity | None = None,
 ) -> Evaluation:
-    """Hold matches against the true disparity of the left image.
+    """Compare matches with the true disparity of the left image.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def evaluate(
     truth_px : (H, W) float
         Disparity of the left image's pixels; NaN = unknown.
     quantisation_px : float
-        Step of the truth. Where it is a whole pixel, tuned disparities are rounded first, as the
-        truth was.
+        Quantisation step of the truth. If it is a whole pixel, refined disparities are rounded
+        first, like the truth.
     truth_right_px : (H, W) float, optional
         Disparity of the right image's pixels, for occlusion.
 
@@ -71,13 +71,13 @@ def evaluate(
 def evaluate_map(
     disparity_px: Disparity, truth_px: Disparity, quantisation_px: float = 0.0
 ) -> Evaluation:
-    """Hold a disparity (H, W) of every pixel, NaN = unknown, against the true one."""
+    """Compare a dense disparity (H, W), NaN = unknown, with the true one."""
     v, u = np.nonzero(np.isfinite(disparity_px))
     return _judged(u, v, disparity_px[v, u], _Truth(truth_px, quantisation_px, None))
 
 
 class _Truth(NamedTuple):
-    """The truth that disparities are held against."""
+    """The truth that disparities are compared with."""
 
     left_px: Disparity
     """(H, W)"""
@@ -122,10 +122,10 @@ def _mean(values: NDArray[np.floating] | NDArray[np.bool_]) -> float:
 
 
 def seen_by_both(truth_px: Disparity, truth_right_px: Disparity | None = None) -> NDArray[np.bool_]:
-    """Left pixels that the right camera sees too.
+    """Mask of the left pixels that are visible to the right camera.
 
-    Those whose disparity the right truth confirms within a pixel; without a right truth, those
-    that no nearer pixel covers when the left truth is warped to the right.
+    These are confirmed by the right truth within a pixel; without a right truth, they are not
+    covered by a nearer pixel when the left truth is warped to the right.
     """
     height, width = truth_px.shape
     v, u = np.nonzero(np.isfinite(truth_px))
@@ -143,7 +143,7 @@ def seen_by_both(truth_px: Disparity, truth_right_px: Disparity | None = None) -
 
 
 def coverage(matches: Matches, shape: tuple[int, int], block_px: int = 32) -> float:
-    """Share of the image's square blocks that hold at least one match."""
+    """Share of the image's square blocks that contain at least one match."""
     blocks = np.zeros([-(-side // block_px) for side in shape], dtype=bool)
     u, v = np.rint(matches.points_px).astype(np.int64).T // block_px
     blocks[v, u] = True

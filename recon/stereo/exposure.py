@@ -1,4 +1,4 @@
-"""Gain of the right camera beside the left one, from what their rows have in common."""
+"""Gain of the right camera relative to the left one, from the contrasts of their rows."""
 
 import cv2
 import numpy as np
@@ -9,23 +9,23 @@ Grey = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
 _BAND_ROWS = 16
-"""Rows that are taken together: both cameras see nearly the same in them."""
+"""Rows per band: both cameras see nearly the same in a band."""
 _ROW_STEP = 4
 _REACH_PX = 4
-"""Distance over which levels are compared: edges tell more than noise there."""
+"""Distance over which levels are compared: there, edges outweigh noise."""
 _NUM_ERRORS = 3.0
-"""Standard errors from which on a gain is measured, and not made by what differs in view."""
+"""Standard errors above which a gain is significant, not due to different views."""
 _SHARE_AGREEING = 0.8
-"""Bands that have to lie on the same side: what one camera alone sees is not in all of them."""
+"""Share of bands that have to agree: occlusions do not affect all bands."""
 _LEAST_RATIO, _LARGEST_RATIO = 1.05, 2.0
-"""A smaller gain does no harm, a larger one is not a camera's."""
+"""A smaller gain is harmless, a larger one implausible."""
 
 
 def gain_between(left: Grey, right: Grey) -> float:
-    """Contrast of the right image, of the left one's; exactly 1 where no difference is measured.
+    """Contrast of the right image relative to the left one; exactly 1 if insignificant.
 
-    Contrasts of bands of rows are compared, and the median over the bands is taken. An offset does
-    not change them, nor does it harm phases, which do not see the mean.
+    The median of the contrast ratios of bands of rows. An offset affects neither the contrasts nor
+    the phases, which are invariant to the mean.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def gain_between(left: Grey, right: Grey) -> float:
 
 
 def with_gain_of(left: Grey, right: Grey) -> Grey:
-    """The right image (H, W) with contrast and mean of the left one, where their gains differ."""
+    """The right image (H, W) with contrast and mean of the left one, if their gains differ."""
     gain = gain_between(left, right)
     if gain == 1.0:
         return right

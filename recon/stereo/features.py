@@ -1,4 +1,4 @@
-"""Feature points: where the response of the steerable filters has a ridge (thesis 3.3)."""
+"""Feature points: ridges of the steerable filters' response (thesis 3.3)."""
 
 from functools import partial
 
@@ -17,7 +17,7 @@ from recon.stereo.kernels.threads import run
 from recon.stereo.noise import estimate, floor_modulus
 
 _CANDIDATE_SHARE = 0.5
-"""A pixel may be matched, or support a match, from this share of the features' threshold on."""
+"""Threshold for pixels to be matched or to support a match, relative to that of features."""
 
 _HALF_TURN = np.float32(np.pi)
 _EQUAL = np.float32(1 + 1e-5)
@@ -38,7 +38,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     Raises
     ------
     InputError
-        Where the image is no uint8 image.
+        If the image is not a uint8 image.
     """
     grey = to_grey(image)
     responses = filters.respond(grey, settings.widths_px)
@@ -70,13 +70,13 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
 def detect_both(
     left: NDArray[np.uint8], right: NDArray[np.uint8], settings: FeatureSettings
 ) -> tuple[Features, Features]:
-    """The feature points of two images, side by side where threads are allowed."""
+    """The feature points of two images, in parallel if threads are allowed."""
     first, second = run([partial(detect, image, settings) for image in (left, right)])
     return first, second
 
 
 def _orientation(cosine: Floats, sine: Floats) -> Floats:
-    """Angles in [0, pi) from vectors at twice the angle."""
+    """Angles in [0, pi) from vectors with doubled angle."""
     double = np.empty_like(cosine)
     angles(cosine, sine, double)
     half = np.where(double < 0, double / 2 + _HALF_TURN, double / 2)
@@ -97,7 +97,7 @@ def to_grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -> float:
-    """The modulus from which on a ridge pixel is a feature: by value and by number wanted."""
+    """The minimum modulus of a feature: by value and by the desired number."""
     wanted = round(share * num_pixels)
     if wanted >= strength.size:
         return lowest
@@ -109,7 +109,7 @@ def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
-    """Mask of the pixels whose modulus is the largest along the normal of the edge."""
+    """Mask of the pixels whose modulus is maximal along the edge normal."""
     height, width = modulus.shape
     ridge = np.zeros((height, width), np.bool_)
     for v in range(1, height - 1):
@@ -124,14 +124,14 @@ def _find_ridges(
 ) -> None:
     """Mark the pixels of a row whose neighbours along the normal are weaker.
 
-    These are mixed of two pixels each: of the nearer axis, and of the diagonal. The normal's
-    doubled angle has cosine and sine proportional to those given. All neighbours are read before
-    one is chosen, or the loop could not be vectorised.
+    Each neighbour is interpolated between two pixels: on the nearer axis, and on the diagonal. The
+    normal's doubled angle has cosine and sine proportional to those given. All neighbours are read
+    before one is selected, so that the loop can be vectorised.
     """
     above, middle, below = rows
     for i in range(ridge.size - 2):
         c, s = cosine[i + 1], sine[i + 1]
-        # Tangent of the angle to the nearer axis, from its double.
+        # Tangent of the angle to the nearer axis, from the doubled angle.
         share = abs(s) / (np.sqrt(c * c + s * s) + abs(c) + np.float32(1e-12))
         a, b, d = above[i], above[i + 1], above[i + 2]
         e, here, f = middle[i], middle[i + 1], middle[i + 2]
@@ -140,5 +140,5 @@ def _find_ridges(
         behind = e if c > 0 else (b if s > 0 else h)
         ahead += share * ((j if s > 0 else d) - ahead)
         behind += share * ((a if s > 0 else g) - behind)
-        # Of two equal pixels exactly one is the ridge, however the sums are rounded.
+        # Of two equal pixels exactly one is the ridge, regardless of rounding.
         ridge[i + 1] = (ahead * _EQUAL < here) & (behind <= here * _EQUAL)

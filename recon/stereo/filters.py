@@ -1,8 +1,8 @@
 """Steerable quadrature filters: fourth derivative of a Gaussian and its Hilbert transform.
 
-A filter of width s is Eq 11 read in unit coordinates u = pixel / s; its wavelength is 2.22 s.
-Coarse scales are computed with the taps spread over a smoothed image: every pixel gets the answer
-that a pyramid would give at it, and nothing has to be interpolated.
+A filter of width s is Eq 11 in unit coordinates u = pixel / s; its wavelength is 2.22 s. Coarse
+scales are computed with dilated taps on a smoothed image: every pixel gets the response of a
+pyramid, without interpolation.
 """
 
 import math
@@ -32,29 +32,29 @@ WAVELENGTH_OF_WIDTH = 2.22
 """Wavelength of the strongest response, in widths."""
 
 _SUPPORT = 2.75
-"""Half support in widths; the filter has fallen to 3e-3 there."""
+"""Half support in widths, where the filter has decayed to 3e-3."""
 _SPREAD_WIDTH = 2.0
-"""Narrowest width, in steps of the lattice, of a filter on a spread-out one: below it the odd
-filter answers to negative frequencies too, and phase does not grow evenly with the pixel."""
+"""Minimum width, in lattice steps, of a filter on a dilated lattice: below it the odd filter also
+responds to negative frequencies, and the phase is not linear in the pixel."""
 _G = 1.246
 _H = 0.3975
 _H3 = -2.982 / _H
 _H1 = 2.858 / _H
 
 _NUM_SUMS = 7
-"""Column sums that a row of responses is made of: with p0, p1, p2, p3, p4, h5, h4."""
+"""Number of column sums per row of responses: with p0, p1, p2, p3, p4, h5, h4."""
 
 
 def level(width_px: float) -> int:
-    """Number of doublings of the lattice of a filter."""
+    """Number of doublings of a filter's lattice."""
     return max(0, math.floor(math.log2(width_px / _SPREAD_WIDTH)))
 
 
 class Taps(NamedTuple):
     """One-dimensional factors of the basis filters, sampled at u = k / width for k = 0, 1, ...
 
-    The other halves are the same, or the same with the other sign. What an even factor has at 0 is
-    halved, as it is met from both sides.
+    The other halves are symmetric or antisymmetric. The value of an even factor at 0 is halved,
+    since it is added from both sides.
     """
 
     columns: Floats
@@ -69,16 +69,16 @@ class Taps(NamedTuple):
 def taps(width_px: float) -> Taps:
     """The exact separable form of Eqs 11 to 13.
 
-    ``g_i = p_(4-i)(x) p_i(y)``, and ``h_i`` likewise by h5, h4, c1, c2, p1, p0, but that the two
-    middle ones are ``c1(x) c2(y) + r p1(x) p0(y)`` and ``c2(x) c1(y) + r p0(x) p1(y)``; the column
-    factors c1 and c2 are sums of p3 and p1, and of p2 and p0.
+    ``g_i = p_(4-i)(x) p_i(y)``, and ``h_i`` likewise with h5, h4, c1, c2, p1, p0, except that the
+    two middle ones are ``c1(x) c2(y) + r p1(x) p0(y)`` and ``c2(x) c1(y) + r p0(x) p1(y)``; the
+    column factors c1 and c2 are sums of p3 and p1, and of p2 and p0.
     """
     u = np.arange(int(_SUPPORT * width_px) + 1) / width_px
     p0 = np.exp(-u * u)
     sides = np.where(u > 0, 2.0, 1.0)
 
     def without_mean(factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-        # Truncation leaves a mean, which would be a phase.
+        # Truncation leaves a mean, which would bias the phase.
         mean = float(sides @ factor / (sides @ p0))
         return factor - mean * p0, mean
 
@@ -110,12 +110,12 @@ def taps(width_px: float) -> Taps:
 
 
 class _Lattice(NamedTuple):
-    """A smoothed image, and the taps that are spread over it."""
+    """A smoothed image, and the dilated taps for it."""
 
     image: Floats
-    """(H + 2 P, W') with a margin of P above, below and on the left, and room on the right."""
+    """(H + 2 P, W') with a margin of P above, below and on the left, and padding on the right."""
     margin: int
-    """P, a whole number of lanes."""
+    """P, a multiple of the lanes."""
     step: int
     """Pixels from tap to tap."""
     taps: Taps
@@ -132,7 +132,7 @@ def _lattice(grey: Floats, width_px: float) -> _Lattice:
 
 
 def _smoothed(grey: Floats, num_doublings: int) -> Floats:
-    """The image smoothed for a lattice that is doubled so often."""
+    """The image smoothed for a lattice that is doubled `num_doublings` times."""
     if num_doublings == 0:
         return grey
     blur = np.ones(1)
@@ -149,11 +149,11 @@ class Responses(NamedTuple):
 
     planes: Floats
     """(H, S, DESCRIPTORS, 2, W') real and imaginary part of the response ``G - jH`` by correlation,
-    whose phase grows with the pixel, at 0, 60 and 120 degrees; rows filled up to whole lanes."""
+    whose phase increases with the pixel, at 0, 60 and 120 degrees; rows padded to whole lanes."""
     modulus: Floats
-    """(H, W) strength, all scales together, in grey levels."""
+    """(H, W) strength over all scales, in grey levels."""
     cosine: Floats
-    """(H, W) with `sine` a vector whose angle is twice the direction across the edge (Eq 14)."""
+    """(H, W) with `sine` a vector at twice the angle of the edge normal (Eq 14)."""
     sine: Floats
 
 
@@ -187,7 +187,7 @@ def _filter(lattices: tuple[_Lattice, ...], sums: Floats, responses: Responses) 
 
 @kernel
 def _sum_columns(lattice: _Lattice, v: int, sums: Floats) -> None:
-    """Write the sums over the columns round row v, their margins included."""
+    """Write the sums over the columns around row v, including margins."""
     image, columns = lattice.image.reshape(-1), lattice.taps.columns
     width = lattice.image.shape[1]
     fourth_2, fourth_0 = lattice.taps.fourth
@@ -215,7 +215,7 @@ def _sum_columns(lattice: _Lattice, v: int, sums: Floats) -> None:
 
 @kernel
 def _describe(lattice: _Lattice, sums: Floats, planes: Floats, energy: Floats) -> None:
-    """Write the descriptors (DESCRIPTORS, 2, W') of a row; add its energy's harmonics."""
+    """Write the descriptors (DESCRIPTORS, 2, W') of a row, and add the harmonics of its energy."""
     for u in range(0, planes.shape[2], NUM_LANES):
         g, h = _basis(sums, u + lattice.margin, lattice.step, lattice.taps.rows)
         even, odd = harmonics.of_even(g), harmonics.of_odd(h)
@@ -225,7 +225,7 @@ def _describe(lattice: _Lattice, sums: Floats, planes: Floats, energy: Floats) -
 
 @kernel
 def _fold(row: Floats, u: int, gap: int) -> tuple[Lanes, Lanes]:
-    """Sum and difference of what lies ahead and behind."""
+    """Sum and difference of the values ahead and behind."""
     ahead, behind = load(row, u + gap), load(row, u - gap)
     return ahead + behind, ahead - behind
 

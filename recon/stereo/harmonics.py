@@ -1,9 +1,9 @@
 """Angular harmonics of the steerable filters: responses and energy of all directions at once.
 
-Powers of cosine and sine in Eqs 12 and 13 come to sums of cosines and sines of multiples of the
-direction t: ``G(t) = a0 + a2 cos 2t + b2 sin 2t + a4 cos 4t + b4 sin 4t``, and H likewise by 1, 3
-and 5. The responses of a few directions are then short sums, and so are the mean over all
-directions of the energy ``G^2 + H^2`` and its second harmonic, which tells the orientation.
+Powers of cosine and sine in Eqs 12 and 13 become sums of cosines and sines of multiples of the
+direction t: ``G(t) = a0 + a2 cos 2t + b2 sin 2t + a4 cos 4t + b4 sin 4t``, and H likewise with 1, 3
+and 5. The responses in a few directions are then short sums, and so are the mean over all
+directions of the energy ``G^2 + H^2`` and its second harmonic, which gives the orientation.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 from recon.stereo.kernels.simd import Floats, Lanes, kernel, load, store
 
 DESCRIPTORS = 3
-"""Directions that describe a pixel in matching: 0, 60 and 120 degrees."""
+"""Number of directions that describe a pixel in matching: 0, 60 and 120 degrees."""
 
 _ROOT = np.float32(math.sqrt(3) / 2)
 """Sine of 60 degrees."""
@@ -26,7 +26,7 @@ Odd = tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]
 
 @kernel
 def of_even(basis: Even) -> Even:
-    """Harmonics of a filter whose basis stands for c^4, c^3 s, .. s^4, binomials left out, / 8."""
+    """Harmonics of a filter with basis c^4, c^3 s, .. s^4, without binomials, / 8."""
     g0, g1, g2, g3, g4 = basis
     outer, inner = g0 + g4, 6 * g2
     return 3 * outer + inner, 4 * (g0 - g4), 8 * (g1 + g3), outer - inner, 4 * (g1 - g3)
@@ -34,7 +34,7 @@ def of_even(basis: Even) -> Even:
 
 @kernel
 def of_odd(basis: Odd) -> Odd:
-    """Harmonics of a filter whose basis stands for c^5, c^4 s, .. s^5, binomials left out, / 16."""
+    """Harmonics of a filter with basis c^5, c^4 s, .. s^5, without binomials, / 16."""
     h0, h1, h2, h3, h4, h5 = basis
     return (
         10 * (h0 + h4) + 20 * h2,
@@ -48,7 +48,7 @@ def of_odd(basis: Odd) -> Odd:
 
 @kernel
 def describe(even: Even, odd: Odd, planes: Floats, u: int) -> None:
-    """Write the responses at 0, 60 and 120 degrees to (DESCRIPTORS, 2, W'), from column u on."""
+    """Write the responses at 0, 60 and 120 degrees to (DESCRIPTORS, 2, W'), at column u."""
     a0, a2, b2, a4, b4 = even
     middle, side = a0 - 0.5 * (a2 + a4), _ROOT * (b2 - b4)
     store(planes[0, 0], u, a0 + a2 + a4)
@@ -79,7 +79,7 @@ def add_energy(even: Even, odd: Odd, energy: Floats, u: int) -> None:
 
 @kernel
 def measure(energy: Floats, modulus: Floats) -> None:
-    """Strength of the response: an isotropic part, and what lies in one direction."""
+    """Strength of the response: an isotropic and a directional part."""
     mean, cosine, sine = energy[0], energy[1], energy[2]
     for u in range(modulus.size):
         along = np.sqrt(cosine[u] * cosine[u] + sine[u] * sine[u])

@@ -1,6 +1,6 @@
 """Estimation of image noise from one image (Immerkaer 1996), by grey level and by scale.
 
-Texture only adds to what noise answers to a filter, so the calmest blocks of an image tell its
+Texture only adds to the filter response of noise, so the calmest blocks of an image reveal its
 noise.
 """
 
@@ -17,24 +17,24 @@ from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.simd import FAST, Floats
 
 ROUNDING_VARIANCE = 1.0 / 12.0
-"""Of grey levels that were rounded to whole ones."""
+"""Variance of rounding to integer grey levels."""
 _BLOCK_PX = 16
 _CALM_SHARE = 0.15
-"""Quantile of the blocks' energies that is taken for noise."""
+"""Quantile of the blocks' energies that is attributed to noise."""
 _CALM_FACTOR = 1.10**2
-"""True variance of white noise, of that quantile over blocks of 256 pixels."""
+"""True variance of white noise, relative to that quantile over blocks of 256 pixels."""
 _DARKEST, _BRIGHTEST = 5.0, 250.0
-"""Mean grey levels beyond which a block is saturated and tells nothing."""
+"""Mean grey levels beyond which a block is saturated and uninformative."""
 _NUM_GREYS = 4
-"""Groups of equally many blocks, by grey level."""
+"""Number of equally large groups of blocks, by grey level."""
 _LEAST_BLOCKS = 16
-"""Of a group; smaller images have fewer groups."""
+"""Minimum number of blocks per group; smaller images have fewer groups."""
 _ROW_STEP = 4
-"""Every so many rows are enough for the energy of a scale."""
+"""Row step used for the energy of a scale."""
 _STEP_MARGIN = 1.6
 _MODULUS_OF_ENERGY = 1.64
-"""Mean square modulus of noise, of the sum of the scales' energies: it is measured along the
-strongest direction."""
+"""Mean square modulus of noise, relative to the sum of the scales' energies: it is measured along
+the strongest direction."""
 
 
 def estimate(grey: NDArray[np.uint8], planes: Floats, widths_px: tuple[float, ...]) -> ImageNoise:
@@ -68,7 +68,7 @@ def noise_level(grey: NDArray[np.uint8]) -> float:
 def _usable_blocks(
     grey: NDArray[np.uint8],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean grey level and energy of the blocks that are not saturated; of all where none is not."""
+    """Mean grey level and energy of the unsaturated blocks; of all blocks if there are none."""
     means, energies = _block_energies(grey, _BLOCK_PX)
     usable = (means >= _DARKEST) & (means <= _BRIGHTEST)
     return (means[usable], energies[usable]) if usable.any() else (means, energies)
@@ -85,9 +85,9 @@ def gain(width_px: float) -> float:
 
 
 def floor_modulus(noise: ImageNoise, widths_px: tuple[float, ...]) -> float:
-    """The modulus up to which an edge says nothing: of noise, and of a step of one grey level.
+    """The modulus below which an edge is uninformative: that of noise or of a one-level step.
 
-    Such steps are what rounding makes of a smooth sky or wall.
+    Rounding creates such steps in a smooth sky or wall.
     """
     energy = sum(gain(width) for width in widths_px)
     random = noise.level * float(np.sqrt(_MODULUS_OF_ENERGY * energy))
@@ -96,7 +96,7 @@ def floor_modulus(noise: ImageNoise, widths_px: tuple[float, ...]) -> float:
 
 @cache
 def step_modulus(widths_px: tuple[float, ...]) -> float:
-    """Largest modulus, all scales together, of a vertical step of one grey level."""
+    """Largest modulus over all scales of a vertical step of one grey level."""
     side = 16 * int(np.ceil(max(widths_px)))
     step = np.zeros((3, 2 * side), np.uint8)
     step[:, side:] = 255
@@ -111,10 +111,10 @@ def _calm(energies: NDArray[np.float64]) -> float:
 
 
 def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(256,) variance by grey level, between those of groups of blocks.
+    """(256,) variance by grey level, interpolated between groups of blocks.
 
-    Noise of a sensor does not fall with the light, nor does it grow faster than the light: a group
-    that says otherwise shows texture, and is brought down to what the others allow.
+    Sensor noise does not decrease with the light, nor does it grow faster than the light: a group
+    that violates this has texture, and is limited by the others.
     """
     num = max(1, min(_NUM_GREYS, len(means) // _LEAST_BLOCKS))
     if num == 1:
@@ -124,7 +124,7 @@ def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArr
     groups = [order[first:end] for first, end in pairwise(edges)]
     greys = np.array([means[group].mean() for group in groups])
     variances = np.array([_calm(energies[group]) for group in groups])
-    # By shot noise alone variance is in proportion to the light.
+    # Pure shot noise has a variance proportional to the light.
     steepest = np.minimum.accumulate(variances / greys) * greys
     flattest = np.minimum.accumulate(variances[::-1])[::-1]
     variances = np.maximum(np.minimum(steepest, flattest), ROUNDING_VARIANCE)
@@ -136,9 +136,9 @@ def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArr
 def _block_energies(
     grey: NDArray[np.uint8], side: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean grey level of each block, and mean square of its second differences both ways, / 36.
+    """Mean grey level of each block, and mean square of its second differences in x and y, / 36.
 
-    Of white noise the latter is its variance. Every second row is enough.
+    For white noise the latter is its variance. Every second row is enough.
     """
     height, width = grey.shape
     rows, columns = max(0, height - 2) // side, max(0, width - 2) // side
@@ -161,7 +161,7 @@ def _block_energies(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArray[np.float64]:
-    """Mean energy of one scale's responses in each block, all directions together."""
+    """Mean energy of one scale's responses in each block, over all directions."""
     height, _, directions, _, _ = planes.shape
     rows, columns = height // side, width // side
     energies = np.zeros((rows, columns))

@@ -1,4 +1,4 @@
-"""Feature strength and orientation by population coding, a bank of Gabor filters (thesis 3.2)."""
+"""Feature strength and orientation by population coding with Gabor filters (thesis 3.2)."""
 
 import cv2
 import numpy as np
@@ -8,7 +8,7 @@ from recon.stereo.kernels.simd import Floats
 
 _NUM_FILTERS = 8
 _SIGMA_OF_WAVELENGTH = 0.4
-"""Width of the envelope: the filter passes somewhat more than an octave."""
+"""Width of the envelope: the filter passes slightly more than an octave."""
 _TRUNCATION = 3.0
 """Half size of the kernels, in standard deviations."""
 
@@ -26,8 +26,8 @@ def encode(grey: NDArray[np.uint8], wavelength_px: float) -> tuple[Floats, Float
     strength : (H, W) float32
         Length of the population vector times its certainty, in grey levels.
     cosine, sine : (H, W) float32
-        The vector (Eq 9). Its angle is TWICE the direction across the edge: with single angles, as
-        Eq 10 has it, opposite directions would not be the same edge.
+        The vector (Eq 9). Its angle is TWICE that of the edge normal: with single angles, as in Eq
+        10, opposite directions would not be the same edge.
     """
     angles = np.arange(_NUM_FILTERS) * np.pi / _NUM_FILTERS
     image = grey.astype(np.float32)
@@ -35,7 +35,7 @@ def encode(grey: NDArray[np.uint8], wavelength_px: float) -> tuple[Floats, Float
     cosine = np.tensordot(np.cos(2 * angles), moduli, 1)
     sine = np.tensordot(np.sin(2 * angles), moduli, 1)
     length = np.hypot(cosine, sine)
-    # One minus the angular variance: 1 where all the response lies in one direction.
+    # One minus the angular variance: 1 where the whole response is in one direction.
     certainty = length / np.maximum(moduli.sum(axis=0), 1e-6)
     strength = (length * certainty).astype(np.float32)
     return strength, cosine.astype(np.float32), sine.astype(np.float32)
@@ -52,7 +52,7 @@ def _modulus(grey: Floats, wavelength_px: float, angle: float) -> Floats:
 
 
 def gabor(wavelength_px: float, angle: float) -> NDArray[np.complex128]:
-    """Complex Gabor kernel without a mean; its weights' moduli add up to 1."""
+    """Complex Gabor kernel with zero mean, whose weights' moduli sum to 1."""
     sigma = _SIGMA_OF_WAVELENGTH * wavelength_px
     radius = int(np.ceil(_TRUNCATION * sigma))
     v, u = np.mgrid[-radius : radius + 1, -radius : radius + 1]

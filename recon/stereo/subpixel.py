@@ -25,29 +25,29 @@ from recon.stereo.uncertainty import (
 Array = NDArray[np.float64]
 
 _FINEST_WIDTH_PX = 2.0
-"""Narrower filters answer to negative frequencies too: good to match with, bad to tune with."""
+"""Narrower filters also respond to negative frequencies: good for matching, bad for refinement."""
 _LEAST_COSINE = np.float32(np.cos(2.2))
-"""Of a phase difference; a larger one has wrapped round, or belongs to nothing."""
+"""Minimum cosine of a phase difference; larger differences have wrapped or are meaningless."""
 
 _LEAST_BAND = 4096
-"""Pairs that a thread is worth."""
+"""Minimum number of pairs per thread."""
 _CHUNK = 64
-"""Pairs that are tuned at once, so that what is known of them stays in the fastest memory."""
+"""Pairs refined at once, so that their data stays in the cache."""
 
 
 def refine(matches: Matches, left: Features, right: Features) -> Matches:
-    """Tune whole-pixel disparities by the phase that is left over at the matched pixels.
+    """Refine whole-pixel disparities by the residual phase at the matched pixels.
 
-    With responses whose phase grows along the row, ``d = delta + (phi_right - phi_left) / k``,
+    With responses whose phase increases along the row, ``d = delta + (phi_right - phi_left) / k``,
     where k is the local frequency along the row, measured in both images. All scales and
-    orientations are taken together by weighted least squares. The standard deviation follows from
-    the noise of both images and from how well the channels agree; so does the probability that the
-    pair is right. Pairs that have a sigma are tuned already, and left as they are.
+    orientations are combined by weighted least squares. The standard deviation follows from the
+    noise of both images and from the agreement of the channels; so does the probability that the
+    pair is correct. Pairs with a sigma are already refined and stay unchanged.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
     u, v = matches.points_px[rows].astype(np.int64).T
-    # In the order of the image, as memory is slow to jump about in.
+    # In image order, since random memory access is slow.
     along = order(v * left.grey.shape[1] + u)
     rows, u, v = rows[along], u[along], v[along]
     delta = np.rint(matches.disparity_px[rows]).astype(np.int64)
@@ -78,7 +78,7 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
 
 
 def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Integers) -> None:
-    """Refuse pixels that are not there, as compiled loops would read whatever lies in memory."""
+    """Refuse pixels outside the image, since compiled loops do not check bounds."""
     height, width = shape
     columns = np.concatenate([u, u_right])
     if ((columns < 0) | (columns >= width)).any() or ((v < 0) | (v >= height)).any():
@@ -88,20 +88,20 @@ def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Int
 
 
 class _Channels(NamedTuple):
-    """Measurements of each channel, of a scale and an orientation, for a chunk; (C, _CHUNK)."""
+    """Measurements per channel (scale and orientation) for a chunk; (C, _CHUNK)."""
 
     product: Floats
     """(2, C, _CHUNK) real and imaginary part of right times conjugate left response."""
     turn: Floats
-    """(2, C, _CHUNK) of the turn of the response over two pixels of the row, of both images."""
+    """(2, C, _CHUNK) phase rotation of the response over two pixels of the row, both images."""
     difference: Floats
-    """Phase that is left over."""
+    """Residual phase."""
     double_frequency: Floats
     """Local frequency along the row, in radians for two pixels."""
     weight: Floats
-    """Energy of the weaker response; 0 where the phase has wrapped, or belongs to nothing."""
+    """Energy of the weaker response; 0 where the phase has wrapped or is meaningless."""
     is_counted: Floats
-    """1, or 0 where the weight is."""
+    """1, or 0 where the weight is 0."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -113,7 +113,7 @@ def _sum(
     pixels: tuple[Integers, Integers, Integers],
     last: int,
 ) -> Floats:
-    """Sums (3 S + 2, N) of the least squares problem of each pair; see `Sums`."""
+    """Sums (3 S + 2, N) of the least squares problem of each pair; see `solve`."""
     num_pairs = pixels[0].size
     num_channels = scales.size * left.shape[2]
     both, single = (2, num_channels, _CHUNK), (num_channels, _CHUNK)
@@ -142,7 +142,7 @@ def _compare(
     channels: _Channels,
     last: int,
 ) -> None:
-    """Write what the channels of some pairs say, but for the angles; `last` is the last column."""
+    """Write the measurements of some pairs, except the angles; `last` is the last column."""
     u_left, v, u_right = pixels
     for i in range(v.size):
         for s in range(scales.size):
@@ -181,8 +181,8 @@ def _compare_channel(
 
 @kernel
 def _turn(a: Floats, u: int, b: Floats, w: int) -> tuple[float, float]:
-    """Response of one row's pixel times the conjugate of another's: their turn, and its weight."""
-    # Unsigned, as negative indices would count from the end.
+    """Response of one row's pixel times the conjugate of another's."""
+    # Unsigned indices avoid the check for negative ones.
     u_a, u_b = np.uint64(u), np.uint64(w)
     real = b[0, u_b] * a[0, u_a] + b[1, u_b] * a[1, u_a]
     imag = b[1, u_b] * a[0, u_a] - b[0, u_b] * a[1, u_a]

@@ -1,4 +1,4 @@
-"""From pairs to coloured points in the frame of the left camera (thesis 3.5, Eq 19)."""
+"""Triangulation of matches to coloured points in the left camera's frame (thesis 3.5, Eq 19)."""
 
 from dataclasses import dataclass
 
@@ -19,9 +19,9 @@ class Triangulation:
     """
 
     sure: PointCloud
-    """Of refined matches that are more likely right than wrong."""
+    """Points of refined matches that are more likely correct than wrong."""
     doubtful: PointCloud
-    """All others: unlikely pairs, and edges along the row, which fit everywhere on it."""
+    """All others: improbable matches, and edges along the row, which match anywhere on it."""
 
     def transformed(self, T_target_source: ArrayLike) -> "Triangulation":
         """The same points in the target frame."""
@@ -32,28 +32,27 @@ class Triangulation:
 
 
 def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSettings) -> PointCloud:
-    """Coloured points of the sure matches; see `triangulate_all`."""
+    """Coloured points of the precise matches; see `triangulate_all`."""
     return triangulate_all(matches, pair, settings).sure
 
 
 def triangulate_all(
     matches: Matches, pair: StereoPair, settings: TriangulationSettings
 ) -> Triangulation:
-    """Coloured points of the matches that meet in front of the cameras.
+    """Coloured points of the matches whose rays meet in front of the cameras.
 
     Parameters
     ----------
     matches : Matches
     pair : StereoPair
-        Gives the colours and the rig.
+        Provides the colours and the rig.
     settings : TriangulationSettings
 
     Returns
     -------
     Triangulation
-        Points with the standard deviation of their depth. Sure ones are of matches that are
-        refined, are right with `min_probability` or nobody knows, and whose depth is known to
-        `max_sigma`.
+        Points with the standard deviation of their depth. `sure` ones are refined, have at least
+        `min_probability` or an unknown probability, and a depth sigma up to `max_sigma`.
     """
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     sigma = pair.rig.depth_sigma(points[:, 2], matches.sigma_px)
@@ -71,7 +70,7 @@ def triangulate_all(
 def _colours(
     matches: Matches, image: NDArray[np.uint8], settings: TriangulationSettings
 ) -> NDArray[np.uint8]:
-    """(M, 3) mean colour of the square round each point, cut off at the border."""
+    """(M, 3) mean colour of the square around each point, clipped at the border."""
     rgb = image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
     side = (settings.colour_window_px, settings.colour_window_px)
     mean = cv2.blur(np.ascontiguousarray(rgb), side, borderType=cv2.BORDER_REPLICATE)

@@ -1,4 +1,4 @@
-"""Uncertainty of a refined disparity: its sigma, and the odds that the pair is right."""
+"""Uncertainty of a refined disparity: its sigma, and the odds that the pair is correct."""
 
 from dataclasses import dataclass
 
@@ -14,36 +14,36 @@ from recon.stereo.noise import gain
 Array = NDArray[np.float64]
 
 UNTUNED_SIGMA_PX = 0.6
-"""Standard deviation of a disparity that is known to the pixel only."""
+"""Standard deviation of a disparity known only to the pixel."""
 _VAGUE_SHARE_SQ = 0.1**2
-"""Square of the share of a vertical edge's information at which half of the change is taken: an
-edge along the row says nothing of the disparity, and must not break a good match."""
+"""Squared share of a vertical edge's information at which half of the change is applied: an edge
+along the row is uninformative about the disparity, and must not spoil a good match."""
 _LARGEST_CHANGE_PX = 0.7
-"""A larger change means that phase and position disagree; position is kept then."""
+"""A larger change means that phase and position disagree; then the position is kept."""
 _LARGEST_NOISE_VARIANCE = 0.32
-"""Squared pixels; where noise alone moves a disparity by more, its phase tells nothing."""
+"""Squared pixels; if noise alone moves a disparity by more, its phase is uninformative."""
 _COHERENCE = 1.5
-"""Variance of the mean of a scale's channels, of what it were if their noise was independent."""
+"""Variance of the mean of a scale's channels, relative to that of independent noise."""
 _SCATTER_FACTOR = 2.0
-"""Noise energy, of the median scatter of the channels of sure pairs round their common shift."""
+"""Noise energy relative to the median scatter of the channels of reliable pairs."""
 
-# Variance of the tuned disparity. Fitted to the errors of recorded pairs with truth (Venus,
+# Variance of the refined disparity. Fitted to the errors of recorded pairs with truth (Venus,
 # Sawtooth, Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the
 # other recorded pairs and other worlds confirm it.
 _FLOOR_VARIANCE = 0.0075
 _LONELY_VARIANCE = 0.015
-"""Added to the floor, over the square of the number of scales: one alone agrees with itself."""
+"""Added to the floor, divided by the squared number of scales: a single one agrees with itself."""
 _DISCORD_WEIGHT = 0.127
 _NOISE_WEIGHT = 0.33
 _VAGUENESS_WEIGHT = 0.06
 
-# Log odds of a pair that is right: what matching says, less what noise could have made of nothing.
+# Log odds that a pair is correct: those of matching, less those that noise could create.
 _NOISE_ODDS = -0.40
 _NOISE_OF_EVEN_ODDS = 0.05
 _LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
 
 _WHOLE, _INFORMATION, _TRUST = 0, 1, 2
-"""Rows of what is known of the shift of each pair."""
+"""Rows of the shift's estimate of each pair."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,11 +51,11 @@ class Tuning:
     """Sub-pixel refinement of whole-pixel disparities (N,)."""
 
     change_px: Floats
-    """To be added; 0 where nothing is known."""
+    """Change to be added; 0 where unknown."""
     sigma_px: Floats
     noise_variance: Floats
-    """Squared pixels that the images' noise alone makes of the change; infinite where the
-    phase tells nothing, NaN where no filter is wide enough to tell."""
+    """Variance of the change due to image noise alone, squared pixels; infinite where the phase is
+    uninformative, NaN where no filter is wide enough."""
 
 
 def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Tuning:
@@ -67,11 +67,11 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
         For each scale the sums over its channels of weight k^2, weight k phi and weight phi^2; then
         those of the weight by the scales' nominal k^2, and the number of channels.
     white : (S, N)
-        Energy that the noise of single pixels has in a scale's responses.
+        Energy of single-pixel noise in a scale's responses.
     calm_ratio : (S,)
-        Energy of the calmest parts of the images, of that; noise has no more.
+        Energy of the calmest image regions relative to `white`; an upper limit for noise.
     is_sure : (N,)
-        Pairs that are likely right: what their channels disagree by limits the noise, too.
+        Pairs that are likely correct: the scatter of their channels limits the noise, too.
     """
     if not len(white):
         nothing = np.zeros(sums.shape[1], np.float32)
@@ -100,10 +100,10 @@ def _shift(
     scatter: Floats,
     scatter_of_sure: Floats,
 ) -> int:
-    """Write each pair's shift, its information and the trust in it, and the scatter by scale.
+    """Write each pair's shift, its information and trust, and the scatter by scale.
 
-    Where nothing is known of the shift all are 0. The scatter of sure pairs is also written one
-    after the other, in units of the noise of single pixels; returns how many they are.
+    If the shift is unknown, all are 0. The scatter of reliable pairs is also written consecutively,
+    in units of single-pixel noise; returns their number.
     """
     num_scales, num_sure = len(scatter), 0
     for i in range(scatter.shape[1]):
@@ -132,7 +132,7 @@ def _shift(
 def _weigh(
     sums: Floats, white: Floats, ratio: Floats, shifts: Floats, scatter: Floats, tuned: Floats
 ) -> None:
-    """Write the change of each pair's disparity, its sigma, and what of its variance is noise."""
+    """Write the change of each pair's disparity, its sigma, and its variance due to noise."""
     num_scales = len(scatter)
     floor = np.float32(_FLOOR_VARIANCE + _LONELY_VARIANCE / num_scales**2)
     untuned = np.float32(UNTUNED_SIGMA_PX)
@@ -157,7 +157,7 @@ def _weigh(
 
 
 def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:
-    """(S,) energy of noise in a scale's responses, of what the noise of single pixels gives."""
+    """(S,) energy of noise in a scale's responses, relative to that of single-pixel noise."""
     if not scatter.shape[1]:
         return np.maximum(calm_ratio, 1.0)
     limit = _SCATTER_FACTOR * np.median(scatter, axis=1)
@@ -167,7 +167,7 @@ def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:
 def white_energies(
     left: Features, right: Features, scales: Integers, grey: NDArray[np.uint8]
 ) -> Floats:
-    """(S, N) energy that noise of single pixels has in responses at pixels of a brightness (N,)."""
+    """(S, N) energy of single-pixel noise in responses at pixels of brightness (N,)."""
     variance = 0.5 * (left.noise.by_grey**2 + right.noise.by_grey**2)
     gains = np.array([gain(left.widths_px[s]) for s in scales])
     energies: Floats = (gains[:, None] * variance).astype(np.float32)[:, grey]
@@ -175,18 +175,18 @@ def white_energies(
 
 
 def calm_ratios(left: Features, right: Features, scales: Integers) -> Array:
-    """(S,) energy of the images' calmest parts, of what noise of single pixels has there."""
+    """(S,) energy of the images' calmest regions, relative to that of single-pixel noise."""
     both = [(one.noise.by_scale[scales] / one.noise.level) ** 2 for one in (left, right)]
     return np.asarray(0.5 * (both[0] + both[1]), dtype=np.float64)
 
 
 def updated_probability(prior: Array, noise_variance: Floats) -> Array:
-    """Probability that pairs are right, by what matching says and by what noise makes of nothing.
+    """Probability that pairs are correct, from matching and from the effect of noise.
 
-    Where noise alone moves a disparity by much, it may as well have made the pair.
+    If noise alone moves a disparity considerably, it may have created the pair, too.
     """
     noise = np.clip(noise_variance, _LEAST_NOISE, _MOST_NOISE)
-    # Where no filter is wide enough to tell, the odds stay as they are.
+    # If no filter is wide enough, the odds are unchanged.
     ratio = np.nan_to_num((noise / _NOISE_OF_EVEN_ODDS) ** -_NOISE_ODDS, nan=1.0)
     wrong = (1.0 - prior) * ratio
     return np.asarray(prior / (prior + wrong))

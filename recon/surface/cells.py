@@ -1,4 +1,4 @@
-"""The dense cloud of many views: one point per cell, as sure as its views make it."""
+"""The dense cloud of many views: one point per cell, with a sigma from its views."""
 
 from itertools import product
 
@@ -25,14 +25,14 @@ _CELL = np.dtype(
         ("colour", np.float32, (3,)),
     ]
 )
-"""A cell: the last view that saw it, with how many pixels, and how many views did; the most views
-that agreed on a pixel; the sums over the views of weights, weighted places in the cell (in cells)
-and weighted colours."""
+"""A cell: the last view that saw it, its number of pixels, and the number of views; the maximum
+number of views agreeing on a pixel; the sums over the views of weights, weighted positions in the
+cell (in cells) and weighted colours."""
 
 _NEAR_SQ = 0.25
-"""Square of the distance, in cells, up to which a point is as good as at the place asked for."""
+"""Squared distance, in cells, below which a point counts as at the requested position."""
 _REACHES = (1, 4)
-"""Cells on each side that are asked for colours; no surface is farther from what made it."""
+"""Cells on each side searched for colours; no surface is farther from its points."""
 
 
 class CellCloud:
@@ -50,7 +50,7 @@ class CellCloud:
         self._num_views = 0
 
     def add(self, view: DepthMap) -> None:
-        """Take the points of a view."""
+        """Add the points of a view."""
         mask = view.valid_mask
         places = view.points(mask) / self.cell
         self._num_views += 1
@@ -61,7 +61,7 @@ class CellCloud:
         _add(self._table.rows, rows, *seen)
 
     def cloud(self) -> PointCloud:
-        """The points (world), with sigma, and `views`: how many views agree on each."""
+        """The points (world), with sigma, and `views`: the number of views that agree on each."""
         cells = self._table.used
         weight = cells["weight"].astype(np.float64)[:, None]
         views = np.maximum(cells["num_views"], cells["num_agreeing"]).clip(0, 255)
@@ -73,9 +73,9 @@ class CellCloud:
         )
 
     def colours_at(self, points: Array) -> NDArray[np.uint8]:
-        """(N, 3) mean colours of the points next to some on the surface (N, 3), by distance.
+        """(N, 3) mean colours near points on the surface (N, 3), weighted by distance.
 
-        A few cells round each place are asked, more where they are empty; black is where all are.
+        A few cells around each point are searched, more if they are empty; black if all are.
         """
         places = points / self.cell
         sums = np.zeros((len(points), 4))
@@ -87,7 +87,7 @@ class CellCloud:
         return colours
 
     def _colour_sums(self, places: Array, reach: int) -> Array:
-        """(N, 4) weighted sums of red, green and blue of the cells near places, and of weights."""
+        """(N, 4) weighted sums of red, green and blue of the cells near points, and of weights."""
         index = np.floor(places).astype(np.int32)
         sums = np.zeros((len(places), 4))
         for step in product(range(-reach, reach + 1), repeat=3):
@@ -102,7 +102,7 @@ class CellCloud:
         return sums
 
     def _rows_of(self, places: Array) -> Numbers:
-        """The row of each place's cell (N,), which has counted its pixels."""
+        """The row of each point's cell (N,), whose pixel count is updated."""
         rows = np.empty(len(places), np.int64)
         done = 0
         while done < len(places):
@@ -117,9 +117,9 @@ class CellCloud:
 def _count(
     slots: Slots, cells: Rows, num: int, places: Array, view: int, first: int, rows: Numbers
 ) -> tuple[int, int]:
-    """Count pixels in their cells, until the table is full; the next one, and the cells there are.
+    """Count pixels in their cells until the table is full; return the next one and the cell count.
 
-    Places are counted in cells.
+    Positions are in cells.
     """
     for k in range(first, len(places)):
         if num == len(cells):
@@ -145,9 +145,9 @@ def _add(
     colours: NDArray[np.uint8],
     agreeing: NDArray[np.uint8],
 ) -> None:
-    """Add what pixels say to their cells.
+    """Add pixels to their cells.
 
-    Errors of one view go together: its pixels in a cell are as sure as one of them.
+    Errors of one view are correlated: its pixels in a cell together weigh as much as one.
     """
     for k in range(len(rows)):
         cell = cells[rows[k]]

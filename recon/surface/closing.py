@@ -1,4 +1,4 @@
-"""Meshes closed, by surface that nobody saw."""
+"""Closing of meshes with unobserved surface."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,8 +19,8 @@ _POISSON_DEPTH = 9
 def watertight(mesh: Mesh) -> Mesh:
     """A closed surface through the mesh: screened Poisson (Kazhdan and Hoppe, 2013), and caps.
 
-    Poisson's surface goes on to the sides of a box round the mesh where nothing was seen that would
-    close it earlier; there it is cut open, and is capped.
+    Where the surface is unobserved, Poisson's surface extends to the sides of a box around the
+    mesh; there it is open, and is capped.
     """
     o3d = load_open3d()
     cloud = o3d.geometry.PointCloud()
@@ -32,13 +32,13 @@ def watertight(mesh: Mesh) -> Mesh:
         cloud, depth=_POISSON_DEPTH, n_threads=1
     )
     closed = _from_open3d(found)
-    if mesh.colours is None:  # Poisson makes them black then
+    if mesh.colours is None:  # Poisson makes them black
         closed = replace(closed, colours=None)
     return with_normals(capped(closed))
 
 
 def border_edges(mesh: Mesh) -> Edges:
-    """(E, 2) edges of one triangle only, in the direction in which it runs through them."""
+    """(E, 2) edges of only one triangle, in its direction."""
     edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     _, first, count = np.unique(
         np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
@@ -48,13 +48,13 @@ def border_edges(mesh: Mesh) -> Edges:
 
 
 def capped(mesh: Mesh) -> Mesh:
-    """The mesh with a fan of triangles over every loop of border edges, round its middle."""
+    """The mesh with a fan of triangles over every loop of border edges, around its centre."""
     loops = list(_loops(border_edges(mesh)))
     if not loops:
         return mesh
     num = len(mesh.vertices)
     middles = np.array([mesh.vertices[loop[:, 0]].mean(axis=0) for loop in loops])
-    # Against the direction of the triangles beside them.
+    # Opposite to the direction of the adjacent triangles.
     fans = [
         np.column_stack([loop[:, ::-1], np.full(len(loop), num + number)])
         for number, loop in enumerate(loops)
@@ -71,7 +71,7 @@ def capped(mesh: Mesh) -> Mesh:
 
 
 def _loops(edges: Edges) -> Iterator[Edges]:
-    """The closed loops that directed edges make, as their edges in order."""
+    """The closed loops of directed edges, as their edges in order."""
     ahead: dict[int, list[int]] = {}
     for start, end in edges.tolist():
         ahead.setdefault(start, []).append(end)
@@ -88,7 +88,7 @@ def _loops(edges: Edges) -> Iterator[Edges]:
 
 
 def _taken(ahead: dict[int, list[int]], here: int) -> int:
-    """The end of one edge from here, which is gone then."""
+    """Remove one edge from here, and return its end."""
     there = ahead[here].pop()
     if not ahead[here]:
         del ahead[here]

@@ -1,4 +1,4 @@
-"""Depths that other views confirm: what moves, floats or was matched wrongly is seen once."""
+"""Depths confirmed by other views; moving objects and wrong matches are not."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,16 +14,16 @@ NUM_NEIGHBOURS = 6
 _NUM_SIGMAS = np.float32(2.5)
 _NUM_NEEDED = 2
 _FEW = 2
-"""Up to this many views of a place, one of them is enough."""
+"""If at most this many views see a point, one confirmation is enough."""
 
 
 def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:
-    """The depths of a view that others confirm, with the number of views that agree.
+    """The depths of a view confirmed by others, with the number of agreeing views.
 
-    Another view confirms a point where its own depth lies within 2.5 joint sigmas, contradicts it
-    where it sees something behind, and does not look where it knows nothing or something stands
-    before. Two have to confirm, one where only one or two look, none where none looks; and no more
-    may contradict than confirm.
+    Another view confirms a point if its own depth is within 2.5 joint sigmas, contradicts it if it
+    sees a point behind, and does not see it if its depth is unknown or occluded. Two have to
+    confirm, one if only one or two see the point, none if none does; and no more may contradict
+    than confirm.
     """
     counts = np.zeros((3, *view.depth.shape), np.uint8)
     for other in _nearest(view, others):
@@ -39,9 +39,9 @@ def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:
 
 
 class Confirmation:
-    """Views that come one after the other, each confirmed by those before and after it.
+    """A stream of views, each confirmed by those before and after it.
 
-    So many views are held at once as a view has neighbours on both sides.
+    Memory holds as many views as a view has neighbours on both sides.
     """
 
     def __init__(self) -> None:
@@ -50,13 +50,13 @@ class Confirmation:
         self._num_dropped = 0
 
     def add(self, view: DepthMap) -> Iterator[DepthMap]:
-        """Take the next view; the one that has all its neighbours now, confirmed."""
+        """Add the next view; yield the one that now has all its neighbours, confirmed."""
         self._views.append(view)
         if self._num_seen - self._num_done > NUM_NEIGHBOURS:
             yield self._next()
 
     def finish(self) -> Iterator[DepthMap]:
-        """The views that still waited for others."""
+        """Yield the views that still waited for others."""
         while self._num_done < self._num_seen:
             yield self._next()
 
@@ -75,7 +75,7 @@ class Confirmation:
 
 
 def _nearest(view: DepthMap, others: Sequence[DepthMap]) -> list[DepthMap]:
-    """The nearest views that look the same way, more or less."""
+    """The nearest views with a similar viewing direction."""
     ahead = view.T_world_left[:3, 2]
     alike = [other for other in others if other.T_world_left[:3, 2] @ ahead > 0]
     distances = [float(np.linalg.norm(other.position - view.position)) for other in alike]
@@ -97,7 +97,7 @@ def _ask(  # noqa: PLR0913 - two views and the motion between them
     T_other_view: NDArray[np.float64],
     counts: NDArray[np.uint8],
 ) -> None:
-    """Count for every pixel whether another view agrees, disagrees, and looks."""
+    """Count for every pixel if another view agrees, disagrees, and sees it."""
     focal, cx, cy = camera
     T = T_other_view
     for v in range(depth.shape[0]):
@@ -125,7 +125,7 @@ def _ask(  # noqa: PLR0913 - two views and the motion between them
 def _pixel(
     point: tuple[float, float, float], camera: tuple[float, float, float], shape: tuple[int, int]
 ) -> tuple[int, int]:
-    """Row and column in which a camera sees a point; -1 where it does not."""
+    """Row and column at which a camera sees a point; -1 if it does not."""
     focal, cx, cy = camera
     if point[2] <= 0:
         return -1, -1

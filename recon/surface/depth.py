@@ -13,9 +13,9 @@ Floats = NDArray[np.float32]
 Array = NDArray[np.float64]
 
 _FARTHEST = 0.5
-"""Depths that are less sure than this share of themselves might as well be without end."""
+"""Maximum sigma of a depth, relative to the depth."""
 _SIGMA_SCALE, _SIGMA_FLOOR_PX = 1.3, 0.08
-"""Errors of neighbouring pixels go together, and those of a calibration do not average out."""
+"""Errors of neighbouring pixels are correlated, and calibration errors do not average out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,7 +32,7 @@ class DepthMap:
     T_world_left: Array
     """(4, 4)"""
     num_views: NDArray[np.uint8] | None = None
-    """(H, W) views that agree, this one included; None before they were asked."""
+    """(H, W) agreeing views, including this one; None before confirmation."""
 
     @property
     def valid_mask(self) -> NDArray[np.bool_]:
@@ -53,7 +53,7 @@ class DepthMap:
         return points
 
     def points(self, mask: NDArray[np.bool_]) -> Array:
-        """(N, 3) the same in the world."""
+        """(N, 3) the same points in the world."""
         return transform(self.T_world_left, self.points_left(mask))
 
     def where(self, kept_mask: NDArray[np.bool_]) -> "DepthMap":
@@ -62,7 +62,7 @@ class DepthMap:
 
 
 def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
-    """The depths of a pair's left pixels; a pair without a pose stands level at the origin."""
+    """The depths of a pair's left pixels; a pair without a pose is level at the origin."""
     left = pair.left if pair.left.ndim == 3 else np.repeat(pair.left[..., None], 3, axis=2)
     depth = pair.rig.depth(found.disparity_px)
     sigma_px = np.hypot(_SIGMA_SCALE * found.sigma_px, _SIGMA_FLOOR_PX)

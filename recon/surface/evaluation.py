@@ -1,4 +1,4 @@
-"""Accuracy and completeness of a surface against the true one."""
+"""Accuracy and completeness of a surface compared with the true one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ _ACCURACY_SHARE = 0.9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurfaceEvaluation:
-    """Numbers of one surface held against the truth."""
+    """Metrics of one surface compared with the truth."""
 
     accuracy_90: float
     """Distance to the truth within which nine of ten points of the surface lie, world units."""
     completeness: float
-    """Share of the truth within the middle one of the distances of the surface."""
+    """Share of the truth within the median of the given distances from the surface."""
     precision: dict[float, float]
     """Share of the surface within a distance of the truth, by distance."""
     recall: dict[float, float]
@@ -33,7 +33,7 @@ class SurfaceEvaluation:
     """Harmonic mean of precision and recall, by distance."""
 
     def as_metrics(self) -> dict[str, Any]:
-        """The numbers by name, distances as text."""
+        """The metrics by name, with distances as text."""
         tables = {
             name: {f"{distance:g}": value for distance, value in getattr(self, name).items()}
             for name in ("precision", "recall", "fscore")
@@ -43,7 +43,7 @@ class SurfaceEvaluation:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Judged:
-    """A surface as it is held against another: points on it, and its triangles where it has any."""
+    """A surface to be compared: points on it, and its triangles if it has any."""
 
     points: Array
     """(N, 3)"""
@@ -55,19 +55,19 @@ class Judged:
 
 
 def judge(found: Judged, truth: Judged, distances: Sequence[float]) -> SurfaceEvaluation:
-    """Hold a surface against the true one.
+    """Compare a surface with the true one.
 
     Parameters
     ----------
     found, truth : Judged
-        The points of the truth may be the part of its mesh that could be seen.
+        The points of the truth may cover only the visible part of its mesh.
     distances : sequence of float
         World units.
 
     Raises
     ------
     InputError
-        Where one of the two is empty.
+        If one of the two is empty.
     """
     for name, one in (("the surface", found), ("the truth", truth)):
         if not len(one.points):
@@ -103,7 +103,7 @@ def _to_mesh(points: Array, mesh: Mesh) -> Array:
     """(N,) distance of points to the nearest triangle."""
     core = load_open3d().core
     scene = load_open3d().t.geometry.RaycastingScene()
-    # Counted from the middle of the mesh, 32 bits lose nothing that matters.
+    # Relative to the centre of the mesh, 32 bits are precise enough.
     middle = mesh.vertices.mean(axis=0)
     scene.add_triangles(
         core.Tensor((mesh.vertices - middle).astype(np.float32)),

@@ -1,4 +1,4 @@
-"""From the disparities of pairs to one surface: confirmed, fused, meshed."""
+"""Fusion of the disparities of pairs into one surface: confirmed, fused, meshed."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -22,21 +22,21 @@ _PIXELS_TO_VOXEL = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
-    """The surface that the cameras saw, in the world."""
+    """The surface seen by the cameras, in the world."""
 
     cloud: PointCloud
-    """With sigma, and the attribute `views`: how many views agree on a point."""
+    """With sigma, and the attribute `views`: the number of views that agree on a point."""
     mesh: Mesh | None
-    """None where none was asked for."""
+    """None if not requested."""
     metrics: dict[str, Any]
-    """Numbers by their names in metrics.json."""
+    """Metrics by their names in metrics.json."""
 
 
 class Fusion:
-    """Takes pairs with their disparities, one at a time, and gives the surface at the end.
+    """Takes pairs with their disparities, one at a time, and returns the surface at the end.
 
-    Of a single pair the pixels are the cloud, and the mesh joins neighbouring ones; of several,
-    depths that other views confirm are fused in voxels.
+    For a single pair, the pixels are the cloud, and the mesh joins neighbouring ones; for several,
+    depths confirmed by other views are fused in voxels.
     """
 
     def __init__(self, settings: SurfaceSettings) -> None:
@@ -50,12 +50,12 @@ class Fusion:
         self._cells: CellCloud | None = None
 
     def add(self, pair: StereoPair, found: DisparityMap) -> DepthMap:
-        """Take the next pair; its depths as they were seen.
+        """Add the next pair, and return its unconfirmed depths.
 
         Raises
         ------
         InputError
-            For a second pair without a pose: nothing tells where it belongs.
+            For a second pair without a pose.
         """
         if self._num_pairs and pair.T_world_left is None:
             raise InputError(
@@ -128,7 +128,7 @@ class Fusion:
 
 
 def suggested_voxel(view: DepthMap) -> float | None:
-    """Two pixels at the middle depth of a view, or its middle sigma where that is more."""
+    """Two pixels at the median depth of a view, or its median sigma if that is larger."""
     mask: NDArray[np.bool_] = view.valid_mask
     if not mask.any():
         return None

@@ -1,4 +1,4 @@
-"""Signed distances of voxels near a surface, by a depth map (Curless and Levoy, 1996)."""
+"""Signed distances of voxels near a surface, from depth maps (Curless and Levoy, 1996)."""
 
 from typing import NamedTuple
 
@@ -16,44 +16,45 @@ Place = tuple[float, float, float]
 BLOCK = 8
 """Voxels along each side of a block."""
 TRUNCATION = 4.0
-"""Distances farther before the surface than so many voxels are not told apart."""
+"""Truncation of distances in front of the surface, in voxels."""
 _BEHIND = 3.0
-"""Voxels behind the surface of which a view still says something."""
+"""Distance behind the surface up to which a view is informative, in voxels."""
 _FREE_SHARE = 0.3
-"""Weight of a view's free space, of the weight of its surface."""
+"""Weight of a view's free space, relative to that of its surface."""
 _JUMP = 2.0
-"""Voxels of depth between neighbouring pixels that are taken for two surfaces."""
+"""Depth difference of neighbouring pixels that separates surfaces, in voxels."""
 
 
 _STEPS = np.arange(-TRUNCATION, TRUNCATION + 1, BLOCK / 2)
-"""Voxels before and behind a surface at which its rays are looked at for blocks."""
+"""Distances from a surface at which its rays are sampled for blocks, in voxels."""
 NUM_STEPS = len(_STEPS)
 
 
 class Store(NamedTuple):
-    """Voxels of B blocks; V voxels in each, x first."""
+    """Voxels of B blocks, V voxels each, x first."""
 
     distance: Floats
-    """(B, V) in truncations, positive before the surface."""
+    """(B, V) in truncations, positive in front of the surface."""
     weight: Floats
     """(B, V)"""
 
     @classmethod
     def empty(cls, num_blocks: int) -> "Store":
-        """Nothing seen of so many blocks."""
+        """Unobserved voxels of `num_blocks` blocks."""
         return cls(*(np.zeros((num_blocks, BLOCK**3), np.float32) for _ in cls._fields))
 
     def for_blocks(self, num_blocks: int) -> "Store":
-        """The same with room for so many blocks."""
+        """The same voxels, with room for `num_blocks` blocks."""
         if num_blocks > len(self.weight):
             for array in self:
-                # resize() may move the block without a copy; nobody else holds the array.
+                # resize() may move the block without a copy; no other reference to the array
+                # exists.
                 array.resize((num_blocks, BLOCK**3), refcheck=False)
         return self
 
 
 class View(NamedTuple):
-    """A depth map as the loops want it."""
+    """A depth map in the layout of the loops."""
 
     depth: Floats
     sigma: Floats
@@ -67,11 +68,10 @@ class View(NamedTuple):
 def touch(
     slots: Slots, blocks: Rows, num: int, lines: tuple[Array, Array, Array, Array], first: int
 ) -> tuple[int, int]:
-    """Enter the blocks that rays meet near their depth, until the table is nearly full.
+    """Enter the blocks that rays hit near their depth, until the table is nearly full.
 
-    Rays and the place they start from are counted in blocks, at a depth of 1; with them come their
-    depths, and the change of depth over a voxel's length. Returns the next ray, and the number of
-    blocks.
+    Rays (at depth 1) and their origin are in blocks; `lines` also has their depths, and the change
+    of depth over a voxel's length. Returns the next ray, and the number of blocks.
     """
     rays, start, depth, steps = lines
     last = np.full((NUM_STEPS, 3), np.inf)
@@ -85,7 +85,7 @@ def touch(
                 np.floor(rays[k, 1] * z + start[1]),
                 np.floor(rays[k, 2] * z + start[2]),
             )
-            # Neighbouring pixels mostly meet the same.
+            # Neighbouring pixels mostly hit the same blocks.
             if not (x == last[s, 0] and y == last[s, 1] and z == last[s, 2]):
                 last[s, 0], last[s, 1], last[s, 2] = x, y, z
                 _, num = find_or_add(slots, blocks, num, (int(x), int(y), int(z)))
@@ -94,7 +94,7 @@ def touch(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def fuse(blocks: Keys, store: Store, view: View, T_left_world: Array, voxel: float) -> None:
-    """Add what a view says of every voxel of every block in its sight."""
+    """Add the evidence of a view to every voxel of every visible block."""
     T, side = T_left_world, BLOCK * voxel
     for b in range(len(blocks)):
         x, y, z = blocks[b, 0] * side, blocks[b, 1] * side, blocks[b, 2] * side
@@ -109,7 +109,7 @@ def fuse(blocks: Keys, store: Store, view: View, T_left_world: Array, voxel: flo
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _is_in_sight(corner: Place, T: Array, view: View, voxel: float) -> bool:
-    """False where no voxel of a block, of which a corner is given, can be told anything."""
+    """False if a view has no evidence for any voxel of a block, given by its corner."""
     half = 0.5 * BLOCK * voxel
     x = corner[0] + half * (T[0, 0] + T[0, 1] + T[0, 2])
     y = corner[1] + half * (T[1, 0] + T[1, 1] + T[1, 2])
@@ -120,7 +120,7 @@ def _is_in_sight(corner: Place, T: Array, view: View, voxel: float) -> bool:
     focal, cx, cy = view.camera
     height, width = view.depth.shape
     right, low = width - 1 - cx, height - 1 - cy
-    # Distances to the sides of the pyramid that the image spans.
+    # Distances to the sides of the viewing frustum.
     return not (
         focal * x + cx * z < -radius * np.hypot(focal, cx)
         or right * z - focal * x < -radius * np.hypot(focal, right)
@@ -157,7 +157,7 @@ def _see(
     view: View,
     voxel: float,
 ) -> None:
-    """Add what a view says of one voxel, whose place is in the view's frame."""
+    """Add the evidence of a view to one voxel, whose position is in the view's frame."""
     if not place[2] > 0:
         return
     focal, cx, cy = view.camera
@@ -166,11 +166,11 @@ def _see(
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
         return
     column, row = int(u + 0.5), int(v + 0.5)
-    # Four pixels differ by no more than a jump, or the nearest counts alone.
+    # Four pixels differ by no more than a jump, otherwise only the nearest counts.
     if not (view.depth[row, column] - place[2]) / voxel >= -_BEHIND - _JUMP:
         return
     ahead = (_depth_at(view.depth, u, v, _JUMP * voxel) - place[2]) / voxel
-    if not ahead >= -_BEHIND:  # nothing is known there, either
+    if not ahead >= -_BEHIND:  # also if the depth is unknown
         return
     spread = view.sigma[row, column] / voxel
     trust = 1 / (spread * spread + 0.25)
@@ -184,7 +184,7 @@ def _see(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _depth_at(depth: Floats, u: float, v: float, jump: float) -> float:
-    """Depth between four pixels; that of the nearest one where they are of two surfaces."""
+    """Depth interpolated between four pixels; that of the nearest one across two surfaces."""
     column, row = int(u), int(v)
     a, b = depth[row, column], depth[row, column + 1]
     c, d = depth[row + 1, column], depth[row + 1, column + 1]

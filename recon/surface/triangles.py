@@ -1,4 +1,4 @@
-"""Meshes made and cleaned."""
+"""Creation and cleaning of meshes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,14 +10,14 @@ from recon.surface.depth import DepthMap
 from recon.surface.volume import with_normals
 
 _SMALLEST_SHARE = 0.01
-"""Pieces with a smaller share of the area float: they are left out."""
+"""Minimum share of the area of a piece; smaller ones are removed as floaters."""
 _NUM_SIGMAS = 3.0
 _STEEPEST = 3.0
-"""Depth between neighbouring pixels, in widths of a pixel there, that is still one surface."""
+"""Maximum depth difference of neighbouring pixels of one surface, in pixel widths at that depth."""
 
 
 def pieces(mesh: Mesh) -> NDArray[np.int32]:
-    """(T,) number of the connected piece of each triangle."""
+    """(T,) index of the connected piece of each triangle."""
     a, b, c = mesh.triangles.T
     edges = np.concatenate([np.stack([a, b]), np.stack([b, c])], axis=1)
     ones = np.ones(edges.shape[1], np.int8)
@@ -37,7 +37,7 @@ def without_floaters(mesh: Mesh, smallest_share: float = _SMALLEST_SHARE) -> Mes
 
 
 def largest_share(mesh: Mesh) -> float:
-    """Share of the area that the largest connected piece has; 0 of no triangle."""
+    """Share of the area of the largest connected piece; 0 without triangles."""
     if not len(mesh):
         return 0.0
     areas = np.bincount(pieces(mesh), weights=mesh.triangle_areas)
@@ -61,5 +61,5 @@ def mesh_of_pixels(view: DepthMap) -> Mesh:
     limit += _NUM_SIGMAS * sigma[triangles].min(axis=1)
     whole = triangles[np.ptp(between, axis=1) <= limit]
     mesh = Mesh(vertices=view.points(mask), triangles=whole, colours=view.colours[mask])
-    # Vertices of no triangle are left out.
+    # Unused vertices are removed.
     return with_normals(mesh.select(np.ones(len(mesh), bool)))

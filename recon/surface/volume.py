@@ -1,7 +1,7 @@
 """Signed distances to the surface, in blocks of voxels near it (Curless and Levoy, 1996).
 
-Each depth counts by its sigma. Open3D's VoxelBlockGrid makes triangles of the blocks; they are
-filled here, as it knows no weights of pixels.
+Each depth is weighted by its sigma. Open3D's VoxelBlockGrid extracts the triangles from the blocks;
+they are filled here, as it does not support pixel weights.
 """
 
 from typing import Any
@@ -21,15 +21,15 @@ Array = NDArray[np.float64]
 Keys = NDArray[np.int32]
 
 _MAX_SIGMA = 6.0
-"""Depths less sure than so many voxels are left out."""
+"""Maximum sigma of a depth, in voxels."""
 _MIN_WEIGHT = 0.04
-"""Of a voxel with a surface; one view with a sigma of a voxel gives 0.8."""
+"""Minimum weight of a surface voxel; one view with a sigma of one voxel yields 0.8."""
 _MAX_BLOCKS = 2_000_000
 _BLOCK = np.dtype([("index", np.int32, (3,))])
 
 
 class Volume:
-    """Signed distances round a surface, fused from depth maps.
+    """Signed distances around a surface, fused from depth maps.
 
     Parameters
     ----------
@@ -44,11 +44,11 @@ class Volume:
 
     @property
     def num_blocks(self) -> int:
-        """Blocks that have been near a surface."""
+        """Number of blocks that were near a surface."""
         return self._blocks.num_rows
 
     def add(self, view: DepthMap) -> None:
-        """Fuse the depths of a view; it carves free space out of what is there, too."""
+        """Fuse the depths of a view, which also carves free space."""
         sure = view.where(view.sigma <= _MAX_SIGMA * self.voxel)
         if not sure.valid_mask.any():
             return
@@ -59,7 +59,7 @@ class Volume:
         fuse(self._blocks.used["index"], self._store, seen, T_left_world, self.voxel)
 
     def _make_room(self, view: DepthMap) -> None:
-        """Begin the blocks that the surface of a view runs through."""
+        """Create the blocks that the surface of a view passes through."""
         mask = view.valid_mask
         rays = view.rig.rays(np.argwhere(mask)[:, ::-1])
         steps = self.voxel / np.linalg.norm(rays, axis=1)
@@ -80,13 +80,13 @@ class Volume:
         self._store = self._store.for_blocks(len(self._blocks.rows))
 
     def mesh(self) -> Mesh:
-        """The surface where distances change their sign, without colours; holes stay holes."""
+        """The surface where distances change sign, without colours; holes remain."""
         if not (self._store.weight > _MIN_WEIGHT).any():
             return Mesh.none()
         try:
             found = self._grid().extract_triangle_mesh(weight_threshold=_MIN_WEIGHT)
         except RuntimeError as error:
-            # Open3D gives colours to a mesh without a vertex, and fails at that.
+            # Open3D fails at setting colours of a mesh without vertices.
             if "SetVertexColors" not in str(error):
                 raise
             return Mesh.none()
@@ -118,7 +118,7 @@ class Volume:
 
 
 def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:
-    """The mesh in an order that does not hang on Open3D's threads, vertices of one place as one."""
+    """The mesh in an order independent of Open3D's threads, with coincident vertices merged."""
     places, number = np.unique(vertices, axis=0, return_inverse=True)
     triangles = number.reshape(-1)[triangles].astype(np.int32)
     a, b, c = triangles.T
@@ -129,7 +129,7 @@ def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:
 
 
 def with_normals(mesh: Mesh) -> Mesh:
-    """The mesh with the mean normal of the triangles round each vertex, by area."""
+    """The mesh with the area-weighted mean normal of the triangles around each vertex."""
     a, b, c = np.moveaxis(mesh.corners, 1, 0)
     across = np.cross(b - a, c - a)
     normals = np.zeros_like(mesh.vertices)

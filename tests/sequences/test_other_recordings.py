@@ -97,7 +97,7 @@ def test_a_folder_that_holds_one_recording_is_that_recording(tmp_path):
     write_folder(tmp_path / "outer" / "inner")
     assert_the_same(read(tmp_path / "outer"))
     write_folder(tmp_path / "outer" / "other")
-    with pytest.raises(InputError, match="holds 2 recordings"):
+    with pytest.raises(InputError, match="contains 2 recordings"):
         read(tmp_path / "outer")
 
 

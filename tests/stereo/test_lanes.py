@@ -77,7 +77,7 @@ def test_what_is_no_row_of_floats_does_not_compile(array):
     def read(array):
         return total(load(array, 0))
 
-    with pytest.raises(TypingError, match="is no contiguous \\(N,\\) float32 array"):
+    with pytest.raises(TypingError, match="is not a contiguous \\(N,\\) float32 array"):
         read(array)
 
 

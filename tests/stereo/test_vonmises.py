@@ -117,7 +117,7 @@ def test_a_trained_model_matches_another_scene_and_scores_are_probabilities(
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "other"}', "not json"])
 def test_what_is_no_model_is_refused_with_its_name(text):
-    with pytest.raises(InputError, match=r"m\.json is no recon von Mises model"):
+    with pytest.raises(InputError, match=r"m\.json is not a recon von Mises model"):
         vonmises.Model.from_json(text, "m.json")
 
 

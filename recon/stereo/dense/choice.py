@@ -1,4 +1,4 @@
-"""The disparity of the lowest cost at every pixel, confirmed by the right image."""
+"""The disparity of lowest cost at every pixel, confirmed by the right image."""
 
 from typing import NamedTuple
 
@@ -11,24 +11,24 @@ from recon.stereo.kernels.simd import Floats, Integers, kernel
 
 NUM_PATHS = 8
 _UNLOCKING = np.float32(2.3)
-"""Differences of truncated levels make corners, not parabolas, so that 1 would be right; but the
-price of small steps pulls towards whole pixels, on textured planes by this power."""
+"""Exponent of the sub-pixel interpolation: differences of truncated levels form corners, not
+parabolas, which corresponds to 1; but the small-step penalty pulls towards whole pixels."""
 _TOLERANCE_PX = 1
-"""Left and right choice may differ by this."""
+"""Maximum difference of left and right choice."""
 _PER_PATH = np.float32(1.0 / (UNIT * NUM_PATHS))
 
 
 class Choice(NamedTuple):
-    """The chosen disparity, and how clear it is; NaN where the right image does not confirm it."""
+    """The chosen disparity and its confidence; NaN where the right image does not confirm it."""
 
     disparity_px: Floats
-    """(H, W) below the pixel."""
+    """(H, W) with sub-pixel precision."""
     steepness: Floats
-    """(H, W) by how many grey levels the neighbouring disparities cost more."""
+    """(H, W) additional cost of the neighbouring disparities, in grey levels."""
     lead: Floats
-    """(H, W) by how many grey levels any disparity farther off costs more."""
+    """(H, W) additional cost of the best disparity farther off, in grey levels."""
     cost: Floats
-    """(H, W) of the pixel itself, in grey levels."""
+    """(H, W) cost of the pixel itself, in grey levels."""
 
 
 def choose(cost: ShortArray, total: ShortArray, first: int, count: int) -> Choice:
@@ -37,9 +37,9 @@ def choose(cost: ShortArray, total: ShortArray, first: int, count: int) -> Choic
     Parameters
     ----------
     cost, total : (H, W, D) int16
-        Of the pixel itself, and summed over the paths.
+        Cost of the pixel itself, and summed over the paths.
     first, count : int
-        The disparities that were searched.
+        The searched disparities.
     """
     choice = Choice(*(np.full(cost.shape[:2], np.nan, np.float32) for _ in Choice._fields))
     _choose(cost, total, first, count, choice)
@@ -67,7 +67,7 @@ def _choose(cost: ShortArray, total: ShortArray, first: int, count: int, choice:
 def _lowest(
     total: ShortArray, column: int, count: int, lowest_right: Integers, best_right: Integers
 ) -> int:
-    """Number of the lowest cost of a left pixel, which bids for the right ones, too."""
+    """Index of the lowest cost of a left pixel; updates the best ones of the right pixels, too."""
     width = lowest_right.size
     best, lowest = 0, np.int64(total[0])
     for d in range(count):

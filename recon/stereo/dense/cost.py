@@ -1,8 +1,8 @@
 """The cost of matching a left and a right pixel: phase, census and grey levels.
 
-Three measures that fail differently: phases do not see contrast, the order of the levels (census)
-does not see gain, levels and their slopes (Birchfield and Tomasi, 1998) see the finest detail.
-Only the finest filters are asked: coarser ones look across the edges of what is near.
+Three complementary measures: phases are invariant to contrast, the order of the levels (census) is
+invariant to gain, levels and their slopes (Birchfield and Tomasi, 1998) capture fine detail. Only
+the finest filters are used: coarser ones blur across depth edges.
 """
 
 from typing import Any, NamedTuple
@@ -34,19 +34,19 @@ Grey = NDArray[np.uint8]
 Bits = NDArray[np.uint64]
 
 UNIT = 8
-"""Costs are counted in eighths of a grey level."""
+"""Costs are in eighths of a grey level."""
 
 _WIDTHS_PX = (1.5,)
 _PHASE = np.float32(20.0)
 """Cost of no similarity; opposite phases cost twice as much."""
 _CENSUS = np.float32(0.75)
-"""Cost of each of the 62 neighbours that is darker in one image and not in the other."""
+"""Cost of each of the 62 neighbours that is darker in one image only."""
 _LEVEL = np.float32(0.6)
 _SLOPE = np.float32(1.0)
 _STEEPEST = 31.0
-"""Slopes count up to this many levels: edges of high contrast would drown everything else."""
+"""Slopes are truncated at this many levels: high-contrast edges would dominate otherwise."""
 _UNSEEN = np.int16(30 * UNIT)
-"""Cost of a right pixel outside the image: less than of a wrong one, more than of a right one."""
+"""Cost of a right pixel outside the image: between those of wrong and correct matches."""
 _BEYOND = np.int16(3000)
 """Cost of a disparity outside the search."""
 _CENSUS_ROWS, _CENSUS_COLUMNS = 3, 4
@@ -55,28 +55,28 @@ _BOX = np.float32(1 / 9)
 
 
 class Search(NamedTuple):
-    """The disparities first, first + 1, ..., `size` of them."""
+    """The disparities first, first + 1, ..., `size` in total."""
 
     first: int
     size: int
 
     @property
     def depth(self) -> int:
-        """The size, filled up to whole vectors."""
+        """The size, padded to whole vectors."""
         return filled(self.size, NUM_SHORTS)
 
 
 class _Side(NamedTuple):
-    """One image as the loops want it; rows of the right one run backwards, with margins."""
+    """One image in the layout of the loops; rows of the right one are reversed, with margins."""
 
     planes: Floats
     """(H, C, 3, W) real and imaginary response and inverse energy of each channel."""
     census: Bits
     """(H, W) one bit for each neighbour, 1 = darker than the pixel."""
     levels: Floats
-    """(H, 3, W) brightness, its lowest and its highest value within half a pixel."""
+    """(H, 3, W) brightness, and its minimum and maximum within half a pixel."""
     slopes: Floats
-    """(H, 3, W) the same of the slope along the row."""
+    """(H, 3, W) the same for the slope along the row."""
 
 
 def cost_volume(left: Grey, right: Grey, search: Search) -> ShortArray:
@@ -90,7 +90,7 @@ def cost_volume(left: Grey, right: Grey, search: Search) -> ShortArray:
     Returns
     -------
     cost : (H, W, D) int16
-        In units of 1 / `UNIT`; D filled up to whole vectors.
+        In units of 1 / `UNIT`; D padded to whole vectors.
     """
     depth = search.depth
     margin = filled(max(abs(search.first), abs(search.first + depth))) + NUM_LANES
@@ -116,7 +116,7 @@ def _side(grey: Grey) -> _Side:
 
 
 def _backwards(side: _Side, margin: int) -> _Side:
-    """The rows from right to left: what a growing disparity meets lies ahead."""
+    """The reversed rows, so that increasing disparities are ahead in memory."""
 
     def turned(rows: NDArray[Any]) -> NDArray[Any]:
         beside = [(0, 0)] * (rows.ndim - 1) + [(margin, margin)]
@@ -126,7 +126,7 @@ def _backwards(side: _Side, margin: int) -> _Side:
 
 
 def _ranges(values: Floats) -> Floats:
-    """(H, 3, W) values, and the lowest and highest within half a pixel."""
+    """(H, 3, W) values, and their minimum and maximum within half a pixel."""
     wide = np.pad(values, ((0, 0), (1, 1)), mode="edge")
     halves = (wide[:, :-1] + wide[:, 1:]) / 2
     three = np.stack([values, halves[:, :-1], halves[:, 1:]])
@@ -184,7 +184,7 @@ def _compare_levels(left: _Side, right: _Side, v: int, start: int, out: Floats) 
 
 @kernel
 def _apart(left: Floats, u: int, right: Floats, at: int) -> Lanes:
-    """The distance between values, were both images sampled half a pixel off."""
+    """The distance between values, tolerant to sampling offsets of half a pixel."""
     value, low, high = repeat(left[0], u), repeat(left[1], u), repeat(left[2], u)
     other = load(right[0], at)
     one = larger(value - load(right[2], at), load(right[1], at) - value)
@@ -194,7 +194,7 @@ def _apart(left: Floats, u: int, right: Floats, at: int) -> Lanes:
 
 @kernel
 def _add_rows(above: Floats, middle: Floats, below: Floats, sums: Floats) -> None:
-    """Sum three rows (W, D) into rows 1 to W; the first and last ones are repeated beside them."""
+    """Sum three rows (W, D) into rows 1 to W, replicating the first and last ones."""
     width, depth = above.shape
     for u in range(width):
         for d in range(depth):
@@ -206,7 +206,7 @@ def _add_rows(above: Floats, middle: Floats, below: Floats, sums: Floats) -> Non
 
 @kernel
 def _compare_phases(left: Floats, u: int, right: Floats, start: int, line: Floats) -> None:
-    """Write the cost of unlike phases (Eqs 16 to 18), all channels alike."""
+    """Write the cost of phase dissimilarity (Eqs 16 to 18), all channels with equal weight."""
     channels = left.shape[0]
     weight = _PHASE / np.float32(channels)
     for d in range(0, line.size, NUM_LANES):
@@ -239,7 +239,7 @@ def _add_up(phases: Floats, here: int, there: Bits, sums: Floats, cost: ShortArr
 
 @kernel
 def _mark_ends(cost: ShortArray, column: int, width: int, count: int) -> None:
-    """Disparity number d of the pixel leads to the right pixel ``column - d``."""
+    """Mark disparities outside; number d of the pixel is the right pixel ``column - d``."""
     for d in range(max(0, column + 1), count):
         cost[d] = _UNSEEN
     for d in range(min(count, column - width + 1)):

@@ -1,7 +1,7 @@
 """A disparity and its uncertainty for every pixel of a pair (the thesis's future work, chapter 5).
 
-All pixels are matched by one semi-global cost, the right image confirms, planes through like
-neighbours smooth what belongs to one surface, and narrow holes are filled with what lies behind.
+All pixels are matched by one semi-global cost and confirmed by the right image; planes through
+similar neighbours smooth each surface, and narrow holes are filled with the surface behind.
 """
 
 from collections.abc import Callable
@@ -27,18 +27,18 @@ from recon.stereo.kernels.simd import Floats
 Grey = NDArray[np.uint8]
 
 _EDGE_LEVELS = 12.0
-"""Difference of grey levels by which a jump of disparity has become much cheaper."""
+"""Decay of the cost of a disparity jump with the grey-level difference."""
 _SMALL_STEP, _LARGEST_STEP = 35.0, 100.0
-"""Grey levels that a step of a pixel costs, and a jump where nothing is seen of it."""
+"""Cost of a step of a pixel, and of a jump without a visible edge, in grey levels."""
 _LARGE_STEP = _SMALL_STEP + (_LARGEST_STEP - _SMALL_STEP) * np.exp(-np.arange(256) / _EDGE_LEVELS)
 PENALTIES = Penalties(
     small_step=round(UNIT * _SMALL_STEP), large_step=np.rint(UNIT * _LARGE_STEP).astype(np.int16)
 )
 
 _STRIP_BYTES = 700 << 20
-"""Of the costs of a strip, and of their sums."""
+"""Memory limit of the costs of a strip and their sums."""
 _STRIP_MARGIN = 32
-"""Rows above and below a strip from which paths come into it."""
+"""Rows above and below a strip where its paths start."""
 
 
 def match_dense(
@@ -54,11 +54,11 @@ def match_dense(
     Parameters
     ----------
     left, right : (H, W) or (H, W, 3) uint8
-        Grey or RGB, of one size.
+        Grey or RGB, of the same size.
     min_disparity, max_disparity : int
-        Both ends of the search, included.
+        Both ends of the search range, included.
     quality : {"best", "fast"}
-        `fast` takes OpenCV's StereoSGBM (MODE_SGBM_3WAY) for the matching itself, from both sides;
+        `fast` uses OpenCV's StereoSGBM (MODE_SGBM_3WAY) for the matching itself, from both sides;
         confirmation, smoothing, filling and sigma are recon's.
 
     Returns
@@ -83,12 +83,12 @@ def match_every_pixel(
     Parameters
     ----------
     stated_range : (min, max), optional
-        Search range in pixels that holds where the settings were not given one.
+        Search range in pixels, used if the settings do not define one.
 
     Raises
     ------
     InputError
-        For unlike images, or a search that lies outside of them.
+        If the images differ in size, or the search range lies outside them.
     """
     check_images(left, right)
     grey = grey_of(left)
@@ -102,7 +102,7 @@ def match_every_pixel(
 
 
 def as_matches(found: DisparityMap) -> Matches:
-    """Every known pixel as a match of its own, the surest first."""
+    """Every known pixel as a separate match, the most precise first."""
     v, u = np.nonzero(found.valid_mask)
     sigma = found.sigma_px[v, u].astype(np.float64)
     order = np.argsort(sigma, kind="stable")
@@ -126,7 +126,7 @@ def grey_of(image: NDArray[np.uint8]) -> Grey:
 
 
 def _search(asked: MatchingSettings, width: int) -> Search:
-    """The part of a search range that lies inside images of a width."""
+    """The part of a search range that lies inside images of a given width."""
     first, last = max(asked.min_disparity, 1 - width), min(asked.max_disparity, width - 1)
     if last < first:
         raise InputError(
@@ -165,7 +165,7 @@ _METHODS: dict[str, Callable[[Grey, Grey, Search, DenseSettings], DisparityMap]]
 
 
 def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
-    """The choice at every pixel; so many rows at once as memory is meant for."""
+    """The choice at every pixel, in strips of rows that respect the memory limit."""
     height, width = left.shape
     bytes_per_row = 2 * np.int16().nbytes * width * search.depth
     rows = max(_STRIP_BYTES // bytes_per_row, 3 * _STRIP_MARGIN)

@@ -1,4 +1,4 @@
-"""Errors of dense disparities, and of the sigmas that they state."""
+"""Errors of dense disparities, and calibration of their sigmas."""
 
 from dataclasses import asdict, dataclass
 
@@ -14,21 +14,21 @@ Array = NDArray[np.floating]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DenseEvaluation:
-    """Percent of the pixels whose truth is known, and errors in pixels; NaN = nothing to count."""
+    """Percent of the pixels with known truth, and errors in pixels; NaN = nothing to count."""
 
     covered: float
     right: float
-    """Within a pixel of the truth, of all."""
+    """Share within a pixel of the truth, of all pixels."""
     right_nonocc: float
-    """The same of those that the right camera sees too."""
+    """The same for pixels also visible to the right camera."""
     wrong: float
     median_px: float
-    """Of the error of all covered pixels."""
+    """Median error of all covered pixels."""
     within_1_sigma: float
     within_2_sigma: float
 
     def as_metrics(self) -> dict[str, float]:
-        """The numbers by name."""
+        """The metrics by name."""
         return asdict(self)
 
 
@@ -38,15 +38,15 @@ def judge(
     quantisation_px: float = 0.0,
     right_px: Array | None = None,
 ) -> DenseEvaluation:
-    """Hold every pixel against the true disparity of the left image.
+    """Compare every pixel with the true disparity of the left image.
 
     Parameters
     ----------
     truth_px : (H, W)
         NaN = unknown.
     quantisation_px : float
-        Step of the truth; where it is a whole pixel, disparities are rounded before they are
-        called right or wrong, as the truth was.
+        Quantisation step of the truth; if it is a whole pixel, disparities are rounded like the
+        truth before they are classified as right or wrong.
     right_px : (H, W), optional
         True disparity of the right image's pixels, for occlusion.
     """

@@ -1,4 +1,4 @@
-"""Holes behind what is near, filled with the surface behind it, and specks taken out."""
+"""Filling of occlusion holes with the surface behind, and removal of specks."""
 
 import cv2
 import numpy as np
@@ -7,12 +7,12 @@ from numba import njit
 from recon.stereo.kernels.simd import Floats
 
 _FIXED_POINT = 8
-"""Steps of a pixel while specks are sought."""
+"""Steps per pixel in the search for specks."""
 _SPECK_STEP_PX = 2
-"""Neighbours that differ by more belong to two patches."""
+"""Neighbours that differ by more belong to different patches."""
 _AGREEMENT_PX = np.float32(1.5)
 _NUM_AGREEING = 3
-"""Of the nearest known pixels in eight directions so many have to agree with what is filled in."""
+"""Minimum number of nearest known pixels in eight directions that agree with a filled value."""
 
 
 def without_specks(disparity_px: Floats, smallest: int) -> Floats:
@@ -28,10 +28,10 @@ def without_specks(disparity_px: Floats, smallest: int) -> Floats:
 
 
 def filled_behind(disparity_px: Floats, widest_px: int) -> Floats:
-    """The disparities (H, W) with what lies near a known pixel of its row filled in.
+    """The disparities (H, W), filled near known pixels of the same row.
 
-    Of both sides the farther one goes on: what one camera alone sees lies behind. It is believed
-    where enough of the surroundings agree.
+    The farther of both sides is extended: areas visible to one camera only lie behind. It is
+    accepted if enough of the surroundings agree.
     """
     found = disparity_px.copy()
     if widest_px:
@@ -41,7 +41,7 @@ def filled_behind(disparity_px: Floats, widest_px: int) -> Floats:
 
 @njit(cache=True, nogil=True)
 def _nearest(disparity: Floats) -> Floats:
-    """(H, W, 6) the nearest known values in the rows above and below: before, at and after."""
+    """(H, W, 6) nearest known values in the rows above and below: before, at and after."""
     height, width = disparity.shape
     near = np.full((height, width, 6), np.nan, np.float32)
     for row in range(1, height):
@@ -53,7 +53,7 @@ def _nearest(disparity: Floats) -> Floats:
 
 @njit(cache=True, nogil=True)
 def _look_back(other: Floats, others_near: Floats, near: Floats, first: int) -> None:
-    """Write what a row's pixels meet in another row, or what those there have met before."""
+    """Write the values that a row's pixels meet in another row, or those met there before."""
     width = other.size
     for u in range(width):
         for column in range(max(0, u - 1), min(width, u + 2)):
@@ -91,7 +91,7 @@ def _fill_gap(row: Floats, near: Floats, gap: tuple[int, int], widest: int, foun
 
 @njit(cache=True, nogil=True)
 def _support(before: float, after: float, near: Floats, value: float) -> int:
-    """The number of known pixels round a hole that agree with a value."""
+    """The number of known pixels around a hole that agree with a value."""
     count = int(abs(before - value) <= _AGREEMENT_PX) + int(abs(after - value) <= _AGREEMENT_PX)
     for k in range(near.size):
         count += int(abs(near[k] - value) <= _AGREEMENT_PX)

@@ -1,7 +1,7 @@
-"""Semi-global aggregation: the cost of the best way to each pixel along eight directions.
+"""Semi-global aggregation: the cost of the best path to each pixel along eight directions.
 
 Hirschmueller's method (2008): along each direction a step of one disparity costs `small_step`, a
-larger one `large_step`, which is lower where the grey level changes, as surfaces end there.
+larger one `large_step`, which is lower where the grey level changes, since surfaces end there.
 """
 
 from typing import NamedTuple
@@ -25,20 +25,20 @@ from recon.stereo.kernels.simd import kernel
 _EDGE = np.int16(8192)
 """Cost of the disparities beyond both ends of the search: they never win."""
 _RIM = NUM_SHORTS
-"""Entries before the first disparity of a row of the paths, and after the last."""
+"""Padding before the first and after the last disparity of a row of the paths."""
 
 
 class Penalties(NamedTuple):
-    """Of changes of disparity, in the unit of the costs."""
+    """Penalties for changes of disparity, in the unit of the costs."""
 
     small_step: int
-    """One pixel of disparity from pixel to pixel."""
+    """For a change of one between neighbouring pixels."""
     large_step: ShortArray
-    """(256,) more than one, by the difference of the grey levels."""
+    """(256,) for larger changes, by the difference of the grey levels."""
 
 
 def aggregate(cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties) -> ShortArray:
-    """Sum of the costs of the best ways to each pixel from eight sides.
+    """Sum of the costs of the best paths to each pixel from eight directions.
 
     Parameters
     ----------
@@ -58,25 +58,25 @@ def aggregate(cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties) -
 
 
 class _Ends(NamedTuple):
-    """Paths of four directions as far as they have come: along the row, and from the row before."""
+    """The current ends of paths in four directions: along the row, and from the previous row."""
 
     costs: ShortArray
     """(4, W + 2, D + 2 * _RIM) of every disparity; the first and last column lie outside."""
     lowest: ShortArray
-    """(4, W + 2) lowest of these costs."""
+    """(4, W + 2) minimum of these costs."""
 
 
 @njit(cache=True, nogil=True)
 def _sweep(
     cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties, total: ShortArray, back: bool
 ) -> None:
-    """Add four directions in one sweep: along the row, and from the three neighbours before it.
+    """Add four directions in one sweep: along the row, and from three pixels of the previous one.
 
-    Backwards, everything goes from the last pixel to the first.
+    Backwards, the sweep goes from the last pixel to the first.
     """
     height, width, depth = cost.shape
     costs = np.full((2, 4, width + 2, depth + 2 * _RIM), _EDGE, np.int16)
-    # What comes from outside the image has cost nothing so far.
+    # Paths start outside the image at cost 0.
     costs[:, :, :, _RIM:-_RIM] = 0
     lowest = np.zeros((2, 4, width + 2), np.int16)
     step = -1 if back else 1
@@ -114,7 +114,7 @@ def _go_on(
     place: int,
     steps: tuple[int, tuple[int, int, int, int], bool],
 ) -> None:
-    """Carry the four paths on to one pixel, and add up their costs there."""
+    """Continue the four paths to one pixel, and sum their costs there."""
     small, jumps, is_added = steps
     one = spread_short(small)
     along, first = now.costs[0, place - 1], before.costs[1, place - 1]
@@ -148,6 +148,6 @@ def _go_on(
 
 @kernel
 def _best(path: ShortArray, k: int, one: Shorts, jump: Shorts) -> Shorts:
-    """The cheapest way to go on from the pixel before."""
+    """The cheapest transition from the previous pixel."""
     sides = lesser(load_shorts(path, k - 1), load_shorts(path, k + 1)) + one
     return lesser(lesser(load_shorts(path, k), sides), jump)

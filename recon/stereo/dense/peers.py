@@ -1,4 +1,4 @@
-"""OpenCV's matchers of every pixel: the peers of the dense stage, and its fast way."""
+"""OpenCV's dense matchers: for comparison, and as the fast method of the dense stage."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,22 +17,22 @@ Grey = NDArray[np.uint8]
 _BLOCK_PX = 3
 _BM_BLOCK_PX = 15
 _TOLERANCE_PX = 1
-"""Disparities of both images may differ by this."""
+"""Maximum difference of the disparities of both images."""
 _FIXED_POINT = 16.0
 SIGMA_PX = np.float32(0.25)
-"""Standard deviation of their right disparities, measured on recorded pairs with truth."""
+"""Standard deviation of their correct disparities, measured on recorded pairs with truth."""
 
 
 def three_ways(left: Grey, right: Grey, search: Search) -> Floats:
-    """StereoSGBM along three directions, whose volume stays small."""
+    """StereoSGBM along three directions, with a small cost volume."""
     return _sgbm(cv2.StereoSGBM_MODE_SGBM_3WAY)(left, right, search)
 
 
 def confirmed_three_ways(left: Grey, right: Grey, search: Search) -> Floats:
-    """The same, where the right image, matched by itself, chooses alike to a pixel.
+    """The same, confirmed to a pixel by matching the right image separately.
 
-    OpenCV's own check reads the right image's choice off the left one's costs, and keeps more that
-    is wrong.
+    OpenCV's own check derives the right image's choice from the left one's costs, and keeps more
+    wrong disparities.
     """
     turned = np.ascontiguousarray(right[:, ::-1]), np.ascontiguousarray(left[:, ::-1])
     tasks = [partial(three_ways, a, b, search) for a, b in ((left, right), turned)]
@@ -70,7 +70,7 @@ def _bm(left: Grey, right: Grey, search: Search) -> Floats:
 
 
 def _matched(matcher: Any, left: Grey, right: Grey, search: Search) -> Floats:
-    """(H, W) disparity, NaN = unknown; margins let the matcher look at all columns and rows."""
+    """(H, W) disparity, NaN = unknown; margins let the matcher use all columns and rows."""
     before = max(search.first + search.depth, 0) + _BM_BLOCK_PX
     behind = max(-search.first, 0) + _BM_BLOCK_PX
     pad = ((_BM_BLOCK_PX, _BM_BLOCK_PX), (before, behind))
@@ -86,4 +86,4 @@ PEERS: dict[str, Callable[[Grey, Grey, Search], Floats]] = {
     "sgbm": _sgbm(cv2.StereoSGBM_MODE_SGBM),
     "bm": _bm,
 }
-"""The peers of the dense stage, by name."""
+"""The matchers for comparison, by name."""

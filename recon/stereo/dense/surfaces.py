@@ -1,4 +1,4 @@
-"""Disparities made smooth along surfaces, and not across their edges."""
+"""Smoothing of disparities along surfaces, but not across their edges."""
 
 from typing import NamedTuple
 
@@ -11,30 +11,30 @@ from recon.stereo.kernels.simd import Floats
 Grey = NDArray[np.uint8]
 
 _inner = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-"""As `kernel`, but for numbers that may be NaN."""
+"""Like `kernel`, but for numbers that may be NaN."""
 
 _RADIUS_PX = 3
 _STEP_PX = 1.0
 """Pixels that differ by more lie on another surface."""
 _EDGE_LEVELS = np.float32(6.0)
-"""Difference of grey levels at which a neighbour has half of its say."""
+"""Difference of grey levels at which a neighbour has half its weight."""
 _FLATNESS = np.float32(0.5)
-"""Square pixels added to the window's moments: planes through few pixels are level."""
+"""Squared pixels added to the window's moments: regularises planes through few pixels."""
 _NUM_MOMENTS = 10
-"""The weighted sums of 1, y, x, yy, yx, xx, e, ye, xe, ee."""
+"""Number of weighted sums: of 1, y, x, yy, yx, xx, e, ye, xe, ee."""
 
 
 class Smoothed(NamedTuple):
     """Planes through the pixels of a small window that lie on one surface; NaN = unknown."""
 
     disparity_px: Floats
-    """(H, W) of the plane at the pixel."""
+    """(H, W) disparity of the plane at the pixel."""
     spread_px: Floats
     """(H, W) root mean square distance of the window's pixels from the plane."""
 
 
 def smooth(disparity_px: Floats, grey: Grey) -> Smoothed:
-    """Replace every disparity by that of the plane through the like pixels round it.
+    """Replace every disparity by that of the plane through the similar pixels around it.
 
     Parameters
     ----------
@@ -71,10 +71,10 @@ def _fit_planes(disparity: Floats, grey: Floats, found: Smoothed) -> None:
 def _add_moments(
     here: Floats, level: Floats, there: Floats, other: Floats, y: float, x: float, sums: Floats
 ) -> None:
-    """Add what the pixels y rows and x columns off have to say."""
+    """Add the moments of the pixels y rows and x columns away."""
     for u in range(here.size):
         e, unlike = there[u] - here[u], (other[u] - level[u]) / _EDGE_LEVELS
-        near = abs(e) <= _STEP_PX  # not where it is unknown
+        near = abs(e) <= _STEP_PX  # false where unknown
         e = e if near else np.float32(0)
         w = (1 - e * e) / (1 + unlike * unlike) if near else np.float32(0)
         sums[0, u] += w
@@ -91,7 +91,7 @@ def _add_moments(
 
 @_inner
 def _solve(here: Floats, sums: Floats, disparity: Floats, spread: Floats) -> None:
-    """Write the planes at the middle of their windows; NaN stays where nothing was known."""
+    """Write the planes' values at the centre of their windows; unknown pixels stay NaN."""
     for u in range(here.size):
         one = 1 / sums[0, u]
         y, x, e = sums[1, u] * one, sums[2, u] * one, sums[6, u] * one
@@ -107,7 +107,7 @@ def _solve(here: Floats, sums: Floats, disparity: Floats, spread: Floats) -> Non
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def median(disparity: Floats) -> Floats:
-    """The median of the known pixels among the nine round each known one (H, W)."""
+    """The median of the known pixels among the nine around each known one (H, W)."""
     height, width = disparity.shape
     found = np.full_like(disparity, np.nan)
     window = np.empty(9, np.float32)
@@ -120,7 +120,7 @@ def median(disparity: Floats) -> Floats:
 
 @_inner
 def _middle(disparity: Floats, v: int, u: int, window: Floats) -> float:
-    """Sort a window by insertion as it is read, and take its middle."""
+    """The median of a window, by insertion sort."""
     height, width = disparity.shape
     count = 0
     for place in range(9):

@@ -1,7 +1,7 @@
-"""Sigma of a disparity, from what was seen when it was chosen.
+"""Sigma of a disparity, from the evidence of its choice.
 
-The laws were fitted on recorded pairs with truth (Venus, Cones, Moebius, Cloth1, Books), so that
-68 % of the errors there are below one sigma, and judged on others.
+The laws were fitted on recorded pairs with truth (Venus, Cones, Moebius, Cloth1, Books), so that 68
+% of the errors there are below one sigma, and tested on others.
 """
 
 import cv2
@@ -12,38 +12,38 @@ from recon.stereo.dense.choice import Choice
 from recon.stereo.kernels.simd import Floats
 
 FILLED_PX = np.float32(1.0)
-"""Of what was filled in: four of five are within a pixel."""
+"""Sigma of filled pixels: four of five are within a pixel."""
 _WINDOW_PX = 7
 _NOISE = 2.0
-"""Grey levels that a camera's noise and rounding are taken to have."""
+"""Assumed noise and rounding of a camera, grey levels."""
 _ROUNDING = 0.3
-"""Grey levels that whole numbers are off."""
+"""Rounding error of integers, grey levels."""
 _TINY = np.float32(1e-6)
 _LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 
 
 def of_choice(choice: Choice, spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
-    """(H, W) standard deviation of disparities that were chosen by their cost.
+    """(H, W) standard deviation of disparities chosen by their cost.
 
-    It falls with the steepness of the cost and its lead over other disparities, both in grey
+    It decreases with the steepness of the cost and its lead over other disparities, both in grey
     levels, and grows with the distance of the neighbours from a common plane. Where the image is
-    flat to less than its rounding, what is known comes from elsewhere, and is not sure.
+    flat within its rounding, the disparity comes from elsewhere and is uncertain.
     """
     lead = (0.3 + choice.steepness) ** -0.25 * (0.5 + choice.lead) ** -0.59
     return _bounded(np.hypot(23.1 * lead * (0.03 + spread_px) ** 0.52, _least(grey, _ROUNDING)))
 
 
 def of_image(spread_px: Floats, grey: NDArray[np.uint8]) -> Floats:
-    """(H, W) the same, where no costs are known, by the slope of the image instead.
+    """(H, W) the same without known costs, from the slope of the image instead.
 
-    A window of N pixels with noise of n grey levels and a slope of s levels per pixel tells the
-    disparity no better than ``n / (s sqrt N)``.
+    A window of N pixels with noise of n grey levels and a slope of s levels per pixel determines
+    the disparity no better than ``n / (s sqrt N)``.
     """
     return _bounded(np.hypot(1.3 * (0.03 + spread_px) ** 0.7, _least(grey, _NOISE)))
 
 
 def _least(grey: NDArray[np.uint8], noise: float) -> Floats:
-    """(H, W) the lowest sigma that windows of the image allow, for noise of so many levels."""
+    """(H, W) the lowest sigma that windows of the image allow, for noise in grey levels."""
     slope = cv2.Sobel(grey, cv2.CV_32F, 1, 0, scale=1 / 8, borderType=cv2.BORDER_REPLICATE)
     square = cv2.blur(slope * slope, (_WINDOW_PX, _WINDOW_PX), borderType=cv2.BORDER_REPLICATE)
     least: Floats = noise / (np.sqrt(np.maximum(square, 0)) * _WINDOW_PX + _TINY)

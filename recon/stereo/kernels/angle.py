@@ -4,7 +4,7 @@ import numpy as np
 
 from recon.stereo.kernels.simd import Floats, kernel
 
-# Abramowitz and Stegun 4.4.49: the arctangent of 0 to 1 within 2e-8.
+# Abramowitz and Stegun 4.4.49: the arctangent on [0, 1] within 2e-8.
 _TERMS = tuple(
     np.float32(term)
     for term in (
@@ -19,9 +19,9 @@ _TINY = np.finfo(np.float32).tiny
 
 @kernel
 def angles(real: Floats, imag: Floats, out: Floats) -> None:
-    """Write the angles of complex numbers, in [-pi, pi], within 5e-7 radians; of 0 it is 0.
+    """Write the angles of complex numbers, in [-pi, pi], within 5e-7 radians; 0 for 0.
 
-    Choices instead of branches, so that the loop is vectorised.
+    Selections instead of branches, so that the loop is vectorised.
     """
     for i in range(out.size):
         x, y = abs(real[i]), abs(imag[i])

@@ -1,6 +1,6 @@
 """Sixteen small integers at once: the vector type of the semi-global paths.
 
-Costs fit into 16 bits, so that twice as many go at a time as of `Lanes`.
+Costs fit into 16 bits, so that twice as many are processed at a time as with `Lanes`.
 """
 
 import operator
@@ -20,7 +20,7 @@ ShortArray = NDArray[np.int16]
 NUM_SHORTS = 16
 
 Shorts = Any
-"""`NUM_SHORTS` int16, known to compiled code alone; adds and subtracts."""
+"""`NUM_SHORTS` int16, for compiled code only; supports + and -."""
 
 _VECTOR = ir.VectorType(ir.IntType(16), NUM_SHORTS)
 _BYTES = 2
@@ -38,7 +38,7 @@ _shorts = _ShortsType()
 
 @register_model(_ShortsType)
 class _ShortsModel(models.PrimitiveModel):  # type: ignore[misc]
-    """The vector is itself a value of the machine."""
+    """The vector is a native machine value."""
 
     def __init__(self, manager: Any, numba_type: _ShortsType) -> None:
         super().__init__(manager, numba_type, _VECTOR)
@@ -82,7 +82,7 @@ def store_shorts(typing_context: Any, array: Any, index: Any, value: Any) -> Any
 
 @intrinsic
 def spread_short(typing_context: Any, number: Any) -> Any:
-    """Shorts that all hold the same number."""
+    """Shorts that all have the same value."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         number = arguments[0]
@@ -98,7 +98,7 @@ def spread_short(typing_context: Any, number: Any) -> Any:
 
 @intrinsic
 def lesser(typing_context: Any, a: Any, b: Any) -> Any:
-    """Of each two numbers the smaller."""
+    """The element-wise minimum."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return _lesser(builder, *arguments)
@@ -141,7 +141,7 @@ def least(typing_context: Any, values: Any) -> Any:
 
 
 def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:
-    """Let an operator of two vectors stand for an instruction."""
+    """Compile an operator on two vectors to an instruction."""
 
     class Template(AbstractTemplate):  # type: ignore[misc]
         def generic(self, arguments: Any, keywords: Any) -> Any:

@@ -1,8 +1,8 @@
 """Eight numbers at once: the vector type of the inner loops of stereo.
 
-Left alone, the compiler finds by itself that a loop can go eight numbers at a time, but gives up
-where it reads or writes many streams that might overlap, as the filters do. Kernels that are
-written in `Lanes` are compiled to vector instructions whatever is around them.
+The compiler vectorises simple loops by itself, but not those that read or write many possibly
+overlapping streams, as the filters do. Kernels written with `Lanes` always compile to vector
+instructions.
 """
 
 import operator
@@ -22,14 +22,14 @@ Integers = NDArray[np.int64]
 
 NUM_LANES = 8
 FAST = {"contract", "nsz", "nnan"}
-"""Liberties of the compiler with sums: nothing that changes from run to run."""
+"""Permitted floating-point optimisations: none that changes from run to run."""
 
 kernel = njit(cache=True, fastmath=FAST, error_model="numpy", _nrt=False, forceinline=True)
-"""Compiles loops that allocate nothing. References to views are not counted in them: each count
-would be a locked instruction, and a fifth of the time of a whole pair."""
+"""Compiles loops that allocate nothing. They do not count references to views: each count would be
+a locked instruction, a fifth of the time of a whole pair."""
 
 Lanes = Any
-"""`NUM_LANES` float32, known to compiled code alone; adds, subtracts and multiplies."""
+"""`NUM_LANES` float32, for compiled code only; supports +, -, * and /."""
 
 _VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
 _FLOAT_BYTES = 4
@@ -47,22 +47,22 @@ _lanes = _LanesType()
 
 @register_model(_LanesType)
 class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
-    """The vector is itself a value of the machine."""
+    """The vector is a native machine value."""
 
     def __init__(self, manager: Any, numba_type: _LanesType) -> None:
         super().__init__(manager, numba_type, _VECTOR)
 
 
 def filled(size: int, whole: int = NUM_LANES) -> int:
-    """`size` brought up to whole lanes, or to a multiple of something else."""
+    """`size` rounded up to whole lanes, or to another multiple."""
     return -(-size // whole) * whole
 
 
 def _check_array(array: Any) -> None:
-    """Refuse to compile what would read past numbers of another size, or over gaps."""
+    """Refuse arrays with another item size or with gaps."""
     is_flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
     if not is_flat or array.dtype != types.float32:
-        raise TypingError(f"{array} is no contiguous (N,) float32 array, as lanes need")
+        raise TypingError(f"{array} is not a contiguous (N,) float32 array, as lanes need")
 
 
 def _place(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
@@ -100,7 +100,7 @@ def store(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 @intrinsic
 def spread(typing_context: Any, number: Any) -> Any:
-    """Lanes that all hold the same number."""
+    """Lanes that all have the same value."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return _spread(builder, arguments[0])
@@ -117,7 +117,7 @@ def _spread(builder: Any, number: Any) -> Any:
 
 @intrinsic
 def repeat(typing_context: Any, array: Any, index: Any) -> Any:
-    """Lanes that all hold one entry of a contiguous (N,) float32 array."""
+    """Lanes that all have the value of one entry of a contiguous (N,) float32 array."""
 
     _check_array(array)
 
@@ -135,7 +135,7 @@ def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
 
 
 def _reduction(combine: Callable[..., Any]) -> Callable[..., Any]:
-    """All lanes in one number, halves with halves."""
+    """Reduction of all lanes to one number, by halves."""
 
     def reduce(typing_context: Any, lanes: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -152,7 +152,7 @@ def _reduction(combine: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _choice(comparison: str) -> Callable[..., Any]:
-    """Of each two numbers the one that compares so with the other."""
+    """The element-wise minimum or maximum, by a comparison."""
 
     def choose(typing_context: Any, a: Any, b: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -175,7 +175,7 @@ total = _reduction(lambda builder, a, b: builder.fadd(a, b))
 
 
 def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:
-    """Let an operator of two lanes, or of a number and lanes, stand for an instruction."""
+    """Compile an operator on lanes, or on a number and lanes, to an instruction."""
 
     class Template(AbstractTemplate):  # type: ignore[misc]
         def generic(self, arguments: Any, keywords: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Stable orders by one sort of plain 64-bit numbers, several times as fast as an `argsort`."""
+"""Stable orders by sorting plain 64-bit numbers, several times as fast as `argsort`."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ _ROW_BITS = 32
 
 
 def order(keys: NDArray[np.integer]) -> Rows:
-    """Rows by their keys, equal ones as they stand.
+    """Rows sorted by their keys; equal ones keep their order.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def order(keys: NDArray[np.integer]) -> Rows:
 
 
 def falling(values: NDArray[np.float32]) -> Rows:
-    """Rows by falling value, equal ones as they stand."""
+    """Rows sorted by descending value; equal ones keep their order."""
     bits = (-values).view(np.int32)
-    # Bits of negative numbers grow as the numbers fall.
+    # Bits of negative numbers increase as the numbers decrease.
     return order(np.where(bits < 0, -(bits & np.int32(0x7FFFFFFF)), bits))

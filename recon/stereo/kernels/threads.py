@@ -1,4 +1,4 @@
-"""Threads of one pair: compiled loops over bands of rows, which let go of the interpreter."""
+"""Threads of one pair: compiled loops over bands of rows, which release the GIL."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -10,12 +10,12 @@ Result = TypeVar("Result")
 
 
 def bands(size: int, least: int) -> list[tuple[int, int]]:
-    """First and end of the bands of at least so many rows that the threads share."""
+    """Start and end of the bands of at least `least` rows that the threads share."""
     number = max(1, min(num_threads(), size // least))
     edges = [size * k // number for k in range(number + 1)]
     return list(pairwise(edges))
 
 
 def run(tasks: Sequence[Callable[[], Result]]) -> list[Result]:
-    """Results of the tasks, in their order; side by side where threads are allowed."""
+    """Results of the tasks, in order; run in parallel if threads are allowed."""
     return list(in_threads(lambda task: task(), tasks))

@@ -1,4 +1,4 @@
-"""The best supported shift of each point, its rivals, and its side of an edge."""
+"""The best-supported shift of each point, its rivals, and its side of an edge."""
 
 from dataclasses import dataclass, fields
 from functools import partial
@@ -16,9 +16,9 @@ from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, l
 from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
 
 _LEAST_BAND = 96
-"""Rows of a band at least, as twice the radius of its windows is computed beside it."""
+"""Minimum rows of a band, as twice the radius of its windows is computed in addition."""
 _RIVAL_GAP = 3
-"""From so many shifts away another maximum is a rival: repetition, or an edge along a row."""
+"""Minimum distance, in shifts, of a rival maximum: repetition, or an edge along a row."""
 
 
 class Points(NamedTuple):
@@ -27,7 +27,7 @@ class Points(NamedTuple):
     u: Integers
     v: Integers
     orientation: Floats
-    """(N,) of the edge's normal, in [0, pi]; (0,) where nobody asks for sides."""
+    """(N,) of the edge normal, in [0, pi]; (0,) if sides are not needed."""
     starts: Integers
     """(H + 1,) the first pixel of each row."""
 
@@ -37,22 +37,22 @@ class Support:
     """Aggregated evidence of the neighbourhood for the shift of each point."""
 
     shift: NDArray[np.int64]
-    """(N,) column of the best supported partner, less the point's own."""
+    """(N,) column of the best-supported partner minus the point's own."""
     score: NDArray[np.float32]
-    """(N,) its support; -inf where nothing can be matched."""
+    """(N,) its support; -inf if there is no match."""
     rival: NDArray[np.float32]
-    """(N,) support of the best other shift, as a share of `score`."""
+    """(N,) support of the best other shift, relative to `score`."""
     side: NDArray[np.float32]
-    """(N,) how much more the half disc ahead along the normal has the shift than the other."""
+    """(N,) excess evidence for the shift in the half disc ahead along the normal."""
     row_shift: NDArray[np.int64]
-    """(N,) row of the partner, less the point's own."""
+    """(N,) row of the partner minus the point's own."""
 
 
 _Result = tuple[Integers, Floats, Floats, Floats]
 
 
 class _Task(NamedTuple):
-    """The points of one image that are sought in the other."""
+    """The points of one image to be found in the other."""
 
     base: Responses
     other: Responses
@@ -64,23 +64,23 @@ class _Task(NamedTuple):
 
 
 class _Room(NamedTuple):
-    """Room for what one point needs, and for what the points of a row share."""
+    """Buffers for one point, and for the points of a row."""
 
     lines: Integers
-    """Starts of the lines of a ring, the uppermost row of a window first."""
+    """Starts of the lines of a ring, the top row of a window first."""
     disc: Integers
-    """(2, K) where the scores of the disc's members begin, for even and odd columns."""
+    """(2, K) starts of the scores of the disc's members, for even and odd columns."""
     side: Integers
-    """(K',) the same of a half disc."""
+    """(K',) the same for a half disc."""
     weights: Floats
-    """Of the disc's members."""
+    """Weights of the disc's members."""
     support: Floats
-    """Of each shift, filled up to whole lanes."""
+    """Support of each shift, padded to whole lanes."""
     closed: Floats
-    """Of the other row: 0, or `CLOSED` where there is no candidate."""
+    """Per pixel of the other row: 0, or `CLOSED` if it is not a candidate."""
     claims: Floats
-    """(H, ...) highest support that any point of a row has for each pixel of the other row; (0, 0)
-    where nobody asks."""
+    """(H, ...) highest support of any point of a row for each pixel of the other row; (0, 0) if not
+    needed."""
 
 
 def aggregate(base: Responses, other: Responses, points: Points, search: Search) -> Support:
@@ -99,7 +99,7 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
     result = support.shift, support.score, support.rival, support.side
 
     def work_on(rows: tuple[int, int]) -> None:
-        # Each band has a ring of its own; no row of the results depends on where bands end.
+        # Each band has its own ring; the results do not depend on the limits of the bands.
         own = make_ring(base, search)
         _aggregate(task, own, _make_room(task, own, claims), rows, result)
 
@@ -154,7 +154,7 @@ def _aggregate(
     begin = points.starts[:-1].copy()
     end = begin.copy()
     for first in range(0, width, ring.width):
-        # Above the image, too: the ring still holds the last rows of the strip before.
+        # Above the image, too: the ring still contains the last rows of the previous strip.
         for v in range(rows[0] - SIDE_RADIUS, rows[0] + SIDE_RADIUS):
             fill_row(ring, v, first, task.base, task.other, search)
         for v in range(rows[0], rows[1]):
@@ -172,7 +172,7 @@ def _aggregate(
 def _judge(
     task: _Task, ring: Ring, room: _Room, stretch: tuple[int, int, int, int], result: _Result
 ) -> None:
-    """Find shift and side of the points of a row of a strip: from one number to another."""
+    """Find shift and side of the points `begin` to `end` of a row of a strip."""
     v, first, begin, end = stretch
     left = first - SIDE_RADIUS
     _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
@@ -189,7 +189,7 @@ def _judge(
 
 @kernel
 def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
-    """Mark the candidates of another row, from a column on."""
+    """Mark the candidates of another row, starting at a column."""
     closed[:] = CLOSED
     for k in range(max(0, -start), min(closed.size, mask.size - start)):
         closed[k] = np.float32(0.0) if mask[start + k] else CLOSED
@@ -199,7 +199,7 @@ def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
 def _choose(
     task: _Task, ring: Ring, room: _Room, point: tuple[int, int, int, int], result: _Result
 ) -> None:
-    """Find the best supported shift of a point."""
+    """Find the best-supported shift of a point."""
     i, v, left, place = point
     u, search, support = task.points.u[i], task.search, room.support
     shift, score, rival, _ = result
@@ -225,7 +225,7 @@ def _choose(
 def _reject(
     points: Points, search: Search, claims: Floats, rows: tuple[int, int], result: _Result
 ) -> None:
-    """Forget points whose partner supports another point of the row more."""
+    """Reject points whose partner supports another point of the row more."""
     shift, score, _, _ = result
     margin = max(0, -search.first)
     for v in range(rows[0], rows[1]):
@@ -253,9 +253,9 @@ def _take_side(
 def _evidence(
     task: _Task, window: Window, ring: Ring, room: _Room, where: tuple[int, int, int]
 ) -> float:
-    """Evidence that a half disc has the best shift, and is not explained better as background.
+    """Evidence that a half disc has the best shift, and is not better explained as background.
 
-    Shifts grow as disparities fall: what is farther away comes after.
+    Shifts increase as disparities decrease: the background comes after.
     """
     row, place, best = where
     locate(window, row, room.lines, room.side)

@@ -1,7 +1,7 @@
-"""Similarity of a pixel to those of the other image's row, at every shift (Eqs 16 to 18).
+"""Similarity of a pixel to those of a row of the other image, at every shift (Eqs 16 to 18).
 
-The image is gone through in strips, from top to bottom. The scores of the last rows of a strip
-alone are kept, in a ring that does not grow with the image and mostly fits into fast memory.
+The image is processed in vertical strips, from top to bottom. Only the scores of the last rows of a
+strip are kept, in a ring buffer of constant size that mostly fits into the cache.
 """
 
 from typing import NamedTuple
@@ -26,17 +26,17 @@ from recon.stereo.kernels.simd import (
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 SLACK = np.float32(0.9)
-"""Worth of a member's score at the neighbouring shift."""
+"""Weight of a member's score at the neighbouring shift."""
 
 _RING_BYTES = 2 << 20
-"""A ring should not be larger; it is used up again and again."""
+"""Maximum size of a ring."""
 _NARROWEST = 64
-"""Columns of a strip at least, as it is computed with a margin on both sides."""
+"""Minimum columns of a strip, as it is computed with a margin on both sides."""
 _TINY = np.float32(1e-12)
 
 
 class Responses(NamedTuple):
-    """One image of the two, as the loops want it."""
+    """One of the two images, in the layout of the loops."""
 
     planes: Floats
     """(H, C, 2, W') real and imaginary responses; C = scales * orientations."""
@@ -52,14 +52,14 @@ class Search(NamedTuple):
     first: int
     num_shifts: int
     row_shift: int
-    """Row of the other image, less the row of this one."""
+    """Row of the other image minus the row of this one."""
     every: int
-    """2: pixels of every second row alone are members; 1: every second pixel of all rows."""
+    """2: only pixels of every second row are members; 1: every second pixel of all rows."""
     is_unique: bool
-    """True where of the points of a row that choose the same partner only the best is kept."""
+    """True if only the best of the points of a row that choose the same partner is kept."""
     table: Floats
-    """(S, B, P) similarity by scale, similarity of magnitude c and cosine of the phase difference,
-    each in equal bins; (0, 0, 0) for the similarity c cos."""
+    """(S, B, P) similarity by scale, magnitude similarity c and cosine of the phase difference, in
+    equal bins; (0, 0, 0) for the similarity c cos."""
 
 
 C_COS = np.zeros((0, 0, 0), np.float32)
@@ -67,23 +67,23 @@ C_COS = np.zeros((0, 0, 0), np.float32)
 
 
 class Ring(NamedTuple):
-    """Scores of the last rows of a strip: every second pixel of a row, for it one lane a shift."""
+    """Scores of the last rows of a strip: for every second pixel of a row, one lane per shift."""
 
     scores: Floats
-    """(2 * rows * columns * lanes,) exact scores, then those that a slanted surface may use."""
+    """(2 * rows * columns * lanes,) exact scores, then those with slack for slanted surfaces."""
     rows: int
     every: int
-    """Step between rows of the image that have scores; see `Search`."""
+    """Step between image rows with scores; see `Search`."""
     columns: int
     lanes: int
-    """Shifts, filled up to whole pairs of `NUM_LANES`."""
+    """Shifts, padded to multiples of 2 * `NUM_LANES`."""
     width: int
-    """Columns of the image in a strip; with a margin of SIDE_RADIUS on both sides they are twice
-    as many as `columns`."""
+    """Image columns in a strip; with a margin of SIDE_RADIUS on both sides they are twice
+    `columns`."""
     here: Floats
     """(C * 3 * reach,) responses and inverse energies of the strip's current row."""
     there: Floats
-    """(C * 3 * reach,) the same of the row of the other image."""
+    """(C * 3 * reach,) the same for the row of the other image."""
     reach: int
     line: Floats
     """The scores of one pixel, with room for `NUM_LANES` before and after."""
@@ -122,9 +122,9 @@ def line_start(ring: Ring, v: int) -> int:
 def fill_row(
     ring: Ring, v: int, first: int, base: Responses, other: Responses, search: Search
 ) -> None:
-    """Compute the scores of row v, in the strip from column `first` on.
+    """Compute the scores of row v, in the strip that starts at column `first`.
 
-    Rows outside the image score nothing.
+    Rows outside the image have score 0.
     """
     if v % ring.every:
         return
@@ -140,27 +140,27 @@ def fill_row(
     behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
     _read(base, v, left - behind, ring.here, ring.reach)
     _read(other, v_other, left + search.first - behind_other, ring.there, ring.reach)
-    # Of even rows the even pixels are members, of odd rows the odd ones.
+    # In even rows the even pixels are members, in odd rows the odd ones.
     _score(ring, (v & 1) + behind, (v & 1) + behind_other, search, lines)
 
 
 @kernel
 def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> None:
-    """Write responses and inverse energies from a column on, a multiple of lanes.
+    """Write responses and inverse energies, starting at a column that is a multiple of lanes.
 
-    Inverse energies are 0 where nothing can be matched.
+    Inverse energies are 0 for pixels that cannot be matched.
     """
     channels, _, padded = image.planes.shape[1:]
     share = np.float32(1.0) / np.float32(channels)
     mask = image.mask[v]
     first = max(0, -origin)
-    # Outside the image, too: the row still holds another strip's.
+    # Outside the image, too: the row still contains another strip's.
     for c in range(channels):
         row[(3 * c + 2) * reach :][:reach] = 0.0
     weights = row[2 * reach :][:reach]
     for i in range(first, min(reach, mask.size - origin)):
         weights[i] = share if mask[origin + i] else np.float32(0.0)
-    # The first channel last, as its inverse energies take the place of the weights.
+    # The first channel last, since its inverse energies overwrite the weights.
     for c in range(channels - 1, -1, -1):
         real, imag = image.planes[v, c, 0], image.planes[v, c, 1]
         for i in range(first, min(reach, padded - origin), NUM_LANES):
@@ -174,7 +174,7 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
 
 @kernel
 def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
-    """Scores, exact and slack, of every second pixel of a row, from the given columns on."""
+    """Write the scores, exact and with slack, of every second pixel of a row."""
     for column in range(ring.columns):
         u = here + 2 * column
         if ring.here[2 * ring.reach + u] == 0.0:
@@ -194,7 +194,7 @@ def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Float
 def _compare(ring: Ring, u: int, start: int) -> None:
     """Mean over scales and orientations of c cos(phase difference).
 
-    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without an angle or a root.
+    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without computing an angle or a root.
     """
     here, there, line, reach = ring.here, ring.there, ring.line, ring.reach
     # The orientations of one scale at a time.
@@ -220,7 +220,7 @@ def _response(here: Floats, k: int, reach: int) -> tuple[Lanes, Lanes, Lanes]:
 
 @kernel
 def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: int) -> Lanes:
-    """c cos of a response and those of the other row from one place on."""
+    """c cos of a response and those of the other row, starting at index k."""
     real, imag, inverse = response
     dot = real * load(there, k) + imag * load(there, k + reach)
     return dot * smaller(inverse, load(there, k + 2 * reach))
@@ -252,9 +252,9 @@ def _look_up(ring: Ring, u: int, start: int, table: Floats) -> None:
 
 @kernel
 def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
-    """Write the scores where they are positive, and the best of each and its neighbours'.
+    """Write the scores, clipped to >= 0, and the maximum of each and its neighbours.
 
-    These count at a discount.
+    The neighbours are weighted by `SLACK`.
     """
     nothing = spread(0.0)
     for i in range(NUM_LANES, line.size - NUM_LANES, NUM_LANES):

@@ -1,4 +1,4 @@
-"""The matchers, and the one door to them."""
+"""The matchers and their common interface."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from recon.records import Features, Matches, check_alike
 from recon.settings import MatchingSettings
 
 BLOCK_PX = 32
-"""Side of the blocks over which pairs are spread."""
+"""Side of the image blocks with a limited number of pairs each."""
 
 Image = NDArray[np.uint8]
 FeatureMatcher = Callable[[Features, Features, MatchingSettings], Matches]
-"""Pairs oriented feature points; the pairs are refined to fractions of a pixel afterwards."""
+"""Matches oriented feature points; the pairs are refined to sub-pixel precision afterwards."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImageMatcher:
-    """A matcher that takes the images themselves, as a learned one or one on a GPU does."""
+    """A matcher of whole images, such as a learned one or one on a GPU."""
 
     match: Callable[[Image, Image, MatchingSettings], Matches]
-    """Pairs of both images (H, W) or (H, W, 3), with their sigma; nothing is refined."""
+    """Returns the matches of both images (H, W) or (H, W, 3) with sigma; they are not refined."""
 
 
 Matcher = FeatureMatcher | ImageMatcher
@@ -38,12 +38,12 @@ MATCHERS: Registry[Matcher] = Registry(
 
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
-    """Pair the features of two rectified images, most confident pairs first.
+    """Match the features of two rectified images, most confident pairs first.
 
     Raises
     ------
     InputError
-        Where the images differ in size or filters, or nobody knows the matcher.
+        If the images differ in size or filters, or the matcher is unknown.
     """
     check_alike(left, right)
     matcher = MATCHERS.load(settings.matcher)
@@ -53,7 +53,7 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
 
 
 def match_whole_images(left: Image, right: Image, settings: MatchingSettings) -> Matches | None:
-    """Pair two images by a matcher that takes them; None where it takes features."""
+    """Match two whole images; None if the matcher takes features."""
     matcher = MATCHERS.load(settings.matcher)
     if not isinstance(matcher, ImageMatcher):
         return None
@@ -63,22 +63,22 @@ def match_whole_images(left: Image, right: Image, settings: MatchingSettings) ->
 
 
 def _check_matches(matches: Matches, name: str, shape: tuple[int, ...]) -> None:
-    """Raise `InputError` where what a plug-in gave cannot be used."""
-    check_type(f"what matcher {name!r} gave", matches, Matches)
+    """Raise `InputError` if the result of a plug-in is invalid."""
+    check_type(f"the result of matcher {name!r}", matches, Matches)
     u, v = matches.points_px.T
     inside = (u >= 0) & (v >= 0) & (u <= shape[1] - 1) & (v <= shape[0] - 1)
     whole = np.isfinite(matches.disparity_px) & (matches.sigma_px > 0)
     if not (inside & whole).all():
         row = int(np.argmin(inside & whole))
         raise InputError(
-            f"matcher {name!r} gave the point {matches.points_px[row]} with disparity "
+            f"matcher {name!r} returned the point {matches.points_px[row]} with disparity "
             f"{matches.disparity_px[row]} and sigma {matches.sigma_px[row]}, but a point of the "
             "image, a finite disparity and a positive sigma are needed"
         )
 
 
 def _chosen(matches: Matches, settings: MatchingSettings) -> Matches:
-    """The matches that the settings keep, the most confident ones."""
+    """The most confident matches, as many as the settings keep."""
     if settings.per_block is not None:
         matches = matches.select(_is_among_best_of_block(matches, settings.per_block))
     return matches.select(slice(0, settings.keep))

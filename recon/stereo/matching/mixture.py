@@ -1,4 +1,4 @@
-"""Mixtures of von Mises densities, fitted to phases by expectation and maximisation (3.7.1)."""
+"""Mixtures of von Mises densities, fitted to phases by expectation-maximisation (3.7.1)."""
 
 from dataclasses import dataclass
 
@@ -20,7 +20,7 @@ class Mixture:
     """A sum of von Mises densities and a uniform one, on the circle."""
 
     weights: Array
-    """(W,) shares of the components; what is missing to 1 is uniform."""
+    """(W,) shares of the components; the remainder to 1 is uniform."""
     means_rad: Array
     """(W,)"""
     kappas: Array
@@ -32,9 +32,9 @@ class Mixture:
             check_shape(name, values, (len(self.weights),))
             check_finite(name, values)
         if (self.weights < 0).any() or self.weights.sum() > 1 + _ROUNDING:
-            raise InputError(f"weights are {self.weights}, but shares of 1 are needed")
+            raise InputError(f"weights are {self.weights}, but a sum of at most 1 is needed")
         if (self.kappas < 0).any():
-            raise InputError(f"kappas hold {self.kappas.min()}, but 0 or more is needed")
+            raise InputError(f"kappas contain {self.kappas.min()}, but 0 or more is needed")
 
     def components(self, phases_rad: Array) -> Array:
         """(W + 1, N) weighted densities of the components, the uniform one last (Eq 24)."""
@@ -59,11 +59,11 @@ def fit(
     Parameters
     ----------
     phases_rad : (N,) array
-        Phase differences of right pairs. They repeat after a whole turn: single angles, where the
-        thesis doubles them (Eqs 32, 36), which is for axes and merges the components.
+        Phase differences of correct pairs. They are periodic in a full turn: single angles, unlike
+        the thesis, which doubles them (Eqs 32, 36) as for axes and so merges the components.
     num_components : int
     is_centred : bool
-        Hold the means at 0, so that a pair is as probable seen from the right as from the left.
+        Fix the means at 0, so that a pair is equally probable from the right and from the left.
     num_rounds : int
 
     Returns
@@ -88,7 +88,7 @@ def fit(
 
 
 def improved(mixture: Mixture, phases_rad: Array, is_centred: bool = False) -> Mixture:
-    """One round of expectation (Eq 33) and maximisation; the likelihood never falls."""
+    """One round of expectation (Eq 33) and maximisation; the likelihood never decreases."""
     density = mixture.components(phases_rad)
     share = (density / density.sum(axis=0))[:-1]
     total = np.maximum(share.sum(axis=1), 1e-12)

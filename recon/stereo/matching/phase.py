@@ -19,26 +19,26 @@ from recon.stereo.matching.cost import C_COS, Responses, Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
-"""Confidence that an equally good rival disparity costs."""
+"""Reduction of the confidence by an equally good rival disparity."""
 _ODDS_OF_CONFIDENCE = 7.7
-"""Growth of the log odds that a pair is right, fitted to recorded pairs and rendered worlds."""
+"""Slope of the log odds that a pair is correct, fitted to recorded pairs and rendered worlds."""
 _EVEN_CONFIDENCE = 0.14
-"""Confidence of pairs of which half are right."""
+"""Confidence at which half of the pairs are correct."""
 _DEAD_ZONE = 0.04
-"""Difference of the sides' evidence from which on a point is moved off its edge."""
+"""Difference of the sides' evidence above which a point is moved off its edge."""
 
 Rows = NDArray[np.int64]
 
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
-    """Pairs that choose each other, moved to the side of their edge that has their disparity."""
+    """Mutually best pairs, moved to the side of their edge that has their disparity."""
     matches = match_by(left, right, settings, C_COS, _confidence)
     odds = _ODDS_OF_CONFIDENCE * (matches.score - _EVEN_CONFIDENCE)
     return dataclasses.replace(matches, probability=1.0 / (1.0 + np.exp(-odds)))
 
 
 def _confidence(support: Support) -> Floats:
-    """Support, less where a rival has nearly as much: repetition, or an edge along the row."""
+    """Support, reduced by that of a rival: repetition, or an edge along the row."""
     confidence: Floats = support.score - _RIVAL_WEIGHT * support.rival
     return confidence
 
@@ -50,7 +50,7 @@ def match_by(
     table: Floats,
     confidence: Callable[[Support], Floats],
 ) -> Matches:
-    """Match with the similarity of a table (see `scores.Search`) and a confidence of its own."""
+    """Match with the similarity of a table (see `cost.Search`) and a custom confidence."""
     height, width = left.grey.shape
     lowest = max(settings.min_disparity, 1 - width)
     count = min(settings.max_disparity, width - 1) - lowest + 1
@@ -79,7 +79,7 @@ def _agrees(
     rows: Rows,
     search: tuple[Search, int],
 ) -> NDArray[np.bool_]:
-    """Mask of the pairs whose right pixel, searching the left image, chooses them too."""
+    """Mask of the pairs that the right pixel also chooses when matched to the left image."""
     left, right = images
     height, width = left.mask.shape
     partner = (points.v + support.row_shift) * width + points.u + support.shift
@@ -108,7 +108,7 @@ def _points(pixels: Rows, orientation: NDArray[np.float32], height: int) -> Poin
 
 
 def _responses(features: Features, gain: float = 1.0) -> Responses:
-    """An image as the loops want it, brought to a gain of 1."""
+    """An image in the layout of the loops, normalised to gain 1."""
     height, _, _, _, padded = features.planes.shape
     margin, edge = SIDE_RADIUS, cv2.BORDER_REPLICATE
     grey = cv2.copyMakeBorder(features.grey, margin, margin, margin, margin, edge)
@@ -121,7 +121,7 @@ def _responses(features: Features, gain: float = 1.0) -> Responses:
 def _ranked(
     right: Features, points: Points, support: Support, confidence: Floats, rows: Rows
 ) -> Matches:
-    """The pairs as matches, most confident first, of those that met at a pixel the first."""
+    """The pairs as matches, most confident first; of those at the same pixel only the first."""
     rows = rows[falling(confidence[rows])]
     step = np.where(np.abs(support.side) > _DEAD_ZONE, np.sign(support.side), 0).astype(np.int64)
     pixels = np.empty((len(rows), 2), np.int64)
@@ -150,8 +150,8 @@ def _settle(
 ) -> NDArray[np.bool_]:
     """Move pairs along their normals toward the side of the edge that has the disparity.
 
-    `moves` are the points' shifts and their steps along the normal. Writes the pixels, and tells
-    which pairs stay: the first at each pixel, and only where the step leaves neither image.
+    `moves` are the points' shifts and their steps along the normal. Writes the pixels, and returns
+    the mask of pairs kept: the first at each pixel, if it lies in both images.
     """
     height, width = is_taken.shape
     shift, step = moves
@@ -176,7 +176,7 @@ def _neighbour(orientation: float) -> tuple[int, int]:
 
 
 def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
-    """Rows of the features at some pixels; -1 = there is none."""
+    """Rows of the features at some pixels; -1 = none."""
     index = np.full(features.grey.shape, -1, np.int32)
     columns, lines = features.points_px.astype(np.int64).T
     index[lines, columns] = np.arange(len(features))

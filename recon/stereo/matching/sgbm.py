@@ -1,4 +1,4 @@
-"""OpenCV's semi-global matcher at the features, for comparison and for those who want it."""
+"""OpenCV's semi-global matcher, evaluated at the features."""
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ from recon.stereo.kernels.sorting import falling
 
 _BLOCK_PX = 3
 _SIGMA_PX = 0.25
-"""Standard deviation of its right disparities, measured on recorded pairs with truth."""
+"""Standard deviation of its correct disparities, measured on recorded pairs with truth."""
 
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
@@ -35,7 +35,7 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
 
 
 def compute(left: Features, right: Features, settings: MatchingSettings) -> NDArray[np.float64]:
-    """(H, W) float64 disparity of every left pixel, NaN where there is none."""
+    """(H, W) float64 disparity of every left pixel, NaN where unknown."""
     width = left.grey.shape[1]
     lowest = max(settings.min_disparity, 1 - width)
     wanted = min(settings.max_disparity, width - 1) - lowest + 1
@@ -55,7 +55,7 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> NDAr
         speckleWindowSize=100,
         speckleRange=2,
     )
-    # Fixed point with four bits below the pixel; below the lowest disparity means none.
+    # Fixed point with four fractional bits; values below the lowest disparity mean none.
     greys = left.grey, with_gain_of(left.grey, right.grey)
     disparity = matcher.compute(*(_widened(x, lowest, wanted) for x in greys)) / 16.0
     disparity = disparity[:, (disparity.shape[1] - width) // 2 :][:, :width]
@@ -65,7 +65,7 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> NDAr
 
 
 def _widened(grey: NDArray[np.uint8], lowest: int, wanted: int) -> NDArray[np.uint8]:
-    """The image, with margins where OpenCV would refuse it as narrower than the search."""
+    """The image, with margins if OpenCV would refuse it as narrower than the search range."""
     reach = max(abs(lowest), abs(lowest + wanted)) + wanted + 16
     if reach < grey.shape[1]:
         return grey

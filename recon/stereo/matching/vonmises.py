@@ -1,8 +1,8 @@
-"""The probabilistic matcher: how likely phase and magnitude are in a right pair (thesis 3.7).
+"""The probabilistic matcher: likelihood of phase and magnitude in a correct pair (thesis 3.7).
 
-Each channel (a scale at one direction) of a candidate pair has a phase difference and a similarity
-of magnitudes c. In right pairs the difference follows a von Mises mixture, the narrower the larger
-c; in wrong ones it is uniform. The similarity is the mean log likelihood ratio of the channels.
+Each channel (a scale at one direction) of a candidate pair has a phase difference and a magnitude
+similarity c. In correct pairs the difference follows a von Mises mixture, narrower for larger c; in
+wrong ones it is uniform. The similarity is the mean log likelihood ratio of the channels.
 """
 
 import dataclasses
@@ -29,44 +29,43 @@ Array = NDArray[np.float64]
 _NUM_COSINES = 64
 """Bins of the cosine of the phase difference in the table that the matcher looks up."""
 _WORTH = 3.7
-"""Independent channels that all of them together are worth, as they look at the same pixels; so
-that of pairs of some probability that share is right (fitted to Venus, Sawtooth, Cones and Map; the
-others confirm it)."""
+"""Number of independent channels that all together are equivalent to, as they share pixels;
+calibrates the probability (fitted to Venus, Sawtooth, Cones and Map; the others confirm it)."""
 _SHIPPED = "vonmises_venus.json"
 _FORMAT = "recon von Mises model"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Model:
-    """Statistics of right pairs, by scale and similarity of magnitudes."""
+    """Statistics of correct pairs, by scale and magnitude similarity."""
 
     widths_px: tuple[float, ...]
-    """(S,) widths of the filters it was trained with, fine to coarse."""
+    """(S,) widths of the training filters, fine to coarse."""
     mixtures: tuple[tuple[Mixture, ...], ...]
     """(S, B) of the phase difference, for c in B equal bins of 0 to 1."""
     share_right: Array
-    """(S, B) of the right pairs whose c lies in the bin."""
+    """(S, B) share of the correct pairs whose c lies in the bin."""
     share_wrong: Array
-    """(S, B) the same of wrong pairs."""
+    """(S, B) the same for wrong pairs."""
 
     def __post_init__(self) -> None:
         shape = (len(self.widths_px), len(self.mixtures[0]) if self.mixtures else 0)
         if not all(shape) or not (np.array(self.widths_px) > 0).all():
-            raise InputError(f"widths_px are {self.widths_px}, but numbers over 0 are needed")
+            raise InputError(f"widths_px are {self.widths_px}, but numbers > 0 are needed")
         if [len(row) for row in self.mixtures] != [shape[1]] * shape[0]:
             raise InputError(f"mixtures are not {shape[0]} rows of {shape[1]}")
         for name in ("share_right", "share_wrong"):
             share = getattr(self, name)
             check_shape(name, share, shape)
             if not ((share > 0).all() and np.isfinite(share).all()):
-                raise InputError(f"{name} holds {share.min()}, but numbers over 0 are needed")
+                raise InputError(f"{name} contains {share.min()}, but numbers > 0 are needed")
 
     def densities(self, phases_rad: Array) -> Array:
-        """(S, B, N) density of right pairs' phase differences."""
+        """(S, B, N) density of the phase differences of correct pairs."""
         return np.array([[m.density(phases_rad) for m in row] for row in self.mixtures])
 
     def log_ratio(self, phases_rad: Array) -> Array:
-        """(S, B, N) log likelihood ratio of right to wrong at some phase differences."""
+        """(S, B, N) log likelihood ratio of correct to wrong pairs at some phase differences."""
         magnitude = np.log(self.share_right / self.share_wrong)
         ratio: Array = magnitude[..., None] + np.log(self.densities(phases_rad) * 2 * np.pi)
         return ratio
@@ -96,7 +95,7 @@ class Model:
         Raises
         ------
         InputError
-            Where the text is no such file.
+            If the text is not a model file.
         """
         try:
             document = parse_json(text, source)
@@ -112,7 +111,7 @@ class Model:
                 share_wrong=np.array(document["share_wrong"], dtype=np.float64),
             )
         except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise InputError(f"{source} is no {_FORMAT} ({error})") from error
+            raise InputError(f"{source} is not a {_FORMAT} ({error})") from error
 
 
 def match(left: Features, right: Features, settings: MatchingSettings) -> Matches:
@@ -125,7 +124,7 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
         ahead: Floats = (highest * support.score * (1 - support.rival)).astype(np.float32)
         return ahead
 
-    # Ranked by the lead, as many are certain to the last digit.
+    # Ranked by the lead, since many probabilities round to 1.
     matches = match_by(left, right, settings, table(model, len(left.widths_px)), lead)
     probability = 1 / (1 + np.exp(-_WORTH * matches.score))
     return dataclasses.replace(matches, score=probability, probability=probability)
@@ -147,10 +146,10 @@ def _parsed(text: str, source: str) -> Model:
 
 
 def table(model: Model, num_scales: int) -> Floats:
-    """Similarity by scale, c and cosine of the phase difference, brought to at most 1.
+    """Similarity by scale, c and cosine of the phase difference, scaled to a maximum of 1.
 
-    Both signs of the phase count alike, so that left and right agree on what they see. Scales
-    beyond the model's own are taken as its last one.
+    Both signs of the phase are equivalent, so that matching is symmetric in left and right. Scales
+    beyond the model's own use its last one.
     """
     cosine = (np.arange(_NUM_COSINES) + 0.5) * 2 / _NUM_COSINES - 1
     phase = np.arccos(cosine)
@@ -170,11 +169,11 @@ def train(
     Parameters
     ----------
     examples : iterable of (left features, right features, matches)
-        Of images that were filtered alike. The better half of the matches counts as right;
-        the same left points with partners shifted at random count as wrong.
+        From images filtered identically. The better half of the matches counts as correct; the same
+        left points with randomly shifted partners count as wrong.
     rng : Generator
     num_bins : int
-        Bins of the similarity of magnitudes; 1 is the thesis's form, phase alone.
+        Number of bins of the magnitude similarity; 1 is the thesis's form, phase only.
     """
     right_pairs, wrong_pairs, widths = [], [], set()
     for left, right, matches in examples:
@@ -208,18 +207,18 @@ def _learned(right: Array, wrong: Array, widths: set[tuple[float, ...]], num_bin
 
 
 def _enough(phases: Array) -> Array:
-    """Phases to fit; a bin that is all but empty tells nothing of the phase."""
+    """Phases to fit; uniform for a nearly empty bin."""
     return phases if phases.size >= 16 else np.linspace(-np.pi, np.pi, 64, endpoint=False)
 
 
 def _shares(bins: NDArray[np.int64], num_bins: int) -> Array:
-    """(S, B) share of each bin, none of them quite empty."""
+    """(S, B) share of each bin, none of them zero."""
     count = np.array([np.bincount(row, minlength=num_bins) for row in bins]) + 1.0
     return np.asarray(count / count.sum(axis=1, keepdims=True))
 
 
 def _shifted(matches: Matches, left: Features, rng: np.random.Generator) -> Array:
-    """Disparities that are wrong by at least three pixels, their partners in the image."""
+    """Disparities wrong by at least three pixels, with partners inside the image."""
     width = left.grey.shape[1]
     u = matches.points_px[:, 0]
     wrong = u - rng.integers(0, width, len(matches))

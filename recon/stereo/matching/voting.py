@@ -20,7 +20,7 @@ from recon.stereo.kernels.simd import (
 from recon.stereo.matching.windows import LIKENESS, Window
 
 CLOSED = np.float32(-1e9)
-"""Support of a shift to a pixel that is no candidate."""
+"""Support of a shift to a pixel that is not a candidate."""
 
 _Four = tuple[Lanes, Lanes, Lanes, Lanes]
 
@@ -29,7 +29,7 @@ _Four = tuple[Lanes, Lanes, Lanes, Lanes]
 def weigh(
     image: NDArray[np.uint8], middle: int, window: Window, row: int, weights: Floats
 ) -> float:
-    """Write the weights of the disc's members, the more alike the more; return 1 / their sum."""
+    """Write the weights of the disc's members, higher for similar ones; return 1 / their sum."""
     here = np.int64(image[middle])
     pixel, weight = window.pixel[row], window.weight[row]
     for k in range(weight.size):
@@ -43,7 +43,7 @@ def weigh(
 
 @kernel
 def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
-    """Write where the scores of a window's members begin, from its middle's on in its line."""
+    """Write the starts of the scores of a window's members, relative to its centre."""
     line, offset = window.line[row], window.offset[row]
     for k in range(starts.size):
         starts[k] = lines[np.uint64(line[k])] + offset[k]
@@ -51,7 +51,7 @@ def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
 
 @kernel
 def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    """Write the weighted sums of the members' scores, shift by shift, from `place` on."""
+    """Write the weighted sums of the members' scores for each shift, starting at `place`."""
     i = 0
     while i + 4 * NUM_LANES <= sums.size:
         _sum_four(scores, place + i, starts, weights, sums[i:])
@@ -62,7 +62,7 @@ def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: 
 
 @kernel
 def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    # Two sums side by side, as one would wait for itself.
+    # Two independent sums, since a single one would stall on its own latency.
     nothing = spread(0.0)
     even = odd = nothing, nothing, nothing, nothing
     for k in range(0, starts.size, 2):
@@ -100,7 +100,7 @@ def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums
 
 @kernel
 def close(support: Floats, share: float, closed: Floats) -> float:
-    """Turn sums into means, and shut the shifts without a candidate; return the highest."""
+    """Turn sums into means, and close the shifts without a candidate; return the highest."""
     highest = spread(CLOSED)
     for k in range(0, support.size, NUM_LANES):
         mean = share * load(support, k) + load(closed, k)
@@ -111,7 +111,7 @@ def close(support: Floats, share: float, closed: Floats) -> float:
 
 @kernel
 def claim(support: Floats, claims: Floats) -> None:
-    """Note the highest support of each pixel of the other row."""
+    """Update the highest support of each pixel of the other row."""
     for k in range(0, support.size, NUM_LANES):
         store(claims, k, larger(load(support, k), load(claims, k)))
 
@@ -127,6 +127,6 @@ def peak(support: Floats) -> float:
 
 @kernel
 def forget(support: Floats, first: int, end: int) -> None:
-    """Shut the shifts from one to another."""
+    """Close the shifts from `first` to `end`."""
     for k in range(max(0, first), min(support.size, end)):
         support[k] = CLOSED

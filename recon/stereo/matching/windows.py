@@ -1,7 +1,7 @@
-"""The support that the pixels round a point give to each of its disparities.
+"""The support that the pixels around a point give to each of its disparities.
 
-Every second pixel, as on a chessboard, is a member: nothing is lost by it. The members of a window
-are listed once, by the parity of its middle, so that the loop over them has no branches.
+Every second pixel, in a chessboard pattern, is a member, which loses nothing. The members of a
+window are listed once, by the parity of its centre, so that the loop over them has no branches.
 """
 
 from functools import cache, lru_cache
@@ -14,29 +14,29 @@ from numpy.typing import NDArray
 from recon.stereo.kernels.simd import Floats, Integers, filled
 
 RADIUS = 7
-"""Of the disc whose pixels support a disparity."""
+"""Radius of the disc whose pixels support a disparity."""
 SIDE_RADIUS = 10
-"""Of the two half discs that tell which side of an edge has the disparity."""
+"""Radius of the two half discs that determine which side of an edge has the disparity."""
 _SPREAD = 5.0
 """Standard deviation of the weight of a member, in pixels."""
 _RIGID = 3.0
-"""Up to this distance a member supports its own disparity alone; farther ones, the next too."""
+"""Up to this distance a member supports only its own disparity; farther ones, the next, too."""
 _SIDE_GAP = 1.5
-"""Distance from the edge at which a half disc begins."""
+"""Distance from the edge at which a half disc starts."""
 _CONTRAST = 20.0
-"""Difference of grey levels at which a member's support has fallen to 1/e: it belongs elsewhere."""
+"""Difference of grey levels at which a member's support has decayed to 1/e."""
 DIRECTIONS = 16
 """Number of normals, over half a turn, for which half discs are listed."""
 
 
 class Members(NamedTuple):
-    """Pixels of windows: (..., K) arrays, filled up with weight 0."""
+    """Pixels of windows: (..., K) arrays, padded with weight 0."""
 
     dv: Integers
     du: Integers
     weight: Floats
     slack: Integers
-    """1 where the member may vote with a neighbouring disparity too."""
+    """1 where the member may also vote with a neighbouring disparity."""
 
 
 def _disc(radius: int) -> tuple[Integers, Integers, Floats]:
@@ -64,7 +64,7 @@ def _stacked(windows: list[tuple[Integers, Integers, Floats]]) -> Members:
 
 
 def _chosen(dv: Integers, du: Integers, odd_v: int, odd_u: int, every: int) -> NDArray[np.bool_]:
-    """Mask of the pixels of a window that are members, by the parities of its middle."""
+    """Mask of the pixels of a window that are members, by the parities of its centre."""
     if every == 2:
         return np.asarray((dv % 2 == odd_v) & (du % 2 == odd_u))
     return np.asarray((dv + du) % 2 == (odd_v + odd_u) % 2)
@@ -72,7 +72,7 @@ def _chosen(dv: Integers, du: Integers, odd_v: int, odd_u: int, every: int) -> N
 
 @cache
 def disc(every: int) -> Members:
-    """The disc, by the parity of its middle's row, then column."""
+    """The disc, by the parity of its centre's row, then column."""
     dv, du, weight = _disc(RADIUS)
     windows = []
     for odd_v, odd_u in product((0, 1), repeat=2):
@@ -85,7 +85,7 @@ def disc(every: int) -> Members:
 def half_disc(sign: int, every: int) -> Members:
     """The half disc ahead of (+1) or behind (-1) an edge, by parities and then by direction.
 
-    The weights of a window add up to 1.
+    The weights of a window sum to 1.
     """
     dv, du, weight = _disc(SIDE_RADIUS)
     windows = []
@@ -99,14 +99,14 @@ def half_disc(sign: int, every: int) -> Members:
 
 
 class Window(NamedTuple):
-    """Members of the windows of one kind, as places in a ring; (T, K) by parities and direction."""
+    """Members of the windows of one kind, as ring offsets; (T, K) by parities and direction."""
 
     line: Integers
-    """Rows from the uppermost that a ring holds."""
+    """Rows relative to the top row of a ring."""
     offset: Integers
-    """From the scores of the window's middle, but for the line."""
+    """Offset from the scores of the window's centre, without the line."""
     pixel: Integers
-    """From the middle in the flat image with its margin."""
+    """Offset from the centre in the flat image with its margin."""
     weight: Floats
 
 
@@ -117,13 +117,13 @@ def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window,
     Parameters
     ----------
     every : int
-        2: pixels of every second row alone are members; 1: every second pixel of all rows.
+        2: only pixels of every second row are members; 1: every second pixel of all rows.
     lanes : int
-        From the scores of one member of a row to those of the next.
+        Step from the scores of one member of a row to those of the next.
     to_slack : int
-        From exact scores to slack ones.
+        Step from exact scores to those with slack.
     stride : int
-        From row to row of the image.
+        Step from row to row of the image.
     """
     kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
     ours, ahead, behind = (_window(members, lanes, to_slack, stride) for members in kinds)
@@ -131,7 +131,7 @@ def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window,
 
 
 def _window(members: Members, lanes: int, to_slack: int, stride: int) -> Window:
-    # Rows of the tables are by parity of the middle's row, then of its column.
+    # Rows of the tables are by parity of the centre's row, then of its column.
     odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
     column = (odd[:, None] + members.du) >> 1
     return Window(
