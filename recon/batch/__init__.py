@@ -1,1 +1,1 @@
-"""Batches: many jobs on many processes or machines, each in a run folder of its own."""
+"""Batches: many jobs on many processes or machines, each with its own run folder."""

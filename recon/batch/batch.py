@@ -1,4 +1,4 @@
-"""The batch: jobs handed to a scheduler, a run folder for each, a summary of all."""
+"""The batch: jobs run by a scheduler, a run folder for each, a summary of all."""
 
 import shutil
 from collections.abc import Callable, Sequence
@@ -14,9 +14,9 @@ from recon.errors import InputError
 from recon.locks import locked
 
 SUMMARY = "summary.json"
-"""The file that every batch leaves first and last, so that its folder is told by it."""
+"""The file that every batch writes first and last, which identifies its folder."""
 Heard = Callable[[Outcome, int, int], None]
-"""Called with every outcome, the number of jobs that ended, and of all."""
+"""Called with every outcome, the number of jobs ended, and the number of all jobs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +30,7 @@ class BatchReport:
 
     @property
     def num_failed(self) -> int:
-        """Jobs that failed."""
+        """Number of failed jobs."""
         return sum(outcome.state == "failed" for outcome in self.outcomes)
 
     def as_json(self) -> dict[str, Any]:
@@ -48,21 +48,21 @@ def run_batch(
     chunk: int | None = None,
     heard: Heard = lambda outcome, done, total: None,
 ) -> BatchReport:
-    """Do every job, whatever becomes of the others.
+    """Run every job, regardless of failures of others.
 
     Parameters
     ----------
     jobs : sequence of NamedJob
     folder : Path
-        Gets one run folder per job.
+        Folder for the run folders.
     scheduler : Scheduler
     overwrite, resume : bool
-        As of a run; resumed, a job that is done is skipped, and a failed one tried again.
+        As for a run; when resumed, finished jobs are skipped, and failed ones tried again.
     chunk : int, optional
-        Reconstructions are cut into jobs of so many pairs, whose maps become one: the last job,
-        which is done where none of the others failed.
+        Pairs per job: reconstructions are split into jobs of this size, whose maps are merged by a
+        last job if no other failed.
     heard : callable
-        Told of every job as it ends.
+        Called for every job as it ends.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def run_batch(
     Raises
     ------
     InputError
-        Where the folder holds anything but a batch, or a batch and neither flag is given.
+        If the folder contains anything but a batch, or a batch and neither flag is given.
     """
     if chunk is not None:
         check_chunks(jobs)
@@ -89,7 +89,7 @@ def _all_done(
     chunk: int | None,
     heard: Heard,
 ) -> BatchReport:
-    """Do all jobs, and the one that puts them together."""
+    """Run all jobs, and the one that merges them."""
     if chunk is not None:
         jobs = spread(jobs, folder, chunk)
     report = _done(jobs, folder, scheduler, heard)

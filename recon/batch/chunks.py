@@ -1,4 +1,4 @@
-"""Recordings cut into jobs of some pairs each, and one job that puts their maps together."""
+"""Recordings split into jobs of some pairs each, and one job that merges their maps."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -11,7 +11,7 @@ from recon.runs.parts import write_refined
 from recon.settings import Settings, given_tree, merged, updated
 
 MERGED = "merged"
-"""Name of the job that puts all together."""
+"""Name of the merging job."""
 
 
 def check_chunks(jobs: Sequence[NamedJob]) -> None:
@@ -20,15 +20,15 @@ def check_chunks(jobs: Sequence[NamedJob]) -> None:
         if one.job.kind != "reconstruct":
             raise InputError(f"{one.name} is {one.job.kind}, but chunks are for reconstruct")
         if one.swept:
-            raise InputError(f"{one.name} is one of a sweep, but chunks make one map of all jobs")
+            raise InputError(f"{one.name} is one of a sweep, but chunks merge all jobs")
 
 
 def spread(jobs: Sequence[NamedJob], folder: Path, chunk: int) -> list[NamedJob]:
     """One job for every chunk of pairs of every recording.
 
-    What is estimated of a whole recording is estimated here, once, and left beside the runs. All
-    get the size of cells that suits the first recording where none is given. A recording that
-    cannot be read stays one job, which fails and says why.
+    Estimates for a whole recording are computed here, once, and written beside the runs. All jobs
+    use the cell size suggested by the first recording unless one is given. An unreadable recording
+    stays one job, which fails with the reason.
     """
     found: list[NamedJob] = []
     for one in jobs:
@@ -62,6 +62,6 @@ def _parts(one: NamedJob, record: Path, num_pairs: int, chunk: int) -> Iterator[
 
 
 def merging(jobs: Sequence[NamedJob], folder: Path) -> NamedJob:
-    """The job that puts the runs of all chunks together."""
+    """The job that merges the runs of all chunks."""
     runs = tuple(folder / one.name for one in jobs)
     return NamedJob(name=MERGED, job=Job(kind="merge", inputs=runs))

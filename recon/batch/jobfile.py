@@ -15,9 +15,9 @@ from recon.settings import PRESETS, QUALITIES, Settings, merged, read_toml, upda
 JOB_KEYS = ("name", "command", "input", "settings", "seed", "preset", "quality", "arguments")
 FILE_KEYS = ("job", "sweep")
 CHOICES: dict[str, dict[str, Any]] = {"preset": dict(PRESETS), "quality": dict(QUALITIES.items())}
-"""Named sets of settings, the later the stronger."""
+"""Named sets of settings; later ones take precedence."""
 NAME = re.compile(r"[^\W.][\w.=+-]*")
-"""Allowed names of a job, which become names of folders."""
+"""Valid job names, which become folder names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,22 +28,22 @@ class NamedJob:
     """Name of its run folder."""
     job: Job
     swept: tuple[tuple[str, Any], ...] = ()
-    """The settings that a sweep gave it, by "stage.name"."""
+    """The settings from a sweep, by "stage.name"."""
 
 
 def read_jobs(path: Path) -> list[NamedJob]:
-    """Every job of a job file, in order, globs and sweeps spread out.
+    """Every job of a job file, in order, with globs and sweeps expanded.
 
     Raises
     ------
     InputError
-        For an unknown key or command, a value of the wrong type, and two jobs of one name.
+        For an unknown key or command, a value of the wrong type, and two jobs with the same name.
     """
     document: Mapping[str, Any] = read_toml(path)
     _check_keys(document, FILE_KEYS, str(path))
     tables = document.get("job", [])
     if not isinstance(tables, list) or not tables:
-        raise InputError(f"{path} holds no [[job]] table, but one per job is needed")
+        raise InputError(f"{path} has no [[job]] table, but one per job is needed")
     sweep = _sweep(document.get("sweep", {}), path)
     jobs = [
         job
@@ -54,7 +54,7 @@ def read_jobs(path: Path) -> list[NamedJob]:
 
 
 def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
-    """One job for each file or folder that a pattern names."""
+    """One job for each file or folder that matches a pattern."""
     table = {"command": command, "input": pattern}
     return _checked(list(_jobs_of(table, Path(), (), pattern)), pattern)
 
@@ -62,7 +62,7 @@ def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
 def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
     for name, number in Counter(job.name for job in jobs).items():
         if number > 1:
-            raise InputError(f"{source}: {number} jobs are called {name!r}; give each its own name")
+            raise InputError(f"{source}: {number} jobs are named {name!r}; give each its own name")
     return jobs
 
 
@@ -115,7 +115,7 @@ def _job(
 
 
 def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -> Settings:
-    """Preset, quality, the table's own settings and the sweep's, the later the stronger."""
+    """Preset, quality, the table's own settings and the sweep's; later ones take precedence."""
     tree: Mapping[str, Any] = {}
     for key in CHOICES:
         if key in table:
@@ -142,7 +142,7 @@ def _choice(word: str, key: str, source: str) -> Mapping[str, Any]:
 
 
 def _tree(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Settings by stage, of keys "stage.name" or tables of stages."""
+    """Settings by stage, from keys "stage.name" or tables of stages."""
     tree: Mapping[str, Any] = {}
     for key, value in values.items():
         stage, dot, name = key.partition(".")
@@ -180,9 +180,9 @@ def _words(table: Mapping[str, Any], source: str) -> list[str]:
 
 
 def _matches(word: str, folder: Path, command: str) -> list[Path]:
-    """Paths that a word stands for: a path, a glob or a shipped name, relative to a folder.
+    """Paths for a word: a path, a glob or a shipped name, relative to a folder.
 
-    A path that is not there stays one: its job fails, and no other.
+    A missing path is kept: only its job fails.
     """
     path = folder / word
     if not any(mark in word for mark in "*?["):
@@ -192,12 +192,12 @@ def _matches(word: str, folder: Path, command: str) -> list[Path]:
     pattern = str(path.relative_to(root)) if path.anchor else str(path)
     found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
     if not found:
-        raise InputError(f"{word} names no file or folder in {folder.resolve()}")
+        raise InputError(f"{word} matches no file or folder in {folder.resolve()}")
     return found
 
 
 def _shipped(name: Path, command: str) -> Path | None:
-    """The file that ships with recon under a name; None where none does."""
+    """The file shipped with recon under a name; None if there is none."""
     try:
         found = KINDS.load(command).find(name)
     except InputError:
@@ -224,5 +224,5 @@ def _text(table: Mapping[str, Any], key: str, source: str) -> str:
 def _seed(table: Mapping[str, Any], source: str) -> int:
     seed = table.get("seed", 0)
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise InputError(f"{source}: seed is {seed!r}, but a whole number from 0 on is needed")
+        raise InputError(f"{source}: seed is {seed!r}, but a whole number >= 0 is needed")
     return seed

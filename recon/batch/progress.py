@@ -1,4 +1,4 @@
-"""Progress of jobs on its way from workers to whoever watches the batch."""
+"""Transport of job progress from workers to the observer of the batch."""
 
 import threading
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ INTERVAL_S = 0.2
 
 
 class Pipes:
-    """A pipe for every worker: one that is killed while it writes disturbs no other."""
+    """A pipe per worker: one that is killed while writing does not disturb the others."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
@@ -20,14 +20,14 @@ class Pipes:
         self._is_over = threading.Event()
 
     def new(self) -> Connection:
-        """The end that a new worker writes to."""
+        """The end for a new worker to write to."""
         read, write = Pipe(duplex=False)
         self._ends.append(read)
         return write
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Pass on what workers write while the block runs."""
+        """Forward the workers' messages inside the block."""
         thread = threading.Thread(target=self._listen, daemon=True)
         thread.start()
         try:
@@ -39,11 +39,11 @@ class Pipes:
     def _listen(self) -> None:
         while not self._is_over.wait(0.0 if self._pass_on() else INTERVAL_S):
             pass
-        while self._pass_on():  # what was written before the end
+        while self._pass_on():  # messages written before the end
             pass
 
     def _pass_on(self) -> bool:
-        """Pass on one message of each worker that has one; False where none has."""
+        """Forward one message of each worker that has one; return False if none has."""
         ready = wait(self._ends, timeout=0.0) if self._ends else []
         for end in ready:
             assert isinstance(end, Connection)
@@ -55,11 +55,11 @@ class Pipes:
 
 
 def begin_worker(num_threads: int, end: Connection) -> None:
-    """Set up a worker process: its share of the processors, and where it tells its progress."""
+    """Set up a worker process: its share of the processors, and its progress reports."""
     limit_threads(num_threads)
 
     def tell(name: str, done: int, total: int) -> None:
-        # Nobody may listen any more; the job goes on.
+        # The listener may be gone; the job continues.
         try:
             end.send((name, done, total))
         except OSError:

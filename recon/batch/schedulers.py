@@ -1,4 +1,4 @@
-"""Schedulers: who does the jobs of a batch, processes of this machine or a Dask cluster."""
+"""Schedulers of batch jobs: local processes or a Dask cluster."""
 
 import logging
 import queue
@@ -16,15 +16,15 @@ from recon.errors import InputError
 from recon.libraries import THREAD_VARIABLES, load_extra
 
 Call = Callable[[], Outcome]
-"""Does one job."""
+"""Runs one job."""
 TOPIC = "recon-progress"
-"""Events of Dask that tell the progress of jobs."""
+"""Topic of Dask events for the progress of jobs."""
 MAX_TRIES = 3
-"""So often a job is begun whose worker is lost, as by the kernel for want of memory."""
+"""Maximum number of tries of a job whose worker is killed, for instance for lack of memory."""
 
 
 class Scheduler(Protocol):
-    """Does calls somewhere, in any order."""
+    """Runs calls somewhere, in any order."""
 
     def outcomes(self, calls: Sequence[tuple[str, Call]]) -> Iterator[Outcome]:
         """The outcome of each named call, as it ends."""
@@ -32,17 +32,17 @@ class Scheduler(Protocol):
 
 
 class Processes:
-    """Processes of this machine.
+    """Local processes.
 
-    Each of the workers is a pool of one, so that a worker that dies takes one job with it.
+    Each worker is a pool of one process, so that a dying worker affects only one job.
 
     Parameters
     ----------
     num_workers : int
     num_threads : int
-        Of each worker.
+        Threads per worker.
     progress : callable
-        Hears how far each job is.
+        Called with the progress of each job.
     """
 
     def __init__(
@@ -96,22 +96,22 @@ class Processes:
 
 
 class Dask:
-    """A Dask cluster: one that runs already, or one of this machine.
+    """A Dask cluster: an existing one, or a local one.
 
     Parameters
     ----------
     address : str
         "local", or the address of a scheduler, "tcp://HOST:PORT".
     num_workers : int
-        Of a local cluster.
+        Workers of a local cluster.
     progress : callable
-        Hears how far each job is.
+        Called with the progress of each job.
     """
 
     def __init__(self, address: str, num_workers: int, progress: Progress = unheard) -> None:
         self._progress = progress
         self._distributed: Any = load_extra("distributed", "cluster")
-        # It says a lot more than the one line that a fault deserves.
+        # It logs much more than one line per fault.
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         self._address = address
         self._num_workers = num_workers
@@ -128,12 +128,12 @@ class Dask:
                 yield self._outcome(names[future], future)
 
     def _outcome(self, name: str, future: Any) -> Outcome:
-        """The outcome of a job; what the job itself raised is one, all else is Dask's."""
+        """The outcome of a job; its own failures are outcomes, all other errors are Dask's."""
         if future.status == "finished":
             found: Outcome = future.result()
             return found
         if future.status != "error":
-            fault = f"the scheduler at {self._address} went away"
+            fault = f"the connection to the scheduler at {self._address} was lost"
         elif isinstance(error := future.exception(), self._distributed.KilledWorker):
             return lost(name)
         else:
@@ -156,7 +156,7 @@ class Dask:
 
 
 def telling(call: Call) -> Outcome:
-    """Do a job on a worker of Dask, which tells its progress to whoever listens."""
+    """Run a job on a Dask worker, which publishes its progress."""
     worker = load_extra("distributed", "cluster").get_worker()
     hear_with(lambda *progress: worker.log_event(TOPIC, progress))
     return call()
@@ -164,19 +164,19 @@ def telling(call: Call) -> Outcome:
 
 def lost(name: str) -> Outcome:
     """The outcome of a job whose workers died."""
-    error = f"its worker died {MAX_TRIES} times; is there memory enough for it?"
+    error = f"its worker died {MAX_TRIES} times; is there enough memory for it?"
     return Outcome(name=name, state="failed", error=error)
 
 
 def make_scheduler(
     address: str | None, num_workers: int, progress: Progress = unheard
 ) -> Scheduler:
-    """Processes of this machine where no address is given, else a Dask cluster."""
+    """Local processes if no address is given, else a Dask cluster."""
     if address is None:
         return Processes(num_workers, progress=progress)
     return Dask(address, num_workers, progress)
 
 
 def bound(call: Callable[..., Outcome], *arguments: Any) -> Call:
-    """A call with its arguments, as it is sent to a worker."""
+    """A call bound to its arguments, to be sent to a worker."""
     return partial(call, *arguments)

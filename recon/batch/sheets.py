@@ -1,4 +1,4 @@
-"""The figures of a batch: a contact sheet, one confusion, and a plot for each number of a sweep."""
+"""The figures of a batch: a contact sheet, a confusion matrix, and a plot per metric of a sweep."""
 
 import re
 from collections.abc import Sequence
@@ -12,11 +12,11 @@ from recon.figures.contact import Print, contact
 from recon.figures.sweep import sweep
 
 SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh")
-"""Figures of a run of which the first that is there stands for it."""
+"""Figures that represent a run, in order of preference."""
 
 
 def write_sheets(report: BatchReport, points: Sequence[Point], metrics: Sequence[str]) -> None:
-    """Write `contact.png`, `confusion.png` where truth is known, and `sweep_METRIC.png`."""
+    """Write `contact.png`, `confusion.png` if truth is known, and `sweep_METRIC.png`."""
     prints = [
         Print(name=one.name, path=_figure(report.folder / one.name), note=one.error or one.state)
         for one in report.outcomes
@@ -33,7 +33,7 @@ def write_sheets(report: BatchReport, points: Sequence[Point], metrics: Sequence
 
 
 def _figure(run: Path) -> Path | None:
-    """The image that stands for a run."""
+    """The image that represents a run."""
     found = [run / "figures" / f"{name}.png" for name in SHOWN]
     others = sorted((run / "figures").glob("*.png"))
     return next((path for path in [*found, *others] if path.is_file()), None)

@@ -1,4 +1,4 @@
-"""The summary of a batch: a table of its jobs, one confusion where truth is known, its figures."""
+"""The summary of a batch: a table of its jobs, a confusion matrix if truth is known, figures."""
 
 import csv
 import io
@@ -18,10 +18,10 @@ FIRST = ("name", "state", "error", "seconds")
 
 
 def write_summary(report: BatchReport, metrics: Sequence[str] = USUAL) -> dict[str, Any]:
-    """Write what a batch leaves besides its runs.
+    """Write the files of a batch besides its runs.
 
-    `summary.json` and `summary.csv`, a contact sheet of the figures, one confusion over all jobs
-    whose truth is known; of a sweep `sweep.csv`, and a figure for each of the metrics.
+    `summary.json` and `summary.csv`, a contact sheet of the figures, one confusion matrix over all
+    jobs with known truth; for a sweep `sweep.csv`, and a figure per metric.
 
     Returns
     -------
@@ -40,14 +40,14 @@ def write_summary(report: BatchReport, metrics: Sequence[str] = USUAL) -> dict[s
         _write(report.folder / "sweep.csv", _csv(table(points, metrics_of(points))))
     _write(report.folder / SUMMARY, json.dumps(document, indent=2) + "\n")
     _write(report.folder / "summary.csv", as_csv(report))
-    # Only now: what was done is on disk, whatever is asked for.
+    # Checked last, so that the results are on disk in any case.
     check_metrics(points, metrics)
     write_sheets(report, points, metrics)
     return document
 
 
 def _confusion(report: BatchReport) -> dict[str, Any]:
-    """Counts of given names by true name over all jobs; nothing where no truth is known."""
+    """Counts of assigned names by true name over all jobs; empty without known truth."""
     named = [name for one in report.outcomes for name in one.names]
     if not named:
         return {}
@@ -62,7 +62,7 @@ def _confusion(report: BatchReport) -> dict[str, Any]:
 
 
 def as_csv(report: BatchReport) -> str:
-    """One row per job: its name and state, the settings it was swept over, and its numbers."""
+    """One row per job: its name and state, its swept settings, and its metrics."""
     rows = [
         dict(job.swept) | dict(_flat(outcome.as_json()))
         for job, outcome in zip(report.jobs, report.outcomes, strict=True)
@@ -81,7 +81,7 @@ def _csv(rows: Sequence[Mapping[str, Any]], names: Sequence[str] | None = None) 
 
 
 def _flat(numbers: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Numbers and words; what is a list or a table has no cell."""
+    """Numbers and words; lists and tables are omitted."""
     for key, value in numbers.items():
         if value is None or isinstance(value, (str, int, float)):
             yield key, value

@@ -1,4 +1,4 @@
-"""The results of a sweep: the mean of every number for each point, as a table and as figures."""
+"""The results of a sweep: the mean of every metric per point, as a table and as figures."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from recon.batch.batch import BatchReport
 from recon.errors import InputError
 
 USUAL = ("seconds",)
-"""Numbers that are shown where nobody says."""
+"""Metrics shown by default."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -16,18 +16,18 @@ class Point:
     """One combination of the values of a sweep."""
 
     values: Mapping[str, Any]
-    """By the name of the setting."""
+    """Values by the name of the setting."""
     runs: Sequence[Mapping[str, float]]
-    """The numbers of every job that was done with it."""
+    """The metrics of every job with these values."""
 
     def mean(self, metric: str) -> float | None:
-        """Mean of a number over the jobs that have it; None where none has."""
+        """Mean of a metric over the jobs that have it; None if none has."""
         found = [run[metric] for run in self.runs if metric in run]
         return sum(found) / len(found) if found else None
 
 
 def points_of(report: BatchReport) -> list[Point]:
-    """The points of the sweep of a batch; none where nothing was swept."""
+    """The points of the sweep of a batch; none if nothing was swept."""
     runs: dict[tuple[tuple[str, Any], ...], list[dict[str, float]]] = {}
     for job, outcome in zip(report.jobs, report.outcomes, strict=True):
         if job.swept:
@@ -38,7 +38,7 @@ def points_of(report: BatchReport) -> list[Point]:
 
 
 def numbers_of(row: Mapping[str, Any]) -> dict[str, float]:
-    """The numbers of a job, without words, lists and what is not known."""
+    """The numeric metrics of a job, without words, lists and unknown values."""
     return {
         name: float(value)
         for name, value in row.items()
@@ -47,12 +47,12 @@ def numbers_of(row: Mapping[str, Any]) -> dict[str, float]:
 
 
 def metrics_of(points: Sequence[Point]) -> list[str]:
-    """Names of the numbers that any job has, in their order."""
+    """Names of the metrics that any job has, in order."""
     return list(dict.fromkeys(name for point in points for run in point.runs for name in run))
 
 
 def check_metrics(points: Sequence[Point], metrics: Sequence[str]) -> None:
-    """Raise `InputError` for a number that no job has."""
+    """Raise `InputError` for a metric that no job has."""
     known = metrics_of(points)
     for metric in metrics:
         if known and metric not in known:
@@ -60,7 +60,7 @@ def check_metrics(points: Sequence[Point], metrics: Sequence[str]) -> None:
 
 
 def table(points: Sequence[Point], metrics: Sequence[str]) -> list[dict[str, Any]]:
-    """A row for each point: its settings, the number of its jobs, and means."""
+    """One row per point: its settings, the number of its jobs, and means."""
     return [
         dict(point.values) | {"jobs": len(point.runs)} | {m: point.mean(m) for m in metrics}
         for point in points
@@ -68,7 +68,7 @@ def table(points: Sequence[Point], metrics: Sequence[str]) -> list[dict[str, Any
 
 
 def curves(points: Sequence[Point], metric: str) -> tuple[str, dict[str, list[tuple[Any, float]]]]:
-    """The first swept setting, and its value and the number of every job, by the other settings."""
+    """The first swept setting, and its value and the metric of every job, by the other settings."""
     setting = next(iter(points[0].values))
     found: dict[str, list[tuple[Any, float]]] = {}
     for point in points:

@@ -1,4 +1,4 @@
-"""One job done by a worker: what came of it, whatever happened."""
+"""One job run by a worker, and its outcome."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -12,7 +12,7 @@ from recon.runfolder import is_finished, read_manifest
 
 State = Literal["done", "failed", "skipped"]
 Progress = Callable[[str, int, int], None]
-"""Called with the name of a job, what is done, and the most there can be."""
+"""Called with the name of a job, the amount done, and its upper bound."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,12 +22,12 @@ class Outcome:
     name: str
     state: State
     error: str | None = None
-    """In one line, where it failed."""
+    """One line if it failed."""
     seconds: float = 0.0
     numbers: Mapping[str, Any] = field(default_factory=dict)
     """Its `metrics.json`."""
     names: tuple[tuple[str, str], ...] = ()
-    """The true name of each object and the one it was given, where truth is known."""
+    """The true name of each object and its assigned one, if truth is known."""
 
     def as_json(self) -> dict[str, Any]:
         """The outcome as an entry of `summary.json`."""
@@ -37,22 +37,22 @@ class Outcome:
 
 
 def unheard(name: str, done: int, total: int) -> None:
-    """Nobody listens."""
+    """Ignore the progress."""
 
 
 _heard: list[Progress] = [unheard]
-"""The function that hears of progress in this process, last."""
+"""The progress callback of this process."""
 
 
 def hear_with(progress: Progress | None) -> None:
-    """Let a function hear of the progress of every job of this process."""
+    """Set the progress callback for all jobs of this process."""
     _heard[:] = [progress or unheard]
 
 
 def do(named: NamedJob, folder: Path) -> Outcome:
-    """Do one job in a run folder of its own, or go on with it where a worker was lost at it.
+    """Run one job in its own run folder, or resume it if its worker was lost.
 
-    Nothing it raises gets out but a keyboard interrupt: a failed job never stops the others.
+    No exception except a keyboard interrupt escapes: a failed job never stops the others.
     """
     began = time.perf_counter()
     was_done = is_finished(folder)
@@ -61,7 +61,7 @@ def do(named: NamedJob, folder: Path) -> Outcome:
         names = _names(named, folder)
     except (ReconError, OSError) as error:
         fault = " ".join(str(error).split())
-    # A plug-in, or what nobody foresaw: the batch goes on.
+    # A plug-in or an unforeseen error: the batch continues.
     except Exception as error:
         fault = f"{type(error).__name__}: {' '.join(str(error).split())}"
     else:
@@ -73,7 +73,7 @@ def do(named: NamedJob, folder: Path) -> Outcome:
 
 
 def is_begun(run: Path) -> bool:
-    """True for a run folder that can be gone on with."""
+    """True for a run folder that can be resumed."""
     try:
         read_manifest(run)
     except InputError:
@@ -82,7 +82,7 @@ def is_begun(run: Path) -> bool:
 
 
 def _execute(named: NamedJob, folder: Path) -> Mapping[str, Any]:
-    # Late: the limits of threads have to come before the libraries that read them.
+    # Late: thread limits have to be set before the libraries that read them are imported.
     from recon.runs.events import Events
     from recon.runs.execute import execute
 
@@ -91,7 +91,7 @@ def _execute(named: NamedJob, folder: Path) -> Mapping[str, Any]:
 
 
 def _names(named: NamedJob, folder: Path) -> tuple[tuple[str, str], ...]:
-    """Pairs of true and given names, of a kind of job that knows the truth."""
+    """Pairs of true and assigned names, for a kind of job that knows the truth."""
     from recon.runs.job import KINDS
 
     return tuple(KINDS.load(named.job.kind).judged(named.job, folder))

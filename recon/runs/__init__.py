@@ -1,1 +1,1 @@
-"""Whole runs: the stages, the run folder and the figures together; what every door calls."""
+"""Complete runs: stages, run folder and figures together; the common core of all interfaces."""

@@ -1,4 +1,4 @@
-"""Pairs matched ahead of the loop: read in a thread, matched by workers, given in their order."""
+"""Matching of pairs ahead of the loop: read in a thread, matched by workers, yielded in order."""
 
 import contextvars
 import itertools
@@ -18,15 +18,15 @@ from recon.settings import Settings
 Item = TypeVar("Item")
 Matched = tuple[StereoPair, PairResult]
 DEPTH = 2
-"""Pairs that are read ahead, and pairs in work for each worker."""
+"""Number of pairs read ahead, and of pairs in progress per worker."""
 
 
 def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
-    """The items of a source, in order, read in a thread while earlier ones are worked on."""
+    """The items of a source, in order, read in a thread while earlier ones are processed."""
     items, context = iter(source), contextvars.copy_context()
 
     def read() -> list[Item]:
-        """The next item, in a list that is empty at the end."""
+        """The next item in a list, which is empty at the end."""
         return context.run(lambda: list(itertools.islice(items, 1)))
 
     with ThreadPoolExecutor(1) as reader:
@@ -39,8 +39,8 @@ def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
 def match_ahead(source: Iterable[StereoPair], settings: Settings, work: Work) -> Iterator[Matched]:
     """Every pair with its matches and points, in order.
 
-    Results are kept until the run is finished, and those of a cut run taken from there. Whatever
-    the number of workers, they are the same, byte for byte.
+    Results are saved until the run is finished, and reused when an interrupted run is resumed. They
+    are byte-identical for any number of workers.
     """
     saved, pairs = SavedResults(folder=work.run.partial), read_ahead(source)
     if work.num_workers > 1:
@@ -78,7 +78,7 @@ def _settled(
     saved: SavedResults,
     work: Work,
 ) -> Matched:
-    """A pair with its result, once that is there."""
+    """A pair with its result, once it is available."""
     if isinstance(future, PairResult):
         return pair, future
     with work.stage("stereo"):

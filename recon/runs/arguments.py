@@ -1,4 +1,4 @@
-"""Arguments of a kind of job besides its inputs and its settings, by name and type."""
+"""Arguments of a kind of job besides its inputs and settings, by name and type."""
 
 import difflib
 import math
@@ -9,11 +9,11 @@ from typing import Any
 from recon.errors import InputError
 
 Argument = Callable[[Any], Any]
-"""Gives the value as the kind takes it; ValueError says what is needed instead."""
+"""Converts a value for the kind; the ValueError states what is needed instead."""
 
 
 def path(value: Any) -> Path:
-    """A file or folder that is read."""
+    """An input file or folder."""
     if not isinstance(value, str | Path):
         raise ValueError("a path")
     return Path(value)
@@ -43,34 +43,34 @@ def flag(value: Any) -> bool:
 
 
 def positive(value: Any) -> float:
-    """A finite number over 0."""
+    """A finite number > 0."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not (is_number and math.isfinite(value) and value > 0):
-        raise ValueError("a number over 0")
+        raise ValueError("a number > 0")
     return float(value)
 
 
 def positives(value: Any) -> tuple[float, ...]:
-    """One number over 0 or several."""
+    """One number > 0 or several."""
     several = value if isinstance(value, list | tuple) else (value,)
     return tuple(positive(one) for one in several)
 
 
 def count(value: Any) -> int:
-    """A whole number from 1 on."""
+    """An integer >= 1."""
     if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise ValueError("a whole number of 1 or more")
+        raise ValueError("a whole number >= 1")
     return value
 
 
 def span(value: Any) -> tuple[int, int]:
-    """Two whole numbers from 0 on, the second the larger."""
+    """Two integers >= 0, the second one larger."""
     is_pair = isinstance(value, list | tuple) and len(value) == 2
     if not is_pair or not all(isinstance(one, int) for one in value):
         raise ValueError("[first, end], two whole numbers,")
     first, end = value
     if not 0 <= first < end:
-        raise ValueError("a span from 0 on that is not empty")
+        raise ValueError("a non-empty span >= 0")
     return first, end
 
 
@@ -86,12 +86,12 @@ def one_of(*choices: str) -> Argument:
 
 
 def checked(kind: str, given: Mapping[str, Any], takes: Mapping[str, Argument]) -> dict[str, Any]:
-    """The arguments of a job as its kind takes them.
+    """The arguments of a job, converted for its kind.
 
     Raises
     ------
     InputError
-        For a name that the kind does not know, with the nearest one, and for a wrong value.
+        For an unknown name, with the nearest known one, and for a wrong value.
     """
     found = {}
     for name, value in given.items():

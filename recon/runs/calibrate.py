@@ -1,4 +1,4 @@
-"""A calibration file from images of a board, and images rectified by one."""
+"""Calibration from images of a board, and rectification of images by a calibration."""
 
 from pathlib import Path
 from typing import Any

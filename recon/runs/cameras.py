@@ -1,4 +1,4 @@
-"""The cameras of the pairs that a run has read: cameras.json."""
+"""The cameras of the pairs of a run: cameras.json."""
 
 import json
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class SeenCamera:
 
 
 def as_document(seen: Sequence[SeenCamera]) -> str:
-    """The text of cameras.json: the rigs, each once, and the number of its rig for every pair."""
+    """The text of cameras.json: the distinct rigs, and the index of each pair's rig."""
     numbers = {rig: number for number, rig in enumerate(dict.fromkeys(one.rig for one in seen))}
     document = {
         "rigs": [asdict(rig) for rig in numbers],
@@ -36,10 +36,10 @@ def read_cameras(path: Path) -> list[SeenCamera]:
     Raises
     ------
     InputError
-        Where the file is missing or damaged.
+        If the file is missing or damaged.
     """
     if not path.is_file():
-        raise InputError(f"{path} is missing: it is left by runs with a trajectory")
+        raise InputError(f"{path} is missing: only runs with a trajectory write it")
     document = read_json(path)
     try:
         rigs = [StereoRig(**rig) for rig in document["rigs"]]

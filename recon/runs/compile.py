@@ -1,4 +1,4 @@
-"""Kernels compiled ahead: small jobs that between them need all of them."""
+"""Compilation of kernels in advance, by small jobs that together need all of them."""
 
 import tempfile
 from collections.abc import Iterator
@@ -13,16 +13,16 @@ from recon.world.library import find_scene
 
 SCENE = "village"
 NUM_PAIRS = 4
-"""Of a walk: so many let objects be seen, and the way be planned."""
+"""Pairs of an exploration: enough to see objects and plan a path."""
 
 
 def compile_ahead(events: Events | None = None) -> None:
-    """Do the small jobs in a folder that is removed; numba keeps what they compile.
+    """Run the small jobs in a temporary folder; numba caches the compiled kernels.
 
     Parameters
     ----------
     events : Events, optional
-        Told of every job that is done.
+        Notified of every finished job.
     """
     events = events or Events()
     with tempfile.TemporaryDirectory(prefix="recon-") as name:
@@ -34,7 +34,7 @@ def compile_ahead(events: Events | None = None) -> None:
 
 
 def _jobs(place: Path) -> Iterator[tuple[Job, Path]]:
-    """Every job, and the run folder that it leaves."""
+    """Every job, and its run folder."""
     scene = find_scene(SCENE)
     walk = updated(Settings(), {"exploration": {"max_pairs": NUM_PAIRS}})
     surface = updated(Settings(), {"dense": {"enabled": True}, "surface": {"mesh": True}})

@@ -1,4 +1,4 @@
-"""Two images matched, and held against the truth where there is one."""
+"""Matching of two images, and evaluation if there is ground truth."""
 
 import time
 from dataclasses import dataclass
@@ -33,14 +33,14 @@ from recon.stereo.features import detect
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MatchedPair:
-    """Matches of two images and what it took."""
+    """Matches of two images, with statistics."""
 
     left: NDArray[np.uint8]
     matches: Matches
     num_features: int
     seconds: float
     dense: DisparityMap | None
-    """Disparity of every pixel, where the settings want it."""
+    """Disparity of every pixel, if enabled by the settings."""
 
 
 def match_files(
@@ -50,7 +50,7 @@ def match_files(
     stated_range: tuple[int, int] | None = None,
     calib: Path | None = None,
 ) -> MatchedPair:
-    """Match two image files as the settings say; by a calibration they are rectified first."""
+    """Match two image files as the settings say; with a calibration they are rectified first."""
     left, right = read_pair(left_path, right_path)
     check_images(left, right, f"{left_path} and {right_path}")
     if calib is not None:
@@ -81,7 +81,7 @@ def _base(job: Job) -> Tree:
 
 
 def _match(job: Job, work: Work) -> Numbers:
-    """Match two images, and hold them against the truth where it is known."""
+    """Match two images, and compare them with the truth if it is known."""
     left, right = job.inputs
     _check_truth(job)
     with work.stage("stereo"):
@@ -94,11 +94,11 @@ def _match(job: Job, work: Work) -> Numbers:
 
 
 def _check_truth(job: Job) -> None:
-    """Refuse a truth of images as they are for images that a calibration rectifies."""
+    """Refuse truth of the raw images if a calibration rectifies them."""
     calib, truth = job.arguments.get("calib"), job.arguments.get("truth")
     if calib is not None and truth is not None and not read_calibration(calib).is_rectified:
         raise InputError(
-            f"{truth} is of the images as they are, but {calib} rectifies them: give one of them"
+            f"{truth} belongs to the raw images, but {calib} rectifies them: give one of them"
         )
 
 
@@ -116,7 +116,7 @@ def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
 
 
 def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
-    """The numbers of one pair by their JSON keys."""
+    """The metrics of one pair by their JSON keys."""
     metrics: dict[str, Any] = {
         "num_features": pair.num_features,
         "num_matches": len(pair.matches),

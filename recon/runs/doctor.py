@@ -27,10 +27,10 @@ class Finding:
     is_well: bool
     is_needed: bool
     word: str
-    """Its version, or what cures it."""
+    """Its version, or the remedy."""
 
     def as_json(self) -> dict[str, object]:
-        """The finding as `recon doctor --json` has it."""
+        """The finding as an entry of `recon doctor --json`."""
         return {
             "name": self.name,
             "ok": self.is_well,
@@ -40,7 +40,7 @@ class Finding:
 
 
 def examine() -> list[Finding]:
-    """Look at everything; a library that could kill the process is tried in a child."""
+    """Check everything; a library that could kill the process is tried in a child."""
     return [
         _needed("python", None, platform.python_version()),
         _needed("open3d", open3d_fault(), importlib.metadata.version("open3d")),
@@ -54,7 +54,7 @@ def examine() -> list[Finding]:
 def _kernels() -> Finding:
     """Folder of compiled kernels; without one, every command compiles for half a minute."""
     folder = kernel_folder()
-    cure = "no writable place: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
+    cure = "no writable folder: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
     return _optional("kernels", None if folder else cure, f"kept in {folder}")
 
 

@@ -1,4 +1,4 @@
-"""Many pairs with known truth, matched and judged side by side (Tables 1 and 3)."""
+"""Evaluation of many pairs with known truth (Tables 1 and 3)."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -30,7 +30,7 @@ from recon.stereo.matching import vonmises
 from recon.stereo.matching.matching import match, match_whole_images
 from recon.stereo.subpixel import refine
 
-# Searched beyond the largest true disparity where no calibration states a range.
+# Margin beyond the largest true disparity if no calibration states a range.
 MARGIN_PX = 4
 
 
@@ -52,7 +52,7 @@ class Trial:
         return find_image(self.pair_dir, side)
 
     def row(self) -> dict[str, Any]:
-        """Its numbers, by their JSON keys."""
+        """Its metrics, by their JSON keys."""
         pair = match_files(self.image("left"), self.image("right"), self.settings)
         names = {"name": self.name, "matcher": self.settings.matching.matcher}
         shares = {"coverage": coverage(pair.matches, pair.left.shape[:2])}
@@ -60,7 +60,7 @@ class Trial:
 
 
 def _evaluate(job: Job, work: Work) -> Numbers:
-    """Judge every matcher on every pair.
+    """Evaluate every matcher on every pair.
 
     The inputs are folders with left.*, right.* and disp_left.*.
     """
@@ -81,11 +81,11 @@ def _evaluate(job: Job, work: Work) -> Numbers:
 
 
 def check_names(paths: tuple[Path, ...]) -> None:
-    """Raise `InputError` where two pair folders have one name."""
+    """Raise `InputError` if two pair folders have the same name."""
     called = [path.resolve().name for path in paths]
     for name in called:
         if called.count(name) > 1:
-            raise InputError(f"two pair folders are called {name}: nothing could tell them apart")
+            raise InputError(f"two pair folders are named {name}, but the names must differ")
 
 
 def _trials(
@@ -99,13 +99,13 @@ def _trials(
 
 
 def own_range(pair_dir: Path, truth: DisparityTruth) -> dict[str, Any]:
-    """The search range of a pair: its calibration's, else a little more than its truth holds."""
+    """The search range of a pair: its calibration's, else slightly more than that of its truth."""
     high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
     return stated_range(pair_dir) or {"min_disparity": 0, "max_disparity": high}
 
 
 def stated_range(pair_dir: Path) -> dict[str, Any] | None:
-    """The search range that a pair's calibration states; None where it has none."""
+    """The search range that a pair's calibration states; None if it has none."""
     try:
         stated = read_calibration(find_calibration(pair_dir)).disparity_range
     except InputError:
@@ -120,7 +120,7 @@ def _leave_figures(run_path: Path, trial: Trial) -> None:
 
 
 def trial_arrays(trial: Trial) -> dict[str, Arrays]:
-    """Arrays to draw of a trial, by the kind of figure.
+    """Arrays of a trial to be drawn, by the kind of figure.
 
     Error map, one scale against all (thesis figure 16), sub-pixel refinement (10, 15), model (17).
     """
@@ -135,7 +135,7 @@ def trial_arrays(trial: Trial) -> dict[str, Arrays]:
     tuned = refine(whole, features_left, features_right)
     finest = updated(settings, {"features": {"widths_px": settings.features.widths_px[:1]}})
     one_scale = match_images(left, right, finest)
-    # The row whose points are spread the widest: one along a horizontal edge shows nothing.
+    # The row with the widest spread of points: one along a horizontal edge shows nothing.
     spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
     fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())
     all_scales = kept_matches("all scales", tuned)

@@ -1,4 +1,4 @@
-"""Events of a running job, and the caller's way to end it."""
+"""Events of a running job, and its cancellation by the caller."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,11 +7,11 @@ from recon.mapping.mapper import Step
 
 
 class Cancelled(KeyboardInterrupt):
-    """The caller wanted the job to end, as Ctrl-C does."""
+    """The caller cancelled the job, as with Ctrl-C."""
 
 
 def _unheard(*_: object) -> None:
-    """Nobody listens."""
+    """Ignore the event."""
 
 
 def _never() -> bool:
@@ -20,24 +20,25 @@ def _never() -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Events:
-    """Functions that a running job calls, from the thread it runs in."""
+    """Callbacks of a running job, called from its thread."""
 
     on_step: Callable[[Step], None] = _unheard
-    """One more pair is in the map."""
+    """Called when one more pair is in the map."""
     on_stage: Callable[[str], None] = _unheard
-    """Another stage runs: compiling, reading, stereo, map, recognise, figures, write, ..."""
+    """Called when another stage starts: compiling, reading, stereo, map, recognise, figures, write,
+    ..."""
     on_progress: Callable[[int, int], None] = _unheard
-    """So many of so many, at most, are done."""
+    """Called with the numbers of items done and of all items, an upper bound."""
     is_cancelled: Callable[[], bool] = _never
-    """Asked between pairs: true ends the job."""
+    """Called between pairs: true ends the job."""
 
     def progress(self, done: int, total: int) -> None:
-        """Say how far the job is.
+        """Report the progress of the job.
 
         Raises
         ------
         Cancelled
-            Where the caller wants it to end.
+            If the caller cancels the job.
         """
         self.on_progress(done, total)
         if self.is_cancelled():

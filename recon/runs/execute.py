@@ -1,4 +1,4 @@
-"""Jobs done: the one way in for the command line, for batches and for pages."""
+"""Execution of jobs: the single entry point for the command line, batches and web pages."""
 
 from pathlib import Path
 
@@ -21,22 +21,22 @@ def execute(
     resume: bool = False,
     num_workers: int = 1,
 ) -> Report:
-    """Do a job.
+    """Execute a job.
 
     Parameters
     ----------
     job : Job
-        Settings that were not given are filled in from its kind and inputs.
+        Missing settings are filled in from its kind and inputs.
     folder : path, optional
-        The run folder to leave; where not given, `runs/NAME` for kinds that always leave one.
+        The run folder to write; by default `runs/NAME` for kinds that always write one.
     events : Events, optional
-        Whom to tell what is going on, and whom to ask whether to go on.
+        Callbacks for progress and cancellation.
     overwrite : bool
         Replace an existing run.
     resume : bool
-        Go on with a run that was cut; a finished one is left untouched, and its report read.
+        Resume an interrupted run; a finished one is left untouched, and its report read.
     num_workers : int
-        Processes that may work at once, where the kind of job can use them.
+        Number of parallel processes, if the kind of job can use them.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def execute(
     Raises
     ------
     InputError
-        Where an input cannot be used, or the folder holds another run.
+        If an input is unusable, or the folder contains another run.
     """
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)

@@ -39,7 +39,7 @@ def _files(job: Job) -> tuple[Path, ...]:
 
 
 def _explore(job: Job, work: Work) -> Numbers:
-    """Explore a world and leave its run folder."""
+    """Explore a world and write its run folder."""
     (scene,) = job.inputs
     world = World.from_file(scene, job.settings)
     recorder = Recorder(world, job, work)
@@ -58,7 +58,7 @@ def _explore(job: Job, work: Work) -> Numbers:
 
 
 class Recorder:
-    """Keeps what the agent saw: every point, and every pair until the end."""
+    """Records the agent's observations: every point, and every pair until the end."""
 
     cloud: CloudWriter
 
@@ -68,7 +68,7 @@ class Recorder:
         self.work = work
         self.num_taken = 0
         self.poses: list[Array] = []
-        """Of the left camera, as the points on disk have them."""
+        """Poses of the left camera used for the points on disk."""
         self.keeps_places = job.settings.map.places
         self.places = PlaceKeeper()
         self.most_known = 0.0
@@ -76,7 +76,7 @@ class Recorder:
         self.surface = SurfaceWork(job.settings, work)
 
     def take(self, view: View) -> StereoPair:
-        """The pair of the next view: replayed where a cut run had it, else taken and kept."""
+        """The pair of the next view: replayed from an interrupted run, else taken and saved."""
         pair = self.saved.load(self.num_taken)
         if pair is None:
             pair = self.world.take(view)
@@ -85,7 +85,7 @@ class Recorder:
         return pair
 
     def observe(self, step: Step) -> None:
-        """Put the points of one step on disk, and say that it is done."""
+        """Write the points of one step to disk, and report progress."""
         with self.work.stage("write"):
             self.cloud.append(step.cloud, step.number)
         assert step.pair.T_world_left is not None
@@ -115,7 +115,7 @@ def _write(done: Exploration, work: Work) -> None:
 
 
 def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
-    """The names of the world's objects, and what the run calls them."""
+    """The true names of the world's objects, with the names given by the run."""
     world = World.from_file(job.resolved().inputs[0], job.settings)
     found = from_json(read_json(run_path / "objects.json"))
     return [(one.true, one.found) for one in namings(world.objects, found)]

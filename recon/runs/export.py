@@ -1,4 +1,4 @@
-"""Maps, clouds and meshes from files, written in other formats."""
+"""Export of maps, clouds and meshes to other formats."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,14 +24,14 @@ _NAV2 = (".pgm", ".yaml", ".yml")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Selection:
-    """Selection of what is exported, and options of reading."""
+    """Selection of the data to export, and options for reading."""
 
     box: Box | None = None
     """Low and high corner, in the axes of the source."""
     columns: Sequence[str] | None = None
     """Names of the columns of a table of text."""
     sample: int | None = None
-    """Points drawn from a cloud or from the triangles of a mesh."""
+    """Number of points sampled from a cloud or from the triangles of a mesh."""
 
 
 def export_run(
@@ -42,15 +42,15 @@ def export_run(
     up: Up | None = None,
     overwrite: bool = False,
 ) -> dict[str, Any]:
-    """Write what `source` holds in the format that the ending of `target` names.
+    """Write the content of `source` in the format of the suffix of `target`.
 
     Parameters
     ----------
     source : Path
-        A file, a run folder, of which the map is taken, or a recording, whose cameras are written
-        to images.txt (COLMAP) or transforms.json (nerfstudio).
+        A file, a run folder, whose map is used, or a recording, whose cameras are written to
+        images.txt (COLMAP) or transforms.json (nerfstudio).
     up : "y" or "z", optional
-        The axis that is up in `target`; the format's own where not given.
+        The axis that is up in `target`; by default the format's own.
 
     Returns
     -------
@@ -84,14 +84,14 @@ def export_run(
 
 
 def _read(source: Path, target: Path, selection: Selection) -> "Data | PartitionedMap":
-    """Triangles where both sides know them and no sample is asked for; else points or cells."""
+    """Triangles if both formats support them and no sample is requested; else points or cells."""
     if selection.sample is None and format_of(target).write_mesh and holds_mesh(source):
         return read_mesh(source)
     return read_silently(source, columns=selection.columns, sample=selection.sample)
 
 
 def _in_world(box: Box, up: Up) -> Box:
-    """A box of a file in the world, which has y up."""
+    """A box in a file's axes, converted to the world, which has y up."""
     if up == "y":
         return box
     corners = turned_points(np.array(box, np.float64), R_YUP_ZUP)
@@ -99,7 +99,7 @@ def _in_world(box: Box, up: Up) -> Box:
 
 
 def _files(target: Path) -> list[Path]:
-    """Files that are written: an image and its description together, a mesh and its materials."""
+    """The files to write: an image with its description, a mesh with its materials."""
     if target.suffix.lower() == ".obj":
         return [target, target.with_suffix(".mtl")]
     if target.suffix.lower() not in _NAV2:

@@ -1,4 +1,4 @@
-"""The figures of a run: drawn when it ends, and again from its folder."""
+"""The figures of a run, drawn when it ends or later from its folder."""
 
 import zipfile
 from collections.abc import Iterator
@@ -24,29 +24,29 @@ from recon.runs.maps import map_path
 from recon.runs.reading import read_reconstruction
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
-"""Figures that every run with a map leaves without being asked."""
+"""Figures that every run with a map writes by default."""
 RECORDED = ("reconstruct", "merge")
-"""Commands whose runs saw the real world, in metres."""
+"""Commands with real recordings, in metres."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wish:
-    """A wish: which figures, and how they are drawn."""
+    """A request: which figures, and how they are drawn."""
 
     kind: str | None = None
-    """None = all that the run tells."""
+    """None = all that can be drawn."""
     view: str = "default"
     size: Size | None = None
-    """Pixels; each kind's own where None, in proportion to the style's dots per inch."""
+    """Pixels; if None, each kind's default, scaled with the style's dots per inch."""
     style: Style = field(default_factory=Style)
     ending: str = "png"
     with_data: bool = False
-    """Also write what is shown, as arrays, and the labels as maps."""
+    """Also write the shown data as arrays, and the labels as maps."""
 
 
 def write_run_figures(run_path: Path, contents: Reconstruction, clearest: Step | None) -> None:
-    """Draw and write what every run leaves; `clearest` is the step with most matches."""
+    """Draw and write the default figures; `clearest` is the step with the most matches."""
     subject = _subject(run_path, contents)
     for name in ALWAYS:
         _write(run_path, name, KINDS.load(name), subject, Wish())
@@ -57,7 +57,7 @@ def write_run_figures(run_path: Path, contents: Reconstruction, clearest: Step |
 
 
 def leave_figure(run_path: Path, kind: str, arrays: Arrays, name: str | None = None) -> None:
-    """Write `figures/NAME.npz`, from which it can be drawn again, and the figure itself."""
+    """Write a figure, and `figures/NAME.npz`, from which it can be redrawn."""
     name = name or kind
     _write_arrays(run_path, name, {"kind": np.array(kind), **arrays})
     _write(run_path, name, KINDS.load(kind), Subject(kept=arrays), Wish())
@@ -70,17 +70,17 @@ def leave_mesh_figure(run_path: Path, surface: Mesh, cameras: NDArray[np.float64
 
 
 def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
-    """Draw one kind of figure of a run, or all that it tells, into its folder.
+    """Draw one kind of figure of a run, or all possible ones, into its folder.
 
     Returns
     -------
     list of Path
-        The files that were written.
+        The written files.
 
     Raises
     ------
     InputError
-        For a kind or view that is not known, for one that the run does not tell, and for a folder
+        For an unknown kind or view, for one that cannot be drawn from the run, and for a folder
         that is not a run.
     """
     wish = wish or Wish()
@@ -90,11 +90,11 @@ def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
     for name in kinds:
         kind = KINDS.load(name)
         if wish.kind and wish.view != "default" and not kind.has_view:
-            raise InputError(f"view is {wish.view!r}, but {name} is always seen from one side")
+            raise InputError(f"view is {wish.view!r}, but {name} has a fixed view")
         for stem, subject in _subjects(run_path, name, kind, wish):
             paths += _write(run_path, stem, kind, subject, wish)
     if not paths:
-        raise InputError(f"{run_path} holds nothing that a figure could show")
+        raise InputError(f"{run_path} contains nothing that a figure could show")
     return paths
 
 
@@ -102,11 +102,11 @@ def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tup
     """Subjects of a run for figures of one kind, by the name of the file."""
     if kind.is_kept:
         found = list(_kept_subjects(run_path, name, wish))
-        lack = f"kept nothing that {name} could be drawn from"
+        lack = f"has no data for the figure {name}"
     elif kind.needs_mesh:
         has_mesh = (run_path / "mesh.ply").exists()
         found = [(name, _with_mesh(run_path, wish.view))] if has_mesh else []
-        lack = f"holds no mesh.ply, which {name} shows"
+        lack = f"has no mesh.ply, which {name} shows"
     else:
         return (yield from _mapped_subjects(run_path, name, kind, wish))
     if wish.kind and not found:
@@ -135,7 +135,7 @@ def _with_mesh(run_path: Path, view: str) -> Subject:
 
 
 def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str, Subject]]:
-    # The overview shows the disparity that the run kept, beside its map.
+    # The overview shows the run's disparity beside its map.
     source = "disparity" if name == "overview" else name
     has_map = map_path(run_path) is not None
     if name == "overview" and not has_map:
@@ -159,7 +159,7 @@ def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "defau
 
 
 def _is_recorded(run_path: Path) -> bool:
-    """True where a run, or the run of which it is the mesh, saw the real world."""
+    """True if a run, or the run whose mesh it is, used a real recording."""
     manifest = read_manifest(run_path)
     sources = [Path(path) for path in manifest.get("input_paths", [])]
     if manifest["command"] == "mesh" and sources and (sources[0] / MANIFEST).exists():
@@ -168,7 +168,7 @@ def _is_recorded(run_path: Path) -> bool:
 
 
 def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) -> list[Path]:
-    """Draw one figure into `figures/`; its name carries the view."""
+    """Draw one figure into `figures/`; its name includes the view."""
     shown = f"{stem}_{_as_name(wish.view)}" if kind.has_view and wish.view != "default" else stem
     scale = wish.style.dpi / Style().dpi
     size = wish.size or (round(kind.size[0] * scale), round(kind.size[1] * scale))
@@ -177,7 +177,7 @@ def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) 
     try:
         figure = kind.draw(subject, Sheet.of(size, wish.style))
     except KeyError as error:
-        raise InputError(f"{run_path}: what was kept for {stem} holds no {error}") from error
+        raise InputError(f"{run_path}: the data for {stem} has no {error}") from error
     save(figure, path)
     paths = [path]
     if wish.with_data:
@@ -206,10 +206,12 @@ def read_arrays(path: Path) -> Arrays:
     Raises
     ------
     InputError
-        Where the file is damaged.
+        If the file is damaged.
     """
     try:
         with np.load(path, allow_pickle=False) as arrays:
             return {name: arrays[name] for name in arrays.files}
     except DAMAGE as error:
-        raise InputError(f"{path} cannot be read ({error}); it is not a table of arrays") from error
+        raise InputError(
+            f"{path} cannot be read ({error}); it is not an archive of arrays"
+        ) from error

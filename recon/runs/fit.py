@@ -13,7 +13,7 @@ from recon.records.solids import parameters
 from recon.voxelmap import VoxelMap
 
 LOW_SHARE = 0.9
-"""Of the points explained: with fewer the cloud holds more than the solid."""
+"""Share of explained points; below, the cloud contains more than the solid."""
 
 
 def fit_run(path: Path) -> dict[str, Any]:
@@ -27,7 +27,7 @@ def fit_run(path: Path) -> dict[str, Any]:
     Raises
     ------
     ReconError
-        Where no solid fits, with the reason.
+        If no solid fits, with the reason.
     """
     with collected_notices() as notices:
         found = explain(as_cloud(read(path)).points)
@@ -51,7 +51,7 @@ def fit_run(path: Path) -> dict[str, Any]:
 
 
 def as_cloud(data: VoxelMap | PartitionedMap | Voxels | PointCloud) -> PointCloud:
-    """Points as they are; of cells, the mean of each."""
+    """Points unchanged; for cells, the mean of each."""
     if isinstance(data, PointCloud):
         return data
     voxels = data if isinstance(data, Voxels) else data.occupied(min_count=1)

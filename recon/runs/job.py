@@ -1,4 +1,4 @@
-"""A job: all that decides what a run gives."""
+"""A job: everything that determines the result of a run."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Tree = Mapping[str, Mapping[str, Any]]
 Numbers = dict[str, Any]
-"""Results of a job by the names of its JSON document."""
+"""Results of a job by the keys of its JSON document."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,11 +28,11 @@ class Job:
     kind : str
         Name of the command: "explore", "reconstruct", "disparity", ...
     inputs : tuple of Path
-        What is read.
+        The inputs.
     arguments : mapping
-        What the command asks besides, by the names in `Kind.takes`; a path is an input, too.
+        Further arguments of the command, by the names in `Kind.takes`; a path is an input, too.
     settings : Settings
-        Values that were not given follow from the kind and its inputs.
+        Values not given follow from the kind and its inputs.
     """
 
     kind: str
@@ -49,7 +49,7 @@ class Job:
         object.__setattr__(self, "inputs", tuple(Path(path) for path in inputs))
 
     def resolved(self) -> Self:
-        """The same job with every default filled in, so that its settings say all."""
+        """The same job with every default filled in."""
         kind = KINDS.load(self.kind)
         found = replace(
             self,
@@ -59,14 +59,14 @@ class Job:
         return replace(found, settings=resolve(found))
 
     def files(self) -> tuple[Path, ...]:
-        """Everything that is read: inputs, paths among the arguments, models and catalogues."""
+        """All files read: inputs, paths among the arguments, models and catalogues."""
         named = [value for value in self.arguments.values() if isinstance(value, Path)]
         words = [self.settings.matching.model, *self.settings.recognition.catalogue]
         models = [Path(word) for word in words if word is not None and Path(word).is_file()]
         return (*self.inputs, *named, *KINDS.load(self.kind).reads(self), *models)
 
     def plan(self) -> RunPlan:
-        """The plan that the job's run folder has to agree with."""
+        """The plan that the job's run folder has to match."""
         return RunPlan(
             command=self.kind,
             arguments={
@@ -79,30 +79,30 @@ class Job:
         )
 
     def identity(self) -> dict[str, Any]:
-        """All that decides what the run gives, files by their content."""
+        """Everything that determines the result of the run, files by their content."""
         return self.plan().identity()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Kind:
-    """One kind of job: what it does, and what it takes where nobody says otherwise."""
+    """One kind of job: its function and its defaults."""
 
     run: Callable[[Job, "Work"], Numbers]
-    """Does the work, and gives what `metrics.json` and `--json` hold."""
+    """Does the work, and returns the content of `metrics.json` and `--json`."""
     base: Callable[[Job], Tree] = lambda job: {}
     """The settings that the kind and its inputs suggest, by stage and name."""
     find: Callable[[Path], Path] = lambda path: path
-    """The file that an input names; it may be something that ships with recon."""
+    """The file that an input refers to, possibly one shipped with recon."""
     takes: Mapping[str, Argument] = field(default_factory=dict)
     """Arguments besides inputs and settings, by name."""
     reads: Callable[[Job], tuple[Path, ...]] = lambda job: ()
-    """Files that are read besides the inputs."""
+    """Further files that are read."""
     folder: Callable[[Job], Path | None] = lambda job: None
-    """The run folder where nobody names one; None = none is left."""
+    """The default run folder; None = no folder is written."""
     stages: tuple[str, ...] = ()
-    """Stages that `seconds` of metrics.json always names."""
+    """Stages that `seconds` of metrics.json always contains."""
     judged: Callable[[Job, Path], list[tuple[str, str]]] = lambda job, run_path: []
-    """True names of the objects of a finished run, each with the one it was given."""
+    """True names of the objects of a finished run, each with its assigned name."""
 
 
 KINDS: Registry[Kind] = Registry(
@@ -125,10 +125,10 @@ KINDS: Registry[Kind] = Registry(
         "surface": "recon.runs.judged_surfaces:SURFACE",
     },
 )
-"""Every kind by name; a kind is its file and a line here."""
+"""Every kind by name; a new kind needs its file and a line here."""
 
 
 def resolve(job: Job) -> Settings:
-    """The settings of a job: what its kind and inputs suggest, under what was given."""
+    """The settings of a job: suggestions of its kind and inputs, overridden by given values."""
     base = KINDS.load(job.kind).base(job)
     return updated(Settings(), merged(base, given_tree(job.settings)), job.kind)

@@ -1,4 +1,4 @@
-"""Every pixel of pairs with known truth, judged beside OpenCV's matchers."""
+"""Evaluation of dense disparities on pairs with known truth, compared with OpenCV's matchers."""
 
 import time
 from pathlib import Path
@@ -24,13 +24,13 @@ from recon.stereo.dense.evaluation import judge
 from recon.stereo.dense.peers import PEERS, SIGMA_PX
 
 Found = dict[str, tuple[DisparityMap, float]]
-"""Disparities and the seconds they took, by the name of the matcher."""
+"""Disparities and their computation time in seconds, by matcher."""
 
 OWN = "recon"
 
 
 def _judge(job: Job, work: Work) -> Numbers:
-    """Match every pixel of every pair in several ways, and hold all against the truth."""
+    """Match every pixel of every pair by all matchers, and compare the results with the truth."""
     check_names(job.inputs)
     rows: list[dict[str, Any]] = []
     for number, path in enumerate(job.inputs, start=1):
@@ -81,14 +81,14 @@ def _rows(
             one, truth.disparity_px, truth.quantisation_px, right_px
         ).as_metrics()
         if name != OWN:
-            # OpenCV says nothing of its own doubt.
+            # OpenCV provides no uncertainty.
             numbers |= {"within_1_sigma": None, "within_2_sigma": None}
         rows.append({"name": path.resolve().name, "matcher": name} | numbers | {"seconds": seconds})
     return rows
 
 
 def _means(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
-    """Mean over the pairs of each number, by matcher."""
+    """Mean of each metric over the pairs, by matcher."""
     means = {}
     for matcher in dict.fromkeys(row["matcher"] for row in rows):
         own = [row for row in rows if row["matcher"] == matcher]

@@ -1,4 +1,4 @@
-"""A surface held against the true one."""
+"""Evaluation of a surface against the true one."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ from recon.surface.evaluation import Judged, judge
 NUM_SAMPLES = 200_000
 _VOXELS = (0.5, 1.0, 2.5)
 _SIZE_SHARES = (0.002, 0.005, 0.01)
-"""Of the truth's diagonal, where the run has no voxels."""
+"""Distances relative to the truth's diagonal, if the run has no voxels."""
 
 
 def _judge(job: Job, work: Work) -> Numbers:
@@ -34,21 +34,21 @@ def _judge(job: Job, work: Work) -> Numbers:
 
 
 def _surface_file(run: Path) -> Path:
-    """The mesh of a run, else its dense cloud; a file as it is."""
+    """The mesh of a run, else its dense cloud; or a given file."""
     if run.is_file():
         return run
     for name in ("mesh.ply", "dense.ply"):
         if (run / name).is_file():
             return run / name
-    raise InputError(f"{run} holds neither mesh.ply nor dense.ply: reconstruct with --mesh")
+    raise InputError(f"{run} has neither mesh.ply nor dense.ply: reconstruct with --mesh")
 
 
 def _truth(path: Path, seed: int) -> Judged:
-    """The true surface: a mesh, a cloud, or what `recon render` left."""
+    """The true surface: a mesh, a cloud, or the output of `recon render`."""
     if not path.is_dir():
         return _read(path, seed)
     if not (path / "scene.ply").is_file() or not (path / "seen.ply").is_file():
-        raise InputError(f"{path} holds no scene.ply and seen.ply, as recon render leaves them")
+        raise InputError(f"{path} has no scene.ply and seen.ply, as written by recon render")
     seen = _read(path / "seen.ply", seed)
     return Judged(points=seen.points, mesh=read_mesh(path / "scene.ply"))
 
@@ -60,7 +60,7 @@ def _read(path: Path, seed: int) -> Judged:
         return Judged(points=points, mesh=mesh)
     data = read(path)
     if not isinstance(data, PointCloud):
-        raise InputError(f"{path} holds neither triangles nor points, but a surface is needed")
+        raise InputError(f"{path} contains neither triangles nor points, but a surface is needed")
     return Judged(points=data.points)
 
 

@@ -1,4 +1,4 @@
-"""Labelled occupancy as data: footprints for geographers, a map with labels for robots."""
+"""Labelled occupancy as data: footprints for GIS, a map with labels for robots."""
 
 import json
 from pathlib import Path
@@ -15,8 +15,8 @@ from recon.notices import notify
 def write_labels(folder: Path, subject: Subject) -> list[Path]:
     """Write labels.geojson, map.pgm with map.yaml for nav2, and labels.json for that map.
 
-    Both have north up: their x is the world's, their y is -z. Where nothing of the map is at the
-    height of a robot, the map and its labels are left out, and that is said.
+    Both have north up: their x is the world's, their y is -z. If the map has no cells at the height
+    of a robot, the map and its labels are omitted with a notice.
     """
     run = subject.mapped
     shown = feature_collection(
@@ -26,7 +26,7 @@ def write_labels(folder: Path, subject: Subject) -> list[Path]:
     try:
         nav2.write(folder / "map.pgm", run.map if subject.has_rays else run.voxels)
     except InputError as error:
-        # A map of a few views may hold nothing but ground; the footprints are good all the same.
+        # A map of a few views may contain only ground; the footprints are still valid.
         notify("map-empty", str(error))
         return [folder / "labels.geojson"]
     _write_json(folder / "labels.json", _labels(shown, run.objects, subject.unit))
@@ -34,7 +34,7 @@ def write_labels(folder: Path, subject: Subject) -> list[Path]:
 
 
 def _labels(shown: dict[str, Any], objects: Any, unit: str) -> dict[str, Any]:
-    """Names by place in the frame of map.yaml."""
+    """Names by position in the frame of map.yaml."""
     rings = {
         one["properties"]["id"]: one["geometry"]["coordinates"][0]
         for one in shown["features"]

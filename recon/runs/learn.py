@@ -24,7 +24,7 @@ from recon.runs.work import Work
 from recon.settings import RecognitionSettings, Settings
 
 LEAST_CELLS = 30
-"""Cells that an example needs: fewer show no surface."""
+"""Minimum number of cells of an example; fewer show no surface."""
 
 
 def read_example(text: str, settings: Settings) -> Voxels:
@@ -33,13 +33,13 @@ def read_example(text: str, settings: Settings) -> Voxels:
     Raises
     ------
     InputError
-        Where the run has no such object, or the example is too small.
+        If the run has no such object, or the example is too small.
     """
     name, mark, number = text.rpartition("#")
     whole = re.fullmatch(r"\d+", number) is None or not mark
     scene = read_scene(Path(text if whole else name), settings)
     if not whole and isinstance(scene.data, PointCloud):
-        raise InputError(f"{text}: {name} is a cloud, but a run is needed to name an object of it")
+        raise InputError(f"{text}: {name} is a cloud, but only a run has objects to refer to")
     cells = gathered(scene.data) if isinstance(scene.data, PointCloud) else scene.data
     if not whole:
         found = recognise(cells, _settings_of(Path(name), settings), scene.T_world_left)
@@ -60,7 +60,7 @@ def _settings_of(run: Path, settings: Settings) -> RecognitionSettings:
 
 
 def _learn(job: Job, work: Work) -> Numbers:
-    """Learn a kind and put it into a catalogue, in place of one of its name."""
+    """Learn a kind and put it into a catalogue, replacing one of the same name."""
     name, target = str(job.arguments["name"]), Path(str(job.arguments["catalogue"]))
     entries = _entries(target)
     kinds = read_catalogue(target) if entries else ()
@@ -68,7 +68,7 @@ def _learn(job: Job, work: Work) -> Numbers:
         kind.name: kind.learned for kind in kinds if kind.learned and kind.name != name
     }
     if any(kind.name == name and not kind.learned for kind in kinds):
-        raise InputError(f"{target}: {name!r} is there already with parts; another name is needed")
+        raise InputError(f"{target}: {name!r} already exists with parts; another name is needed")
     with work.stage("learn"):
         texts: tuple[str, ...] = job.arguments["examples"]
         examples = [read_example(text, job.settings) for text in texts]
@@ -81,7 +81,7 @@ def _learn(job: Job, work: Work) -> Numbers:
 
 
 def _entries(target: Path) -> list[dict[str, Any]]:
-    """The entries of a catalogue as they are written; none where there is no file yet."""
+    """The entries of a catalogue as written; empty if the file does not exist."""
     if not target.exists():
         return []
     entries: list[dict[str, Any]] = tomllib.loads(target.read_text(encoding="utf-8"))["object"]

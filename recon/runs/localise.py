@@ -36,7 +36,7 @@ def _localise(job: Job, work: Work) -> Numbers:
 
 
 def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, Any]:
-    """The answer for one pair; nulls, with the reason, where its pose cannot be said."""
+    """The result for one pair; nulls with the reason if it cannot be localised."""
     keys = ("T_world_left", "sigma", "sigma_deg", "probability", "reason")
     if isinstance(found, FitFailure):
         return {"name": pair.name} | dict.fromkeys(keys) | {"reason": found.reason}
@@ -47,7 +47,7 @@ def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, An
 
 
 def read_places(run: Path, job: Job) -> Atlas:
-    """The places that a run kept; else those of its recording or world, looked at again."""
+    """The places stored by a run, else computed again from its recording or world."""
     if (run / PLACES).is_file():
         return Atlas.load(run / PLACES)
     keeper = PlaceKeeper()
@@ -61,12 +61,12 @@ def read_places(run: Path, job: Job) -> Atlas:
 def _inputs(job: Job) -> tuple[Path, Path]:
     run, taken = job.inputs
     if not (run / "map.npz").is_file() or not (run / "trajectory.txt").is_file():
-        raise InputError(f"{run} holds no map.npz with its trajectory.txt, but a run is needed")
+        raise InputError(f"{run} has no map.npz and trajectory.txt, but a run is needed")
     return run, taken
 
 
 def _base(job: Job) -> Tree:
-    """Pairs are matched, and cells counted, as in the run."""
+    """Settings for matching and mapping as in the run."""
     run, _ = _inputs(job)
     kept = ("matching", "features", "triangulation", "map")
     return {stage: given_tree(read_settings(run))[stage] for stage in kept}

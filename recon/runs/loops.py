@@ -1,4 +1,4 @@
-"""Loops of a recorded drive closed: its poses, its points on disk and its map are corrected."""
+"""Loop closure of a recorded drive: corrects its poses, its points on disk and its map."""
 
 from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.loops import close_loops
@@ -13,12 +13,12 @@ from recon.settings import Settings
 
 
 def keeps_places(settings: Settings) -> bool:
-    """True where places are kept: where asked to, and where loops may have to be closed."""
+    """True if places are kept: on request, or for closing loops."""
     return settings.map.places or settings.sequence.poses == "estimated"
 
 
 def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: Work) -> Numbers:
-    """Correct a drive with estimated poses by its loops; their numbers, none without loops."""
+    """Correct a drive with estimated poses by its loops; return the metrics."""
     estimated = _estimated_in(source)
     if estimated is None:
         return {}
@@ -44,7 +44,7 @@ def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: W
 
 
 def _estimated_in(source: PairSource) -> EstimatedPoses | None:
-    """The source of estimated poses that a source is made of; None where there is none."""
+    """The source of estimated poses inside a source; None if there is none."""
     while isinstance(source, DerivedSource):
         if isinstance(source, EstimatedPoses):
             return source

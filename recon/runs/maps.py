@@ -1,4 +1,4 @@
-"""The map of a run: one file, or a folder of partitions where it is made in chunks."""
+"""The map of a run: one file, or a folder of partitions if built in chunks."""
 
 from pathlib import Path
 from typing import Any
@@ -17,18 +17,18 @@ from recon.voxelmap.occupancy import occupied
 
 WHOLE, PARTITIONED = "map.npz", "map.parquet"
 MAX_CELLS = 4_000_000
-"""More occupied cells are recognised and drawn in a coarser form."""
+"""Maximum number of occupied cells for recognition and figures; larger maps are coarsened."""
 
 Map = VoxelMap | PartitionedMap
 
 
 class ChunkedMap:
-    """The map of a run on its way: put aside after every chunk of pairs, and added up at the end.
+    """The growing map of a run: saved after every chunk of pairs, and merged at the end.
 
     Parameters
     ----------
     chunk : int, optional
-        Pairs of a chunk; all, in one file, where None.
+        Pairs per chunk; if None, all pairs in one file.
     """
 
     def __init__(self, settings: MapSettings, work: Work, chunk: int | None) -> None:
@@ -38,16 +38,16 @@ class ChunkedMap:
         self._parts: list[PartitionedMap] = []
 
     def take(self, mapper: Mapper) -> None:
-        """Put the map aside where a chunk is full."""
+        """Save the map if a chunk is complete."""
         if self.chunk is not None and mapper.num_pairs % self.chunk == 0:
             self._put_aside(mapper)
 
     def forget(self) -> None:
-        """Leave what was put aside: the map holds all points again."""
+        """Discard the saved parts: the map contains all points again."""
         self._parts = []
 
     def finish(self, mapper: Mapper) -> Map:
-        """The map of all pairs; a map in partitions is on disk then."""
+        """The map of all pairs; a partitioned map is then on disk."""
         if self.chunk is None:
             return mapper.voxel_map
         self._put_aside(mapper)
@@ -62,7 +62,7 @@ class ChunkedMap:
 
 
 def map_path(run_path: Path) -> Path | None:
-    """The map that a run folder holds; None where it holds none."""
+    """The path of the map in a run folder; None if there is none."""
     for path in (run_path / WHOLE, run_path / PARTITIONED):
         if path.is_file() or is_partitioned(path):
             return path
@@ -75,19 +75,18 @@ def read_map(run_path: Path) -> Map:
     Raises
     ------
     InputError
-        Where it holds none, or one that is damaged.
+        If there is none, or it is damaged.
     """
     path = map_path(run_path)
     if path is None:
-        raise InputError(f"{run_path} holds no {WHOLE}: its figures are drawn when it is made only")
+        raise InputError(f"{run_path} has no {WHOLE}: its figures can only be drawn during the run")
     return VoxelMap.load(path) if path.name == WHOLE else PartitionedMap(path)
 
 
 def shown(voxel_map: Map, settings: MapSettings) -> tuple[Voxels, Any]:
-    """The occupied cells by the rules of the settings, and the map whose cells they are.
+    """The occupied cells by the rules of the settings, and their map.
 
-    Of a map in partitions that has too many, they are made coarser, which is said; there is no
-    map of those.
+    The cells of a too large partitioned map are coarsened with a notice, without a map.
     """
     if isinstance(voxel_map, VoxelMap):
         return occupied(voxel_map, settings), voxel_map
@@ -97,7 +96,7 @@ def shown(voxel_map: Map, settings: MapSettings) -> tuple[Voxels, Any]:
     notify(
         "map-coarsened",
         f"{voxel_map.place} has {found.num_chosen} occupied cells of {voxel_map.cell_size:g}: "
-        f"{len(found.voxels)} of {found.voxels.cell_size:g} stand for them, as {MAX_CELLS} are "
-        "the most that are recognised and drawn",
+        f"they are coarsened to {len(found.voxels)} of {found.voxels.cell_size:g}, as at most "
+        f"{MAX_CELLS} are recognised and drawn",
     )
     return found.voxels, None

@@ -1,4 +1,4 @@
-"""Runs of one world put together: their maps added up, as if one recording had seen all."""
+"""Merging of runs of one world: their maps are added, as if from one recording."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -25,20 +25,20 @@ from recon.runs.work import Work
 from recon.settings import Settings
 
 KEPT = ("map", "recognition", "sequence", "matching")
-"""Settings that a run of all takes over from the first one."""
+"""Settings that the merged run takes from the first run."""
 MATTERING = ("cell_size", "occupancy", "partition_size", "ray_margin")
-"""Settings of the map that have to agree."""
+"""Settings of the map that have to match."""
 
 
 def _base(job: Job) -> Tree:
-    """The settings of the first run, with which those of the others have to agree."""
+    """The settings of the first run, which those of the others have to match."""
     found = [_settings(run) for run in job.inputs]
     for run, settings in zip(job.inputs, found, strict=True):
         for name in MATTERING:
             own, first = getattr(settings.map, name), getattr(found[0].map, name)
             if own != first:
                 raise InputError(
-                    f"{run} has map.{name} = {own}, but {first} is needed, as of {job.inputs[0]}"
+                    f"{run} has map.{name} = {own}, but {first} is needed, as in {job.inputs[0]}"
                 )
     first_settings = asdict(found[0])
     return {stage: first_settings[stage] for stage in KEPT}
@@ -46,12 +46,12 @@ def _base(job: Job) -> Tree:
 
 def _settings(run: Path) -> Settings:
     if not is_finished(run):
-        raise InputError(f"{run} is not a finished run, of which a map is needed")
+        raise InputError(f"{run} is not a finished run, but its map is needed")
     return read_settings(run)
 
 
 def _merge(job: Job, work: Work) -> Numbers:
-    """Add up the maps of runs and leave a run folder of all."""
+    """Add the maps of runs and write a merged run folder."""
     ways = [read_trajectory(run) for run in job.inputs]
     first_views = _first_views(job.inputs, ways)
     with work.stage("map"):
@@ -80,14 +80,14 @@ def _merge(job: Job, work: Work) -> Numbers:
 
 
 def _first_views(runs: Sequence[Path], ways: list[Trajectory]) -> list[int]:
-    """Numbers to add to those of the pairs of each run; the pairs of a part begin where it does."""
+    """Offsets of the pair numbers of each run; the numbers of a part start at its first pair."""
     before = [0, *accumulate(map(len, ways))]
     starts = [(read_manifest(run).get("arguments") or {}).get("part", [0])[0] for run in runs]
     return [number - start for number, start in zip(before, starts, strict=False)]
 
 
 def _partitioned(job: Job, work: Work) -> Iterator[PartitionedMap]:
-    """The map of every run in partitions; one that is a single file is put into some."""
+    """The partitioned map of every run; single-file maps are partitioned."""
     for number, run in enumerate(job.inputs):
         found = read_map(run)
         if not isinstance(found, PartitionedMap):
@@ -98,7 +98,7 @@ def _partitioned(job: Job, work: Work) -> Iterator[PartitionedMap]:
 
 
 def _write_cloud(job: Job, work: Work, first_views: list[int]) -> int:
-    """The points of all runs, their pairs numbered on; how many there are."""
+    """Write the points of all runs with consecutive pair numbers; return their number."""
     num = 0
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for run, first in zip(job.inputs, first_views, strict=True):
@@ -109,7 +109,7 @@ def _write_cloud(job: Job, work: Work, first_views: list[int]) -> int:
 
 
 def _write_cameras(job: Job, work: Work) -> None:
-    """The cameras of all pairs, where every run kept its own."""
+    """Write the cameras of all pairs, if every run has them."""
     files = [run / CAMERAS for run in job.inputs]
     if all(file.is_file() for file in files):
         seen = [one for file in files for one in read_cameras(file)]

@@ -1,4 +1,4 @@
-"""A mesh of a run whose poses are known: what it saw is seen again, every pixel of it."""
+"""A mesh of a finished run: its pairs are densely matched again at their known poses."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from recon.settings import given_tree, merged
 
 
 def _mesh(job: Job, work: Work) -> Numbers:
-    """Fuse every pixel of the pairs of a run, which stand where the run found them."""
+    """Fuse every pixel of the pairs of a run, at the poses of the run."""
     (run,) = job.inputs
     pairs = SeenAgain(run, job.settings, job.arguments.get("recording"))
     surface = SurfaceWork(job.settings, work, pairs.unit)

@@ -1,4 +1,4 @@
-"""Files that every run with a map leaves besides its figures."""
+"""Files that every run with a map writes besides its figures."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -19,13 +19,13 @@ from recon.voxelmap import VoxelMap
 
 
 def cells_hit(cloud_path: Path, cell_size: float) -> Iterator[CellCounts]:
-    """The cells that the pairs of a cloud file hit, read in pieces."""
+    """The cells that the pairs of a cloud file hit, read in chunks."""
     for cloud, pair_number in read_cloud_chunks(cloud_path):
         yield count_cells(cloud, pair_number, cell_size)
 
 
 def write_outputs(run: RunFolder, reconstruction: Reconstruction, recognition: Recognition) -> None:
-    """Write the map where it is not there yet in partitions, the objects and the trajectory."""
+    """Write the map unless already written in partitions, the objects and the trajectory."""
     if isinstance(reconstruction.map, VoxelMap):
         reconstruction.map.save(run.path / WHOLE)
     run.write_json("objects.json", as_json(recognition))
@@ -33,7 +33,7 @@ def write_outputs(run: RunFolder, reconstruction: Reconstruction, recognition: R
 
 
 def move_cloud(path: Path, had: Sequence[Array], trajectory: Trajectory) -> None:
-    """Bring the points of a cloud file to poses that were corrected since they were written."""
+    """Move the points of a cloud file to poses corrected since it was written."""
     now = trajectory.T_world_left
     if all(np.array_equal(old, new) for old, new in zip(had, now, strict=False)):
         return
@@ -43,21 +43,21 @@ def move_cloud(path: Path, had: Sequence[Array], trajectory: Trajectory) -> None
 
 
 def clouds_of(path: Path) -> Iterator[tuple[PointCloud, int]]:
-    """The points of a cloud file, pair by pair; those of one pair may come in two pieces."""
+    """The points of a cloud file, pair by pair; those of one pair may come in two chunks."""
     for cloud, number in read_cloud_chunks(path):
         for pair in np.unique(number):
             yield cloud.select(number == pair), int(pair)
 
 
 def write_places(work: Work, places: PlaceKeeper, trajectory: Trajectory) -> None:
-    """Write what the pairs showed, where they showed something."""
+    """Write the places of the pairs, if there is a run folder."""
     if work.folder is not None:
         with work.stage("write"):
             places.atlas(trajectory).save(work.folder.path / "places.npz")
 
 
 def as_document(numbers: dict[str, Any]) -> dict[str, Any]:
-    """Numbers as JSON has them: one that is not known is null."""
+    """Numbers as JSON values; unknown ones are null."""
     return {name: _plain(value) for name, value in numbers.items()}
 
 

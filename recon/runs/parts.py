@@ -1,4 +1,4 @@
-"""A part of a recording as a job of its own: one pair of overlap, numbered as in the whole."""
+"""A part of a recording as a separate job: one pair of overlap, numbered as in the whole."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,7 +15,7 @@ from recon.settings import SequenceSettings
 
 
 class PartialSource(DerivedSource):
-    """Some pairs of a recording, and those round them that only confirm.
+    """Some pairs of a recording, and neighbouring pairs that only confirm.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class PartialSource(DerivedSource):
     start, stop : int
         The pairs that count.
     overlap : int
-        Pairs before and after them that only confirm, where there are any that can be read.
+        Pairs before and after them that only confirm, if readable.
     """
 
     def __init__(self, whole: DerivedSource, start: int, stop: int, overlap: int) -> None:
@@ -36,7 +36,7 @@ class PartialSource(DerivedSource):
 
     @property
     def numbers(self) -> Part:
-        """Numbers of the pairs that have come so far, and which of them count."""
+        """Numbers of the pairs read so far, and which of them count."""
         return Part(first=self._first, counts=lambda number: self._is_own[number - self._first])
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -52,14 +52,14 @@ class PartialSource(DerivedSource):
 
 
 def part_of(job: Job, whole: DerivedSource) -> PartialSource:
-    """The part of a recording that a job is for; all pairs where it names none.
+    """The part of a recording that a job processes; by default all pairs.
 
-    Where only confirmed points are kept, the pairs before and after the part are read too.
+    If only confirmed points are kept, the pairs before and after the part are read, too.
 
     Raises
     ------
     InputError
-        Where the part lies beyond the recording.
+        If the part lies beyond the recording.
     """
     start, stop = job.arguments.get("part", (0, len(whole)))
     if stop > len(whole):
@@ -68,7 +68,7 @@ def part_of(job: Job, whole: DerivedSource) -> PartialSource:
 
 
 def refined_of(job: Job) -> Refined | None:
-    """The record of the recording that a job was given; None where it estimates by itself."""
+    """The job's given record of the recording; None if it makes its own estimates."""
     path = job.arguments.get("refined")
     return None if path is None else read_refined(path)
 
@@ -79,7 +79,7 @@ def without_poses(refined: Refined | None) -> Refined | None:
 
 
 def write_refined(recording: Path, settings: SequenceSettings, target: Path) -> int:
-    """Estimate once what every part of a recording needs; the number of its pairs."""
+    """Write the estimates that all parts of a recording need; return the number of its pairs."""
     source = open_sequence(recording, settings)
     refine(source).write(target)
     return len(source)

@@ -18,7 +18,7 @@ from recon.settings import SequenceSettings
 
 COLMAP, NERFSTUDIO = "images.txt", "transforms.json"
 POSED = (COLMAP, NERFSTUDIO)
-"""Names of files that hold poses of images."""
+"""Names of files with poses of images."""
 
 
 def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict[str, Any]:
@@ -61,9 +61,9 @@ def _of_recording(path: Path) -> tuple[list[SeenCamera], Array]:
 
 
 def _of_run(path: Path) -> tuple[list[SeenCamera], Array]:
-    """The same of a run: given, estimated or simulated poses, as it has used them."""
+    """The same for a run, with its given, estimated or simulated poses."""
     if not (path / "trajectory.txt").is_file():
-        raise InputError(f"{path} holds no trajectory.txt, but the poses of a run are needed")
+        raise InputError(f"{path} has no trajectory.txt, but the poses of a run are needed")
     poses = Trajectory.from_tum(read_text(path / "trajectory.txt"), str(path)).T_world_left
     seen = read_cameras(path / CAMERAS)
     if len(seen) != len(poses):

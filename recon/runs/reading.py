@@ -1,4 +1,4 @@
-"""A run read again from its folder."""
+"""Reading of a run from its folder."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from recon.settings import Settings, read_toml, tolerated, updated
 
 
 def read_settings(run_path: Path) -> Settings:
-    """The settings that a run used; those of an older recon are left out where they are unknown."""
+    """The settings of a run; unknown settings of an older recon are ignored."""
     path = run_path / "settings.toml"
     tree = read_toml(path)
     try:
@@ -25,12 +25,12 @@ def read_settings(run_path: Path) -> Settings:
 
 
 def read_reconstruction(run_path: Path) -> Reconstruction:
-    """Map, objects and trajectory of a run folder; of a map too large, a coarser form.
+    """Map, objects and trajectory of a run folder; a too large map is coarsened.
 
     Raises
     ------
     InputError
-        Where the folder holds no map, or a file is damaged.
+        If the folder has no map, or a file is damaged.
     """
     found = read_map(run_path)
     voxels, voxel_map = shown(found, read_settings(run_path).map)

@@ -29,15 +29,15 @@ from recon.voxelmap import VoxelMap
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scene:
-    """Points or occupied cells that are recognised."""
+    """Points or occupied cells to be recognised."""
 
     data: PointCloud | Voxels
     T_world_left: NDArray[np.float64] | None = None
-    """(V, 4, 4) poses of the views, where they are known."""
+    """(V, 4, 4) poses of the views, if known."""
 
 
 def run_of(path: Path) -> Path | None:
-    """The run folder that a path is, or that a map lies in; None where it is not a run's."""
+    """The run folder of a path or of its map; None if the path does not belong to a run."""
     folder = path if path.is_dir() else path.parent
     if path.name == PARTITIONED:
         folder = path.parent
@@ -52,24 +52,24 @@ def read_scene(path: Path, settings: Settings) -> Scene:
     Raises
     ------
     InputError
-        Where a folder holds no run, or a file cannot be read.
+        If a folder is not a run, or a file cannot be read.
     """
     run = run_of(path)
     if run is not None:
         made = read_reconstruction(run)
         return Scene(data=made.voxels, T_world_left=made.trajectory.T_world_left)
     if path.is_dir() and not is_partitioned(path):
-        raise InputError(f"{path} holds no map.npz with its settings.toml, but a run is needed")
+        raise InputError(f"{path} has no map.npz and settings.toml, but a run is needed")
     data = read(path)
     if isinstance(data, PointCloud) and data.colours is None:
-        notify("colour-missing", f"{path} has no colours: what objects have is grey")
+        notify("colour-missing", f"{path} has no colours: objects are shown grey")
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, settings.map)
     return Scene(data=data)
 
 
 def recognise_scene(scene: Scene, settings: Settings, up: Up = "y") -> Recognition:
-    """The objects of a scene; a turned map is taken as the cloud of its cells."""
+    """The objects of a scene; a map with another up axis is treated as the cloud of its cells."""
     data = scene.data
     if isinstance(data, Voxels) and up == "y":
         return recognise(data, settings.recognition, scene.T_world_left)
@@ -79,7 +79,7 @@ def recognise_scene(scene: Scene, settings: Settings, up: Up = "y") -> Recogniti
 
 
 def _base(job: Job) -> Tree:
-    """A run's own settings; of other files no kind is asked for."""
+    """A run's own settings; for other files no catalogue."""
     (path,) = job.inputs
     run = run_of(path)
     if run is None:

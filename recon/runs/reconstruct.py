@@ -34,27 +34,27 @@ from recon.sequences.readers.simulated import is_simulated
 from recon.sequences.truth import read_truth
 from recon.settings import Settings, updated, with_quality
 
-# At middle depth a cell is so many times as long as the uncertainty of a well-matched point, and as
-# wide as so many pixels, which is about twice as far apart as features are.
+# Cell size at the median depth, in sigmas of a well-matched point and in pixels; the latter is
+# about twice the distance of features.
 SIGMAS_TO_CELL = 2.0
 SIGMA_PX = 0.15
 PIXELS_TO_CELL = 6.0
 
-# Searched where a recording does not say what occurs in it.
+# Search range if a recording does not state one.
 DISPARITY_RANGE = (0, 127)
 
 
 def _base(job: Job) -> Tree:
     """Settings that a recording suggests: its search range, and a cell size for its depths."""
     (path,) = job.inputs
-    # The images tell: no pose is needed, and none estimated.
+    # Only images matter here: no poses are needed or estimated.
     read = replace(job.settings.sequence, poses="none", roi=None)
     chosen = Settings(sequence=read)
     source = open_sequence(path, chosen.sequence, without_poses(refined_of(job)))
     low, high = source.disparity_range or DISPARITY_RANGE
     search = {"min_disparity": low, "max_disparity": high}
     cell_size = suggested_cell_size(next(iter(source)), updated(chosen, {"matching": search}))
-    # What moves, and what was matched wrongly, is seen once.
+    # Moving objects and wrong matches are seen only once.
     rules = {"occupancy": ("count", "views")} if len(source) > 1 else {}
     return {
         "matching": search,
@@ -65,10 +65,9 @@ def _base(job: Job) -> Tree:
 
 
 def unit_of(path: Path) -> Literal["m"] | None:
-    """Unit of a recording's lengths: a calibration counts in metres.
+    """Unit of a recording's lengths: calibrations are in metres.
 
-    None where the scale is not known: of a ring, whose file has a world of its own, and of
-    simulated views.
+    None if the scale is unknown: for a ring, whose file has its own world, and simulated views.
     """
     no_scale = is_ring(path) or is_simulated(path) or _is_rendered(path)
     return None if no_scale else "m"
@@ -82,7 +81,7 @@ def _is_rendered(path: Path) -> bool:
 
 
 def suggested_cell_size(pair: StereoPair, settings: Settings) -> float:
-    """Side of a cell that suits what a pair sees; 1 where it sees nothing."""
+    """A cell size that suits the depths of a pair; 1 if it has no matches."""
     matches = match_images(pair.left, pair.right, with_quality(settings, "fast"))
     depth = pair.rig.depth(matches.disparity_px)
     depth = depth[np.isfinite(depth)]
@@ -100,7 +99,7 @@ def rounded(length: float) -> float:
 
 
 def _reconstruct(job: Job, work: Work) -> Numbers:
-    """Rebuild what a recording saw and leave its run folder."""
+    """Reconstruct a recording and write its run folder."""
     (path,) = job.inputs
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
@@ -124,7 +123,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         _note(mapper.finish(), cloud, work)
     work.run.write_text(CAMERAS, as_document(seen))
     loops = close_drive(source, mapper, places, work)
-    if loops.get("num_loops"):  # the map was made anew, of all points
+    if loops.get("num_loops"):  # the map was rebuilt from all points
         chunked.forget()
     num_voxels = _write(mapper, chunked.finish(mapper), work)
     if job.settings.map.places:
@@ -141,14 +140,14 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
 
 
 def _check_search(source: PairSource, settings: Settings) -> None:
-    """Say where the first pair holds disparities beyond those that are searched."""
+    """Notify if the first pair has disparities outside the search range."""
     search = settings.matching.min_disparity, settings.matching.max_disparity
     pair = next(iter(source))
     check_images(pair.left, pair.right, search, only="search-range-too-small")
 
 
 def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:
-    """Put the points of some steps on disk, and say that they are done."""
+    """Write the points of some steps to disk, and report them."""
     for step in steps:
         with work.stage("write"):
             cloud.append(step.cloud, step.number)
@@ -156,7 +155,7 @@ def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:
 
 
 def _write(mapper: Mapper, voxel_map: Map, work: Work) -> int:
-    """Write what came of all pairs; the number of occupied cells."""
+    """Write the result of all pairs; return the number of occupied cells."""
     run = work.run
     voxels, shown_map = shown(voxel_map, mapper.settings.map)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
@@ -174,7 +173,7 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work) -> int:
 
 
 def _surface_distance(path: Path, mapper: Mapper) -> dict[str, float]:
-    """Median distance of the points to the true surface, where a pair comes with its truth."""
+    """Median distance of the points to the true surface, for a single pair with truth."""
     step = mapper.clearest
     if step is None or mapper.num_pairs > 1 or not list(path.glob("disp_left.*")):
         return {}

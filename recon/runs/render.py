@@ -1,4 +1,4 @@
-"""A recording of a simulated world, with all that is true in it."""
+"""A recording of a simulated world, with ground truth."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ MESH_ENDINGS = (".ply", ".obj")
 
 
 def _render(job: Job, work: Work) -> Numbers:
-    """Look at a scene from many places; leave images, poses, calibration and truth."""
+    """Render a scene from many views; write images, poses, calibration and truth."""
     (path,) = job.inputs
     world = open_world(path, job.settings)
     eyes = job.settings.eyes
@@ -49,7 +49,7 @@ def _render(job: Job, work: Work) -> Numbers:
 
 
 def open_world(path: Path, settings: Settings) -> World:
-    """The world of a geometry file, or of a mesh that stands alone."""
+    """The world of a geometry file, or of a single mesh."""
     if path.suffix.lower() in MESH_ENDINGS:
         scene = Scene(visuals=(MeshVisual(file=path.name),), folder=path.parent)
         return World(scene, settings.eyes, settings.render, settings.world)
@@ -57,7 +57,7 @@ def open_world(path: Path, settings: Settings) -> World:
 
 
 class _Recording:
-    """A folder that `recon reconstruct` reads, with the truth beside the images."""
+    """A folder readable by `recon reconstruct`, with the truth beside the images."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -97,7 +97,7 @@ class _Recording:
         self._seen.add(view)
 
     def finish(self) -> None:
-        """Write calibration, poses, and the cloud of all true points that were seen."""
+        """Write calibration, poses, and the cloud of all visible true points."""
         (self.folder / "poses.txt").write_text("\n".join(self._poses) + "\n")
         if self._rig is not None:
             text = calibration(self._rig, self.max_disparity)
@@ -107,7 +107,7 @@ class _Recording:
 
 
 def calibration(rig: StereoRig, max_disparity: int) -> str:
-    """The text of a Middlebury calibration, which counts the baseline in thousandths."""
+    """The text of a Middlebury calibration, whose baseline is in thousandths."""
     left, right = (
         f"[{rig.focal_px!r} 0 {cx!r}; 0 {rig.focal_px!r} {rig.cy_px!r}; 0 0 1]"
         for cx in (rig.cx_left_px, rig.cx_right_px)

@@ -1,4 +1,4 @@
-"""Pairs and results of a run, kept until it is finished, so that a cut run can go on."""
+"""Pairs and results of a run, saved until it is finished, so that it can be resumed."""
 
 import logging
 from collections.abc import Callable
@@ -19,13 +19,13 @@ log = logging.getLogger(__name__)
 Record = TypeVar("Record")
 
 _PARTS = "matches", "cloud", "doubtful"
-"""Of a result, kept field by field."""
+"""Parts of a result, saved field by field."""
 RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
 
 
 @dataclass(slots=True, kw_only=True)
 class SavedPairs:
-    """A folder of numbered pairs; one that is there is replayed instead of taken again."""
+    """A folder of numbered pairs; existing ones are replayed instead of taken again."""
 
     folder: Path
 
@@ -34,7 +34,7 @@ class SavedPairs:
         return self.folder / f"{number:06d}.npz"
 
     def save(self, number: int, pair: StereoPair) -> None:
-        """Keep one pair, whole."""
+        """Save one pair atomically."""
         pose = np.eye(4) if pair.T_world_left is None else pair.T_world_left
         rig = np.array([getattr(pair.rig, name) for name in RIG_FIELDS], dtype=np.float64)
         with atomic_path(self.path(number)) as part, part.open("wb") as stream:
@@ -44,13 +44,13 @@ class SavedPairs:
             )  # fmt: skip
 
     def load(self, number: int) -> StereoPair | None:
-        """Pair `number`, or None where it was not taken yet, or its file is damaged."""
+        """Pair `number`; None if it was not taken yet, or its file is damaged."""
         return _loaded(self.path(number), _as_pair)
 
 
 @dataclass(slots=True, kw_only=True)
 class SavedResults:
-    """A folder of numbered results of pairs, which are not worked out again."""
+    """A folder of numbered results of pairs, which need not be computed again."""
 
     folder: Path
 
@@ -59,7 +59,7 @@ class SavedResults:
         return self.folder / f"{number:06d}.npz"
 
     def keep(self, number: int, result: PairResult) -> PairResult:
-        """Keep one result, whole; the same."""
+        """Save one result atomically, and return it."""
         arrays = {
             f"{part}.{field.name}": array
             for part in _PARTS
@@ -71,16 +71,16 @@ class SavedResults:
         return result
 
     def load(self, number: int) -> PairResult | None:
-        """The result of pair `number`, or None where there is none, or its file is damaged."""
+        """The result of pair `number`; None if there is none, or its file is damaged."""
         return _loaded(self.path(number), _as_result)
 
 
 def _loaded(path: Path, build: Callable[[Columns], Record]) -> Record | None:
-    """The record of a file; what is damaged is worked out again."""
+    """The record of a file; None if missing or damaged."""
     try:
         return build(read_columns(path)) if path.exists() else None
     except (InputError, KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
-        log.warning("%s is damaged (%s); its pair is done again", path, error)
+        log.warning("%s is damaged (%s); its pair is processed again", path, error)
         return None
 
 

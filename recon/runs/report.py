@@ -1,4 +1,4 @@
-"""The report of a job, just done or read again from its run folder."""
+"""The report of a job, just executed or read from its run folder."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,25 +18,25 @@ class Report:
     """Results of a job."""
 
     kind: str
-    """Of the job."""
+    """Kind of the job."""
     numbers: Numbers = field(repr=False)
-    """Results by the names of the JSON document."""
+    """Results by the keys of the JSON document."""
     warnings: tuple[Notice, ...] = ()
-    """Findings that contradict each other."""
+    """Contradictory findings."""
     run: Path | None = None
-    """The run folder it left."""
+    """The run folder, if any."""
 
     def __getitem__(self, name: str) -> Any:
         return self.numbers[name]
 
     @property
     def objects(self) -> tuple[FoundObject, ...]:
-        """The objects that were found; empty for kinds that find none."""
+        """The objects found; empty for kinds without objects."""
         return from_json(self.numbers) if "objects" in self.numbers else ()
 
     @property
     def is_interrupted(self) -> bool:
-        """True where the job was interrupted and can be resumed."""
+        """True if the job was interrupted and can be resumed."""
         return bool(self.numbers.get("stop_reason") == "interrupted")
 
     def as_json(self) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def read_json(path: Path) -> Any:
     Raises
     ------
     InputError
-        Where it is not there or is not JSON.
+        If it is missing or not JSON.
     """
     try:
         return documents.read_json(path)
@@ -65,15 +65,15 @@ def read_report(kind: str, run_path: Path) -> Report:
     Raises
     ------
     InputError
-        Where a file is missing or damaged.
+        If a file is missing or damaged.
     """
     numbers = read_json(run_path / "metrics.json")
     if not isinstance(numbers, dict):
-        raise InputError(f"{run_path} holds a damaged metrics.json")
+        raise InputError(f"{run_path} has a damaged metrics.json")
     if (run_path / "objects.json").exists():
         objects = read_json(run_path / "objects.json")
         if not (isinstance(objects, dict) and "objects" in objects):
-            raise InputError(f"{run_path} holds a damaged objects.json")
+            raise InputError(f"{run_path} has a damaged objects.json")
         numbers["objects"] = objects["objects"]
     warnings = tuple(Notice(**notice) for notice in numbers.pop("warnings", []))
     return Report(kind=kind, numbers=numbers, warnings=warnings, run=run_path)

@@ -1,4 +1,4 @@
-"""The pairs of a finished run, at the poses that it found for them."""
+"""The pairs of a finished run, at the poses of the run."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,25 +14,25 @@ from recon.world.library import find_scene
 from recon.world.world import World
 
 RECORDED, SIMULATED = "reconstruct", "explore"
-"""Commands whose runs have poses, and images that can be had again."""
+"""Commands whose runs have poses and reproducible images."""
 _SOURCES = {RECORDED: "recording", SIMULATED: "scene"}
 
 
 class SeenAgain:
-    """A run's recording read again, or its simulated world looked at again.
+    """A run's recording read again, or its simulated world rendered again.
 
     Parameters
     ----------
     run : Path
     settings : Settings
-        The run's, or what was changed of them.
+        The run's settings, possibly modified.
     source : Path, optional
-        Where the recording or the scene is now; as the run's manifest says where not given.
+        Current path of the recording or scene; by default as in the run's manifest.
 
     Raises
     ------
     InputError
-        Where the run is of another command, or its source is gone.
+        If the run is of another command, or its source no longer exists.
     """
 
     def __init__(self, run: Path, settings: Settings, source: Path | None = None) -> None:
@@ -48,14 +48,14 @@ class SeenAgain:
 
     @property
     def unit(self) -> str:
-        """Of lengths."""
+        """Unit of lengths."""
         return "m" if self.command == RECORDED else "world units"
 
     def __iter__(self) -> Iterator[StereoPair]:
         return self._read() if self.command == RECORDED else self._taken()
 
     def _read(self) -> Iterator[StereoPair]:
-        # The run's poses are taken, however it came by them.
+        # The run's poses are used, regardless of their origin.
         given = updated(self.settings, {"sequence": {"poses": "given"}}).sequence
         for number, pair in enumerate(open_sequence(self.source, given)):
             if number >= len(self.poses):
@@ -70,7 +70,7 @@ class SeenAgain:
             yield world.take(self._view(pose))
 
     def _view(self, T_world_left: Array) -> View:
-        """The view from a pose; the cameras turn to the distance at which things are looked at."""
+        """The view from a pose; the cameras fixate at the viewing distance."""
         right, ahead = T_world_left[:3, 0], T_world_left[:3, 2]
         position = T_world_left[:3, 3] + 0.5 * self.settings.eyes.baseline * right
         return View(

@@ -1,4 +1,4 @@
-"""Surfaces in runs: every pixel of every pair, fused, and written."""
+"""Surfaces in runs: every pixel of every pair is matched, fused and written."""
 
 from typing import Any
 
@@ -17,14 +17,14 @@ from recon.surface.fusion import Fusion
 
 
 class SurfaceWork:
-    """The surface of a run, pair by pair; nothing where the settings do not want it.
+    """The surface of a run, pair by pair; does nothing unless enabled by the settings.
 
     Parameters
     ----------
     settings : Settings
     work : Work
     unit : str
-        Of lengths.
+        Unit of lengths.
     """
 
     def __init__(self, settings: Settings, work: Work, unit: str = "world units") -> None:
@@ -52,7 +52,7 @@ class SurfaceWork:
             self._fullest = view
 
     def finish(self) -> dict[str, Any]:
-        """Write dense.ply and mesh.ply, and give their numbers."""
+        """Write dense.ply and mesh.ply, and return their metrics."""
         if not self.is_wanted:
             return {}
         with self.work.stage("surface"):
@@ -72,6 +72,6 @@ class SurfaceWork:
 
 
 def wants_surface(settings: Settings) -> bool:
-    """True where a run leaves more than its sparse cloud."""
+    """True if a run writes more than its sparse cloud."""
     asked = settings.surface
     return settings.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps

@@ -1,4 +1,4 @@
-"""A model for the von Mises matcher, learned from pairs (thesis 3.7)."""
+"""Training of a model for the von Mises matcher from pairs (thesis 3.7)."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ def train_run(
     seed: int = 0,
     overwrite: bool = False,
 ) -> dict[str, Any]:
-    """Learn from the confident matches of some pairs, and write the model; no truth is needed.
+    """Train on the confident matches of some pairs, without truth, and write the model.
 
     Returns
     -------

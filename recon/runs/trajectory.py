@@ -1,4 +1,4 @@
-"""The path of a run held against the true one."""
+"""Evaluation of a run's trajectory against the true one."""
 
 from dataclasses import asdict
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A job at work: its folder, its clock, and those who watch it."""
+"""A running job: its folder, its stopwatch, and its observers."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -11,22 +11,22 @@ from recon.stopwatch import Stopwatch
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Work:
-    """Everything that the function of a `Kind` is handed besides its job."""
+    """Everything that the function of a `Kind` receives besides its job."""
 
     events: Events
     stopwatch: Stopwatch
     folder: RunFolder | None
-    """The run folder, open; None where none is wanted."""
+    """The open run folder; None if not needed."""
     num_workers: int = 1
-    """Processes that may work at once; what comes of it does not depend on them."""
+    """Number of parallel processes; the result does not depend on it."""
 
     def stage(self, name: str) -> AbstractContextManager[None]:
-        """Count what happens inside for a stage."""
+        """Count the time inside the block for a stage."""
         return self.stopwatch.stage(name)
 
     @property
     def progress(self) -> Callable[[int, int], None]:
-        """Say how far the job is; raises `Cancelled` where it is to end."""
+        """Report the progress of the job; raises `Cancelled` if it is to end."""
         return self.events.progress
 
     @property

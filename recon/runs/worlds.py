@@ -1,4 +1,4 @@
-"""Random worlds explored end to end, and how often what was found has its right name."""
+"""Exploration of random worlds, and the rate of correctly named objects."""
 
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -24,12 +24,12 @@ from recon.world.world import World
 NOT_FOUND = "not found"
 NUM_OBJECTS = 6
 GAP = 8.0
-"""Least free ground between two objects, world units."""
+"""Minimum free ground between two objects, world units."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Naming:
-    """One true object and the name it was given."""
+    """One true object and its assigned name."""
 
     true: str
     found: str
@@ -54,7 +54,7 @@ def _worlds(job: Job, work: Work) -> Numbers:
 
 
 def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[Naming]]:
-    """Names that the settings' recogniser and the thesis's give the objects of one world."""
+    """Names of the objects of one world by the settings' recogniser and the thesis's."""
     settings = job.settings
     scene = random_scene(np.random.default_rng([job.seed, number]), NUM_OBJECTS, GAP)
     world = World(scene, settings.eyes, settings.render, settings.world)
@@ -85,7 +85,7 @@ def _leave_figures(run_path: Path, own: list[Naming], thesis: list[Naming]) -> N
 def namings(
     true_objects: tuple[TrueObject, ...], found_objects: tuple[FoundObject, ...]
 ) -> list[Naming]:
-    """Every true object with the found one whose axis is nearest, within its own half width."""
+    """Every true object with the nearest found one, by axis, within its own half width."""
     return [_naming(true, found_objects) for true in true_objects]
 
 
@@ -100,9 +100,9 @@ def _naming(true: TrueObject, found_objects: tuple[FoundObject, ...]) -> Naming:
 
 
 def summary(named: list[Naming]) -> dict[str, Any]:
-    """Counts of right labels and the confusion, true by found."""
+    """Counts of correct labels, and the confusion matrix, true by found."""
     if not named:
-        raise InputError("no object was there to be named; ask for at least one world")
+        raise InputError("there are no objects to be named; request at least one world")
     confusion: dict[str, Counter[str]] = {}
     for one in named:
         confusion.setdefault(one.true, Counter())[one.found] += 1

@@ -133,7 +133,7 @@ def test_a_part_beyond_the_recording_is_refused(drive, tmp_path):
     job = Job(kind="reconstruct", inputs=(drive,), arguments={"part": [3, 9]})
     with pytest.raises(InputError, match="part ends at 9, but the recording has 5 pairs"):
         execute(job, tmp_path / "run")
-    with pytest.raises(InputError, match="span from 0 on"):
+    with pytest.raises(InputError, match="non-empty span"):
         execute(
             Job(kind="reconstruct", inputs=(drive,), arguments={"part": [3, 3]}), tmp_path / "r"
         )

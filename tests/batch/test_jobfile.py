@@ -69,7 +69,7 @@ def test_jobs_travel_to_other_processes(tmp_path):
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("", r"holds no \[\[job\]\] table"),
+        ("", r"has no \[\[job\]\] table"),
         ("[[job]]\n", r"job 1: command is None, but a word"),
         ('[[job]]\ncommand = "fly"\ninput = "a"\n', "kind of job is 'fly'"),
         ('[[job]]\ncommand = "explore"\n', "input is None, but a path or a list"),
@@ -83,10 +83,10 @@ def test_jobs_travel_to_other_processes(tmp_path):
         (JOB + "settings = 3\n", "settings is 3, but a table"),
         (JOB + "arguments = [1]\n", r"arguments is \[1\], but a table"),
         (JOB + "[sweep]\nmap = [1]\n", r"map = \[1\] is not a setting"),
-        (JOB + JOB, "2 jobs are called 'a'"),
+        (JOB + JOB, "2 jobs are named 'a'"),
         (JOB.replace('"a"', '"../a"'), r"name is '../a'"),
         (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),
-        (JOB.replace("village", "no/*.scene"), "names no file or folder"),
+        (JOB.replace("village", "no/*.scene"), "matches no file or folder"),
         ("jobs = 1\n", "'jobs' is unknown"),
         ("[[job]", "a TOML file is needed"),
     ],

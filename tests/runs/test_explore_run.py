@@ -117,7 +117,7 @@ def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
     assert (int.from_bytes(header[:4]), int.from_bytes(header[4:])) == (320, 300)
     assert main(["figure", str(run), "--kind", "portrait"]) == 2
     assert main(["figure", str(run), "--kind", "labels", "--view", "top"]) == 2
-    assert "always seen from one side" in capsys.readouterr().err
+    assert "has a fixed view" in capsys.readouterr().err
     assert main(["figure", str(run), "--size", "bigxbig"]) == 2
 
 

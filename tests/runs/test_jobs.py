@@ -165,7 +165,7 @@ def test_one_pair_is_not_some_pairs():
     [
         ({"matcher": "sgbm"}, "argument matcher is unknown to evaluate; the nearest .* matchers"),
         ({"matchers": 3}, "evaluate: matchers is 3, but a list of texts is needed"),
-        ({"truth_scale": "much"}, "truth_scale is 'much', but a number over 0"),
+        ({"truth_scale": "much"}, "truth_scale is 'much', but a number > 0"),
         ({"truth_scale": float("nan")}, "truth_scale is nan"),
     ],
 )

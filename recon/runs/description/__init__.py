@@ -1,4 +1,4 @@
-"""Descriptions: what a file or folder is, in a few facts, for whatever recon reads or writes."""
+"""Descriptions: a few facts about any file or folder that recon reads or writes."""
 
 from recon.runs.description.description import describe
 

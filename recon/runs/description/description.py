@@ -1,4 +1,4 @@
-"""A file or folder recognised by its ending and content, and described."""
+"""Description of a file or folder, recognised by its suffix and content."""
 
 import importlib
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from recon.notices import collected_notices
 from recon.runfolder import MANIFEST
 from recon.runs.description.facts import Facts
 
-# Where each kind is described, loaded only for a file of its kind: some read much to know it.
+# The describing function of each kind, imported on demand: some import a lot.
 _RUN, _RECORDING, _POINTS = "runs:of_run", "recordings:of_recording", "points:of_points"
 _IMAGE = "recordings:of_image"
 _BY_ENDING = {
@@ -36,7 +36,7 @@ def describe(path: Path) -> Facts:
     Raises
     ------
     InputError
-        Where nothing is at `path`, or nothing that recon knows.
+        If `path` does not exist, or recon does not know its format.
     """
     with collected_notices() as notices:
         try:
@@ -47,7 +47,7 @@ def describe(path: Path) -> Facts:
 
 
 def _describer(path: Path) -> Callable[[Path], Facts]:
-    """The function that describes what is at `path`."""
+    """The function that describes `path`."""
     place = _place(path)
     module, _, name = place.partition(":")
     found: Callable[[Path], Facts] = getattr(
@@ -73,7 +73,7 @@ def _place(path: Path) -> str:
         return _POINTS
     if _is_recording(path):
         return _RECORDING
-    raise InputError(f"{path}: the ending {ending!r} is not one that recon reads or writes")
+    raise InputError(f"{path}: recon neither reads nor writes the ending {ending!r}")
 
 
 def _is_recording(path: Path) -> bool:
@@ -83,6 +83,6 @@ def _is_recording(path: Path) -> bool:
 
 
 def _is_map(path: Path) -> bool:
-    """Test for an image of a nav2 map, described beside it."""
+    """Test for an image of a nav2 map, with its description beside it."""
     beside = (path.with_suffix(ending) for ending in (".yaml", ".yml"))
     return path.suffix.lower() == ".pgm" and any(one.is_file() for one in beside)

@@ -1,4 +1,4 @@
-"""Descriptions of JSON, TOML, YAML and text: told apart by what they say."""
+"""Descriptions of JSON, TOML, YAML and text, distinguished by their content."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -29,7 +29,7 @@ def of_json(path: Path) -> Facts:
     """Objects, metrics, a manifest, a model of a matcher, or a calibration."""
     document = read_json(path)
     if not isinstance(document, dict):
-        raise InputError(f"{path}: holds a {type(document).__name__}, not a document of recon")
+        raise InputError(f"{path}: contains a {type(document).__name__}, not a document of recon")
     if "objects" in document:
         return of_objects(document)
     if "frames" in document:
@@ -44,7 +44,7 @@ def of_json(path: Path) -> Facts:
 
 
 def of_objects(document: Mapping[str, Any]) -> Facts:
-    """The objects found, a row for each."""
+    """The objects, one row for each."""
     objects = document["objects"]
     if not isinstance(objects, list) or not all(isinstance(one, dict) for one in objects):
         raise InputError("objects are not a list of objects of recon")
@@ -61,7 +61,7 @@ def of_objects(document: Mapping[str, Any]) -> Facts:
 
 
 def of_metrics(document: Mapping[str, Any]) -> Facts:
-    """The numbers of a run; of long lists their length."""
+    """The metrics of a run; for long lists only their length."""
     return {"kind": "metrics"} | _plain(document)
 
 
@@ -111,7 +111,7 @@ def of_yaml(path: Path) -> Facts:
 
 
 def of_text(path: Path) -> Facts:
-    """A calibration, a trajectory or a table of points: the first that it can be."""
+    """A calibration, a trajectory or a table of points: the first that fits."""
     if names_points(path):
         return of_points(path)
     faults = []
@@ -124,10 +124,10 @@ def of_text(path: Path) -> Facts:
 
 
 def of_trajectory(path: Path) -> Facts:
-    """Poses, with the length and the time of the way."""
+    """Poses, with the length and the time range of the path."""
     found = _poses(path)
     if not len(found):
-        raise InputError(f"{path}: holds no poses")
+        raise InputError(f"{path}: contains no poses")
     places = found.poses[:, :3, 3]
     if np.abs(places).max() > MAX_COORDINATE:
         raise InputError(f"{path}: a pose is {np.abs(places).max():g} away")
@@ -139,7 +139,7 @@ def of_trajectory(path: Path) -> Facts:
 
 
 def _poses(path: Path) -> GivenPoses:
-    """Poses of a run, whose times may stand still, or of any other file."""
+    """Poses of a run, whose times may repeat, or of any other file."""
     try:
         own = Trajectory.from_tum(read_text(path), str(path))
     except InputError:

@@ -1,4 +1,4 @@
-"""Facts by name, and those that many kinds share."""
+"""Facts by name, and those common to many kinds."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,14 +11,14 @@ Facts = dict[str, Any]
 
 
 def extent(points: NDArray[Any]) -> Facts:
-    """Low and high corner of points (N, 3); nothing where there are none."""
+    """Low and high corner of points (N, 3); empty without points."""
     if not len(points):
         return {}
     return {"low": points.min(axis=0).tolist(), "high": points.max(axis=0).tolist()}
 
 
 def spread(name: str, values: NDArray[Any]) -> Facts:
-    """Lowest, median and highest of the values that are known."""
+    """Minimum, median and maximum of the known values."""
     known = values[np.isfinite(values)]
     if not known.size:
         return {name: None}
@@ -27,5 +27,5 @@ def spread(name: str, values: NDArray[Any]) -> Facts:
 
 
 def table(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> list[dict[str, Any]]:
-    """Some columns of rows; what a row lacks is null."""
+    """Some columns of rows; missing values are null."""
     return [{name: row.get(name) for name in names} for row in rows]

@@ -17,7 +17,7 @@ from recon.exports.formats import (
 from recon.records import PointCloud, Voxels
 from recon.runs.description.facts import Facts, extent, spread
 
-if TYPE_CHECKING:  # it brings the kernels of maps
+if TYPE_CHECKING:  # it imports the kernels of maps
     from recon.exports.partitions.partitioned import PartitionedMap
 
 _MATCHES = ("points_px", "disparity_px", "sigma_px", "score")
@@ -25,7 +25,7 @@ _FIELDS = ("weights", "num_views", "hits", "passes")
 
 
 def of_points(path: Path) -> Facts:
-    """A cloud, a map or a mesh, by what its file holds."""
+    """A cloud, a map or a mesh, by the content of its file."""
     if holds_mesh(path):
         return _of_mesh(path)
     data = read(path)
@@ -46,7 +46,7 @@ def of_points(path: Path) -> Facts:
 
 
 def _of_partitions(data: "PartitionedMap") -> Facts:
-    """A map in partitions, as its manifest tells: none of them is read."""
+    """A partitioned map, from its manifest: no partition is read."""
     side = data.cell_size * data.form.partition_size
     cubes = np.array([entry.index for entry in data.partitions]).reshape(-1, 3)
     return {
@@ -77,7 +77,7 @@ def _of_cloud(cloud: PointCloud) -> Facts:
 
 
 def _name(records: tuple[tuple[int, bytes], ...]) -> str:
-    """The name that a reference system gives itself, or the EPSG code of its keys."""
+    """The name of a reference system, or the EPSG code of its keys."""
     for number, content in records:
         if number == 2112:
             return (
@@ -92,7 +92,7 @@ def _name(records: tuple[tuple[int, bytes], ...]) -> str:
 
 
 def _of_mesh(path: Path) -> Facts:
-    """Its vertices count as points, as which they are read where triangles are not asked for."""
+    """A mesh; its vertices count as points, since they are read as points without triangles."""
     mesh = read_mesh(path)
     return {
         "kind": "mesh",
@@ -116,7 +116,7 @@ def of_npz(path: Path) -> Facts:
 
 
 def of_matches(arrays: dict[str, Any]) -> Facts:
-    """Number of matches, and the range of their values."""
+    """The number of matches, and the range of their values."""
     facts: Facts = {"kind": "matches", "num_matches": len(arrays["disparity_px"])}
     for name in ("disparity_px", "sigma_px", "score"):
         if name in arrays:

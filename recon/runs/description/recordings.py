@@ -17,7 +17,7 @@ from recon.world.scene import read_scene
 
 
 def of_recording(path: Path) -> Facts:
-    """A recording; of a bag whose cameras are not told by their names, its topics alone."""
+    """A recording; for a bag without identifiable cameras, only its topics."""
     found = find_recording(path)
     topics = _topics(path if found is None else found[1])
     try:
@@ -39,7 +39,7 @@ def _of_pairs(path: Path, form: str | None) -> Facts:
     source = open_sequence(path, SequenceSettings())
     pair = next(iter(source), None)
     if pair is None:
-        raise InputError(f"{path} holds no pair that can be read")
+        raise InputError(f"{path} contains no readable pair")
     rig = {name: getattr(pair.rig, name) for name in type(pair.rig).__slots__}
     return {
         "kind": "recording",
@@ -64,7 +64,7 @@ def of_scene(path: Path) -> Facts:
 
 
 def of_image(path: Path) -> Facts:
-    """An image as it is stored."""
+    """An image as stored."""
     image = read_pixels(path)
     return {
         "kind": "image",
@@ -76,7 +76,7 @@ def of_image(path: Path) -> Facts:
 
 
 def of_disparity(path: Path) -> Facts:
-    """A disparity for every pixel, or a standard deviation of it."""
+    """A dense disparity, or its standard deviation."""
     values = read_truth_file(path).disparity_px
     return {
         "kind": "disparity",
