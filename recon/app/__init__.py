@@ -1,1 +1,1 @@
-"""Pages in a browser: the simulator and the inspector."""
+"""Web pages: the simulator and the inspector."""

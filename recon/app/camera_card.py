@@ -1,4 +1,4 @@
-"""Camera Settings: numbers that follow the drag and lead it."""
+"""Camera settings: number fields that follow dragging and control the cameras."""
 
 from collections.abc import Callable
 from functools import partial
@@ -33,7 +33,7 @@ class CameraCard:
                 self.fields[name] = number_field(testid, FIELDS[name], value, change)
 
     def show(self) -> None:
-        """Show what the cameras are now."""
+        """Show the current values of the cameras."""
         for name, value in self.simulation.values().items():
             self.fields[name].set_value(round(value, 6))
 

@@ -29,17 +29,17 @@ class Points:
     left_px: Array
     """(M, 2)"""
     right_px: Array
-    """(M, 2) the partners."""
+    """(M, 2) the matched points."""
     channels: Mapping[str, Array]
-    """(M,) numbers by name."""
+    """(M,) values by name."""
     names: Mapping[int, str]
-    """Labels of objects by their ids, which the channel `label` holds."""
+    """Labels of objects by id; the channel `label` contains the ids."""
 
     def __len__(self) -> int:
         return len(self.left_px)
 
     def nearest(self, side: str, at: tuple[float, float], reach_px: float) -> int | None:
-        """The point nearest to a pixel of one side; None where none is within reach."""
+        """The point nearest to a pixel of one side; None if none is within reach."""
         points = self.left_px if side == "left" else self.right_px
         if not len(points):
             return None
@@ -48,7 +48,7 @@ class Points:
         return nearest if away[nearest] <= reach_px else None
 
     def describe(self, number: int) -> str:
-        """All channels of one point, a line each."""
+        """All channels of one point, one line each."""
         lines = [f"point {number}"]
         (u, v), (right_u, right_v) = self.left_px[number], self.right_px[number]
         lines += [f"left: {u:.2f}, {v:.2f} px", f"right: {right_u:.2f}, {right_v:.2f} px"]
@@ -88,7 +88,7 @@ def points_of(
 
 
 def _object_of(points: Array, objects: tuple[FoundObject, ...]) -> Array:
-    """(M,) id of the object in whose box a point lies."""
+    """(M,) id of the object whose box contains the point."""
     ids = np.full(len(points), NO_OBJECT)
     for found in objects:
         with np.errstate(invalid="ignore"):

@@ -1,4 +1,4 @@
-"""A view of a layer as an image, and what lies under a pixel of it."""
+"""A view of a layer as an image, and the row of the layer at each pixel."""
 
 import base64
 from dataclasses import dataclass
@@ -22,21 +22,21 @@ LIGHT, DARK = (250, 250, 249), (24, 27, 31)
 MARKED = np.array([255, 140, 0], np.uint8)
 POINT_PX = 2
 SEE_THROUGH = 0.55
-"""Of a solid before the cells it was fitted to."""
+"""Opacity of a solid in front of its cells."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Look:
-    """Choices of how a layer is shown."""
+    """Display options of a layer."""
 
     colour_by: str = COLOUR
     is_dark: bool = True
     is_quick: bool = False
-    """Coarsely, in half the pixels a side, while the view turns."""
+    """True for a coarse image of half the resolution, while the view turns."""
     unit: str = ""
-    """Of lengths, where it is known."""
+    """Unit of lengths, if known."""
     selected: int | None = None
-    """Id of the object that stands out."""
+    """Id of the highlighted object."""
     solids: tuple[FoundObject, ...] = ()
     """Objects whose solids are drawn over the cells."""
 
@@ -68,7 +68,7 @@ class View:
 def draw(
     layer: Layer, shown: Shown, orbit: Orbit, look: Look, size: tuple[int, int] = SIZE
 ) -> View:
-    """Draw the rows of a layer that are shown; quick ones get the numbers of a whole view, too."""
+    """Draw the shown rows of a layer; quick views have full-resolution numbers, too."""
     drawn = (size[0] // 2, size[1] // 2) if look.is_quick else size
     raster = Raster(orbit.lens(*drawn), DARK if look.is_dark else LIGHT)
     _add_rows(raster, layer, shown, look)
@@ -81,7 +81,7 @@ def draw(
 
 
 def _add_rows(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
-    """Cells, triangles or points, whatever the layer holds."""
+    """Add the cells, triangles or points of the layer."""
     colours = row_colours(layer, shown.rows, look)
     numbers = shown.rows.astype(np.int32)
     if isinstance(layer.data, Voxels) and layer.covered is not None:
@@ -99,7 +99,7 @@ def _add_rows(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
 
 
 def row_colours(layer: Layer, rows: NDArray[np.int64], look: Look) -> NDArray[np.uint8]:
-    """Colours (M, 3) of rows: their own, or those of a column's numbers."""
+    """Colours (M, 3) of rows: their own, or those of a column's values."""
     if look.colour_by == COLOUR or look.colour_by not in layer.columns:
         colours = layer.colours[rows].copy()
     else:
@@ -112,7 +112,7 @@ def row_colours(layer: Layer, rows: NDArray[np.int64], look: Look) -> NDArray[np
 
 
 def _add_mesh(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
-    """Triangles whose corners are all shown, and the corners for clicks."""
+    """Add the triangles whose corners are all shown, with a corner for clicks."""
     assert layer.triangles is not None
     every = np.arange(len(layer))
     is_shown = np.zeros(len(layer), bool)
@@ -129,7 +129,7 @@ def _add_solids(raster: Raster, voxels: Voxels, objects: tuple[FoundObject, ...]
             colour = np.array(part_colour(voxels, found, number), np.uint8)
             colours = np.tile(colour, (len(vertices), 1))
             over.add_triangles(vertices, triangles, colours, np.zeros(len(triangles), np.int32))
-    # A solid goes through its cells: it shows where it lies little behind them, too.
+    # A solid intersects its cells: it is visible slightly behind them, too.
     depth = 1.15 * over.inverse_depth
     before = (over.number >= 0) & (depth >= raster.inverse_depth)
     mixed = SEE_THROUGH * over.image[before] + (1.0 - SEE_THROUGH) * raster.image[before]
@@ -137,6 +137,6 @@ def _add_solids(raster: Raster, voxels: Voxels, objects: tuple[FoundObject, ...]
 
 
 def as_source(image: NDArray[np.uint8], ending: str = ".png") -> str:
-    """An image as an address that holds it whole."""
+    """An image as a data URL."""
     data = base64.b64encode(encode_image(image, ending)).decode()
     return f"data:image/{ending.removeprefix('.').replace('jpg', 'jpeg')};base64,{data}"

@@ -1,4 +1,4 @@
-"""Exhibits, as `recon inspect` takes them: a run folder, or points, cells or a mesh in a file."""
+"""Exhibits of `recon inspect`: a run folder, or points, cells or a mesh in a file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,13 +23,13 @@ from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
 CLOUDS = {"dense": "dense.ply", "mesh": "mesh.ply"}
-"""Files that a run may hold besides its map and its cloud, by the names of layers."""
+"""Files that a run may have besides its map and its cloud, by layer name."""
 NOBODY = -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Exhibit:
-    """A file or a run, read whole."""
+    """A file or a run, loaded completely."""
 
     path: Path
     layers: Mapping[str, Layer]
@@ -37,23 +37,23 @@ class Exhibit:
     trajectory: Trajectory | None = None
     is_run: bool = False
     unit: str = ""
-    """Of lengths, where it is known."""
+    """Unit of lengths, if known."""
     notices: tuple[str, ...] = ()
-    """Findings about it, as the command line says them."""
+    """Notices about it, as on the command line."""
 
     @property
     def figures(self) -> tuple[Path, ...]:
-        """The images that the run left."""
+        """The figures of the run."""
         return tuple(sorted((self.path / "figures").glob("*.png"))) if self.is_run else ()
 
 
 def open_exhibit(path: Path) -> Exhibit:
-    """Read what is at a path.
+    """Read a file or a run.
 
     Raises
     ------
     InputError
-        Where nothing is there, or nothing that can be shown.
+        If it does not exist or cannot be shown.
     """
     if not path.exists():
         raise InputError(f"{path} does not exist")
@@ -67,7 +67,7 @@ def open_exhibit(path: Path) -> Exhibit:
 
 
 def _read(path: Path) -> Data:
-    """Triangles where a file holds some; else its cells or points."""
+    """Triangles if a file contains any; else its cells or points."""
     if holds_mesh(path):
         return read_mesh(path)
     data = read(path)
@@ -90,7 +90,7 @@ def _open_run(path: Path) -> Exhibit:
     for name, file in CLOUDS.items():
         if (path / file).exists():
             layers[name] = layer_of(_read(path / file))
-    # Late: it brings all that draws figures.
+    # Late: it imports everything that draws figures.
     from recon.runs.figures import RECORDED
 
     unit = "m" if manifest["command"] in RECORDED else "world units"
@@ -100,7 +100,7 @@ def _open_run(path: Path) -> Exhibit:
 
 
 def _run_cloud(path: Path) -> Layer:
-    """The cloud of a run, with the number of the pair that each point comes from."""
+    """The cloud of a run, with the pair number of each point."""
     chunks = list(read_cloud_chunks(path))
     if not chunks:
         return layer_of(PointCloud(points=np.empty((0, 3)), colours=np.empty((0, 3), np.uint8)))
@@ -115,7 +115,7 @@ def _run_cloud(path: Path) -> Layer:
 
 
 def object_of(voxels: Voxels, objects: tuple[FoundObject, ...]) -> NDArray[np.float64]:
-    """(K,) id of the object in whose box a cell lies, the smallest where there are several."""
+    """(K,) id of the object whose box contains the cell; of several, the smallest."""
     ids = np.full(len(voxels), NOBODY)
     for found in sorted(objects, key=lambda one: -float(np.prod(one.size))):
         ids[cells_of_mask(voxels, found)] = found.id

@@ -1,4 +1,4 @@
-"""One exhibit on the inspector's page: its view, and all that is chosen, read and taken from it."""
+"""One exhibit on the inspector's page: its view, options, readings and exports."""
 
 from dataclasses import replace
 from typing import Any
@@ -27,9 +27,9 @@ class ExhibitPage:
     ----------
     exhibit : Exhibit
     suffix : str
-        After every `data-testid`, where there are two.
+        Suffix of every `data-testid`, if there are two exhibits.
     is_alone : bool
-        Whether there is room for cards beside the view, not below it.
+        True if the cards are beside the view, not below it.
     """
 
     def __init__(self, exhibit: Exhibit, suffix: str, *, is_alone: bool) -> None:
@@ -54,11 +54,11 @@ class ExhibitPage:
         return name + self.suffix
 
     def set_dark(self, *, is_dark: bool) -> None:
-        """Draw on a dark or a light ground."""
+        """Draw on a dark or a light background."""
         self._look(is_dark=is_dark)
 
     def say(self, text: str) -> None:
-        """Say what went wrong; what is shown stays."""
+        """Show an error message; the view stays."""
         self.message.set_text(text)
 
     def _add_view(self) -> None:

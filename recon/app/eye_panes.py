@@ -1,4 +1,4 @@
-"""Left and right eye, with the points that were matched: channels, a click, frames exported."""
+"""Left and right image, with matched points: channels, clicks, export of frames."""
 
 import json
 import time
@@ -24,11 +24,11 @@ SIDES = ("left", "right")
 PLAIN_COLOUR = np.array([20, 20, 20], np.uint8)
 MARK = "#e8650a"
 FRAMES = Path("frames")
-"""Folder of exported frames, below the one in which the program was started."""
+"""Folder of exported frames, in the working directory."""
 
 
 class EyePanes:
-    """Both eyes' panes, and the card that says what they show."""
+    """The panes of both cameras, and the card for their options."""
 
     def __init__(self, simulation: Simulation, complain: Callable[[str], Any]) -> None:
         self.simulation = simulation
@@ -50,7 +50,7 @@ class EyePanes:
                 ui.menu_item("Export Frame", on_click=self._export)
 
     def add_card(self) -> None:
-        """Add the card for the points over the eyes, and for the one that was clicked."""
+        """Add the card for the feature points, and for the clicked one."""
         ui = nicegui()
         with card("Feature points"):
             with ui.row().classes("items-center gap-2"):
@@ -138,7 +138,7 @@ class EyePanes:
         self._mark()
 
     def _export(self) -> None:
-        """Both images with a JSON of the camera and the time, below FRAMES and as a download."""
+        """Write both images with a JSON of camera and time, below FRAMES and as a download."""
         if self.sight is None:
             self.complain("nothing is drawn yet")
             return

@@ -12,21 +12,21 @@ from recon.app.widgets import chooser, nicegui, note, slider, testid
 
 WHOLE = "none"
 NUM_STEPS = 200
-"""Of a slider over numbers that are not counts."""
+"""Number of steps of a slider over values that are not counts."""
 
 
 class FilterCard:
-    """The sliders of one exhibit, made anew for every layer.
+    """The sliders of one exhibit, rebuilt for every layer.
 
     Parameters
     ----------
     named : callable
-        Gives the `data-testid` of a name.
+        Returns the `data-testid` for a name.
     layer : Layer
     unit : str
-        Of lengths.
+        Unit of lengths.
     refilter : callable
-        Takes the `Filter` that was chosen.
+        Called with the chosen `Filter`.
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class FilterCard:
         self.begin(layer, is_first=True)
 
     def begin(self, layer: Layer, *, is_first: bool = False) -> None:
-        """Offer what a layer can be filtered by; nothing is left out of it yet."""
+        """Offer the filters of a layer, initially without effect."""
         self.layer = layer
         self.filter = Filter()
         self._axis, self._share = WHOLE, 0.5
@@ -92,7 +92,7 @@ class FilterCard:
         slider(self.named(f"threshold-{name}"), (low, high, step), first, change)
 
     def _add_slices(self) -> None:
-        """A slice across one axis, a cell thick."""
+        """Add a slice across one axis, one cell thick."""
         chooser(self.named("slice"), "slice across", (WHOLE, *"xyz"), WHOLE, self._slice_across)
         self._slice_note = note(text="")
         slider(self.named("slice-at"), (0.0, 1.0, 1.0 / NUM_STEPS), 0.5, self._slice_at)

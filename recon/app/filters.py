@@ -1,4 +1,4 @@
-"""Rows of a layer that are shown: thresholds, a box, and no more than can be drawn quickly."""
+"""Selection of the shown rows of a layer: thresholds, a box, and a limit for fast drawing."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,16 +12,16 @@ Array = NDArray[np.float64]
 
 AT_LEAST = ("count", "num_views", "views", "weight", "hits")
 AT_MOST = ("sigma",)
-"""Columns that a slider cuts: below it, and above it."""
+"""Columns with sliders for a lower bound, and for an upper bound."""
 
 MOST_AT_REST = 2_000_000
 MOST_MOVING = 80_000
-"""Rows that are drawn while the view stands still, and while it turns."""
+"""Maximum number of rows drawn at rest, and while the view turns."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Filter:
-    """Bounds on the rows that are shown."""
+    """Bounds on the shown rows."""
 
     least: Mapping[str, float] = field(default_factory=dict)
     most: Mapping[str, float] = field(default_factory=dict)
@@ -29,10 +29,10 @@ class Filter:
     high: Array | None = None
     """Corners (3,) of the clip box, world."""
     slab: tuple[int, float, float] | None = None
-    """Axis, lowest and highest place of a slice."""
+    """Axis, lower and upper limit of a slice."""
 
     def kept(self, layer: Layer) -> NDArray[np.bool_]:
-        """(N,) rows that pass; what is not known passes."""
+        """(N,) mask of the rows that pass; unknown values pass."""
         kept = np.ones(len(layer), bool)
         for name, bound in self.least.items():
             if name in layer.columns:
@@ -50,26 +50,26 @@ class Filter:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shown:
-    """The rows that are drawn, and how many there are."""
+    """The drawn rows, and the total numbers."""
 
     rows: NDArray[np.int64]
     num_kept: int
-    """That pass the filter."""
+    """Number of rows that pass the filter."""
     num_all: int
 
     def share(self, noun: str) -> str:
-        """The share that is shown, in words."""
+        """The shown share, in words."""
         drawn = 1.0 if not self.num_kept else len(self.rows) / self.num_kept
         text = f"shows {len(self.rows):,} of {self.num_all:,} {noun}"
         if len(self.rows) < self.num_kept:
-            return f"{text}: {drawn:.0%} of the {self.num_kept:,} that pass, drawn by lot"
+            return f"{text}: {drawn:.0%} of the {self.num_kept:,} that pass, drawn at random"
         if self.num_kept < self.num_all:
             return f"{text} ({self.num_kept / self.num_all:.0%}): the others are filtered out"
         return f"{text} (100%)"
 
 
 def shown(layer: Layer, kept: NDArray[np.bool_], most: int) -> Shown:
-    """The rows to draw: all that pass, or so many of them by lot."""
+    """The rows to draw: all that pass, or a random sample of `most`."""
     total = int(kept.sum())
     rows = np.flatnonzero(kept) if total <= most else layer.order[kept[layer.order]][:most]
     return Shown(rows=rows, num_kept=total, num_all=len(layer))

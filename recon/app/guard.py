@@ -1,4 +1,4 @@
-"""The guard of the pages: only this machine is answered, and whoever has the token."""
+"""The guard of the pages: only this machine and holders of the token are served."""
 
 import hmac
 import ipaddress
@@ -17,7 +17,7 @@ LOOPBACK_NAMES = ("localhost", "127.0.0.1", "::1")
 
 
 def is_loopback(host: str) -> bool:
-    """True where only this machine reaches a server that listens on `host`."""
+    """True if a server on `host` is reachable from this machine only."""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -25,21 +25,21 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """Answers requests of foreign pages and names with an error, and passes the others on.
+    """Rejects requests from foreign pages and host names, and passes the others on.
 
-    A page elsewhere could have its own name point here (DNS rebinding), so a name is believed only
-    where it is this machine's; a page elsewhere could also open a socket here, so an origin must be
-    the host that is asked.
+    A foreign page could make its own name point here (DNS rebinding), so a host name is accepted
+    only if it is this machine's; it could also open a websocket here, so the origin must be the
+    requested host.
 
     Parameters
     ----------
     inner : ASGI application
     host : str
-        What the server listens on.
+        The host that the server listens on.
     token : str, optional
-        Asked for where given: in the address once, then in a cookie.
+        If given, required in the address once, then in a cookie.
     cookie : str
-        Its name.
+        Name of the cookie.
     """
 
     def __init__(self, inner: Application, host: str, token: str | None, cookie: str) -> None:
@@ -52,7 +52,7 @@ class Guard:
             self.names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Judge a request, then pass it on or refuse it."""
+        """Check a request, then pass it on or refuse it."""
         if scope["type"] not in ("http", "websocket"):
             return await self.inner(scope, receive, send)
         headers = {name.decode("latin-1"): value.decode("latin-1")
@@ -63,7 +63,7 @@ class Guard:
         return await self.inner(scope, receive, self._with_cookie(scope, send))
 
     def fault(self, headers: dict[str, str], query: str) -> tuple[int, str] | None:
-        """Status and reason of a refusal; None where the request is in order."""
+        """Status and reason of a refusal; None if the request is valid."""
         host = headers.get("host", "")
         if not self._knows(host):
             return 403, f"host {host!r} is not this machine"
@@ -81,7 +81,7 @@ class Guard:
             return False
         if name in self.names:
             return True
-        # A literal address cannot be made to point elsewhere.
+        # A literal address cannot be rebound.
         return self.is_open and _is_address(name)
 
     def _has_token(self, headers: dict[str, str], query: str) -> bool:
@@ -98,7 +98,7 @@ class Guard:
         )
 
     def _with_cookie(self, scope: Scope, send: Send) -> Send:
-        """Answers that hand over the token as a cookie, so that what the page asks for has it."""
+        """A send function that sets the token as a cookie for the page's further requests."""
         if self.token is None or scope["type"] != "http":
             return send
         cookie = f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"

@@ -1,4 +1,4 @@
-"""The inspector: maps, clouds, meshes and runs, looked at from all sides in a browser."""
+"""The inspector: interactive views of maps, clouds, meshes and runs in a browser."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from recon.app.serving import Address, serve
 from recon.errors import InputError
 
 MOST_SHOWN = 2
-"""Side by side."""
+"""Maximum number of exhibits side by side."""
 
 
 def inspect(paths: Sequence[Path], address: Address, announce: Any) -> None:
@@ -18,10 +18,10 @@ def inspect(paths: Sequence[Path], address: Address, announce: Any) -> None:
     Raises
     ------
     InputError
-        Where one of them cannot be shown.
+        If one of them cannot be shown.
     """
     if len(paths) > MOST_SHOWN:
-        raise InputError(f"{len(paths)} things to inspect, but {MOST_SHOWN} fit side by side")
+        raise InputError(f"{len(paths)} paths to inspect, but {MOST_SHOWN} fit side by side")
     exhibits = [open_exhibit(path) for path in paths]
     title = " | ".join(exhibit.path.name for exhibit in exhibits)
 

@@ -1,4 +1,4 @@
-"""Contents of a file for the inspector: points, cells or triangles, with columns of numbers."""
+"""The content of a file for the inspector: points, cells or triangles, with columns of values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from recon.voxelmap.faces import covered_faces
 Array = NDArray[np.float64]
 Data = PointCloud | Voxels | Mesh
 GREY = 150
-"""Of what has no colour."""
+"""Grey level of data without colours."""
 
 COLOUR = "colour"
 HIDDEN = {"red", "green", "blue", "cell_size", "index_x", "index_y", "index_z"}
@@ -25,19 +25,19 @@ LENGTHS = {"x", "y", "z", "sigma", "depth", "height"}
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Layer:
-    """Things that can be coloured, filtered, clicked and exported."""
+    """Elements that can be coloured, filtered, clicked and exported."""
 
     data: Data
     places: Array
     """(N, 3) world."""
     columns: Mapping[str, NDArray[np.float64]]
-    """(N,) numbers by name."""
+    """(N,) values by name."""
     triangles: NDArray[np.int32] | None = None
-    """(T, 3) rows of places, of a mesh."""
+    """(T, 3) rows of `places`, for a mesh."""
     covered: NDArray[np.uint8] | None = None
-    """(N,) faces of cells that have a neighbour before them, as `Raster.add_cells` takes them."""
+    """(N,) faces of cells covered by a neighbour, as for `Raster.add_cells`."""
     order: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
-    """(N,) rows drawn by lot: the first so many stand for all."""
+    """(N,) rows in random order: any first part is a sample of all."""
 
     def __len__(self) -> int:
         return len(self.places)
@@ -65,7 +65,7 @@ class Layer:
         return float((high - low).max()) / 50.0
 
     def select(self, rows: NDArray[np.bool_]) -> Data:
-        """The data of the rows that are true; of a mesh the triangles all of whose corners are."""
+        """The data of the selected rows; for a mesh, triangles with all corners selected."""
         if not isinstance(self.data, Mesh):
             return self.data.select(np.flatnonzero(rows))
         kept = self.data.triangles[rows[self.data.triangles].all(axis=1)]
@@ -85,20 +85,20 @@ class Layer:
 
     @property
     def box(self) -> tuple[Array, Array]:
-        """Lowest and highest corner (3,); half a unit round the origin where there is nothing."""
+        """Lowest and highest corner (3,); half a unit around the origin if empty."""
         if not len(self):
             return np.full(3, -0.5), np.full(3, 0.5)
         return self.places.min(axis=0), self.places.max(axis=0)
 
     def values(self, row: int) -> dict[str, float]:
-        """All numbers of one row, its colour among them."""
+        """All values of one row, including its colour."""
         red, green, blue = (int(channel) for channel in self.colours[row])
         numbers = {name: float(column[row]) for name, column in self.columns.items()}
         return numbers | {"red": red, "green": green, "blue": blue}
 
 
 def with_unit(name: str, unit: str) -> str:
-    """A column's name with the unit of its numbers, where they have one that is known."""
+    """A column's name with the unit of its values, if known."""
     return f"{name} [{unit}]" if unit and name in LENGTHS else name
 
 
@@ -113,7 +113,7 @@ def layer_of(data: Data, more: Mapping[str, NDArray[np.float64]] | None = None) 
     columns = _columns(data) | dict(more or {})
     places = _places(data)
     if not np.isfinite(places).all():
-        raise InputError("a place is not finite, but every point needs one")
+        raise InputError("a position is not finite, but all must be")
     return Layer(
         data=data,
         places=places,

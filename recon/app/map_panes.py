@@ -1,4 +1,4 @@
-"""The panes from above and from the front: what is mapped, and symbols that are dragged."""
+"""The top and front panes: the mapped cells, and draggable symbols."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from recon.settings import WorldSettings
 Array = NDArray[np.float64]
 
 GRAB_PX = 22.0
-"""Reach of the mouse round a symbol."""
+"""Distance at which the mouse grabs a symbol."""
 CAMERA, TARGET, WAY = "#e8650a", "#0072b2", "#ffffff"
 SKY = (198, 213, 228)
 
@@ -22,11 +22,11 @@ class MapPane:
 
     name: str
     axes: tuple[int, int]
-    """World axes to the right and down; the second goes up from the front."""
+    """World axes to the right and down; the second goes up in the front pane."""
     origin: Array
     """(2,) world values at the upper left corner of the image."""
     unit: float
-    """World units that a pixel is wide."""
+    """World units per pixel."""
     is_upward: bool
     size: tuple[int, int]
     """Width and height in pixels."""
@@ -37,7 +37,7 @@ class MapPane:
         return at / self.unit * (1.0, -1.0 if self.is_upward else 1.0)
 
     def moved(self, point: Array, at: tuple[float, float]) -> Array:
-        """The world point that is dragged to a pixel; the third coordinate stays."""
+        """The world point after dragging to a pixel; the third coordinate stays."""
         moved = point.copy()
         sign = -1.0 if self.is_upward else 1.0
         moved[self.axes[0]] = self.origin[0] + at[0] * self.unit
@@ -45,7 +45,7 @@ class MapPane:
         return moved
 
     def grabbed(self, at: tuple[float, float], position: Array, target: Array) -> str | None:
-        """The symbol that a pixel grabs: "camera", "target" or none."""
+        """The symbol grabbed at a pixel: "camera", "target" or None."""
         places = self.to_pixels(np.array([position, target]))
         away = np.hypot(*(places - at).T)
         if away.min() > GRAB_PX:
@@ -86,7 +86,7 @@ class MapPane:
         return f'<polygon points="{points}" fill="{CAMERA}" fill-opacity=".18"/>'
 
     def way(self, positions: list[Array]) -> str:
-        """The way walked so far."""
+        """The path so far."""
         if len(positions) < 2:
             return ""
         at = self.to_pixels(np.array(positions))
@@ -96,7 +96,7 @@ class MapPane:
         self, image: NDArray[np.uint8], cells: dict[tuple[int, int, int], tuple[int, int, int]],
         cell_size: float,
     ) -> NDArray[np.uint8]:  # fmt: skip
-        """The image with the cells of the map over it."""
+        """The image overlaid with the cells of the map."""
         if not cells:
             return image
         grown = image.copy()
@@ -123,7 +123,7 @@ def top_pane(floor: WorldSettings, image: NDArray[np.uint8]) -> MapPane:
 def front_pane(
     floor: WorldSettings, image: NDArray[np.uint8], height: int
 ) -> tuple[MapPane, NDArray[np.uint8]]:
-    """The pane from the front, its image filled up with sky to `height` pixels."""
+    """The pane from the front, its image padded with sky to `height` pixels."""
     rows, width = image.shape[:2]
     above = max(height - rows, 0)
     sky = np.full((above, width, 3), image[0, 0] if rows else SKY, np.uint8)

@@ -1,4 +1,4 @@
-"""The top and the front view: camera and target are dragged there, and the map grows."""
+"""The top and front views, with draggable camera and target, and the growing map."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 EVENTS = ("mousedown", "mousemove", "mouseup")
 FRONT_HEIGHT = 288
-"""Of the front view in pixels; above the world there is sky."""
+"""Height of the front view in pixels; above the world there is sky."""
 
 Drawn = list[tuple[MapPane, NDArray[np.uint8]]]
 
@@ -45,7 +45,7 @@ class MapViews:
         }
 
     def mark(self) -> None:
-        """Put the symbols where camera and target are."""
+        """Place the symbols of camera and target."""
         simulation = self.simulation
         walk = self.visit.walk
         for name, shown in self.panes.items():
@@ -58,7 +58,7 @@ class MapViews:
             self.images[name].set_content(way + frame + symbols)
 
     def _base(self) -> Drawn:
-        """The panes without a map, drawn once a world."""
+        """The panes without a map, drawn once per world."""
         if self._bases is None or self._bases[0] is not self.simulation.world:
             top, front = self.simulation.maps()
             floor = self.simulation.settings.world

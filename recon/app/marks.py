@@ -1,4 +1,4 @@
-"""Lines and words over an image, as SVG: scales, names, the way, what was clicked."""
+"""SVG overlays of an image: scales, names, the path, the clicked point."""
 
 from html import escape
 from typing import Any
@@ -16,22 +16,22 @@ Array = NDArray[np.float64]
 Names = tuple[FoundObject, ...]
 
 BAR = (1.1, 14.0)
-"""Width and height of a scale, of its font's size."""
+"""Width and height of a scale, relative to its font size."""
 SCENE_FONT, EYE_FONT = 13.0, 8.5
-"""Pixels of a scale's letters, in a view in space and in an eye's pane."""
+"""Font size of a scale in pixels, in a 3D view and in a camera's pane."""
 STEPS = 32
 ACCENT = "#e8650a"
 FRUSTUM_SHARE = 0.04
-"""Size of a camera's symbol, of the distance at which it is seen."""
+"""Size of a camera's symbol, relative to its distance."""
 
 
 def of_view(view: View, layer: Layer, look: Look, names: Names) -> str:
-    """The scale of the colours, and the names of objects."""
+    """The colour scale, and the names of objects."""
     return _scale(layer, look) + "".join(_name(view.lens, found) for found in names)
 
 
 def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:
-    """The way of the cameras, and the camera of one pair."""
+    """The path of the cameras, and the camera of one pair."""
     if trajectory is None or not len(trajectory):
         return ""
     way = polyline(lens.project(trajectory.positions), "#56b4e9", 1.5)
@@ -46,7 +46,7 @@ def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:
 
 
 def of_row(lens: Lens, layer: Layer, row: int | None) -> str:
-    """A ring round what was clicked."""
+    """A ring around the clicked point."""
     if row is None or row >= len(layer):
         return ""
     u, v, depth = lens.project(layer.places[row : row + 1])[0]
@@ -54,7 +54,7 @@ def of_row(lens: Lens, layer: Layer, row: int | None) -> str:
 
 
 def ring(u: float, v: float, radius: float, colour: str, more: str = "") -> str:
-    """A circle without a filling."""
+    """An unfilled circle."""
     return (
         f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{radius:g}" fill="none" stroke="{colour}" '
         f'stroke-width="2" {more}/>'
@@ -62,7 +62,7 @@ def ring(u: float, v: float, radius: float, colour: str, more: str = "") -> str:
 
 
 def polyline(at: Array, colour: str, width: float) -> str:
-    """A line through points (N, 3) in pixels; broken where it goes behind the camera."""
+    """A line through points (N, 3) in pixels, interrupted behind the camera."""
     runs: list[list[str]] = [[]]
     for u, v, depth in at.tolist():
         if depth > 0 and abs(u) < 1e5 and abs(v) < 1e5:
@@ -74,7 +74,7 @@ def polyline(at: Array, colour: str, width: float) -> str:
 
 
 def text(u: float, v: float, words: str, size: float = 13.0, anchor: str = "middle") -> str:
-    """Words that can be read over anything."""
+    """Text that is legible on any background."""
     return (
         f'<text class="recon-word" x="{u:.1f}" y="{v:.1f}" font-size="{size:g}" '
         f'text-anchor="{anchor}" stroke-width="{0.18 * size:.2g}">{escape(words)}</text>'
@@ -82,13 +82,13 @@ def text(u: float, v: float, words: str, size: float = 13.0, anchor: str = "midd
 
 
 def caption(words: str, size: tuple[int, int]) -> str:
-    """The name of a pane, below on the left of an image of `size` pixels."""
+    """The name of a pane, at the lower left of an image of `size` pixels."""
     font = 0.028 * size[0]
     return text(0.6 * font, size[1] - 0.6 * font, words, font, "start")
 
 
 def length_bar(unit_px: float, size: tuple[int, int]) -> str:
-    """A bar of 1, 2 or 5 times a power of ten units, below on the right of an image."""
+    """A bar of 1, 2 or 5 times a power of ten units, at the lower right of an image."""
     width, height = size
     power = 10.0 ** np.floor(np.log10(0.25 * width / unit_px))
     length = power * max(digit for digit in (1, 2, 5) if digit * power * unit_px <= 0.25 * width)
@@ -103,7 +103,7 @@ def length_bar(unit_px: float, size: tuple[int, int]) -> str:
 def _name(lens: Lens, found: FoundObject) -> str:
     top = found.centre + np.array([0.0, 0.55 * found.size[1], 0.0])
     u, v, depth = lens.project(top[None])[0]
-    # Many objects of a recording have no name: the table tells them by their ids.
+    # Many objects of a recording have no name: the table lists them by id.
     words = f"#{found.id}" if found.label == UNKNOWN else found.label
     return text(u, v, words) if depth > 0 else ""
 
@@ -116,7 +116,7 @@ def _scale(layer: Layer, look: Look) -> str:
 
 
 def scale(values: Array, label: str, colours: Any, font: float = EYE_FONT) -> str:
-    """The colours of numbers (N,), with their ends and their middle."""
+    """The colour scale of values (N,), with its ends and its middle."""
     mapped = scales.coloured(values, colours)
     low, high = mapped.get_clim()
     width, tall = BAR[0] * font, BAR[1] * font

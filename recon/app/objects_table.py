@@ -1,4 +1,4 @@
-"""The objects of a run as a table that selects in the scene, and back."""
+"""The objects of a run as a table whose selection is linked with the scene."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +11,7 @@ COLUMNS = ("id", "label", "probability", "x", "z", "height", "views")
 
 
 def rows_of(objects: tuple[FoundObject, ...]) -> list[dict[str, Any]]:
-    """One row per object, as the table shows them."""
+    """One table row per object."""
     return [
         {
             "id": found.id,
@@ -27,7 +27,7 @@ def rows_of(objects: tuple[FoundObject, ...]) -> list[dict[str, Any]]:
 
 
 class ObjectsTable:
-    """A table of objects; a click selects one, another click none."""
+    """A table of objects; a click selects one, a second click deselects it."""
 
     def __init__(
         self, name: str, exhibit: Exhibit | None, chosen: Callable[[int | None], Any]

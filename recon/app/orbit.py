@@ -1,4 +1,4 @@
-"""The camera of a view in space: it turns about a point, comes nearer, and moves sideways."""
+"""The camera of a 3D view: it orbits a point, zooms, and pans."""
 
 from dataclasses import dataclass, replace
 
@@ -24,7 +24,7 @@ VIEWS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Orbit:
-    """A place on a sphere round a point."""
+    """A camera position on a sphere around a point."""
 
     target: Array
     """(3,) world."""
@@ -34,7 +34,7 @@ class Orbit:
 
     @classmethod
     def round(cls, low: Array, high: Array) -> "Orbit":
-        """Far enough off to see a whole box."""
+        """An orbit far enough away to see a whole box."""
         reach = float(np.linalg.norm(high - low)) / 2.0 or 1.0
         return cls(
             target=(low + high) / 2.0, distance=reach / np.sin(np.radians(FOV_DEG) / 2.0) * 0.85
@@ -42,7 +42,7 @@ class Orbit:
 
     @property
     def position(self) -> Array:
-        """(3,) of the camera."""
+        """(3,) position of the camera."""
         flat = np.cos(self.elevation)
         away = (
             flat * np.sin(self.azimuth), np.sin(self.elevation), flat * np.cos(self.azimuth)
@@ -58,7 +58,7 @@ class Orbit:
         )  # fmt: skip
 
     def turned(self, right_px: float, down_px: float) -> "Orbit":
-        """Turned as a hand that drags the things would turn them."""
+        """The orbit rotated by a drag of the mouse."""
         elevation = self.elevation + TURN_PER_PIXEL * down_px
         return replace(
             self,
@@ -67,17 +67,17 @@ class Orbit:
         )
 
     def moved(self, right_px: float, down_px: float, height_px: int) -> "Orbit":
-        """Moved so that what is in the middle follows the hand."""
+        """The orbit shifted so that the target follows the mouse."""
         T = look_at(self.position, self.target)
         unit = 2.0 * self.distance * np.tan(np.radians(FOV_DEG) / 2.0) / height_px
         return replace(self, target=self.target - unit * (right_px * T[:3, 0] + down_px * T[:3, 1]))
 
     def zoomed(self, steps: float) -> "Orbit":
-        """Nearer for positive steps."""
+        """The orbit zoomed, nearer for positive steps."""
         distance = float(np.clip(self.distance * ZOOM**-steps, NEAREST, FARTHEST))
         return replace(self, distance=distance)
 
     def seen_from(self, view: str) -> "Orbit":
-        """From a side of VIEWS."""
+        """The orbit from one of VIEWS."""
         azimuth, elevation = VIEWS[view]
         return replace(self, azimuth=azimuth, elevation=elevation)

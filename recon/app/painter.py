@@ -1,4 +1,4 @@
-"""Drawing beside the page: in a thread, the newest of what was asked for."""
+"""Drawing in the background: in a thread, only the latest request."""
 
 import logging
 from collections.abc import Callable
@@ -14,16 +14,16 @@ Drawn = TypeVar("Drawn")
 
 
 class Painter(Generic[Drawn]):
-    """Draws again whenever it is asked; what was asked while it drew is drawn once, at the end.
+    """Redraws on request; requests during drawing are merged into one redraw at the end.
 
     Parameters
     ----------
     draw : callable
         Runs in a thread.
     show : callable
-        Takes what was drawn, in the page's own thread.
+        Called with the result, in the page's own thread.
     complain : callable
-        Takes the text of an error; what was shown before stays.
+        Called with the text of an error; the previous drawing stays.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class Painter(Generic[Drawn]):
         self._is_at_work = False
 
     def ask(self) -> None:
-        """Draw soon."""
+        """Request a redraw."""
         self._is_wanted = True
         if not self._is_at_work:
             self._is_at_work = True

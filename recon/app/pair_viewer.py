@@ -1,4 +1,4 @@
-"""The pairs of a run with a slider: what the left camera saw, and what was found in it."""
+"""The pairs of a run with a slider: the left image, and its matches."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,11 +17,11 @@ from recon.figures import scales
 DIM = 0.45
 DOT_PX = 1
 FONT = 0.034
-"""Of the scale, of the image's width."""
+"""Font size of the scale, relative to the image's width."""
 
 
 class PairViewer:
-    """A slider over the pairs, with both images of the one that is chosen."""
+    """A slider over the pairs, with both images of the chosen one."""
 
     def __init__(
         self, exhibit: Exhibit, suffix: str, chosen: Callable[[int], Any], complain: Any
@@ -82,7 +82,7 @@ class PairViewer:
 
 
 def coloured(seen: SeenPair) -> NDArray[np.uint8]:
-    """The dimmed left image (H, W, 3) with every point in the colour of its number."""
+    """The dimmed left image (H, W, 3) with every point in the colour of its value."""
     left = seen.left if seen.left.ndim == 3 else np.repeat(seen.left[..., None], 3, axis=2)
     grey = np.asarray(DIM * left.mean(axis=2), np.uint8)
     image: NDArray[np.uint8] = np.repeat(grey[..., None], 3, axis=2)

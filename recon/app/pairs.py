@@ -1,4 +1,4 @@
-"""The pairs of a run once more: read again where it was recorded, taken again where simulated."""
+"""The pairs of a run again: read from the recording, or rendered by the simulator."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ from recon.world.library import find_scene
 Array = NDArray[np.float64]
 
 AHEAD = 20.0
-"""Distance of the target of a view that is taken again, world units: a run keeps poses only."""
+"""Distance of the target of a rendered view, world units, as a run keeps only poses."""
 SPARSE, FEATURES, DENSE = "matched points", "features", "every pixel"
 SHOWN = (SPARSE, FEATURES, DENSE)
-"""Choices of what is shown of a pair, besides its left image."""
+"""Options of what to show of a pair besides its left image."""
 KEPT = {SPARSE: "disparity", DENSE: "dense"}
-"""The figure of a run without a map that keeps it."""
+"""The figure of a run without a map that has the data."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SeenPair:
-    """A pair of a run, and numbers at points of its left image."""
+    """A pair of a run, and values at points of its left image."""
 
     left: NDArray[np.uint8]
     points_px: Array
@@ -38,12 +38,12 @@ class SeenPair:
     values: Array
     """(M,) disparities in pixels, or orientations in degrees."""
     label: str
-    """The numbers' name, with their unit."""
+    """Name of the values, with their unit."""
     is_dense: bool = False
 
     @property
     def said(self) -> str:
-        """The amount that is shown, in words."""
+        """The shown amount, in words."""
         if not self.is_dense:
             noun = "matched points" if self.label.startswith("disparity") else "features"
             return f"{len(self.values):,} {noun}"
@@ -65,7 +65,7 @@ class Pairs:
         Raises
         ------
         InputError
-            Where what the run was made of is not there any more.
+            If the input of the run no longer exists.
         """
         if self.exhibit.trajectory is None:
             return self._kept(shown)
@@ -73,7 +73,7 @@ class Pairs:
         return _seen(self._pair(number), shown, settings)
 
     def _kept(self, shown: str) -> SeenPair:
-        """The pair that a run without a map kept for its figure."""
+        """The pair that a run without a map stored for its figure."""
         from recon.runs.figures import read_arrays
 
         path = self.exhibit.path / "figures" / f"{KEPT.get(shown, shown)}.npz"
@@ -97,7 +97,7 @@ class Pairs:
     def _input(self, manifest: Mapping[str, Any]) -> Path:
         paths = [Path(path) for path in manifest.get("input_paths", [])]
         if not paths:
-            raise InputError(f"{self.exhibit.path} does not say where its pairs are")
+            raise InputError(f"{self.exhibit.path} does not state where its pairs are")
         return paths[0] if paths[0].exists() else _shipped(paths[0], manifest)
 
     def _view(self, number: int, settings: Settings) -> View:
@@ -108,8 +108,8 @@ class Pairs:
 
 
 def _shipped(path: Path, manifest: Mapping[str, Any]) -> Path:
-    """The scene that ships under the name of one that is gone, where it is the same."""
-    fault = f"{path}, of which the run was made, is not there any more"
+    """The shipped scene of the same name and content as one that no longer exists."""
+    fault = f"{path}, the input of the run, no longer exists"
     try:
         found = find_scene(Path(path.stem))
     except InputError as error:
@@ -124,7 +124,7 @@ def _nth(path: Path, number: int, settings: Settings) -> StereoPair:
 
     for pair in open_sequence(path, settings.sequence)[number : number + 1]:
         return pair
-    raise InputError(f"{path} has no pair {number} any more")
+    raise InputError(f"{path} no longer has a pair {number}")
 
 
 def _seen(pair: StereoPair, shown: str, settings: Settings) -> SeenPair:

@@ -1,4 +1,4 @@
-"""The controller and its exploration: step, run, pause, stop; what it says, finds and leaves."""
+"""The controller and its exploration: step, run, pause, stop; its messages and results."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 RUNS = Path("runs")
 LONG_S = 5.0
-"""A stage that takes longer says how long."""
+"""Stages that take longer show their duration."""
 BUTTONS = ("step", "run", "pause", "stop")
 
 
@@ -50,7 +50,7 @@ class RunCard:
             self.show_objects(visit.walk.objects)
 
     def show(self) -> None:
-        """Show how far the exploration is."""
+        """Show the progress of the exploration."""
         walk = self.visit.walk
         if walk is None:
             return
@@ -61,7 +61,7 @@ class RunCard:
         self.result.set_text("\n".join(line for line in (text, *_said(walk)) if line))
 
     def show_objects(self, objects: tuple[FoundObject, ...]) -> None:
-        """Show what is found."""
+        """Show the objects found."""
         self.table.show(objects)
 
     def _choose(self, name: str) -> None:
@@ -111,7 +111,7 @@ class RunCard:
 
 
 def _said(walk: Walk) -> list[str]:
-    """Lines of the controller, of how the run ended, and of what is wrong."""
+    """Lines with the controller's message, the reason for the end, and warnings."""
     if walk.report is None:
         return [walk.error or walk.said]
     warnings = [notice.text for notice in walk.report.warnings]
@@ -119,19 +119,19 @@ def _said(walk: Walk) -> list[str]:
 
 
 def _stage(walk: Walk) -> str:
-    """The stage, and its duration so far where that is long."""
+    """The stage, and its duration so far if it is long."""
     if walk.waited_s < LONG_S:
         return walk.stage
     return f"{walk.stage}, for {walk.waited_s:.0f} s"
 
 
 def _fault(walk: Walk | None, name: str) -> str | None:
-    """The reason why a button does nothing now; None where it does something."""
+    """The reason why a button has no effect now; None if it has one."""
     is_going_on = walk is not None and not walk.is_over
     if name in ("pause", "stop") and not is_going_on:
-        return "no run is going on"
+        return "no run is in progress"
     if walk is not None and walk.state == "stopping":
         return "the run is stopping; wait until it has ended"
     if name == "run" and walk is not None and walk.state == "running":
-        return "it runs already"
+        return "it is already running"
     return None

@@ -1,4 +1,4 @@
-"""The server behind the pages: it listens on this machine unless told otherwise."""
+"""The server of the pages, by default for this machine only."""
 
 import secrets
 import socket
@@ -13,7 +13,7 @@ from recon.libraries import check_extra, load_extra
 
 DEFAULT_PORT = 8600
 NUM_TRIED = 20
-"""Ports from the default on, where nobody names one."""
+"""Number of ports tried, starting at the default, if none is given."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,12 +26,12 @@ class Address:
 
     @property
     def port(self) -> int:
-        """The port that is listened on."""
+        """The port of the socket."""
         return int(self.listener.getsockname()[1])
 
     @property
     def url(self) -> str:
-        """The address as a browser takes it."""
+        """The URL for a browser."""
         shown = {"0.0.0.0": socket.gethostname(), "::": socket.gethostname()}.get(
             self.host, f"[{self.host}]" if ":" in self.host else self.host
         )
@@ -40,12 +40,12 @@ class Address:
 
 
 def listen(host: str, port: int | None) -> Address:
-    """A socket for the page; the first free port from DEFAULT_PORT on where none is named.
+    """A socket for the page; by default on the first free port >= DEFAULT_PORT.
 
     Raises
     ------
     InputError
-        Where the host is not this machine's, or the port is taken.
+        If the host is not this machine's, or the port is taken.
     """
     wanted = [port] if port is not None else [*range(DEFAULT_PORT, DEFAULT_PORT + NUM_TRIED), 0]
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
@@ -79,9 +79,9 @@ def serve(
     address : Address
     title : str
     announce : callable
-        Called when the socket listens, before what serves the page is loaded.
+        Called when the socket listens, before the server libraries are loaded.
     """
-    # A browser takes a while to open; the socket is there already, and answers when all is loaded.
+    # A browser takes a while to open; the socket already listens, and answers when loaded.
     check_extra("nicegui", "app")
     announce()
     nicegui = load_extra("nicegui", "app")
@@ -102,7 +102,7 @@ def serve(
 
 
 def open_browser(url: str) -> None:
-    """Open the page where there is a browser; nothing happens where there is none."""
+    """Open the page in a browser, if there is one."""
     try:
         webbrowser.get()
     except webbrowser.Error:

@@ -1,4 +1,4 @@
-"""All settings as text: shown, changed, taken along as TOML; the looks of the world as switches."""
+"""All settings as editable TOML text with download; the look of the world as switches."""
 
 import tomllib
 from collections.abc import Callable
@@ -56,7 +56,7 @@ class SettingsCard:
     def _change(self, tree: dict[str, Any]) -> None:
         try:
             if not all(isinstance(table, dict) for table in tree.values()):
-                raise InputError("settings: every value stands in a table, as [map] cell_size = 1")
+                raise InputError("settings: every value needs a table, such as [map] cell_size = 1")
             self.simulation.change_settings(tree)
         except (ReconError, OSError) as error:
             self._complain(str(error))

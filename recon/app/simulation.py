@@ -1,4 +1,4 @@
-"""The simulated cameras of one visitor: where they stand, what they see, and what is matched."""
+"""The simulated cameras of one visitor: poses, images and matches."""
 
 import threading
 from dataclasses import dataclass, fields
@@ -21,20 +21,20 @@ PLACES = ("x", "y", "z", "target_x", "target_y", "target_z")
 MAP_PX = 512
 """Longer side of the map panes."""
 ROUND = 4
-"""Digits of what is dragged."""
+"""Decimal digits of dragged positions."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sight:
-    """The images of both cameras now."""
+    """The current images of both cameras."""
 
     pair: StereoPair
     points: Points | None
-    """Matched points, where they are wanted."""
+    """Matched points, if requested."""
 
 
 class Simulation:
-    """A world, and the cameras in it; values that cannot be are refused and change nothing."""
+    """A world and its cameras; invalid values are refused and change nothing."""
 
     def __init__(self, scene: Path, settings: Settings | None = None) -> None:
         self.scene = scene
@@ -47,7 +47,7 @@ class Simulation:
 
     @property
     def view(self) -> View:
-        """Place, target and parameters of the cameras."""
+        """Position, target and parameters of the cameras."""
         eyes = self.settings.eyes
         return View(
             position=self.position, target=self.target, fov_deg=eyes.fov_deg,
@@ -63,12 +63,12 @@ class Simulation:
         return {name: float(value) for name, value in (places | numbers | sizes).items()}
 
     def change(self, name: str, value: float | None) -> None:
-        """Take over one field of the camera settings.
+        """Change one field of the camera settings.
 
         Raises
         ------
         InputError
-            For a value that cannot be; everything stays as it was.
+            For an invalid value; everything stays unchanged.
         """
         if value is None or not np.isfinite(value):
             raise InputError(f"{name} is {value}, but a number is needed")
@@ -82,12 +82,12 @@ class Simulation:
             self.change_settings({"eyes": {name: int(value) if whole else value}})
 
     def move(self, position: Array, target: Array) -> None:
-        """Stand and look elsewhere.
+        """Move the cameras and their target.
 
         Raises
         ------
         InputError
-            Where that lies out of the world, or gives no direction.
+            If they are outside the world, or define no direction.
         """
         floor = self.settings.world
         half_x, half_z = floor.size_x / 2.0, floor.size_z / 2.0
@@ -105,12 +105,12 @@ class Simulation:
         self.position, self.target = np.round(position, ROUND), np.round(target, ROUND)
 
     def change_settings(self, changes: dict[str, dict[str, Any]]) -> None:
-        """Take over settings; the world is made anew where its looks change.
+        """Change settings; the world is rebuilt if its look changes.
 
         Raises
         ------
         InputError
-            For a value that cannot be; everything stays as it was.
+            For an invalid value; everything stays unchanged.
         """
         chosen = updated(self.settings, changes)
         if _makes_anew(self.settings, chosen):
@@ -120,12 +120,12 @@ class Simulation:
         self.settings = chosen
 
     def look(self, *, with_points: bool) -> Sight:
-        """The images of both cameras, with their matched points where wanted."""
+        """The images of both cameras, with their matched points if requested."""
         with self._lock:
             pair = self.world.take(self.view)
         if not with_points:
             return Sight(pair=pair, points=None)
-        # Late: the first image does not wait for what matches it.
+        # Late: the first image need not wait for the matching libraries.
         from recon.mapping.sparse import match_features
         from recon.stereo.features import detect
 

@@ -16,7 +16,7 @@ def simulate(scene: Path, settings: Settings | None, address: Address, announce:
     Raises
     ------
     InputError
-        Where the scene cannot be read.
+        If the scene cannot be read.
     """
     path = find_scene(scene)
     read_scene(path)

@@ -1,4 +1,4 @@
-"""The simulator's page: four panes, the cameras in hand, and an exploration that is watched."""
+"""The simulator's page: four panes, movable cameras, and a live exploration."""
 
 from recon.app.camera_card import CameraCard
 from recon.app.eye_panes import EyePanes
@@ -11,7 +11,7 @@ from recon.app.widgets import header, nicegui, note
 from recon.errors import ReconError
 
 POLL_S = 0.4
-"""Seconds between looks at what the exploration has done."""
+"""Interval of polling the exploration, seconds."""
 
 
 class SimulatorPage:
@@ -38,18 +38,18 @@ class SimulatorPage:
         self.changed()
 
     def say(self, text: str) -> None:
-        """Say what is wrong; nothing where all is well."""
+        """Show an error message; empty if there is none."""
         self.message.set_text(text)
 
     def moved(self) -> None:
-        """The cameras stand elsewhere, or are others."""
+        """Update the page after the cameras have changed."""
         self.say("")
         self.camera.show()
         self.maps.mark()
         self.eyes.painter.ask()
 
     def changed(self) -> None:
-        """The world looks different."""
+        """Update the page after the look of the world has changed."""
         self.maps.painter.ask()
         self.moved()
 
@@ -64,7 +64,7 @@ class SimulatorPage:
             self._follow(walk)
 
     def _follow(self, walk: Walk) -> None:
-        """Show where the exploration is, and what it has mapped."""
+        """Show the position of the exploration, and its map."""
         simulation = self.simulation
         if simulation.objects != walk.objects:
             simulation.objects = walk.objects

@@ -1,4 +1,4 @@
-"""The rows that are shown as a file of any format, to be taken along."""
+"""Export of the shown rows as a file of any format."""
 
 import io
 import tempfile
@@ -17,7 +17,7 @@ def packed(data: Data, stem: str, ending: str) -> tuple[str, bytes]:
     Raises
     ------
     InputError
-        Where the format cannot hold the data.
+        If the format cannot hold the data.
     """
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"{stem}{ending}"
@@ -31,7 +31,7 @@ def packed(data: Data, stem: str, ending: str) -> tuple[str, bytes]:
 
 
 def archive(files: dict[str, bytes]) -> bytes:
-    """Files by name as one archive; the same files give the same bytes."""
+    """Files by name as one archive; the same files yield the same bytes."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as zipped:
         for name, content in files.items():

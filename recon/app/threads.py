@@ -1,4 +1,4 @@
-"""Work beside the page, in threads that nobody waits for when the program ends."""
+"""Background work of the page, in daemon threads."""
 
 import asyncio
 import threading
@@ -10,7 +10,7 @@ Made = TypeVar("Made")
 
 
 async def in_thread(make: Callable[[], Made]) -> Made:
-    """The result of `make`, or its error, from a thread of its own; the page answers meanwhile."""
+    """The result of `make`, or its error, from a separate thread; the page stays responsive."""
     loop = asyncio.get_running_loop()
     done: asyncio.Future[Made] = loop.create_future()
 
@@ -26,10 +26,10 @@ async def in_thread(make: Callable[[], Made]) -> Made:
         result, fault = None, None
         try:
             result = make()
-        # Whatever it is, it is raised again where the result is waited for.
+        # Any error is raised again where the result is awaited.
         except Exception as error:
             fault = error
-        # The loop is closed where the program has ended meanwhile.
+        # The loop is closed if the program has ended meanwhile.
         with suppress(RuntimeError):
             loop.call_soon_threadsafe(tell, result, fault)
 

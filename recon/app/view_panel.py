@@ -1,4 +1,4 @@
-"""A view in space that the mouse and the keys turn; a click tells what lies there."""
+"""A 3D view controlled by mouse and keys; a click identifies a row."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,9 +16,9 @@ from recon.app.widgets import nicegui, pane
 from recon.records import Trajectory
 
 CLICK_PX = 4.0
-"""A mouse that moves less clicks; one that moves more turns."""
+"""Maximum movement of the mouse for a click; more rotates the view."""
 REST_S = 0.35
-"""After so long without a turn everything is drawn."""
+"""Seconds without rotation after which everything is drawn."""
 KEY_PX = 25.0
 KEYS = {
     "ArrowLeft": (-KEY_PX, 0.0), "ArrowRight": (KEY_PX, 0.0),
@@ -36,11 +36,11 @@ class ViewPanel:
         Its `data-testid`.
     layer : Layer
     clicked : callable
-        Takes the row that was clicked, or None.
+        Called with the clicked row, or None.
     drawn : callable
-        Takes every `View` that is shown.
+        Called with every shown `View`.
     complain : callable
-        Takes the text of an error.
+        Called with the text of an error.
     """
 
     def __init__(
@@ -74,13 +74,13 @@ class ViewPanel:
         self._rest = nicegui().timer(REST_S, self._stand_still, active=False, once=False)
 
     def change_layer(self, layer: Layer) -> None:
-        """Show something else from the same place."""
+        """Show another layer from the same viewpoint."""
         self.layer = layer
         self.picked = None
         self.refilter(self.filter)
 
     def refilter(self, chosen: Filter) -> None:
-        """Show other rows."""
+        """Show the rows of another filter."""
         self.filter = chosen
         self._kept = chosen.kept(self.layer)
         self._chosen = {}
@@ -88,11 +88,11 @@ class ViewPanel:
 
     @property
     def kept(self) -> Any:
-        """(N,) rows that pass the filter."""
+        """(N,) mask of the rows that pass the filter."""
         return self._kept
 
     def look_from(self, view: str) -> None:
-        """Turn to a side."""
+        """Turn to one of VIEWS."""
         self._turn(self.orbit.seen_from(view), is_moving=False)
 
     def _draw(self) -> View:

@@ -1,4 +1,4 @@
-"""Belongings of visitors, kept while the page is away: a cookie finds them again."""
+"""State per visitor, kept while the page is closed and found again by a cookie."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -9,18 +9,18 @@ from recon.libraries import load_extra
 Kept = TypeVar("Kept")
 
 MOST = 16
-"""Visitors whose things are kept; who came first goes first."""
+"""Maximum number of visitors whose state is kept; the oldest is dropped first."""
 
 
 class Visitors(Generic[Kept]):
-    """One thing per visitor, made at the first visit."""
+    """One object per visitor, created at the first visit."""
 
     def __init__(self, make: Callable[[], Kept]) -> None:
         self._make = make
         self._kept: OrderedDict[str, Kept] = OrderedDict()
 
     def current(self) -> Kept:
-        """The thing of whoever opens the page now."""
+        """The object of the current visitor."""
         name = str(load_extra("nicegui", "app").app.storage.browser["id"])
         if name not in self._kept:
             self._kept[name] = self._make()

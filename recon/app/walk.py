@@ -1,4 +1,4 @@
-"""An exploration that a visitor leads: step, run, pause, stop; it goes on without a page."""
+"""An exploration controlled by a visitor: step, run, pause, stop; it continues without a page."""
 
 import logging
 import shutil
@@ -27,24 +27,24 @@ log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
 
 PATIENCE_S = 10.0
-"""Given to a controller that is to stop; then it is left behind."""
+"""Time for a controller to stop; then it is abandoned."""
 
 
 class Walk:
-    """One exploration in a thread of its own."""
+    """One exploration in its own thread."""
 
     def __init__(self, scene: Path, settings: Settings, seed: int = 0) -> None:
         self.job = Job(kind="explore", inputs=(scene,), settings=settings, seed=seed)
-        # Gone with the program at the latest.
+        # Removed at the latest when the program ends.
         self._holder = tempfile.TemporaryDirectory(prefix="recon-", ignore_cleanup_errors=True)
         self.folder = Path(self._holder.name) / scene.stem
         self.number = 0
-        """Pairs taken."""
+        """Number of pairs taken."""
         self.objects: tuple[FoundObject, ...] = ()
         self.positions: list[Array] = []
         self.last: Step | None = None
         self.cells: dict[tuple[int, int, int], tuple[int, int, int]] = {}
-        """Cells that hold points so far, with a colour each."""
+        """Cells with points so far, with a colour each."""
         self.said = ""
         self.stage = ""
         self._stage_began = 0.0
@@ -72,7 +72,7 @@ class Walk:
 
     @property
     def is_over(self) -> bool:
-        """True where nothing more will come."""
+        """True if the exploration has ended."""
         return self.state in ("failed", "done")
 
     def step(self) -> None:
@@ -84,19 +84,19 @@ class Walk:
         self._start()
 
     def run(self) -> None:
-        """Go on until the end."""
+        """Continue until the end."""
         with self._wakes:
             self._is_free = True
             self._wakes.notify_all()
         self._start()
 
     def pause(self) -> None:
-        """Wait after the pair that is being taken."""
+        """Pause after the current pair."""
         with self._wakes:
             self._is_free, self._permits = False, 0
 
     def stop(self) -> None:
-        """End after the pair that is being taken; what was explored is kept."""
+        """End after the current pair; the results are kept."""
         with self._wakes:
             self._cancelled_at = self._cancelled_at or time.monotonic()
             self._wakes.notify_all()
@@ -104,7 +104,7 @@ class Walk:
             self.error = "stopped before the first pair"
 
     def check(self) -> None:
-        """Leave a controller behind that does not answer."""
+        """Abandon a controller that does not respond."""
         waited = 0.0 if self._cancelled_at is None else time.monotonic() - self._cancelled_at
         if waited > PATIENCE_S and not self.is_over and self.stage in ("", "plan", "render"):
             self._is_left_behind = True
@@ -116,7 +116,7 @@ class Walk:
         Raises
         ------
         InputError
-            Where there is no finished run, or something stands at the target.
+            If there is no finished run, or the target exists.
         """
         if self.report is None:
             raise InputError("the run is not finished; stop it or let it end, then save it")
@@ -126,7 +126,7 @@ class Walk:
         shutil.copytree(self.folder, target)
 
     def discard(self) -> None:
-        """Delete what the run left in the temporary folder."""
+        """Delete the temporary folder of the run."""
         self._holder.cleanup()
 
     def _start(self) -> None:
@@ -139,7 +139,7 @@ class Walk:
         return time.monotonic() - self._stage_began
 
     def _go(self) -> None:
-        # Late: the page does not wait for what an exploration needs.
+        # Late: the page need not wait for the libraries of the exploration.
         from recon.runs.events import Events
         from recon.runs.execute import execute
 
@@ -187,7 +187,7 @@ class Walk:
         settings = self.job.settings.map
         size, cloud = settings.cell_size, step.cloud
         if settings.max_sigma is not None and cloud.sigma is not None:
-            # Only what is sure enough for the map.
+            # Only points precise enough for the map.
             cloud = cloud.select(cloud.sigma <= settings.max_sigma * size)
         index = np.floor(cloud.points / size).astype(np.int64)
         cells, rows = np.unique(index, axis=0, return_index=True)

@@ -1,4 +1,4 @@
-"""Pieces that both pages are made of; every one that tests look for has its `data-testid`."""
+"""Building blocks of both pages; those used by tests have a `data-testid`."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -63,13 +63,13 @@ def card(title: str) -> Any:
 
 
 def note(name: str = "", text: str = "", kind: str = "recon-note") -> Any:
-    """A line of text that is changed later."""
+    """A line of changeable text."""
     label = nicegui().label(text).classes(kind)
     return testid(label, name) if name else label
 
 
 def number_field(name: str, label: str, value: float, change: Callable[[Any], Any]) -> Any:
-    """A number that is taken over when it is whole: by Enter, or when the field is left."""
+    """A number field that is applied by Enter, or when it loses the focus."""
     field = nicegui().number(label, value=value, format="%.6g").props("dense step=any")
     testid(field, name)
     field.on("change", change)
@@ -78,7 +78,7 @@ def number_field(name: str, label: str, value: float, change: Callable[[Any], An
 
 
 def slider(name: str, ends: tuple[float, float, float], value: float, change: Any) -> Any:
-    """The browser's own slider: keyboard, drag and screen readers work; (low, high, step)."""
+    """The browser's native slider, for keyboard, mouse and screen readers; (low, high, step)."""
     low, high, step = ends
     element = nicegui().element("input").classes("recon-range")
     element.props(f"type=range min={low:g} max={high:g} step={step:g} value={value:g}")
@@ -90,7 +90,7 @@ _VALUE = "(event) => emit(event.target.value)"
 
 
 def chooser(name: str, label: str, options: Sequence[str], value: str, change: Any) -> Any:
-    """A choice of one among several."""
+    """A selection of one option."""
     with testid(nicegui().element("div").classes("w-full"), name):
         return nicegui().select(
             list(options), value=value, label=label, on_change=lambda event: change(event.value)
@@ -98,7 +98,7 @@ def chooser(name: str, label: str, options: Sequence[str], value: str, change: A
 
 
 def header(title: str, subtitle: str) -> Any:
-    """The line above a page: its name, what it shows, dark or light; returns the dark mode."""
+    """The header of a page: name, subtitle, dark or light; returns the dark mode."""
     ui = nicegui()
     ui.add_head_html(HEAD)
     ui.colors(primary="#0072b2")
@@ -114,7 +114,7 @@ def header(title: str, subtitle: str) -> Any:
 
 
 def pane(name: str, size: tuple[int, int], on_mouse: Any, events: Sequence[str]) -> Any:
-    """An image that is drawn by the server, with marks over it."""
+    """An image drawn by the server, with overlays."""
     image = nicegui().interactive_image(
         size=size, on_mouse=on_mouse, events=list(events), sanitize=False
     )

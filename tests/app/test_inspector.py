@@ -159,7 +159,7 @@ def test_a_cloud_and_a_mesh_stand_side_by_side(browser, tmp_path):
         page.mouse.move(box["x"] + 100, box["y"] + 100)
         page.mouse.down()
         page.mouse.move(box["x"] + 160, box["y"] + 120, steps=3)
-        says(page, "shown-share", "20% of the 400,000 that pass, drawn by lot")
+        says(page, "shown-share", "20% of the 400,000 that pass, drawn at random")
         page.mouse.up()
         says(page, "shown-share", "(100%)")
         drawn(page, "scene-2", before)
@@ -180,7 +180,7 @@ def test_what_is_gone_is_a_message_and_what_was_shown_stays(browser, run, tmp_pa
     with served("inspect", "walk", folder=tmp_path) as url:
         scene.unlink()
         page = page_of(browser, url, "scene")
-        says(page, "message", "is not there any more")
+        says(page, "message", "no longer exists")
         shutil.rmtree(copy)
         slide(page, "trajectory-slider", 1)
         says(page, "message", "settings.toml")

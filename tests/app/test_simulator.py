@@ -187,7 +187,7 @@ def test_a_frame_is_exported(page, folder, tmp_path):
 def test_an_exploration_is_led_found_again_and_saved(page, folder):
     says(page, "controller-info", " ")
     page.get_by_test_id("stop").click()
-    says(page, "message", "no run is going on")
+    says(page, "message", "no run is in progress")
     page.get_by_test_id("step").click()
     says(page, "controller-result", "1 pairs")
     page.get_by_test_id("step").click()
@@ -195,7 +195,7 @@ def test_an_exploration_is_led_found_again_and_saved(page, folder):
     page.get_by_test_id("run").click()
     says(page, "controller-result", "running")
     page.get_by_test_id("run").click()
-    says(page, "message", "it runs already")
+    says(page, "message", "it is already running")
     page.reload()
     drawn(page, "pane-left")
     says(page, "controller-result", " pairs")

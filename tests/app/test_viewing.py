@@ -77,7 +77,7 @@ def test_filters_and_their_share(voxels):
     few = shown(layer, kept, 20)
     assert len(few.rows) == 20
     assert kept[few.rows].all()
-    assert "drawn by lot" in few.share("cells")
+    assert "drawn at random" in few.share("cells")
     low, high = np.array([0.0, 0, 0]), np.array([5.0, 2, 3])
     clipped = Filter(low=low, high=high).kept(layer)
     np.testing.assert_array_equal(
