@@ -132,7 +132,7 @@ class Agent:
         log.info("%s: %s", reason, message)
 
     def _check_start(self) -> None:
-        """Raise `InputError` where the agent cannot begin."""
+        """Raise `InputError` if the agent cannot begin."""
         x, _, z = self.start.position
         if not self.model.floor.holds(self.model.floor.cells([x, z])):
             raise InputError(
@@ -194,7 +194,7 @@ class Agent:
         return None if self.referee is None else self.referee.coverage(self.model.floor)
 
     def _ask(self, controller: Controller, step: Step) -> View | None:
-        """The controller's next view, walked to; None where there is a reason to stop.
+        """The controller's next view, walked to; None if there is a reason to stop.
 
         Where its way would touch something the floor knows that, and the controller is asked again.
         """
@@ -207,7 +207,7 @@ class Agent:
         return view
 
     def _answer(self, controller: Controller, step: Step) -> View | None:
-        """The answer of a controller; None where there is a reason to stop."""
+        """The answer of a controller; None if there is a reason to stop."""
         state = self._state(step)
         try:
             with self.stopwatch.stage("plan"):

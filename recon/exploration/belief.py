@@ -46,7 +46,7 @@ class Sight:
     view: View
     pair: StereoPair
     result: PairResult | None = None
-    """Its matches and points, in the world as believed; None where they are not worked out yet."""
+    """Its matches and points, in the world as believed; None if they are not worked out yet."""
 
     @property
     def cloud(self) -> PointCloud:
@@ -255,5 +255,5 @@ def _motion(old: Array, new: Array, sight: Sight) -> Array:
 
 
 def belief_of(settings: Settings) -> Belief | None:
-    """The belief of an agent whose motion errs; None where motion is exact."""
+    """The belief of an agent whose motion errs; None if motion is exact."""
     return None if settings.motion.is_exact else Belief(settings=settings)

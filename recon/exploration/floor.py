@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 
 
 def check_floor(settings: Settings) -> None:
-    """Raise `InputError` where the floor of the settings has too many cells to be explored."""
+    """Raise `InputError` if the floor of the settings has too many cells to be explored."""
     _shape(settings.world.size_x, settings.world.size_z, settings.map.cell_size)
 
 
@@ -52,7 +52,7 @@ class Lines:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Floor:
-    """Square cells round the origin; the agent's flat map."""
+    """Square cells around the origin; the agent's flat map."""
 
     size_x: float
     size_z: float

@@ -1,4 +1,4 @@
-"""Auto focus: the cameras turn to the nearest thing, and match the disparities round it.
+"""Auto focus: the cameras turn to the nearest thing, and match the disparities around it.
 
 The thesis leaves it to future work: "the camera parameters should be chosen by the distance of the
 objects". A first look measures, a second one is taken.
@@ -50,7 +50,7 @@ def focusing(take: Take, settings: Settings) -> Take:
 
 
 def nearest_distance(pair: StereoPair, settings: Settings) -> float | None:
-    """Distance of the nearest thing that a pair shows; None where it shows none."""
+    """Distance of the nearest thing that a pair shows; None if it shows none."""
     seen = match_points(replace(pair, T_world_left=np.eye(4)), settings).cloud
     if len(seen) < MIN_POINTS:
         return None

@@ -26,7 +26,7 @@ def length_of(path: Array) -> float:
 def path_bound(start: View, objects: Sequence[TrueObject], viewing_distance: float) -> float:
     """A length that no tour undercuts which comes within viewing distance of every object.
 
-    A tour joins the discs round the objects from which they can be seen, so it is no shorter than
+    A tour joins the discs around the objects from which they can be seen, so it is no shorter than
     the shortest tree that joins them.
     """
     centres = np.array([start.position, *(found.centre for found in objects)])[:, [0, 2]]

@@ -40,7 +40,7 @@ class Obstacle:
 
     @property
     def is_sure(self) -> bool:
-        """True where its label is one of a catalogue, and believed."""
+        """True if its label is one of a catalogue, and believed."""
         found = self.found
         return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
 

@@ -29,14 +29,14 @@ Order = list[int]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sides:
-    """Places round one object that show three sides of it, a third of a turn apart."""
+    """Places around one object that show three sides of it, a third of a turn apart."""
 
     turns: tuple[tuple[Array, ...], ...]
     """For each turn the places (K, 2) of its sides, those that can be stood on."""
 
     @classmethod
     def of(cls, one: TrueObject, walkable: Mask, floor: Floor, viewing_distance: float) -> "Sides":
-        """Look for places round an object; of the turns, those with most sides are kept."""
+        """Look for places around an object; of the turns, those with most sides are kept."""
         turn = 2.0 * math.pi / NUM_SIDES
         turns = []
         for start in np.linspace(0.0, turn, NUM_TURNS, endpoint=False):
@@ -50,11 +50,11 @@ class Sides:
 def oracle_path(
     start_xz: Array, objects: Sequence[TrueObject], free: Mask, floor: Floor, scales: Scales
 ) -> float | None:
-    """Length of a tour that a walker who knows the world could go; None where there is none.
+    """Length of a tour that a walker who knows the world could go; None if there is none.
 
     It begins at the start (2,), ends anywhere, keeps the walking clearance, and stands on three
     sides of every object, from the viewing distance or nearer. Order and places are improved by
-    turns (2-opt, and the best place for the neighbours); the length is that round the obstacles.
+    turns (2-opt, and the best place for the neighbours); the length is that around the obstacles.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def improved(order: Order, legs: Array) -> Order:
 
 
 def _best_turn(tour: NDArray[np.intp], legs: Array) -> tuple[int, int] | None:
-    """First and last position of the stretch that shortens the tour most; None where none does."""
+    """First and last position of the stretch that shortens the tour most; None if none does."""
     number = len(tour)
     if number < 3:
         return None

@@ -50,4 +50,4 @@ class Exploration:
     metrics: dict[str, Any]
     """The numbers of metrics.json, but for `seconds`; what needs truth is None without it."""
     true_trajectory: Trajectory | None = None
-    """True poses of the pairs; None where motion is exact, or the truth not known."""
+    """True poses of the pairs; None if motion is exact, or the truth not known."""

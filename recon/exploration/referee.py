@@ -34,7 +34,7 @@ class Referee:
         self.free = self.world.free_ground(self.settings.map.cell_size)
 
     def check_start(self, start: View) -> None:
-        """Raise `InputError` where the body cannot stand at the start."""
+        """Raise `InputError` if the body cannot stand at the start."""
         x, y, z = start.position
         clearance = float(self._clearance(start.position[None])[0])
         upright = np.array([[x, share * y, z] for share in (0.1, 0.5, 1.0)])
@@ -88,7 +88,7 @@ class Referee:
 
 
 def referee_of(source: Explorable, settings: Settings) -> Referee | None:
-    """The referee of what is explored; None where the truth is not known."""
+    """The referee of what is explored; None if the truth is not known."""
     return Referee(world=source, settings=settings) if isinstance(source, KnownWorld) else None
 
 

@@ -94,7 +94,7 @@ class Slip:
 
 
 def slip_of(referee: Referee | None, settings: Settings) -> Slip | None:
-    """The slip of a simulated robot; None where motion is exact, or nobody knows the truth."""
+    """The slip of a simulated robot; None if motion is exact, or nobody knows the truth."""
     if settings.motion.is_exact or referee is None:
         return None
     return Slip(motion=settings.motion, referee=referee)

@@ -22,7 +22,7 @@ within which unexplored ground is the same as what was headed for before."""
 
 @dataclass(slots=True, kw_only=True)
 class Circle:
-    """The turn round one obstacle."""
+    """The turn around one obstacle."""
 
     obstacle: Obstacle
     start_rad: float
@@ -32,7 +32,7 @@ class Circle:
 
 @dataclass(slots=True, kw_only=True)
 class ThesisController:
-    """Meets what is new, turns round it, turns on the spot, heads for the unexplored."""
+    """Meets what is new, turns around it, turns on the spot, heads for the unexplored."""
 
     circle: Circle | None = None
     turned_deg: float = 0.0
@@ -62,7 +62,7 @@ class ThesisController:
         return None
 
     def _circle(self, state: State, paths: ShortestPaths) -> View | None:
-        """Turn round an obstacle, looking at it all the time (step 4)."""
+        """Turn around an obstacle, looking at it all the time (step 4)."""
         circle, step = self.circle, state.settings.exploration.object_turn_deg
         while circle is not None and circle.turned_deg + step < 360.0 - 1e-6:
             circle.turned_deg += step
@@ -79,7 +79,7 @@ class ThesisController:
         return None
 
     def _meet(self, state: State, paths: ShortestPaths) -> View | None:
-        """Go to the nearest new obstacle; begin to turn round it once it is no noise (4 and 6)."""
+        """Go to the nearest new obstacle; begin to turn around it once it is no noise (4 and 6)."""
         seen: list[Obstacle | Detection] = [*state.obstacles, *state.detections]
         new = [t for t in seen if not self._is_finished(t)]
         for obstacle in sorted(new, key=lambda t: _gap(t, state.place)):
@@ -105,7 +105,7 @@ class ThesisController:
     def _approach(
         self, obstacle: Obstacle | Detection, state: State, paths: ShortestPaths
     ) -> View | None:
-        """Stand in front of an obstacle; None where that failed too often or cannot be."""
+        """Stand in front of an obstacle; None if that failed too often or cannot be."""
         near = NEAR * state.scales.clearance
         before = [other for other in self.approached if np.hypot(*(other - obstacle.centre)) < near]
         if len(before) >= MAX_TRIES:

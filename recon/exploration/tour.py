@@ -67,7 +67,7 @@ def first_stop(
 
     The view that shows most for its detour is put into the round where that is shortest, what it
     would show is taken for seen, and so on until no view shows enough: first sides of obstacles,
-    whose order is improved then, and ground on the way and after. None where nothing is left.
+    whose order is improved then, and ground on the way and after. None if nothing is left.
 
     Parameters
     ----------

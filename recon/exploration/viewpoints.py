@@ -16,7 +16,7 @@ from recon.exploration.state import State, Walk
 
 NUM_BEARINGS = 12
 CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
-"""Factors of the distance that is tried round an obstacle."""
+"""Factors of the distance that is tried around an obstacle."""
 
 
 def azimuth_of(direction_xz: Array) -> float:
@@ -87,7 +87,7 @@ def _one_per_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDAr
 def viewpoint(
     paths: ShortestPaths, obstacle: Obstacle | Detection, bearing_rad: float, clearance: float
 ) -> Array | None:
-    """The place (2,) to look at an obstacle from on one bearing; None where none can be reached.
+    """The place (2,) to look at an obstacle from on one bearing; None if none can be reached.
 
     Where something stands in the way, the distance is shortened, then lengthened.
     """
@@ -101,7 +101,7 @@ def viewpoint(
 def viewpoints_round(
     paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], state: State
 ) -> Array:
-    """Places (N, 2) round obstacles that can be reached, on some bearings of each."""
+    """Places (N, 2) around obstacles that can be reached, on some bearings of each."""
     bearings = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
     clearance = state.scales.clearance
     tried = [viewpoint(paths, one, float(b), clearance) for one in wanted for b in bearings]

@@ -67,7 +67,7 @@ class Atlas:
         Raises
         ------
         InputError
-            Where it is not an atlas, or one that is damaged.
+            If it is not an atlas, or one that is damaged.
         """
         columns = archive.read_columns(path)
         try:

@@ -46,7 +46,7 @@ class PlaceKeeper:
         return atlas_of(self._places, trajectory)
 
     def _is_known(self, T_world_left: Array) -> bool:
-        """True where the last place shows the same."""
+        """True if the last place shows the same."""
         if not self._places:
             return False
         number = next(reversed(self._places))

@@ -66,7 +66,7 @@ class Closed:
 
 
 def close_loops(poses: Array, atlas: Atlas) -> Closed | None:
-    """Correct the poses of a drive by its loops; None where it has none.
+    """Correct the poses of a drive by its loops; None if it has none.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class Hypothesis:
     """Tiles of the image that show what the map does there."""
     num_different: int
     is_known: bool = True
-    """True where a place was known again there; a guess by shape only shows what else it may be."""
+    """True if a place was known again there; a guess by shape only shows what else it may be."""
 
     @property
     def evidence(self) -> float:
@@ -141,7 +141,7 @@ class KnownWorld:
         return Prior(T_world_left=T_world_left, information=information)
 
     def _is_covered(self, T_world_left: Array) -> bool:
-        """True where a place shows what would be seen from a pose."""
+        """True if a place shows what would be seen from a pose."""
         apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
         alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
         return bool(((apart < COVERED_SHARE * self.depths) & (alike > COVERED_COSINE)).any())

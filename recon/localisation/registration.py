@@ -94,7 +94,7 @@ class Registration:
 
 
 def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | None:
-    """The pose at which points lie on the surface; None where too few of them do."""
+    """The pose at which points lie on the surface; None if too few of them do."""
     T, reach = prior.T_world_left, FIRST_REACH
     for _ in range(NUM_ROUNDS):
         contacts = touch(points, surfels, T, reach * surfels.cell_size)

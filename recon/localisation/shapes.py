@@ -76,7 +76,7 @@ def _standing(thing: Thing, turn: Array, offset: Array, T_world_left: Array) -> 
 
 
 def _nearest_thing(cloud: PointCloud, cell_size: float) -> Array | None:
-    """(3,) the middle of the front of the nearest thing, left frame; None where nothing stands."""
+    """(3,) the middle of the front of the nearest thing, left frame; None if nothing stands."""
     sigma = np.zeros(len(cloud)) if cloud.sigma is None else cloud.sigma
     points = cloud.points[sigma <= MAX_SIGMA_CELLS * cell_size]
     patches = [points[rows] for rows in _patches(points[:, [0, 2]], cell_size, closing=2.0)]

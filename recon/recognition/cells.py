@@ -1,4 +1,4 @@
-"""Gathering a cloud into cells, as a map would."""
+"""Binning of a cloud into cells, as in a map."""
 
 import numpy as np
 from numpy.typing import NDArray

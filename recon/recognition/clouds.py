@@ -1,4 +1,4 @@
-"""Recognition of any cloud: turned upright, gathered into cells, named, and brought back."""
+"""Recognition of any cloud: rotated upright, binned into cells, named, and transformed back."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -26,17 +26,17 @@ T_LEVEL_CLOUD: Mapping[str, Array] = {
     "z": pose([[1, 0, 0], [0, 0, 1], [0, -1, 0]], [0, 0, 0]),
     "-z": pose([[1, 0, 0], [0, 0, -1], [0, 1, 0]], [0, 0, 0]),
 }
-"""Turns a cloud so that its own direction of `up` is y."""
+"""Transforms from a cloud with each `up` direction to a frame with y up."""
 
 NEIGHBOURS_IN_CELL = 8
-"""A cell is as wide as so many neighbours of a point lie apart."""
+"""A cell is as wide as the distance of a point to this neighbour."""
 NUM_PROBES = 2000
 MOST_CELLS = 20_000
-"""Cells of a cloud, about: dense clouds are gathered in larger ones."""
+"""Approximate maximum number of cells of a cloud: dense clouds get larger cells."""
 FULL_CELL = 0.25
-"""Points of an occupied cell as a share of those of the median one ..."""
+"""Points of an occupied cell, relative to the median cell ..."""
 MIN_COUNT = 3
-"""... of which so many are enough."""
+"""... but this number is always enough."""
 
 
 def recognise_cloud(
@@ -53,20 +53,20 @@ def recognise_cloud(
         In any frame and unit.
     settings : RecognitionSettings
     up : str
-        The cloud's axis that points up, to within the tilt of a hand-held camera.
+        The cloud's axis that points up, within the tilt of a hand-held camera.
     T_cloud_left : (V, 4, 4) float64, optional
-        Poses of the views it was taken from; without, one from the origin of its frame.
+        Poses of its views; by default a single view from the origin of its frame.
 
     Returns
     -------
     Recognition
-        In the frame of the cloud, sizes across and along the normal of the largest level plane;
-        `label` has one number for each point.
+        In the frame of the cloud, with sizes measured across and along the normal of the largest
+        level plane; `label` has one entry per point.
 
     Raises
     ------
     InputError
-        Where `up` is none of the four.
+        If `up` is not one of the four.
     """
     if up not in T_LEVEL_CLOUD:
         raise InputError(f"up is {up!r}, but one of {', '.join(T_LEVEL_CLOUD)} is needed")
@@ -91,7 +91,7 @@ def recognise_cloud(
 
 
 def gathered(cloud: PointCloud) -> Voxels:
-    """The cells of a cloud, as small as its density allows."""
+    """Bin a cloud into cells as small as its density allows."""
     side = _cell_size(cloud.points)
     voxels = gather(cloud, side)
     if len(voxels) > MOST_CELLS:
@@ -101,17 +101,17 @@ def gathered(cloud: PointCloud) -> Voxels:
 
 
 def _of_points(label: NDArray[np.int32], voxels: Voxels, points: Array) -> NDArray[np.int32]:
-    """Labels (N,) of points by those (K,) of their cells."""
+    """Labels (N,) of points from the labels (K,) of their cells."""
     reach = 0.51 * voxels.cell_size
     cell = cKDTree(voxels.centres).query(points, p=np.inf, distance_upper_bound=reach)[1]
     return np.append(label, np.int32(-1))[cell]
 
 
 def _cell_size(points: Array) -> float:
-    """Side of a cell that holds a few neighbours; 1 where all points are one."""
+    """Side of a cell that holds a few neighbours; 1 if all points coincide."""
     probes = points[:: max(1, len(points) // NUM_PROBES)]
     count = min(NEIGHBOURS_IN_CELL + 1, len(points))
     reach = np.asarray(cKDTree(points).query(probes, k=count)[0]).reshape(len(probes), -1)[:, -1]
     side = float(np.median(reach))
-    # Cells far below the cloud's size would overflow their numbers.
+    # The indices of cells far smaller than the cloud would overflow.
     return max(side, 1e-5 * extent(points)) or 1.0

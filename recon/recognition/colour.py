@@ -8,15 +8,15 @@ Array = NDArray[np.float64]
 GREY = 0.15
 """Below this saturation a hue is noise."""
 DARK = 0.1
-"""Below this value too."""
+"""Below this value as well."""
 VIVID_SHARE = 0.25
-"""Share of cells that must have a hue for their part to have one."""
+"""Share of the cells of a part that must have a hue for the part to have one."""
 AGREEMENT = 0.5
-"""Length of the mean direction of hues under which they point everywhere."""
+"""Minimum length of the mean direction of hues that agree."""
 
 
 def rgb_to_hsv(colours: NDArray[np.uint8]) -> Array:
-    """Hue in degrees, saturation and value in 0 to 1, as Appendix D has them.
+    """Hue in degrees, saturation and value from 0 to 1, as defined in Appendix D.
 
     Parameters
     ----------
@@ -41,13 +41,13 @@ def rgb_to_hsv(colours: NDArray[np.uint8]) -> Array:
 
 
 def is_vivid(hsv: Array) -> NDArray[np.bool_]:
-    """(N,) where a colour is bright and pure enough for its hue to mean something."""
+    """Mask (N,) of colours bright and saturated enough for a meaningful hue."""
     vivid: NDArray[np.bool_] = (hsv[:, 1] >= GREY) & (hsv[:, 2] >= DARK)
     return vivid
 
 
 def mean_hue_deg(colours: NDArray[np.uint8]) -> float | None:
-    """Circular mean hue of colours (N, 3); None where most are grey or they do not agree."""
+    """Circular mean hue of colours (N, 3); None if most are grey or the hues do not agree."""
     hsv = rgb_to_hsv(colours)
     vivid = is_vivid(hsv)
     if not vivid.any() or vivid.mean() < VIVID_SHARE:

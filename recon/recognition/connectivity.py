@@ -1,4 +1,4 @@
-"""Components: cells that hang together, by their numbers or by how densely they lie."""
+"""Connected components of cells, by cell index or by point density."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,69 +7,69 @@ from scipy.spatial import cKDTree
 from recon.recognition.unions import joined_roots, linked_roots, numbered
 
 NUM_LINKS = 24
-"""Neighbours that a point may be linked to: as many as lie within the reach on a surface."""
+"""Neighbours a point may be linked to: the number within reach on a surface."""
 SPACING_RANK = 6
-"""The spacing at a point is the distance of this neighbour, the outermost ring on a surface."""
+"""The spacing at a point is the distance to this neighbour, in the outermost ring on a surface."""
 LINK_SPACINGS = 2.0
-"""Points nearer than so many spacings belong together."""
+"""Points within this number of spacings are linked."""
 ON_AXIS = 0.6
-"""Middles of two parts of one object are nearer than this share of the wider one's reach."""
+"""Two parts of one object have centres closer than this share of the wider part's radius."""
 SIDE_BY_SIDE = 0.5
-"""Two parts that share more than so much of their height stand beside each other."""
+"""Two parts that overlap by more than this share of their height are side by side."""
 
 
 def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
-    """Number of the component of each cell.
+    """Component label of each cell.
 
     Parameters
     ----------
     index : (K, 3) int
-        Cell numbers.
+        Cell indices.
     reach : int
-        Cells are neighbours that lie at most so many apart along every axis: 1 = the 26
-        neighbours, 2 closes gaps of one cell.
+        Maximum distance of neighbours in cells along every axis: 1 = the 26 neighbours, 2 closes
+        gaps of one cell.
 
     Returns
     -------
     label : (K,) int32
-        0, 1, ... in the order of each component's first cell.
+        0, 1, ... in the order of the components' first cells.
     """
     return joined(neighbours(index, reach), len(index))
 
 
 def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
-    """Number of the component of each point; the reach of a link follows the density of points.
+    """Component label of each point; the reach of a link follows the point density.
 
     Parameters
     ----------
     points : (K, 3) float64
     least : float
-        Points that lie nearer together belong together, however dense the rest is.
+        Points closer than this are always linked, whatever the density.
 
     Returns
     -------
     label : (K,) int32
-        0, 1, ... in the order of each component's first point.
+        0, 1, ... in the order of the components' first points.
     """
     count = min(NUM_LINKS, len(points))
     if count < 2:
         return np.arange(len(points), dtype=np.int32)
     distances, near = map(np.asarray, cKDTree(points).query(points, k=count))
-    # The denser side decides: a speck far off joins nothing.
+    # The denser side decides, so a distant speck is not linked to anything.
     reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, count - 1)]
     label: NDArray[np.int32] = numbered(linked_roots(distances, near, reach, least))
     return label
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
-    """Pairs (E, 2) of rows whose cells lie at most `reach` apart along every axis."""
+    """Pairs (E, 2) of rows whose cells are at most `reach` apart along every axis."""
     if len(index) < 2:
         return np.empty((0, 2), dtype=np.intp)
     return cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
 
 
 def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:
-    """Number of the component of each node of a graph, in the order of their first nodes."""
+    """Component label of each node of a graph, in the order of the components' first nodes."""
     label: NDArray[np.int32] = numbered(joined_roots(pairs.astype(np.int64), num_nodes))
     return label
 
@@ -87,7 +87,7 @@ def in_order_of_appearance(label: NDArray[np.integer]) -> NDArray[np.int32]:
 def stacked(
     points: NDArray[np.float64], label: NDArray[np.int32], min_size: int
 ) -> NDArray[np.int32]:
-    """Components that stand over each other joined: a wide crown hides how its trunk reaches it.
+    """Join components above each other: a wide crown hides its connection to the trunk.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def stacked(
     label : (K,) int32
         Component of each point.
     min_size : int
-        Smallest component that others are joined to.
+        Minimum size of a component that others are joined to.
     """
     low, high = _boxes(points, label)
     hosts = np.flatnonzero(np.bincount(label, minlength=len(low)) >= min_size)
@@ -105,7 +105,7 @@ def stacked(
 
 
 def overhanging(points: NDArray[np.float64], label: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Pieces joined with what they overhang: a crown does not lie on its trunk, a box on a box.
+    """Join pieces with what they overhang: a crown overhangs its trunk, a box on a box does not.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def _boxes(
 def _on_one_axis(
     low: NDArray[np.float64], high: NDArray[np.float64], host: int
 ) -> NDArray[np.intp]:
-    """Pairs (E, 2) of a box and those over or under its middle."""
+    """Pairs (E, 2) of a box and the boxes above or below its centre."""
     middle, size = (low + high) / 2.0, high - low
     apart = np.hypot(*(middle - middle[host])[:, ::2].T)
     shared = np.minimum(high, high[host])[:, 1] - np.maximum(low, low[host])[:, 1]

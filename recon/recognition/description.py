@@ -13,20 +13,20 @@ from recon.records import BoundingBox, ExplainingSolid, FoundObject, Plane, Soli
 Array = NDArray[np.float64]
 
 ON_SOLID_CELLS = 0.75
-"""A cell nearer than this share of a cell lies on a solid."""
+"""A cell within this share of the cell size is on a solid."""
 
 
 def described(
     found: FoundObject, solid: Solid | None, cells: Voxels, unit: Literal["m"] | None
 ) -> FoundObject:
-    """The object with its box, colour, best solid and what of it is seen.
+    """The object with its box, colour, best solid and visible share.
 
     Parameters
     ----------
     solid : Solid, optional
-        The lone one that fits its cells best.
+        The single solid that fits its cells best.
     cells : Voxels
-        Its own, in the frame of the object.
+        The cells of the object, in its frame.
     """
     seen = found.seen
     if seen is None and solid is not None and not isinstance(solid, Plane):
@@ -47,12 +47,12 @@ def bounding_box(cells: Voxels, unit: Literal["m"] | None) -> BoundingBox:
 
 
 def explaining(solid: Solid, cells: Voxels) -> ExplainingSolid:
-    """A solid with the share of the cells that lie on it."""
+    """A solid with the share of the cells on it."""
     on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
     return ExplainingSolid(solid=solid, explained=float(on_it.mean()))
 
 
 def dominant_colour(cells: Voxels) -> tuple[int, int, int]:
-    """The colour that lies in the middle of most cells: their median by channel."""
+    """The typical colour of the cells: their median per channel."""
     red, green, blue = np.median(cells.colours, axis=0).astype(int).tolist()
     return red, green, blue

@@ -29,7 +29,7 @@ def moved(one: Placed, T_target_source: Array) -> Placed:
 
 
 def moved_cells(voxels: Voxels, T_target_source: Array) -> Voxels:
-    """Cells with their places in another frame; their numbers, so their neighbours, stay."""
+    """Cells with positions in another frame; their indices, and so their neighbours, stay."""
     return replace(
         voxels,
         means=transform(T_target_source, voxels.means),
@@ -38,7 +38,7 @@ def moved_cells(voxels: Voxels, T_target_source: Array) -> Voxels:
 
 
 def moved_object(found: FoundObject, T_target_source: Array) -> FoundObject:
-    """The same object in another frame; its `size` stays along the axes of the old one."""
+    """The same object in another frame; its `size` stays along the axes of the old frame."""
     explaining = found.solid
     return replace(
         found,

@@ -1,4 +1,4 @@
-"""The layout of a map: planes that things stand on or before, and the components between them."""
+"""The layout of a map: ground, supports and walls, and the components between them."""
 
 from dataclasses import dataclass
 
@@ -23,39 +23,40 @@ Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]
 
 CLEARANCE_CELLS = 1.5
-"""Cells lower over a found floor than this belong to it ..."""
+"""Cells lower than this above a detected floor belong to it ..."""
 CLEARANCE_SIGMAS = 3.0
-"""... or than so many deviations of its own cells."""
+"""... or lower than this number of standard deviations of its own cells."""
 WALL_CELLS = 1.0
-"""Distance from a wall up to which a cell lies on it."""
+"""Maximum distance of a cell on a wall."""
 REACH_CELLS = 2.5
-"""Cells of one object lie at most so far apart, more where cells lie sparsely."""
+"""Maximum distance of neighbouring cells of one object, larger where cells are sparse."""
 SMALLEST_HOST = 12
-"""Cells of a component that others stand on or under."""
+"""Minimum number of cells of a component that others are stacked on."""
 WIDER = 2.0
-"""A floor under a thing that all views look at is so many times as large as the thing."""
+"""A floor under an object that all views look at is larger than the object by at least this
+factor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Layout:
-    """A map in its level frame: y up, the floor at y = `floor`."""
+    """A map in its level frame: y up, floor at y = `floor`."""
 
     cells: Voxels
-    """Means and centres level; cell numbers are those of the map."""
+    """Means and centres in the level frame; cell indices are those of the map."""
     T_world_level: Array
     """(4, 4)"""
     floor: float
-    """Height of the floor; of the lowest cell where none was found."""
+    """Height of the floor, or of the lowest cell if no floor was found."""
     planes: tuple[FoundPlane, ...]
     """World."""
     component: Labels
-    """(K,) 0, 1, ...; -1 = on a plane, or of what holds one up."""
+    """(K,) 0, 1, ...; -1 = on a plane, or part of what supports one."""
     supports: tuple[Support, ...] = ()
-    """Those of the planes that are raised, in their order."""
+    """The raised planes, in their order."""
 
     @property
     def has_floor(self) -> bool:
-        """True where a plane was found that things stand on."""
+        """True if a ground plane was found."""
         return any(plane.role == "ground" for plane in self.planes)
 
     @property
@@ -64,12 +65,12 @@ class Layout:
         return int(self.component.max(initial=-1)) + 1
 
     def height_under(self, cells: Voxels) -> float:
-        """Height of what cells stand on: of the highest support under them, else of the floor."""
+        """Height of what cells stand on: the highest support under them, otherwise the floor."""
         under = self._under(cells)
         return self.floor if under is None else self.supports[under].height
 
     def support(self, cells: Voxels) -> int | None:
-        """Id of the plane that cells stand on; None where nothing that is known holds them."""
+        """Id of the plane that cells stand on; None if nothing known supports them."""
         under = self._under(cells)
         role = "ground" if under is None else "support"
         if not self.has_floor or is_hovering(cells, self.height_under(cells)):
@@ -77,7 +78,7 @@ class Layout:
         return [plane.id for plane in self.planes if plane.role == role][under or 0]
 
     def _under(self, cells: Voxels) -> int | None:
-        """Number of the highest support that most of the cells lie over."""
+        """Index of the highest support below most of the cells."""
         low = float(cells.means[:, 1].min())
         under = [
             (one.height, number)
@@ -88,12 +89,12 @@ class Layout:
 
 
 def lay_out(voxels: Voxels, settings: RecognitionSettings, focus: Focus | None = None) -> Layout:
-    """Take the planes off a map and number what hangs together in the rest.
+    """Remove the planes from a map and label the connected components of the rest.
 
     Parameters
     ----------
     focus : Focus, optional
-        Place that all views look at: what is there is one thing.
+        Position that all views look at: everything there is one object.
     """
     if settings.ground is not None:
         return _on_known_ground(voxels, settings, settings.ground)
@@ -132,7 +133,7 @@ def _without_floor(voxels: Voxels, focus: Focus | None) -> Layout:
 def _on_found_floor(
     voxels: Voxels, cells: Voxels, T_level_world: Array, on_floor: Mask, focus: Focus | None
 ) -> Layout:
-    """Floor, walls and supports taken off; what lies deeper than the floor is seen beside it."""
+    """Remove floor, walls and supports; anything below the floor is seen past its edge."""
     T_world_level = invert(T_level_world)
     floor = moved(_board(0.0), T_world_level)
     planes = [_plane(0, floor, voxels.select(on_floor), "ground")]
@@ -161,7 +162,7 @@ def _on_found_floor(
 
 
 def _numbered(cells: Voxels, standing: Mask) -> Labels:
-    """Component (K,) of each standing cell; -1 = of the others."""
+    """Component (K,) of each standing cell; -1 for the others."""
     points = cells.means[standing]
     label = linked(points, REACH_CELLS * cells.cell_size)
     component = np.full(len(cells), -1, dtype=np.int32)
@@ -170,7 +171,7 @@ def _numbered(cells: Voxels, standing: Mask) -> Labels:
 
 
 def _gathered(component: Labels, points_world: Array, focus: Focus | None) -> Labels:
-    """The components at the place that all views look at as one."""
+    """Merge the components at the position that all views look at."""
     if focus is None or not (component >= 0).any():
         return component
     kept = component >= 0
@@ -183,7 +184,7 @@ def _gathered(component: Labels, points_world: Array, focus: Focus | None) -> La
 
 
 def _clearance(cells: Voxels, settings: RecognitionSettings) -> float:
-    """Height up to which cells over a found floor at y = 0 belong to it."""
+    """Height up to which cells above a detected floor at y = 0 belong to it."""
     if settings.ground_clearance is not None:
         return settings.ground_clearance
     height = cells.means[:, 1]
@@ -193,7 +194,7 @@ def _clearance(cells: Voxels, settings: RecognitionSettings) -> float:
 
 
 def _is_wider(cells: Voxels, on_floor: Mask) -> bool:
-    """True where a floor reaches beyond what stands on it."""
+    """True if a floor extends beyond what stands on it."""
     return _footprint(cells.means[on_floor]) > WIDER * _footprint(cells.means[~on_floor])
 
 
@@ -209,7 +210,7 @@ def _board(height: float) -> Plane:
 
 
 def _plane(number: int, plane: Plane, cells: Voxels, role: PlaneRole) -> FoundPlane:
-    """A plane in the world, its point in the middle of its cells."""
+    """A plane in the world frame, with its point in the middle of its cells."""
     middle = cells.means.mean(axis=0) if len(cells) else plane.point
     foot = middle - ((middle - plane.point) @ plane.normal) * plane.normal
     area = len(cells) * cells.cell_size**2

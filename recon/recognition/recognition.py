@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 HOVERING = "hovers over the ground, held by nothing known"
 SEEN_ONCE = "seen once: it moves, or is false"
 VIEWS_TO_TELL = 3
-"""Views of the clearest cell from which a clump that no two views saw has moved."""
+"""Views of the most seen cell from which a component seen by no two views has moved."""
 
 
 def recognise(
@@ -47,18 +47,18 @@ def recognise(
     voxels : Voxels
         Occupied cells, world, y up.
     T_world_left : (V, 4, 4) float64, optional
-        Poses of the views that the map was made from.
+        Poses of the views of the map.
 
     Returns
     -------
     Recognition
-        Objects numbered by their place (x, then z), a label for each cell handed in, the planes
-        they stand on or before, and failures counted by reason.
+        Objects numbered by position (x, then z), a label per input cell, the ground, support and
+        wall planes, and failures counted by reason.
 
     Raises
     ------
     InputError
-        Where a catalogue cannot be read.
+        If a catalogue cannot be read.
     """
     kinds = read_catalogues(settings.catalogue)
     _warn_of_scale(kinds, settings)
@@ -82,12 +82,12 @@ def recognise(
 
 
 def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int32]:
-    """Number of the component each cell belongs to after the planes are taken off.
+    """Component label of each cell after removal of the planes.
 
     Returns
     -------
     component : (K,) int32
-        0, 1, ...; -1 = on a plane. Components too small to be named are numbered too.
+        0, 1, ...; -1 = on a plane. Components too small to be named are included.
     """
     return lay_out(voxels, settings).component
 
@@ -98,12 +98,12 @@ def _warn_of_scale(kinds: tuple[Kind, ...], settings: RecognitionSettings) -> No
         notify(
             "names-need-scale",
             f"{', '.join(names)} have sizes in metres, but the scale is not known: their sizes "
-            "count for nothing",
+            "are ignored",
         )
 
 
 def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...]) -> Namer:
-    """The naming of the object that rows of the map are."""
+    """The function that names the object in some rows of the map."""
     recogniser = RECOGNISERS.load(settings.recogniser)
 
     def name(rows: Rows) -> Naming:
@@ -114,7 +114,7 @@ def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...
 
 
 def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str]) -> list[Rows]:
-    """Components that may be objects; the others are counted."""
+    """Components that may be objects; the others are counted as failures."""
     found = []
     views = layout.cells.num_views
     order = np.argsort(layout.component, kind="stable")
@@ -131,7 +131,7 @@ def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str
 
 
 def _is_one(focus: Focus | None) -> bool:
-    """True where all views look at one thing."""
+    """True if all views look at one object."""
     return focus is not None
 
 
@@ -142,7 +142,7 @@ def _cut(
     settings: RecognitionSettings,
     namer: Namer,
 ) -> list[Piece]:
-    """Things without a name in the convex pieces that solids explain."""
+    """Split unnamed objects into convex pieces that solids explain."""
     level = None if eyes is None else transform(invert(layout.T_world_level), eyes)
     return [
         part
@@ -154,7 +154,7 @@ def _cut(
 def _numbered(
     pieces: list[Piece], layout: Layout, settings: RecognitionSettings, failures: Counter[str]
 ) -> Recognition:
-    """The objects in the order of their places, in the world."""
+    """The objects in order of position, in the world frame."""
     placed = [(_in_world(naming, rows, layout, settings), rows) for naming, rows in pieces]
     placed.sort(key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
     label = np.full(len(layout.cells), -1, dtype=np.int32)

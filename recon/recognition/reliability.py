@@ -1,4 +1,4 @@
-"""Reliability of probabilities: how often what is said with a probability is right."""
+"""Reliability of probabilities: how often statements with a probability are right."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ NUM_BINS = 10
 def calibration_error(
     probability: ArrayLike, is_right: ArrayLike, num_bins: int = NUM_BINS
 ) -> float:
-    """Expected calibration error: mean gap of probability and share of right ones, by bins.
+    """Expected calibration error: mean gap between probability and share of correct ones, by bins.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def calibration_error(
     Returns
     -------
     error : float
-        0 where probabilities come true; NaN where there are none.
+        0 for perfectly calibrated probabilities; NaN if there are none.
     """
     chance, right = np.asarray(probability, dtype=np.float64), np.asarray(is_right, dtype=bool)
     if not len(chance):

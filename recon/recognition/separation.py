@@ -1,4 +1,4 @@
-"""Components that are two objects, and objects that are two components."""
+"""Components that contain several objects, and objects split into several components."""
 
 from collections.abc import Callable
 
@@ -17,43 +17,45 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Piece = tuple[Naming, Rows]
 Namer = Callable[[Rows], Naming]
-"""Names the object that rows of the map are."""
+"""Names the object in some rows of the map."""
 
 EXPLAINED = 1.0
-"""Deviance a cell, under that of a thing of no form, from which one object is enough."""
+"""Deviance per cell below that of a formless object from which one object is enough."""
 LONG = 2.0
-"""Length over width of a footprint, in standard deviations, from which it may be two objects."""
+"""Length over width of a footprint, in standard deviations, above which it may be two objects."""
 TOGETHER = 0.5
-"""Rise of the deviance a cell up to which one object is believed instead of several."""
+"""Maximum increase of the deviance per cell for one object instead of several."""
 WAIST, WIDE_WAIST = 1.6, 2.4
-"""Touching cells over the root of a side's cells, of things without a name and with one: 2.5 where
-a closed shell is cut in half."""
+"""Maximum number of touching cells over the root of a side's cells, without and with a name: 2.5
+for a closed shell cut in half."""
 SMALLEST_PIECE = 0.03
-"""Share of the cells of a thing that a piece of it must have."""
+"""Minimum share of an object's cells in a piece of it."""
 PIECES_SHARE, EXPLAINED_SHARE = 0.8, 0.7
-"""Share of a thing's cells on pieces that are solids, and share of a piece's cells on its solid."""
+"""Minimum share of an object's cells in pieces that are solids, and of a piece's cells on its
+solid."""
 ON_SOLID_CELLS = 0.75
-"""A cell nearer than this share of a cell lies on a solid."""
+"""A cell within this share of the cell size is on a solid."""
 BETTER = 0.1
-"""More of the cells that pieces must explain than one solid: a round side is not a row of walls."""
+"""Share of the cells that pieces must explain beyond one solid: a round side is not a row of
+walls."""
 MOST_FITTED = 300
-"""Cells of a piece that a solid is fitted to."""
+"""Approximate maximum number of cells that a solid is fitted to."""
 MOST_ROUNDS = 20
 APART = 0.5
-"""Fall of the deviance a cell from which two objects are believed instead of one."""
+"""Minimum decrease of the deviance per cell for two objects instead of one."""
 MOST_OBJECTS = 8
-"""Of one component: bounds the work on the cells of a street or a wall."""
+"""Maximum objects of one component, which limits the work for a street or a wall."""
 
 
 def separate(
     whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Namer
 ) -> list[Piece]:
-    """The objects that a piece of the map is: itself, or more where more fit better.
+    """The objects in a piece of the map: itself, or several if they fit better.
 
     Parameters
     ----------
     name : Callable
-        Names the object that some rows of `voxels` are.
+        Names the object in some rows of `voxels`.
     """
     waiting: list[Piece] = [whole]
     done: list[Piece] = []
@@ -68,13 +70,13 @@ def separate(
 
 
 def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
-    """Pieces that stand in one place as one object: a crown seen from two sides is one.
+    """Merge pieces at the same position: a crown seen from two sides is one object.
 
     Parameters
     ----------
     pieces : list of (Naming, rows)
     name : Callable
-        Names the object that some rows are.
+        Names the object in some rows.
     """
     waiting, done = list(pieces), []
     while waiting:
@@ -97,15 +99,15 @@ def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
 def cut_at_creases(
     whole: Piece, voxels: Voxels, eyes: Array | None, min_voxels: int, name: Namer
 ) -> list[Piece]:
-    """A thing without a name as its convex pieces, where solids explain these.
+    """Split an unnamed object into its convex pieces, if solids explain these.
 
-    Convexity alone breaks single things: it is believed where most cells lie on pieces that are
-    solids, each of its own, and these explain more than one solid does.
+    Convexity alone splits single objects, so the split is accepted only if most cells are in pieces
+    that each fit a solid, and these explain more than one solid does.
 
     Parameters
     ----------
     eyes : (V, 3) float64, optional
-        Places of the views.
+        Positions of the views.
     """
     naming, rows = whole
     if naming.label != UNKNOWN or len(rows) < 2 * min_voxels:
@@ -126,7 +128,7 @@ def cut_at_creases(
 
 
 def _explained(cells: Voxels) -> float:
-    """Share of the cells that lie on the one solid that fits them best."""
+    """Share of the cells on the single solid that fits them best."""
     step = max(1, len(cells) // MOST_FITTED)
     solid = fit(cells.means[::step])
     if isinstance(solid, FitFailure):
@@ -136,7 +138,7 @@ def _explained(cells: Voxels) -> float:
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
-    """True where the middle of one lies inside the other, which has a name, or may hold it."""
+    """True if the centre of one is inside the other, which has a name or may support it."""
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
     pair = (first, second)
     if any(one.is_hovering for one in pair):
@@ -146,7 +148,7 @@ def _in_one_place(first: Naming, second: Naming) -> bool:
 
 
 def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
-    """Two objects that explain the cells better than one; empty where none do."""
+    """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
     floor = voxels.means[rows][:, ::2]
     if naming.deviance < -EXPLAINED * len(rows) and _elongation(floor) < LONG:
@@ -162,9 +164,9 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
 
 
 def _are_objects(whole: Naming, halves: list[Naming], touch: float) -> bool:
-    """True where two sides are things of their own: with names, or with solids and a waist.
+    """True if both sides are objects: with names, or with solids and a waist.
 
-    What has a name as a whole is not parted into things without one.
+    A named whole is not split into unnamed objects.
     """
     if all(half.label != UNKNOWN for half in halves):
         return True
@@ -178,7 +180,7 @@ def _elongation(floor: Array) -> float:
 
 
 def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float]]:
-    """Ways to part cells that touch little: at the waist, and between the main solids."""
+    """Splits of the cells with little contact: at the waist, and between the main solids."""
     floor = cells.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
     found = find_solids(cells.means, min_voxels, np.random.default_rng(0), most=2)
@@ -192,13 +194,13 @@ def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float
 
 
 def _touch(second: NDArray[np.bool_], pairs: NDArray[np.intp]) -> float:
-    """Cells in which the two sides touch, over the root of the smaller side's cells."""
+    """Touching cells of the two sides over the root of the smaller side's cells."""
     across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
     return len(np.unique(across)) / 2.0 / float(np.sqrt(min(second.sum(), (~second).sum())))
 
 
 def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
-    """Two clusters that grow from the two ends of an axis."""
+    """Two clusters, started at the two ends of an axis."""
     along = floor @ axis
     low, high = np.quantile(along, [0.1, 0.9])
     centres = np.stack([floor[rows].mean(axis=0) for rows in (along <= low, along >= high)])

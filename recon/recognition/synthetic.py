@@ -1,6 +1,6 @@
-"""Synthetic objects as a map holds them: visible surface, stereo noise, heavy tails, cells.
+"""Synthetic objects as in a map: visible surface, stereo noise, heavy tails, cells.
 
-Tests, calibration and benchmarks share them; nothing here looks at an image.
+Shared by tests, calibration and benchmarks; no images are involved.
 """
 
 from collections.abc import Sequence
@@ -18,39 +18,41 @@ Array = NDArray[np.float64]
 
 FOCAL_PX = 152.55
 FOCAL_BASELINE = 45.76
-"""Pixels times world units of the thesis's eyes: sigma_z = z^2 / (f b) sigma_d."""
+"""Focal length (pixels) times baseline (world units) of the thesis: sigma_z = z^2 / (f b)
+sigma_d."""
 SURFACE_POINTS = 6000
-"""Places on an object that an eye chooses among."""
+"""Surface points of an object that a camera samples from."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Orbit:
-    """Orbit of cameras round an object, and the quality of what they see."""
+    """Orbit of cameras around an object, with their noise and density."""
 
     num_views: int = 9
     clearance: float = 10.0
-    """Distance of the eyes from the surface, world units."""
+    """Distance of the cameras from the surface, world units."""
     eye_height: float = 5.0
     sigma_px: float = 0.05
-    """Of the disparity; a tenth of the points has three times as much, 2 percent are far off."""
+    """Noise of the disparity; a tenth of the points has three times as much, 2 percent are
+    outliers."""
     arc_rad: float = 2.0 * np.pi
     start_rad: float = 0.0
     """Azimuth of the first view."""
     points_per_pixel: float = 0.11
-    """Features kept on a pixel of the object: the village's apple tree has as many."""
+    """Features kept per pixel of the object, as for the apple tree of the village."""
 
 
 def observe(
     parts: Composite | Sequence[Solid], colours: Array, orbit: Orbit, rng: np.random.Generator
 ) -> PointCloud:
-    """The cells that an orbit of stereo pairs sees of a thing of some parts.
+    """The points that an orbit of stereo pairs sees of an object with some parts.
 
     Parameters
     ----------
     parts : Composite or sequence of Solid
-        Upright composites are told by their numbers, others by their solids.
+        An upright composite, or the solids of any other object.
     colours : (parts, 3)
-        RGB of each part, 0 to 255.
+        RGB colour of each part, 0 to 255.
     """
     solid_parts = solids(parts) if isinstance(parts, Composite) else parts
     whole = surface(solid_parts, SURFACE_POINTS, rng)
@@ -73,7 +75,7 @@ def _seen(
     whole: Surface, colours: Array, eye: Array, orbit: Orbit, rng: np.random.Generator
 ) -> PointCloud:
     ray = whole.points - eye
-    # Pixels per area fall with the square of the distance, and with the slant.
+    # Pixels per area decrease with the square of the distance and with the slant.
     length = np.linalg.norm(ray, axis=1)
     facing = -np.einsum("ij,ij->i", whole.normals, ray) / length
     chance = np.maximum(facing, 0.0) / length**2
@@ -91,12 +93,12 @@ def _seen(
 
 
 def voxelise(cloud: PointCloud, cell_size: float = 1.0, min_count: int = 5) -> Voxels:
-    """The occupied cells of a cloud, the ground's included."""
+    """The occupied cells of a cloud, including the ground."""
     return gather(cloud, cell_size, min_count)
 
 
 def random_composite(kind: str, rng: np.random.Generator) -> Composite:
-    """An apple tree, a pine tree or a cottage of random size and place."""
+    """An apple tree, a pine tree or a cottage of random size and position."""
     axis = rng.uniform(-50.0, 50.0, 2)
     body = rng.uniform(4.0, 10.0)
     if kind == "apple tree":

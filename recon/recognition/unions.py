@@ -1,4 +1,4 @@
-"""Disjoint sets, compiled: nodes that pairs join have one root, the first of them (Tarjan 1975)."""
+"""Disjoint sets, compiled: joined nodes share one root, the first of them (Tarjan 1975)."""
 
 import numpy as np
 from numba import njit
@@ -10,7 +10,7 @@ Numbers = NDArray[np.int64]
 
 @njit(cache=True)
 def joined_roots(pairs: Numbers, num_nodes: int) -> Numbers:
-    """Root (N,) of each node after the pairs (E, 2) were joined."""
+    """Root (N,) of each node after joining the pairs (E, 2)."""
     parent = np.arange(num_nodes)
     for e in range(len(pairs)):
         _join(parent, pairs[e, 0], pairs[e, 1])
@@ -20,14 +20,14 @@ def joined_roots(pairs: Numbers, num_nodes: int) -> Numbers:
 
 @njit(cache=True)
 def linked_roots(distances: Array, near: Numbers, reach: Array, least: float) -> Numbers:
-    """Root (N,) of each point after it was joined with those of its neighbours within reach.
+    """Root (N,) of each point after joining it with its neighbours within reach.
 
     Parameters
     ----------
     distances, near : (N, K)
-        Of each point to its neighbours, and these.
+        Distances of each point to its neighbours, and their indices.
     reach : (N,)
-        Of each point; of two the smaller one counts, but `least` always.
+        Reach of each point; the smaller of two counts, but at least `least`.
     """
     parent = np.arange(len(near))
     for i in range(len(near)):
@@ -41,7 +41,7 @@ def linked_roots(distances: Array, near: Numbers, reach: Array, least: float) ->
 
 @njit(cache=True)
 def numbered(roots: Numbers) -> NDArray[np.int32]:
-    """Groups (N,) as 0, 1, ... in the order of their first members, which are their roots."""
+    """Group numbers (N,) 0, 1, ... in the order of their first members, which are their roots."""
     label = np.empty(len(roots), dtype=np.int32)
     count = 0
     for i in range(len(roots)):

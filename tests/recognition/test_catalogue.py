@@ -58,7 +58,10 @@ def test_a_user_adds_a_name(tmp_path):
     [
         ("[[object]\n", "but a TOML file is needed"),
         ("", "object: Field required"),
-        ('[[object]]\nname = "x"\nparts = []\n', "object.0: parts or learned is needed"),
+        (
+            '[[object]]\nname = "x"\nparts = []\n',
+            "object.0: exactly one of parts and learned is needed",
+        ),
         (
             '[[object]]\nname = "x"\nparts = [{ role = "a", shapes = ["torus"] }]\n',
             "object.0.parts.0.shapes.0",

@@ -1,1 +1,1 @@
-"""Fitting: solids through points by robust geometric distance."""
+"""Fitting of solids to points by robust geometric distance."""

@@ -1,4 +1,4 @@
-"""Directions across an axis."""
+"""Directions perpendicular to an axis."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ Array = NDArray[np.float64]
 
 
 def across_axis(axis: Array) -> Array:
-    """(2, 3) unit rows across an axis (Duff et al. 2017, no branch near a pole)."""
+    """(2, 3) unit rows perpendicular to an axis (Duff et al. 2017, no branch near a pole)."""
     x, y, z = axis
     sign = 1.0 if z >= 0 else -1.0
     a = -1.0 / (sign + z)

@@ -1,6 +1,6 @@
-"""Cylinder and cone: straight lines turned round a free axis, fitted by geometric distance.
+"""Cylinder and cone: straight lines rotated around a free axis, fitted by geometric distance.
 
-In the half plane (t, rho), place along the axis and distance from it, both are the line
+In the half plane (t, rho), position along the axis and distance from it, both are the line
 ``cos(angle) rho - sin(angle) t = offset``; a cylinder's half angle is 0.
 """
 
@@ -15,18 +15,19 @@ from recon.records import Cone, Cylinder, FitFailure, Solid, TruncatedCone
 Array = NDArray[np.float64]
 
 NUM_STARTS = 3
-"""Axes that are followed further, of all that are tried."""
+"""Axes that are refined, out of all that are tried."""
 PARALLEL = 0.998
-"""Cosine of two axes of which one is enough."""
+"""Cosine of the angle below which two axes count as one."""
 TIP_EVIDENCE = 4.6
-"""A cone's tip is missing where even spreading would put that many points on it (p = 1 %)."""
+"""A cone is truncated if evenly spread points would put this number on its missing tip (p = 1
+%)."""
 LARGEST_TO_EXTENT = 10.0
-"""A radius that exceeds the points' extent so many times is not seen in them."""
+"""A radius larger than this multiple of the points' extent cannot be estimated from them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Line:
-    """A line round an axis."""
+    """A line around an axis."""
 
     point: Array
     axis: Array
@@ -36,7 +37,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AxialModel:
-    """Distances to a cylinder or cone without ends; steps: point, axis (2 each), offset, angle."""
+    """Distances to an infinite cylinder or cone; steps: point, axis (2 each), offset, angle."""
 
     points: Array
     normals: Array
@@ -44,17 +45,17 @@ class AxialModel:
 
     @property
     def num_parameters(self) -> int:
-        """Of the surface."""
+        """Number of parameters of the surface."""
         return 6 if self.is_cone else 5
 
     def starts(self) -> list[Line]:
-        """The algebraic fits round the most promising axes."""
+        """Algebraic fits around the most promising axes."""
         fits = [self._algebraic(axis) for axis in _axes(self.points, self.normals)]
         fits.sort(key=lambda line: float(np.median(np.abs(self.residuals(line)[0]))))
         return fits[:NUM_STARTS]
 
     def _algebraic(self, axis: Array) -> Line:
-        """``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` round a given axis is linear."""
+        """``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` around a given axis is linear."""
         across = across_axis(axis)
         middle = self.points.mean(axis=0)
         local = (self.points - middle) @ np.column_stack([across.T, axis])
@@ -95,7 +96,7 @@ class AxialModel:
         return Line(point=point, axis=axis, offset=state.offset + float(step[4]), angle=angle)
 
     def solid(self, state: Line, inliers: Array, sigma: float) -> Solid | FitFailure:
-        """The solid between the ends of the points that lie on it."""
+        """The solid, bounded by the ends of the points on it."""
         t = _within((inliers - state.point) @ state.axis)
         low, high = float(t.min()), float(t.max())
         slope = np.tan(state.angle)
@@ -118,7 +119,7 @@ def _cone(
     (low, high), (first, last) = ends, radii
     axis, angle = state.axis, state.angle
     if last < first:
-        # Upwards is where it narrows: the wide end is the bottom.
+        # A cone narrows upwards: the wide end is the bottom.
         bottom, top, foot = first, last, low
     else:
         bottom, top, foot, axis, angle = last, first, high, -axis, -angle
@@ -135,7 +136,7 @@ def _cone(
 
 
 def _within(t: Array) -> Array:
-    """Places along the axis without stray ones: a fifth of the bulk's length is allowed beyond."""
+    """Positions along the axis without outliers: up to a fifth of the bulk's length beyond it."""
     low, high = np.quantile(t, [0.02, 0.98])
     margin = 0.2 * (high - low)
     inside: Array = t[(t >= low - margin) & (t <= high + margin)]
@@ -143,7 +144,7 @@ def _within(t: Array) -> Array:
 
 
 def _axes(points: Array, normals: Array) -> list[Array]:
-    """Directions worth trying: where normals vary least, and the points' own moments."""
+    """Candidate directions: where normals vary least, and the principal axes of the points."""
     moments = (normals.T @ normals, np.cov(normals.T), np.cov(points.T))
     vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
     axes: list[Array] = []

@@ -1,7 +1,7 @@
 """Whole objects: parts of revolution stacked on one vertical axis, fitted together.
 
-Each point belongs to the part whose outline is nearest in the (rho, y) profile, so that no
-segmentation has to be right before the fit.
+Each point belongs to the part whose outline is nearest in the (rho, y) profile, so no correct
+segmentation is needed before the fit.
 """
 
 from dataclasses import dataclass, replace
@@ -16,27 +16,27 @@ from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCon
 Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
-"""Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+"""Initial heights of the boundary of two parts, as shares of the total height."""
 ROUGH_POINTS, ROUGH_STEPS = 150, 6
-"""Points and steps that show which of several starts is promising."""
+"""Points and steps used to choose the most promising start."""
 BELOW_CELLS = 0.3
-"""Height of the mean of the lowest cell of a part over its rim, on average; the narrow end, seen
-from below, has next to nothing to add."""
+"""Average height of the mean of a part's lowest cell above its rim; at the narrow end, seen from
+below, it is nearly 0."""
 NOISE_FLOOR = 0.05
-"""Smallest noise believed of a cell's mean, in cells."""
+"""Minimum noise assumed for a cell's mean, in cells."""
 BULK = (0.1, 0.9)
-"""Shares of the points below the ends of the bulk, in whose middle the axis is first looked for."""
+"""Quantiles that bound the bulk of the points, in whose middle the axis starts."""
 INLIER_SIGMAS = 3.0
-"""Points nearer than so many scales lie on the fit."""
+"""Points within this number of scales are on the fit."""
 ENDS = (0.005, 0.99)
-"""A part ends where this share of its points lies below; its narrow end has few."""
+"""Quantiles of a part's points at which it ends; its narrow end has few points."""
 POINTED = 0.05
 """A truncated cone whose top is narrower than this share of its bottom is a cone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Composite:
-    """Upright parts on one axis; part i reaches from `heights[i]` to `heights[i + 1]`."""
+    """Upright parts on one axis; part i extends from `heights[i]` to `heights[i + 1]`."""
 
     shapes: tuple[str, ...]
     """From the ground up."""
@@ -45,17 +45,17 @@ class Composite:
     heights: Array
     """(parts + 1,) y of the ends; the first is the ground."""
     radii: tuple[Array, ...]
-    """For each part its (`NUM_RADII`,) radii."""
+    """The radii of each part, `NUM_RADII` per shape."""
 
     @property
     def widest(self) -> Array:
-        """(parts,) largest radius of each part."""
+        """Largest radius (parts,) of each part."""
         pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
         return np.array([r.max() if len(r) else span / 2.0 for _, r, span in pairs])
 
     @property
     def slenderness(self) -> Array:
-        """(parts,) height over radius; of a cone over what it narrows by, however much is seen."""
+        """Height over radius (parts,); for a cone, over the decrease of its radius."""
         spans = np.diff(self.heights)
         narrowing = [abs(float(r[0] - r[1])) if len(r) > 1 else np.inf for r in self.radii]
         ratios: Array = spans / np.maximum(np.minimum(self.widest, narrowing), 1e-9)
@@ -63,7 +63,7 @@ class Composite:
 
     @property
     def areas(self) -> Array:
-        """(parts,) surface of each part, roughly: that of the cylinder or cone of its radii."""
+        """Approximate area (parts,) of each part: that of the cylinder or cone with its radii."""
         pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)
         rims = [(r[0], r[-1]) if len(r) else (span / 2.0, span / 2.0) for _, r, span in pairs]
         slants = np.hypot(np.diff(self.heights), [a - b for a, b in rims])
@@ -78,7 +78,7 @@ class CompositeModel:
     points: Array
 
     def residuals(self, composite: Composite) -> tuple[Array, Array]:
-        """Signed distances and their derivatives by axis, heights and radii."""
+        """Signed distances and their derivatives with respect to axis, heights and radii."""
         distances, gradient, _ = self.nearest(composite)
         return distances, gradient
 
@@ -98,7 +98,7 @@ class CompositeModel:
         return signed, gradient, nearest
 
     def transformed(self, composite: Composite, step: Array) -> Composite:
-        """The composite after a step; sizes stay positive, ends in order."""
+        """The composite after a step; sizes stay positive and ends in order."""
         num_parts = len(composite.shapes)
         heights = composite.heights.copy()
         heights[1:] += step[2 : 2 + num_parts]
@@ -116,7 +116,7 @@ class CompositeModel:
 def fit_composite(
     shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
 ) -> Estimate[Composite]:
-    """The most likely composite of `shapes` that stands on the ground.
+    """The most likely composite of `shapes` on the ground.
 
     Parameters
     ----------
@@ -125,9 +125,9 @@ def fit_composite(
     ground : float
         Height of the ground.
     cell_size : float
-        Side of the cells that the points are the means of, world units.
+        Side of the cells whose means the points are, world units.
     weights : (N,) float64
-        How much each point counts.
+        Weight of each point.
     """
     model, floor = CompositeModel(points), NOISE_FLOOR * cell_size
     starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
@@ -143,7 +143,7 @@ def fit_composite(
 
 
 def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) -> Composite:
-    """The composite, its last part cut where its points end: a longer one costs a fit nothing."""
+    """Cut the last part where its points end: excess length costs a fit nothing."""
     composite = fit.state
     if composite.shapes[-1] in ("sphere", "ellipsoid"):
         return composite
@@ -162,8 +162,8 @@ def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) 
     )
     rim = composite.radii[-1][0] + slope * (ends - composite.heights[-2])
     if slope < 0:
-        # Eyes below see the tip last, if at all. The end lies between the last cell and the tip:
-        # the middle is off by half of that at most.
+        # Cameras below hardly see the tip. The end lies between the last cell and the tip, so the
+        # midpoint is off by at most half of that distance.
         rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
         ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
     radii = rim[-len(composite.radii[-1]) :]
@@ -202,7 +202,7 @@ def _start(
 
 
 def solids(composite: Composite) -> list[Solid]:
-    """The parts of a composite as solids in the world, from the ground up."""
+    """The parts of a composite as solids in the world frame, from the ground up."""
     ends = zip(composite.heights[:-1], composite.heights[1:], strict=True)
     return [
         _solid(shape, composite.axis, float(low), float(high), radii)

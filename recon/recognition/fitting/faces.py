@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 @njit(cache=True)
 def to_box(points: Array, centre: Array, axes: Array, halves: Array) -> tuple[Array, Array]:
-    """Signed distances (N,), inside negative, and derivatives (N, 9) by centre, turn, half edges.
+    """Signed distances (N,), negative inside; derivatives (N, 9) by centre, rotation, half edges.
 
     Parameters
     ----------

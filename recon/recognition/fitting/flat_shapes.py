@@ -12,28 +12,29 @@ from recon.records import Box, FitFailure, Plane, Solid
 Array = NDArray[np.float64]
 
 THINNEST = 6.0
-"""Thickness, in scales of the noise, below which two sheets only share the noise of one."""
+"""Thickness, in noise scales, below which two sheets cannot be distinguished from one noisy
+sheet."""
 
 ALIGNED, ALIGNED_SHARE = 0.9, 0.5
-"""Cosine of a point's normal and its face's, and the share of points that must reach it: on a
-sphere 0.3 do, whatever the axes."""
+"""Cosine between a point's normal and that of its face, and the share of points that must reach it:
+on a sphere 0.3 do, whatever the axes."""
 SECOND_FACE = 0.05
-"""Share of its points that a box must have on a second, not parallel face."""
+"""Share of the points of a box that must be on a second, non-parallel face."""
 
 ALIKE, ACROSS = 0.98, 0.9
-"""Cosine of two normals of one face, and sine of two of neighbouring faces."""
+"""Cosine between two normals of one face, and sine between normals of adjacent faces."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneModel:
-    """Distances of points to a plane; steps are a shift and two turns."""
+    """Distances of points to a plane; steps are a shift and two rotations."""
 
     points: Array
     normals: Array
     num_parameters = 3
 
     def starts(self) -> list[Plane]:
-        """The plane of least squares."""
+        """The least-squares plane."""
         middle = self.points.mean(axis=0)
         vectors = np.linalg.eigh(np.cov((self.points - middle).T))[1]
         return [Plane(point=middle, normal=vectors[:, 0])]
@@ -52,7 +53,7 @@ class PlaneModel:
         return Plane(point=point, normal=normal / np.linalg.norm(normal))
 
     def solid(self, state: Plane, inliers: Array, sigma: float) -> Solid | FitFailure:
-        """The plane, its point in the middle of the points."""
+        """The plane with its point in the middle of the points."""
         middle = inliers.mean(axis=0)
         foot = middle - ((middle - state.point) @ state.normal) * state.normal
         return Plane(point=foot, normal=state.normal)
@@ -60,14 +61,14 @@ class PlaneModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxModel:
-    """Distances of points to a box; steps are centre, turn, half edges."""
+    """Distances of points to a box; steps are centre, rotation, half edges."""
 
     points: Array
     normals: Array
     num_parameters = 9
 
     def starts(self) -> list[Box]:
-        """Boxes along the points' moments and along the commonest normals."""
+        """Boxes along the principal axes of the points and along the most common normals."""
         moments = np.linalg.eigh(np.cov(self.points.T))[1].T
         return [self._around(axes) for axes in (moments, _commonest(self.normals))]
 
@@ -77,7 +78,7 @@ class BoxModel:
         return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
 
     def residuals(self, state: Box) -> tuple[Array, Array]:
-        """Signed distances (N,), inside negative, and derivatives (N, 9)."""
+        """Signed distances (N,), negative inside, and derivatives (N, 9)."""
         signed, jacobian = to_box(self.points, state.centre, state.axes, state.sizes / 2.0)
         return signed, jacobian
 
@@ -90,7 +91,7 @@ class BoxModel:
         return replace(state, centre=state.centre + step[:3], axes=axes, sizes=sizes)
 
     def solid(self, state: Box, inliers: Array, sigma: float) -> Solid | FitFailure:
-        """The box, faces that no point lies on drawn to the points."""
+        """The box, with faces that have no points moved to the nearest points."""
         if state.sizes.min() < THINNEST * sigma:
             return FitFailure("the box is too thin for the noise")
         local = (inliers - state.centre) @ state.axes.T
@@ -103,7 +104,7 @@ class BoxModel:
         return replace(state, centre=middle, sizes=high - low)
 
     def _faceless(self, state: Box) -> str:
-        """Why the points do not show the faces of a box; empty where they do."""
+        """Why the points do not show the faces of a box; empty if they do."""
         local = np.abs((self.points - state.centre) @ state.axes.T)
         face = np.argmax(local - state.sizes / 2.0, axis=1)
         along = np.abs(self.normals @ state.axes.T)[np.arange(len(face)), face]
@@ -115,7 +116,7 @@ class BoxModel:
 
 
 def _orthonormal(rows: Array) -> Array:
-    """Three rows made unit and square to each other, one after the other (Gram, Schmidt)."""
+    """Orthonormalise three rows one after the other (Gram-Schmidt)."""
     first = rows[0] / np.sqrt(rows[0] @ rows[0])
     second = rows[1] - (rows[1] @ first) * first
     second = second / np.sqrt(second @ second)
@@ -124,7 +125,7 @@ def _orthonormal(rows: Array) -> Array:
 
 
 def _commonest(normals: Array) -> Array:
-    """(3, 3) unit rows: the normal most others agree with, and the commonest across it."""
+    """(3, 3) unit rows: the most common normal, and the most common one perpendicular to it."""
     votes = (np.abs(normals @ normals.T) > ALIKE).sum(axis=0)
     first = normals[np.argmax(votes)]
     flat = normals - (normals @ first)[:, None] * first

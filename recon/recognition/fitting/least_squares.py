@@ -1,7 +1,7 @@
 """Robust non-linear least squares: maximum likelihood under Student-t noise.
 
-Stereo noise has heavy tails, so residuals are taken as Student-t distributed; the scale is
-estimated with the parameters (expectation maximisation), the step is Levenberg-Marquardt's.
+Stereo noise has heavy tails, so residuals are assumed to be Student-t distributed; the scale is
+estimated with the parameters (expectation maximisation), the steps are Levenberg-Marquardt steps.
 """
 
 from dataclasses import dataclass
@@ -21,18 +21,19 @@ Array = NDArray[np.float64]
 State = TypeVar("State")
 
 DEGREES_OF_FREEDOM = 3.0
-"""Of the Student-t noise: low enough that a tenth of gross outliers does not move a fit."""
+"""Degrees of freedom of the Student-t noise: low enough that 10 % gross outliers do not affect a
+fit."""
 CONVERGED = 1e-2
-"""A step that lowers -2 log likelihood by less than this has arrived."""
+"""The fit has converged when a step lowers -2 log likelihood by less than this."""
 NUM_RESCALINGS = 3
 MAX_DAMPING = 1e3
 
 
 class Model(Protocol[State]):
-    """The model that is fitted: the residuals of points, and the change of parameters by a step."""
+    """A model to fit: the residuals of points, and the update of parameters by a step."""
 
     def residuals(self, state: State) -> tuple[Array, Array]:
-        """Signed distances (N,) and their derivatives (N, P) by a step."""
+        """Signed distances (N,) and their derivatives (N, P) with respect to a step."""
         ...
 
     def transformed(self, state: State, step: Array) -> State:
@@ -42,7 +43,7 @@ class Model(Protocol[State]):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Estimate(Generic[State]):
-    """The most likely state, and how likely it is."""
+    """The most likely state and its likelihood."""
 
     state: State
     residuals: Array
@@ -50,7 +51,7 @@ class Estimate(Generic[State]):
     sigma: float
     """Scale of the Student-t noise."""
     information: Array
-    """(P, P) inverse of the covariance of a step from the state."""
+    """(P, P) inverse covariance of a step from the state."""
     deviance: float
     """Minus twice the log likelihood, up to a constant."""
 
@@ -61,12 +62,12 @@ class Estimate(Generic[State]):
 
     @property
     def covariance(self) -> Array:
-        """(P, P) of a step from the state."""
+        """Covariance (P, P) of a step from the state."""
         return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
 
 
 def student_deviance(residuals: Array, floor: float) -> float:
-    """Deviance of distances (N,) at their likeliest scale, `floor` or more."""
+    """Deviance of distances (N,) at their most likely scale, which is at least `floor`."""
     share = np.ones(len(residuals))
     start = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
     return _deviance(residuals, _rescaled(residuals, start, share, floor), share)
@@ -100,11 +101,11 @@ def minimise(
     Parameters
     ----------
     floor : float
-        Smallest noise believed, in the unit of the residuals; above 0.
+        Minimum noise, in the unit of the residuals; > 0.
     weights : (N,) float64, optional
-        How much each residual counts, whatever their scale; by default alike.
+        Relative weights of the residuals; equal by default.
     max_steps : int
-        Bound of the work.
+        Maximum number of steps.
     """
     state, damping = start, 1e-3
     residuals, jacobian = model.residuals(state)

@@ -1,4 +1,4 @@
-"""Directions across a surface, from the neighbours of each point."""
+"""Surface normals from the neighbours of each point."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 Array = NDArray[np.float64]
 
 NUM_NEIGHBOURS = 12
-"""Enough to level noise, few enough to stay on one face."""
+"""Enough to average out noise, few enough to stay on one face."""
 
 
 def estimate_normals(points: Array, num_neighbours: int = NUM_NEIGHBOURS) -> Array:

@@ -1,7 +1,7 @@
-"""One solid to a cloud of which much may lie elsewhere.
+"""Fit of one solid to a cloud with many outliers.
 
-The fit to all points bears a tenth of gross outliers (`shapes`). Where the solid that most points
-vote for is hit by half of them or more, and far more tightly, it is what the cloud shows.
+The fit to all points tolerates 10 % gross outliers (`shapes`). If half of the points or more vote
+for one solid, and fit it far more tightly, that solid is used instead.
 """
 
 from dataclasses import dataclass
@@ -17,35 +17,36 @@ from recon.records import FitFailure, Solid
 Array = NDArray[np.float64]
 
 LEAST_SHARE = 0.5
-"""Of the points that a voted solid has to explain: otherwise another part could do as much."""
+"""Share of the points that a voted solid must explain: otherwise another part could explain as
+many."""
 TIGHTER = 0.5
-"""Of the scale of the fit to all points: a voted solid has to lie within less."""
+"""A voted solid must have an rms below this share of that of the fit to all points."""
 RMS_EXPLAINED = 3.0
-"""Points nearer than so many rms are explained."""
+"""Points within this multiple of the rms are explained."""
 NEARLY_ALL = 0.95
-"""Of the points: so few outliers pull nothing."""
+"""Share of explained points from which the outliers are too few to bias the fit."""
 NUM_ROUNDS = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Explained:
-    """The solids that could be in a cloud, and how much of it the best explains."""
+    """Candidate solids for a cloud, and how much of it the best explains."""
 
     candidates: tuple[Candidate, ...]
-    """The best first; rms and bic are those of the points they were fitted to."""
+    """Best first; rms and bic refer to the points they were fitted to."""
     rms: float
-    """Root mean square of the distances of the explained points to the best."""
+    """Root mean square distance of the explained points from the best."""
     share: float
-    """Of all points, those within 3 rms of the best."""
+    """Share of all points within 3 rms of the best."""
 
 
 def fit(points: ArrayLike) -> Solid | FitFailure:
-    """The solid that most of the points (N, 3) lie on; a falsy reason where they show none.
+    """The solid that most of the points (N, 3) lie on; a falsy reason if there is none.
 
     Raises
     ------
     InputError
-        Where `points` is not an array of numbers of that shape.
+        If `points` is not an array of numbers of that shape.
     """
     numbers = as_numbers("points", points)
     check_shape("points", numbers, (None, 3))
@@ -65,14 +66,14 @@ def explain(points: Array) -> Explained | FitFailure:
 
 
 def _refitted(found: Explained, points: Array) -> Explained:
-    """The same with the solids fitted to the explained points alone, which outliers do not pull."""
+    """The solids fitted again to the explained points only, without the bias of outliers."""
     inside = found.candidates[0].solid.distances(points) <= RMS_EXPLAINED * found.rms
     again = candidates(points[inside])
     return found if isinstance(again, FitFailure) else _explained(again, points)
 
 
 def _voted(points: Array) -> Explained | None:
-    """The same of the points that vote for one solid; None where no half of them does."""
+    """The solids of the points that vote for one; None if fewer than half do."""
     least = max(int(LEAST_SHARE * len(points)), 1)
     solids = find_solids(points, least, np.random.default_rng(0), most=1)
     found = candidates(points[solids[0].rows]) if solids else FitFailure("no half lies on a solid")
@@ -84,7 +85,7 @@ def _is_tighter(voted: Explained, first: Explained) -> bool:
 
 
 def _explained(found: tuple[Candidate, ...], points: Array) -> Explained:
-    """The rms and the points within 3 of it that the best explains, until both agree."""
+    """Iterate the rms and the points within 3 rms of the best solid until both agree."""
     away = found[0].solid.distances(points)
     inside = away <= INLIER_SIGMAS * found[0].sigma
     for _ in range(NUM_ROUNDS):

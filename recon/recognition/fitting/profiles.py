@@ -14,9 +14,9 @@ Profile = tuple[float, float]
 """rho and y."""
 
 NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "truncated cone": 2}
-"""Numbers of a part beside its lower and upper end."""
+"""Number of radii of a part, besides its lower and upper end."""
 SEGMENT, ARC = 0, 1
-"""Outlines of a part."""
+"""Outline types of a part."""
 OUTLINES = {"cylinder": SEGMENT, "sphere": ARC, "ellipsoid": ARC, "truncated cone": SEGMENT}
 
 
@@ -32,14 +32,14 @@ def to_parts(
     axis : (2,) x and z
     heights : (parts + 1,) of the ends
     outlines : (parts,) `SEGMENT` or `ARC`
-    radii : (parts, 2) those of each part; what it has not is not read
-    counts : (parts,) how many each part has
+    radii : (parts, 2) radii of each part; unused entries are not read
+    counts : (parts,) number of radii of each part
 
     Returns
     -------
     signed : (N,)
     gradient : (N, 2 + parts + sum(counts))
-        By the axis, the heights above the ground, and the radii.
+        With respect to the axis, the heights above the ground, and the radii.
     nearest : (N,) number of the part
     """
     num_parts = len(outlines)
@@ -60,7 +60,7 @@ def to_parts(
                 gradient[i, 0] = -numbers[1] * x / profile[0]
                 gradient[i, 1 + part : 3 + part] = numbers[3:5]
                 gradient[i, column : column + len(own)] = numbers[5 : 5 + len(own)]
-                # The lowest end is the ground, which is known.
+                # The lowest end is the known ground.
                 gradient[i, 1] = -numbers[1] * z / profile[0]
             column += len(own)
     return signed, gradient, nearest
@@ -68,7 +68,7 @@ def to_parts(
 
 @njit(cache=True)
 def _to_part(profile: Profile, ends: Array, outline: int, radii: Array, out: Array) -> None:
-    """Write signed distance, its derivatives by rho, y, both ends and the radii."""
+    """Write the signed distance and its derivatives by rho, y, both ends and the radii."""
     if outline == ARC:
         _to_arc(profile, ends, radii, out)
     else:
@@ -86,7 +86,7 @@ def _to_segment(profile: Profile, ends: Array, radii: Array, out: Array) -> None
     length = np.hypot(across, up)
     side = -1.0 if across * rise - up * run < 0 else 1.0
     normal_rho, normal_y = side * across / max(length, 1e-12), side * up / max(length, 1e-12)
-    # The nearest point stays at its share of the segment: the derivative of a distance.
+    # The derivative of a distance keeps the nearest point at its position on the segment.
     out[0], out[1], out[2] = side * length, normal_rho, normal_y
     out[3], out[4] = -(1.0 - share) * normal_y, -share * normal_y
     out[5], out[6] = -(1.0 - share) * normal_rho, -share * normal_rho
@@ -102,7 +102,7 @@ def _to_arc(profile: Profile, ends: Array, radii: Array, out: Array) -> None:
     u, v = rho / wide, (y - middle) / half
     level = max(np.hypot(u, v), 1e-9)
     slope_rho, slope_y = u / wide / level, v / half / level
-    # Level over its slope, which is held while it is differentiated.
+    # Level over its slope; the slope is treated as constant in the derivative.
     scale = 1.0 / max(np.hypot(slope_rho, slope_y), 1e-9)
     by_half, by_radius = -v * v / level / half, -u * u / level / wide
     if len(radii) == 0:

@@ -11,7 +11,7 @@ from recon.records import FitFailure
 Array = NDArray[np.float64]
 
 ALIKE = 1.3
-"""Half axes whose ratio is smaller are equal; the thesis says "equal or very close"."""
+"""Half axes with a smaller ratio count as equal; the thesis says "equal or very close"."""
 MUCH_BIGGER = 2.0
 """A cylinder's third half axis over its second; the thesis says "very different"."""
 
@@ -19,7 +19,7 @@ MUCH_BIGGER = 2.0
 def thesis_quadric(points: Array) -> Array:
     """Coefficients (10,) A, ..., L with A = 1, by the pseudo-inverse (Eqs 47 to 50).
 
-    The points (N, 3) are taken as they are, neither centred nor scaled, as in the thesis.
+    The points (N, 3) are neither centred nor scaled, as in the thesis.
     """
     design = _design(points)
     solution = np.linalg.pinv(design[:, 1:]) @ -design[:, 0]
@@ -29,7 +29,7 @@ def thesis_quadric(points: Array) -> Array:
 def half_axes_sq(coefficients: Array) -> Array | FitFailure:
     """Squares a^2, b^2, c^2 (3,) of the half axes of a quadric (Eqs 51 to 58).
 
-    Of a cylinder one is huge, of either sign; of a cone one is negative.
+    For a cylinder one is huge, of either sign; for a cone one is negative.
     """
     matrix = _matrix(coefficients)
     values, vectors = np.linalg.eigh(matrix[:3, :3])

@@ -1,8 +1,8 @@
-"""Scenes of many solids: drawn from few points, voted for by all, taken out one by one.
+"""Detection of many solids in a scene: drawn from few points, voted for by all, removed one by one.
 
 Schnabel, Wahl, Klein, "Efficient RANSAC for point-cloud shape detection", 2007: a handful of
-neighbouring points with their normals gives a plane, sphere, cylinder or cone; the shape that most
-points lie on is refined and chosen among all solids by BIC.
+neighbouring points with their normals gives a plane, sphere, cylinder or cone; the points on the
+best of these are fitted again, and BIC chooses among all solids.
 """
 
 from collections.abc import Iterator
@@ -21,16 +21,16 @@ from recon.records import Cone, Cylinder, FitFailure, Plane, Solid, Sphere
 Array = NDArray[np.float64]
 
 NUM_DRAWS = 80
-"""Draws a round; with neighbouring points one in some ten lies on one solid alone."""
+"""Draws per round; about one in ten draws of neighbouring points is on a single solid."""
 NUM_VOTERS = 1500
-"""Points that vote on a draw."""
+"""Points that vote for a draw."""
 MOST_SOLIDS = 32
 TOLERANCE_SIGMAS = 4.0
-"""Points nearer than so many scales of the noise lie on a solid."""
+"""Points within this number of noise scales are on a solid."""
 RELATIVE_TOLERANCE = 1e-3
-"""No tolerance is smaller than this share of the scene: facets, rounding."""
+"""Minimum tolerance as a share of the scene, because of facets and rounding."""
 LINK = 4.0
-"""Points of one solid lie nearer together than so many median spacings."""
+"""Maximum distance between neighbouring points of one solid, in median spacings."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,27 +39,27 @@ class FoundSolid:
 
     solid: Solid
     rows: NDArray[np.intp]
-    """Points that lie on it."""
+    """Points on it."""
     rms: float
 
 
 def find_solids(
     points: Array, min_points: int, rng: np.random.Generator, most: int = MOST_SOLIDS
 ) -> list[FoundSolid]:
-    """The solids of a scene, in the order they were taken out: the largest first.
+    """The solids of a scene in the order of their removal: the largest first.
 
     Parameters
     ----------
     points : (N, 3) float64
     min_points : int
-        Points that a solid needs.
+        Minimum number of points of a solid.
     most : int
-        How many are looked for.
+        Maximum number of solids.
 
     Raises
     ------
     InputError
-        Where a coordinate is not finite.
+        If a coordinate is not finite.
     """
     check_shape("points", points, (None, 3))
     check_finite("points", points)
@@ -77,7 +77,7 @@ def find_solids(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Scene:
-    """Points with what is known of their neighbourhoods."""
+    """Points with properties of their neighbourhoods."""
 
     points: Array
     normals: Array
@@ -103,7 +103,7 @@ def _scene(points: Array) -> _Scene:
 
 
 def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
-    """The solid that most points lie on, refined on them."""
+    """The solid with the most points on it, refined on these."""
     voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
     best, most = None, 0
     for solid in _draws(scene, rng):
@@ -127,7 +127,7 @@ def _refined(scene: _Scene, drawn: Solid) -> FoundSolid | None:
 
 
 def _connected(scene: _Scene, rows: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The largest group of rows whose points hang together."""
+    """The largest group of rows with connected points."""
     if not len(rows):
         return rows
     reach = LINK * scene.spacing
@@ -146,7 +146,7 @@ def _draws(scene: _Scene, rng: np.random.Generator) -> Iterator[Solid]:
     size = float(np.ptp(scene.points, axis=0).max())
     for _ in range(NUM_DRAWS):
         first = int(rng.integers(len(scene.points)))
-        # Neighbourhoods of all sizes: a solid may be a hole or the whole.
+        # Neighbourhoods of all sizes, since a solid may be a small detail or the whole scene.
         count = int(min(len(scene.points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
         _, near = scene.tree.query(scene.points[first], k=count)
         rows = np.append(rng.choice(near, 2), first)
@@ -157,7 +157,7 @@ def _draws(scene: _Scene, rng: np.random.Generator) -> Iterator[Solid]:
 
 
 def _round(points: Array, normals: Array, size: float) -> Iterator[Solid]:
-    """The sphere and the cylinder across whose surface two normals stand."""
+    """The sphere and the cylinder defined by two surface normals."""
     axis = np.cross(normals[0], normals[1])
     sine = float(np.linalg.norm(axis))
     if sine < 1e-2:
@@ -177,7 +177,7 @@ def _round(points: Array, normals: Array, size: float) -> Iterator[Solid]:
 
 
 def _cone(points: Array, normals: Array, size: float) -> Iterator[Solid]:
-    """The cone that three tangent planes touch."""
+    """The cone defined by three tangent planes."""
     if abs(np.linalg.det(normals)) < 1e-3:
         return
     apex = np.linalg.solve(normals, np.einsum("ij,ij->i", normals, points))

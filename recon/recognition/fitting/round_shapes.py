@@ -10,10 +10,11 @@ from recon.records import Ellipsoid, FitFailure, Solid, Sphere
 Array = NDArray[np.float64]
 
 LARGEST_TO_EXTENT = 10.0
-"""A radius that exceeds the points' extent so many times is not seen in them."""
+"""A radius larger than this multiple of the points' extent cannot be estimated from them."""
 
 THINNEST = 6.0
-"""Thickness, in scales of the noise, below which two sheets only share the noise of one."""
+"""Thickness, in noise scales, below which two sheets cannot be distinguished from one noisy
+sheet."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +55,7 @@ class SphereModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stretch:
-    """An ellipsoid as the symmetric matrix that makes it the unit sphere."""
+    """An ellipsoid as the symmetric matrix that maps it to the unit sphere."""
 
     centre: Array
     matrix: Array
@@ -65,14 +66,14 @@ _ROWS, _COLUMNS = np.triu_indices(3)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EllipsoidModel:
-    """Distances of points to an ellipsoid; steps are centre, then the matrix's six numbers."""
+    """Distances of points to an ellipsoid; steps are the centre, then the six matrix entries."""
 
     points: Array
     normals: Array
     num_parameters = 9
 
     def starts(self) -> list[Stretch]:
-        """The ellipsoids of the points' moments and of the algebraic sphere."""
+        """The ellipsoids from the points' moments and from the algebraic sphere."""
         middle = self.points.mean(axis=0)
         values, vectors = np.linalg.eigh(np.cov((self.points - middle).T))
         radii = np.sqrt(3.0 * np.maximum(values, 1e-6 * values[-1]))
@@ -99,7 +100,7 @@ class EllipsoidModel:
         return replace(state, centre=state.centre + step[:3], matrix=state.matrix + change)
 
     def solid(self, state: Stretch, inliers: Array, sigma: float) -> Solid | FitFailure:
-        """The ellipsoid, radii falling, unless it is no closed surface of the points' size."""
+        """The ellipsoid, radii descending, unless it is too large or too thin for the points."""
         values, vectors = np.linalg.eigh(state.matrix)
         extent = float(np.ptp(inliers, axis=0).max())
         if np.abs(values).min() * extent * LARGEST_TO_EXTENT < 1.0:

@@ -19,21 +19,21 @@ from recon.records import FitFailure, Solid
 Array = NDArray[np.float64]
 
 SAMPLE = 800
-"""Points a choice of shape is made on: more do not change it."""
+"""Points used to choose a shape: more do not change the choice."""
 LARGE_SAMPLE = 10_000
-"""Points the chosen solid is refined on."""
+"""Points used to refine the chosen solid."""
 RELATIVE_FLOOR = 1e-4
-"""No cloud is truer than this share of its size: facets, rounding."""
+"""Minimum noise as a share of the cloud's size, because of facets and rounding."""
 AS_GOOD = 0.1
-"""Fits are equally good that differ by less in BIC a point (5 percent of noise), or by one
-parameter, however many points say so: cells and facets err together, which no criterion over single
-points knows."""
+"""Fits whose BIC per point differs by less (5 percent of noise), or whose BIC differs by less than
+one parameter, are equally good: errors of cells and facets are correlated, which a criterion over
+single points ignores."""
 ROUGH_STEPS = 4
-"""Steps that show which of several starts is promising."""
+"""Steps used to choose the most promising start."""
 SMALLEST, LARGEST = 1e-60, 1e60
-"""Extent and reach whose fourth powers are still numbers."""
+"""Extent and coordinates whose fourth powers are still finite and nonzero."""
 INLIER_SIGMAS = 4.0
-"""Points nearer than so many scales lie on a fit, and set its ends."""
+"""Points within this number of scales are on a fit and define its ends."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,9 +44,9 @@ class Candidate:
     rms: float
     """Root mean square of the geometric distances of all points, in their unit."""
     bic: float
-    """The smallest is best; comparable within one set of points only."""
+    """The smallest is best; only comparable for the same points."""
     sigma: float
-    """Scale of the noise, outliers aside."""
+    """Scale of the noise without outliers."""
     covariance: Array
     """(P, P) of the surface's parameters, in the order of its model's steps."""
 
@@ -57,14 +57,14 @@ def fit(points: ArrayLike, weights: ArrayLike | None = None) -> Solid | FitFailu
     Parameters
     ----------
     points : (N, 3) array_like
-        In any frame and unit; neither changes the shape found.
+        In any frame and unit; neither affects the shape found.
     weights : (N,) array_like, optional
-        How much each point counts, such as the number of points a cell's mean is made of.
+        Weight of each point, such as the number of points in a cell.
 
     Returns
     -------
     Solid or FitFailure
-        The candidate of smallest BIC; a falsy reason where the points show no solid.
+        The candidate with the smallest BIC; a falsy reason if no solid fits the points.
     """
     found = candidates(points, weights)
     return found if isinstance(found, FitFailure) else found[0].solid
@@ -73,7 +73,7 @@ def fit(points: ArrayLike, weights: ArrayLike | None = None) -> Solid | FitFailu
 def candidates(
     points: ArrayLike, weights: ArrayLike | None = None
 ) -> tuple[Candidate, ...] | FitFailure:
-    """Every solid that could be fitted to points (N, 3), the best first."""
+    """Every solid that can be fitted to points (N, 3), best first."""
     sample = _sample(points, weights, SAMPLE)
     if isinstance(sample, FitFailure):
         return sample
@@ -91,7 +91,7 @@ def candidates(
 def from_points(
     shape: str, points: ArrayLike, weights: ArrayLike | None = None
 ) -> Candidate | FitFailure:
-    """Fit one shape, a key of `MODELS`, to points (N, 3); a cone may come out truncated."""
+    """Fit one shape, a key of `MODELS`, to points (N, 3); a cone may be truncated."""
     if shape not in MODELS:
         raise InputError(f"shape is {shape!r}, but one of {', '.join(MODELS)} is needed")
     sample = _sample(points, weights, LARGE_SAMPLE)
@@ -122,7 +122,7 @@ def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample 
 
 
 def _fault(points: Array) -> str:
-    """Why no solid can lie on the points; empty where one can."""
+    """Why no solid can be fitted to the points; empty if one can."""
     num_bad = int((~np.isfinite(points).all(axis=1)).sum())
     if num_bad:
         return f"{num_bad} of {len(points)} points are not finite"
@@ -131,7 +131,7 @@ def _fault(points: Array) -> str:
         return f"{len(distinct)} distinct points are too few; 4 are needed"
     extent = float(np.ptp(distinct, axis=0).max())
     if not (extent > SMALLEST and np.abs(distinct).max() < LARGEST):
-        return f"the points reach over {extent:g}, beyond what can be computed with"
+        return f"the points span {extent:g}, outside the computable range"
     spread = np.linalg.svd(distinct - distinct.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-6 * spread[0]:
         return "the points lie on one line"
@@ -155,7 +155,7 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):
         return solid
-    # The correction for few points is that of AICc.
+    # Correction for few points as in AICc.
     penalty = model.num_parameters * np.log(len(points)) * len(points) / spare
     return Candidate(
         solid=solid,
@@ -166,7 +166,7 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
     )
 
 
-# Of fits that are equally good the first is taken.
+# The first of equally good fits is chosen.
 MODELS: dict[str, Callable[[Array, Array], Any]] = {
     "plane": PlaneModel,
     "cylinder": partial(AxialModel, is_cone=False),

@@ -53,7 +53,7 @@ def normal_equations(
 
 @njit(cache=True)
 def damped_step(normal: Array, right: Array, damping: float) -> Array:
-    """The step (P,) of Levenberg and Marquardt."""
+    """The Levenberg-Marquardt step (P,)."""
     size = len(right)
     damped, largest = normal.copy(), 0.0
     for j in range(size):

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
-    """Points on an object with their outward normals, the part they lie on, and all its area."""
+    """Points on an object with outward normals, their parts, and the total area."""
 
     points: Array
     normals: Array
@@ -53,7 +53,7 @@ class _Band:
     origin: Array
     axis: Array
     start: Array
-    """(2,) place along the axis, radius."""
+    """(2,) position along the axis, radius."""
     end: Array
 
     @property
@@ -62,8 +62,8 @@ class _Band:
         return float(np.pi * slant * (self.start[1] + self.end[1]))
 
     def draw(self, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        # Area grows with the radius: the share along a band is drawn by the inverse of its
-        # cumulated area.
+        # Area grows with the radius: the position along a band is drawn by the inverse of its
+        # cumulative area.
         low, high = self.start[1], self.end[1]
         share = rng.uniform(size=count)
         if abs(high - low) > 1e-9 * (high + low):
@@ -79,7 +79,7 @@ class _Band:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Face:
-    """A parallelogram round `centre` with whole edges `first` and `second`."""
+    """A parallelogram centred at `centre` with edges `first` and `second`."""
 
     centre: Array
     first: Array
@@ -97,7 +97,7 @@ class _Face:
 
 
 def _patches(solid: Solid) -> list[_Band | _Face]:
-    """The pieces of a surface that points are drawn on; of an ellipsoid one of revolution."""
+    """The pieces of a surface to draw points on; an ellipsoid must be one of revolution."""
     if isinstance(solid, Box):
         return _faces(solid)
     origin, axis, outline = _outline(solid)
@@ -125,7 +125,7 @@ def _outline(solid: Solid) -> tuple[Array, Array, Array]:
     if isinstance(solid, Sphere):
         return solid.centre, np.array(WORLD_UP), solid.radius * arc
     if isinstance(solid, Ellipsoid):
-        # The half axis that differs is the axis; the other two are alike.
+        # The half axis that differs is the axis; the other two are equal.
         lone = 0 if np.ptp(solid.radii[1:]) < np.ptp(solid.radii[:2]) else 2
         return solid.centre, solid.axes[lone], arc * [solid.radii[lone], solid.radii[1]]
     if isinstance(solid, Cone):
@@ -138,7 +138,7 @@ def _outline(solid: Solid) -> tuple[Array, Array, Array]:
             else [solid.radius_bottom, solid.radius_top]
         )
         return solid.point, solid.axis, np.column_stack([[0.0, solid.height], radii])
-    raise InputError(f"a {solid.kind} has no end, but a bounded solid is needed")
+    raise InputError(f"a {solid.kind} is unbounded, but a bounded solid is needed")
 
 
 def _spread(

@@ -1,1 +1,1 @@
-"""Naming: which kind of the catalogue an object is, and how probable that is."""
+"""Naming: the kind of the catalogue that an object is, with a probability."""

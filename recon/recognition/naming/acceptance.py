@@ -1,4 +1,4 @@
-"""The words for what a kind of a catalogue accepts."""
+"""Description in words of what a kind of a catalogue accepts."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,7 @@ PLACES = {"on": "on it", "beside": "beside it", "under": "under it"}
 
 
 def accepted(kind: Kind) -> list[str]:
-    """One line for each thing that a kind asks for."""
+    """One line per requirement of a kind."""
     return list(_lines(kind))
 
 
@@ -30,8 +30,8 @@ def _learned_lines(kind: Kind) -> Iterator[str]:
     assert kind.learned is not None
     groups = kind.learned.groups
     count = len(next(iter(groups.values())).examples)
-    yield f"what is like one of {count} examples in {', '.join(groups)}"
-    yield f"distance at most {kind.learned.threshold:g} times the usual one"
+    yield f"similar to one of {count} examples in {', '.join(groups)}"
+    yield f"distance at most {kind.learned.threshold:g} times the usual distance"
 
 
 def _part_line(part: PartRule, is_first: bool) -> str:

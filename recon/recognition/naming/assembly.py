@@ -1,4 +1,4 @@
-"""Assemblies: kinds of planes and other pieces that lie on, beside and under each other."""
+"""Assemblies: kinds made of planes and other pieces on, beside and under each other."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ from recon.records import Plane, Solid, Voxels
 Array = NDArray[np.float64]
 
 TOUCH_CELLS = 2.0
-"""Pieces of one object are nearer to each other than so many cells."""
+"""Maximum distance of adjoining pieces of one object, in cells."""
 ON_SOLID_CELLS = 0.75
-"""A cell nearer than this share of a cell lies on a solid."""
+"""A cell within this share of the cell size is on a solid."""
 NUMBERS_OF_PIECE = 3
-"""Of a plane; a bar counts as much."""
+"""Parameters of a plane; a bar counts the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,21 +29,21 @@ class Assembly:
     kind: Kind
     bic: float
     explained: float
-    """Chance that so many of the cells on its pieces, and on each that it needs, are enough."""
+    """Probability that enough cells are on its pieces, and on each required piece."""
     seen: float
-    """Share of the cells that lie on its pieces."""
+    """Share of the cells on its pieces."""
     solids: tuple[Solid, ...]
     roles: tuple[str, ...]
 
 
 def assemblies(cells: Voxels, ways: Sequence[list[FlatPiece]], kind: Kind) -> list[Assembly]:
-    """The kind in every way in which all its parts are found among the pieces of an object."""
+    """The kind assembled from the pieces of an object, once per split with all its parts."""
     found = [_assembled(cells, pieces, kind) for pieces in ways]
     return [one for one in found if one is not None]
 
 
 def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly | None:
-    """The kind's parts among the pieces; None where one of them is missing."""
+    """The kind assembled from the pieces; None if a part is missing."""
     waiting, before, shown = list(pieces), list[FlatPiece](), 1.0
     parts: list[tuple[str, FlatPiece]] = []
     for rule in kind.parts:
@@ -68,19 +68,19 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
 
 
 def _num_explained(piece: FlatPiece, cells: Voxels) -> int:
-    """Cells of a piece that lie on its solid: what is left between planes need not be a bar."""
+    """Cells of a piece that are on its solid: what remains between planes need not be a bar."""
     away = piece.solid.distances(cells.means[piece.rows])
     return int((away < ON_SOLID_CELLS * cells.cell_size).sum())
 
 
 def _shown(needed: list[FlatPiece]) -> float:
-    """Chance that the planes among the needed pieces have cells enough."""
+    """Probability that the planes among the required pieces have enough cells."""
     counts = [len(one.rows) for one in needed if isinstance(one.solid, Plane)]
     return float(SHOWN.chance(np.log(counts)).prod()) if counts else 1.0
 
 
 def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
-    """True where a piece has the shape and the place of a part."""
+    """True if a piece has the shape and position of a part."""
     if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
         return False
     tilt = piece.tilt_deg
@@ -90,7 +90,7 @@ def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxe
 
 
 def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
-    """True where the height of a plane over its level extent is that of a part."""
+    """True if the ratio of height to horizontal extent of a plane fits a part."""
     extent = piece.high - piece.low
     return _is_within(rule.slenderness, float(extent[1] / max(np.hypot(*extent[[0, 2]]), 1e-9)))
 
@@ -100,7 +100,7 @@ def _is_within(bounds: Range | None, value: float) -> bool:
 
 
 def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch: float) -> bool:
-    """True where a piece lies on, beside or under the part before it, and is near it."""
+    """True if a piece is on, beside or under the previous part, and close to it."""
     low = np.min([one.low for one in before], axis=0)
     high = np.max([one.high for one in before], axis=0)
     gap = np.maximum(piece.low - high, low - piece.high)
@@ -116,7 +116,7 @@ def _is_share(rule: PartRule, own: list[FlatPiece], cells: Voxels) -> bool:
 
 
 def _bic(cells: Voxels, pieces: list[FlatPiece]) -> float:
-    """Of the distances of all cells to the nearest piece."""
+    """BIC of the distances of all cells to the nearest piece."""
     away = np.min([one.solid.distances(cells.means) for one in pieces], axis=0)
     numbers = NUMBERS_OF_PIECE * len(pieces)
     return student_deviance(away, 0.05 * cells.cell_size) + numbers * float(np.log(len(cells)))

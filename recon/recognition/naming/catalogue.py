@@ -1,4 +1,4 @@
-"""Catalogues: kinds of objects in TOML, shipped or written by people."""
+"""Catalogues: kinds of objects in TOML, shipped or user-written."""
 
 import re
 from collections.abc import Sequence
@@ -19,25 +19,25 @@ NONE = "none"
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Catalogue:
-    """All names of a file."""
+    """All kinds of a catalogue file."""
 
     object: Annotated[tuple[Kind, ...], Field(min_length=1)]
 
 
 def shipped_names() -> list[str]:
-    """Names of the catalogues that come with recon; "none" holds no kind."""
+    """Names of the catalogues that come with recon; "none" has no kinds."""
     return [*sorted(path.stem for path in FOLDER.glob("*.toml")), NONE]
 
 
 def read_catalogues(names: Sequence[str]) -> tuple[Kind, ...]:
     """The kinds of several catalogues, each a shipped name or a file.
 
-    Kinds of one name are alternatives: a thing may be of either.
+    Kinds with the same name are alternatives: an object may match any of them.
 
     Raises
     ------
     InputError
-        For a catalogue that is nowhere, and with the file, line and fault of one that is wrong.
+        If a catalogue does not exist, or with the file, line and error if it is invalid.
     """
     return tuple(kind for name in names if name != NONE for kind in read_catalogue(_path(name)))
 
@@ -57,7 +57,7 @@ def read_catalogue(path: Path) -> tuple[Kind, ...]:
     Raises
     ------
     InputError
-        Naming the file, the line and the first fault.
+        With the file, line and first error, if the file is invalid.
     """
     try:
         text = read_text(path, MAX_SETTINGS_BYTES)
@@ -74,9 +74,9 @@ def read_catalogue(path: Path) -> tuple[Kind, ...]:
 
 
 def line_of(text: str, location: Sequence[Any]) -> int:
-    """Number of the line of a TOML text that a location like ("object", 1, "name") points at.
+    """Line number in a TOML text that a location like ("object", 1, "name") refers to.
 
-    Where the value itself is not there, that of the table which should hold it.
+    If the value itself is missing, the line of the table that should contain it.
     """
     lines = text.splitlines() or [""]
     low, high = 0, len(lines)
@@ -93,7 +93,7 @@ def line_of(text: str, location: Sequence[Any]) -> int:
 
 
 def _nth_block(lines: list[str], opening: str, number: int, low: int, high: int) -> tuple[int, int]:
-    """First and last row of the block that the nth opening begins."""
+    """First row of the block that starts at the nth opening, and the row after its last."""
     starts = [row for row in range(low, high) if re.match(opening, lines[row])]
     if number >= len(starts):
         return low, high

@@ -1,4 +1,4 @@
-"""Colour as evidence on a fit that shape has made: parts must part where colours do."""
+"""Colour as additional evidence for a fit by shape: parts should meet where colours change."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from recon.recognition.segments.segmentation import split_colours
 from recon.records import FitFailure, Voxels
 
 WEIGHT = 10.0
-"""Cells that colour counts for: it decides between fits alike, never against shape."""
+"""Weight of colour in cells: it decides between similar fits, never against shape."""
 
 
 def colour_opinions(composites: list[Composite], voxels: Voxels) -> list[float]:
-    """Log evidence for each composite; 0 for the best, and for all where the colours do not part.
+    """Log evidence for each composite; 0 for the best, and for all if the colours do not split.
 
     Parameters
     ----------

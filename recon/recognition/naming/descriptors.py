@@ -19,16 +19,16 @@ Array = NDArray[np.float64]
 NUM_LEVELS = 8
 """Slices of the height profile."""
 FINENESS = 24.0
-"""Points for histograms lie so many to the longest side of a thing."""
+"""Points for histograms along the longest side of an object."""
 NORMAL_REACH, HISTOGRAM_REACH = 3.0, 6.0
-"""Radii of neighbourhoods, in distances of these points."""
+"""Radii of neighbourhoods, in spacings of these points."""
 NEIGHBOURS_OF_NORMAL, NEIGHBOURS_OF_HISTOGRAM = 20, 60
 ON_SOLID = 0.03
-"""A point nearer than this share of the thing's size lies on a solid."""
+"""A point closer than this share of the object's size is on a solid."""
 NUM_DESCRIBED = 600
-"""Cells that describe an object."""
+"""Maximum number of cells used to describe an object."""
 NUM_FITTED = 300
-"""Points that solids are fitted to."""
+"""Maximum number of points that solids are fitted to."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -36,38 +36,38 @@ class Group:
     """One group of descriptors of a kind."""
 
     scale: Positive
-    """Distance of two examples of the kind that is usual."""
+    """Typical distance of two examples of the kind."""
     examples: Annotated[tuple[tuple[float, ...], ...], Field(min_length=1)]
-    """One row for each example."""
+    """One row per example."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Learned:
-    """A kind as its examples are: a thing is of it that is as near to one of them as they are."""
+    """A kind defined by examples: objects belong to it that are as close to one as these are."""
 
     threshold: Positive
-    """Distance up to which nine of ten examples are accepted when they are left out."""
+    """Distance up to which nine of ten left-out examples are accepted."""
     groups: Annotated[dict[str, Group], Field(min_length=1)]
-    """By the names of `DESCRIPTORS`."""
+    """Keyed by the names of `DESCRIPTORS`."""
     unit: str | None = None
-    """Of the sizes: "m", or None where it was not known."""
+    """Unit of the sizes: "m", or None if unknown."""
 
     @property
     def num_examples(self) -> int:
-        """Examples it was learned from."""
+        """Number of examples it was learned from."""
         return len(next(iter(self.groups.values())).examples)
 
     @property
     def ceiling(self) -> float:
-        """Highest probability that so few examples allow: Laplace's rule of succession."""
+        """Maximum probability for this number of examples: Laplace's rule of succession."""
         return (self.num_examples + 1) / (self.num_examples + 2)
 
     def believed(self, chance: float) -> float:
-        """A chance over a half, lowered to the ceiling; what is accepted stays accepted."""
+        """A probability above one half, scaled down to the ceiling; accepted stays accepted."""
         return min(chance, 0.5 + (2.0 * self.ceiling - 1.0) * (chance - 0.5))
 
     def distance(self, described: dict[str, Array]) -> float:
-        """Distance of a thing to the nearest example, 1 where examples usually are."""
+        """Distance of an object to the nearest example; 1 = the typical distance of examples."""
         rows = [
             np.linalg.norm(np.array(group.examples) - described[name], axis=1) / group.scale
             for name, group in self.groups.items()
@@ -78,7 +78,8 @@ class Learned:
 def describe(voxels: Voxels) -> dict[str, Array]:
     """Every group of descriptors of an object's cells, y up."""
     if len(voxels) > NUM_DESCRIBED:
-        # Histograms know how densely cells lie: all objects are described by as many at most.
+        # Histograms depend on the cell density, so all objects use the same maximum number of
+        # cells.
         rows = np.random.default_rng(0).choice(len(voxels), NUM_DESCRIBED, replace=False)
         voxels = voxels.select(np.sort(rows))
     return {name: descriptor(voxels) for name, descriptor in DESCRIPTORS.items()}
@@ -91,7 +92,7 @@ def size(voxels: Voxels) -> Array:
 
 
 def profile(voxels: Voxels) -> Array:
-    """Mean distance from the upright axis and share of cells in slices of the height (16,)."""
+    """Mean distance from the vertical axis and share of cells per slice of the height (16,)."""
     points = voxels.means
     low, high = np.quantile(points, [0.02, 0.98], axis=0)
     axis = ((low + high) / 2.0)[::2]
@@ -104,7 +105,7 @@ def profile(voxels: Voxels) -> Array:
 
 
 def surface(voxels: Voxels) -> Array:
-    """Mean fast point feature histogram (33,), its roots: how the surface turns (Rusu 2009)."""
+    """Square roots of the mean fast point feature histogram (33,), Rusu 2009."""
     open3d = load_open3d()
     side = float(np.ptp(voxels.means, axis=0).max()) / FINENESS or voxels.cell_size
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(voxels.means))
@@ -121,7 +122,7 @@ def surface(voxels: Voxels) -> Array:
 
 
 def solids(voxels: Voxels) -> Array:
-    """Share of the cells on the best solid of every shape (6,)."""
+    """Share of the cells on the best solid of each shape (6,)."""
     points = voxels.means
     if len(points) > NUM_FITTED:
         rows = np.random.default_rng(0).choice(len(points), NUM_FITTED, replace=False)
@@ -141,6 +142,6 @@ DESCRIPTORS: dict[str, Callable[[Voxels], Array]] = {
     "surface": surface,
     "solids": solids,
 }
-"""Each gives the same count of numbers for every object."""
+"""Each returns the same number of values for every object."""
 USUAL_SCALES = {"size": 0.15, "profile": 0.15, "surface": 0.1, "solids": 0.5}
-"""Distance of two examples of one kind before any were seen."""
+"""Prior for the typical distance of two examples of one kind."""

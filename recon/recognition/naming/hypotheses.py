@@ -22,39 +22,40 @@ from recon.records import Solid, Voxels
 Array = NDArray[np.float64]
 
 LOG_NO_KIND = -4.0
-"""Log of how much rarer a composite of no kind is than one of the catalogue."""
+"""Log prior of a composite of no kind, relative to one of the catalogue."""
 LARGEST_TO_EXTENT = 2.0
-"""A fit larger than so many times the extent of its cells is none."""
+"""A fit larger than this multiple of the extent of its cells is rejected."""
 CLEAR = 0.9
-"""Probability from which what stands on one axis is not looked at as planes and bars."""
+"""Probability of a fit on one axis above which planes and bars are not tried."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}
-"""Solids that fit whatever a simpler one fits: they are not its rivals."""
+"""Solids that fit everything a simpler one fits, so they do not compete with it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Hypothesis:
-    """One thing that cells may be, and how likely it is."""
+    """One interpretation of the cells, and how likely it is."""
 
     kind: Kind | None
-    """None: of no kind."""
+    """None = of no kind."""
     evidence: float
-    """Log of its likelihood, up to a constant of the object."""
+    """Log likelihood, up to a constant per object."""
     criterion: float
-    """BIC a cell, less that of a thing of no form: the lower, the better the cells are known."""
+    """BIC per cell, minus that of a formless object: the lower, the better the cells are
+    explained."""
     whole: float = 0.0
-    """Probability that it is of its kind, whole and seen enough, if it is of a kind."""
+    """Probability that it is of its kind, complete and sufficiently visible, if it is of a kind."""
     seen: float | None = None
-    """Share of the surface of its solids that cells cover."""
+    """Share of its solids' surface covered by cells."""
     composite: Composite | None = None
-    """The whole fit; None for a single solid and for nothing."""
+    """The composite fit; None for a single solid or none."""
     solids: tuple[Solid, ...] = ()
     """From the ground up."""
     roles: tuple[str, ...] = ()
-    """Of the solids, where they are not one for each part of the kind."""
+    """Roles of the solids, if these are not one per part of the kind."""
 
 
 def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
-    """All hypotheses about the cells of one object; at least that it is nothing known."""
+    """All hypotheses about the cells of one object, including that it is unknown."""
     upright = tuple(kind for kind in kinds if kind.is_upright and len(kind.parts) > 1)
     found = [
         *_upright(case, upright),
@@ -71,7 +72,7 @@ def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
 
 
 def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
-    """One solid, if the cells reach down to the ground."""
+    """A single solid, if the cells extend down to the ground."""
     if case.alone and not is_hovering(case.cells, case.ground):
         best = case.alone[0]
         criterion = case.lone_criterion(best)
@@ -84,7 +85,7 @@ def _of_no_kind(case: Case) -> Iterator[Hypothesis]:
 
 
 def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
-    """Fits of every combination of shapes that the kinds know, with and without a name."""
+    """Fits of every combination of shapes in the kinds, named and unnamed."""
     cells, ground = case.cells, case.ground
     combinations = sorted({shapes for kind in kinds for shapes in kind.composites})
     fits = [
@@ -113,7 +114,7 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
 
 
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
-    """The evidence for a fit of upright parts."""
+    """Evidence for a fit of upright parts."""
     rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
     composite = fit.state
     narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
@@ -129,7 +130,7 @@ def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Arra
 def _rated(
     case: Case, found: Hypothesis, kind: Kind, chance: float, evidence: Evidence
 ) -> Hypothesis:
-    """A fit as one of a kind: as likely as its sizes and what is seen allow."""
+    """A fit rated as a kind, by its sizes and visible share."""
     sizes = size_chance(kind, found.solids, case.cells) if case.is_metric else 1.0
     seen = float(evidence.seen.mean())
     whole = evidence.probability * sizes if seen >= kind.min_seen else 0.0
@@ -143,7 +144,7 @@ def _rated(
 
 
 def _is_whole(composite: Composite, cells: Voxels) -> bool:
-    """True where the composite has the cells' size and all parts above the lowest are seen."""
+    """True if the composite has the cells' size and all parts above the lowest are visible."""
     extent = float(np.ptp(cells.means, axis=0).max())
     within = max(2.0 * composite.widest.max(), composite.heights[-1] - cells.means[:, 1].min())
     unseen = unseen_parts(composite, cells)[1:]
@@ -151,12 +152,12 @@ def _is_whole(composite: Composite, cells: Voxels) -> bool:
 
 
 def _log_chance(composite: Composite, kind: Kind, cells: Voxels) -> float:
-    """Log of the chance that the ratios of sizes lie within the kind's bounds."""
+    """Log probability that the size ratios are within the kind's bounds."""
     widths = np.maximum(composite.widest, 1e-9)
     bounds = [part.slenderness for part in kind.parts]
     ratios = list(composite.slenderness)
     if len(widths) > 1:
-        # What holds up a crown and is not seen itself is thin.
+        # An unseen part under a crown is thin.
         ratios.append(0.0 if unseen_parts(composite, cells)[0] else widths[0] / widths[1])
         bounds.append(kind.ratio)
     pairs = zip(ratios, bounds, strict=True)
@@ -164,7 +165,7 @@ def _log_chance(composite: Composite, kind: Kind, cells: Voxels) -> float:
 
 
 def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
-    """Kinds that are one solid, however it lies."""
+    """Kinds of a single solid in any orientation."""
     for kind in kinds:
         rule = kind.parts[0]
         for one in case.alone:
@@ -194,9 +195,9 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
 
 
 def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
-    """Kinds of parts beside and under each other, each in the way that shows it best.
+    """Kinds with parts beside and under each other, each with its best assembly.
 
-    None of what hangs in the air: what would hold it up is none of the parts.
+    Hovering cells have none, since what supports them is not among the parts.
     """
     if is_hovering(case.cells, case.ground):
         return
@@ -207,7 +208,7 @@ def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
 
 
 def _ordered(case: Case, one: Assembly) -> Hypothesis:
-    """Pieces in their places as a thing of the kind."""
+    """An assembly as an object of its kind."""
     criterion = case.criterion(one.bic)
     lead = case.seen_criterion - criterion
     chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
@@ -224,7 +225,7 @@ def _ordered(case: Case, one: Assembly) -> Hypothesis:
 
 
 def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
-    """Kinds that are as their examples were."""
+    """Kinds learned from examples."""
     described = describe(case.cells) if kinds else {}
     for kind in kinds:
         if kind.learned is not None:

@@ -1,4 +1,4 @@
-"""Kinds of objects as rules over parts, shapes, places, sizes and colours."""
+"""Kinds of objects as rules for parts, shapes, positions, sizes and colours."""
 
 import itertools
 from functools import cached_property
@@ -13,14 +13,16 @@ from recon.settings.stage import STRICT, NonNegative, Share
 Shape = Literal["cylinder", "sphere", "ellipsoid", "cone", "box", "plane"]
 Place = Literal["on", "beside", "under"]
 AXIAL = frozenset({"cylinder", "sphere", "ellipsoid", "cone"})
-"""Shapes that can stand on each other on one upright axis."""
+"""Shapes that can be stacked on one vertical axis."""
 FITTED = {"cone": "truncated cone"}
-"""A cone is fitted with a free top: no map shows its tip."""
+"""A cone is fitted with a free top radius, since maps do not show its tip."""
 
 
 def _ordered(limits: tuple[float, float]) -> tuple[float, float]:
     if limits[0] > limits[1]:
-        raise ValueError(f"the range {list(limits)} falls, but the smaller number comes first")
+        raise ValueError(
+            f"the range {list(limits)} is reversed, but the smaller number comes first"
+        )
     return limits
 
 
@@ -30,7 +32,7 @@ Counts = Annotated[tuple[int, int], AfterValidator(_ordered)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Sizes:
-    """Bounds of a thing in metres; None where any will do."""
+    """Size limits of an object in metres; None = no limit."""
 
     height: Range | None = None
     """From its lowest to its highest point."""
@@ -39,11 +41,11 @@ class Sizes:
     depth: Range | None = None
     """The shorter side of its footprint."""
     radius: Range | None = None
-    """Of the widest circle round its axis."""
+    """Radius of the widest circle around its axis."""
 
     @property
     def given(self) -> dict[str, tuple[float, float]]:
-        """The bounds that are set, by name."""
+        """The limits that are set, by name."""
         names = ("height", "width", "depth", "radius")
         return {name: limits for name in names if (limits := getattr(self, name)) is not None}
 
@@ -54,45 +56,46 @@ class PartRule:
 
     role: Annotated[str, Field(min_length=1)]
     shapes: Annotated[tuple[Shape, ...], Field(min_length=1)]
-    """Any of these."""
+    """Allowed shapes."""
     place: Place = "on"
-    """Relative to the part before it: on it, beside it, under it."""
+    """Relative to the previous part: on, beside or under it."""
     count: Counts = (1, 1)
-    """Fewest and most of its like that are seen."""
+    """Minimum and maximum number of such parts."""
     slenderness: Range | None = None
-    """Bounds of its height over its radius; of a cone, over what its radius falls by; of a plane,
-    over its extent along the floor."""
+    """Limits of its height over its radius; for a cone, over the decrease of its radius; for a
+    plane, over its extent along the floor."""
     tilt_deg: Range | None = None
-    """Of a plane: bounds of the angle of its normal to the vertical; 0 lies, 90 stands."""
+    """For a plane: limits of the angle between its normal and the vertical; 0 = horizontal, 90 =
+    vertical."""
     share: Range | None = None
-    """Bounds of its cells as a share of the object's."""
+    """Limits of its cells as a share of the object's cells."""
     size: Sizes = Sizes()
     hue_deg: tuple[float, float] | None = None
-    """Bounds of its hue, round the circle: from 350 to 20 is red."""
+    """Limits of its hue, around the circle: 350 to 20 is red."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Kind:
-    """One name, and what a thing must be to get it."""
+    """A name and the requirements for it."""
 
     name: Annotated[str, Field(min_length=1)]
     parts: Annotated[tuple[PartRule, ...], Field(max_length=6)] = ()
-    """From the ground up; empty for a kind that was learned."""
+    """From the ground up; empty for a learned kind."""
     ratio: Range | None = None
-    """Bounds of the lowest part's largest radius over that of the part on it."""
+    """Limits of the lowest part's largest radius over that of the part on it."""
     size: Sizes = Sizes()
     min_seen: Share = 0.0
-    """Share of its surface that must be seen."""
+    """Minimum visible share of its surface."""
     learned: Learned | None = None
-    """Likeness of its examples, instead of parts."""
+    """Description learned from examples, instead of parts."""
 
     def __post_init__(self) -> None:
         if bool(self.parts) == (self.learned is not None):
-            raise ValueError("parts or learned is needed, and one of them only")
+            raise ValueError("exactly one of parts and learned is needed")
 
     @property
     def is_upright(self) -> bool:
-        """True where its parts stand on each other on one axis."""
+        """True if its parts are stacked on one vertical axis."""
         return bool(self.parts) and all(
             AXIAL.issuperset(part.shapes) and part.place == "on" and part.count == (1, 1)
             for part in self.parts
@@ -106,5 +109,5 @@ class Kind:
 
     @property
     def needs_scale(self) -> bool:
-        """True where it asks for sizes in metres."""
+        """True if it has size limits in metres."""
         return bool(self.size.given) or any(part.size.given for part in self.parts)

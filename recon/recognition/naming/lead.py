@@ -1,4 +1,4 @@
-"""By how much a whole fit is better than the lone solids that are its rivals."""
+"""Lead of a composite fit over competing single solids."""
 
 from collections.abc import Sequence
 
@@ -13,16 +13,16 @@ from recon.records import Voxels
 Array = NDArray[np.float64]
 
 ENOUGH_CELLS = 10
-"""Cells of a part from which its own lead means something."""
+"""Minimum number of cells of a part for a meaningful lead."""
 OF_ONE_PART = 0.25
-"""Weight of the lead on the cells of one part: it is the largest of several."""
+"""Weight of the lead on one part, since it is the maximum of several."""
 
 
 def lead_of_parts(fit: Estimate[Composite], cells: Voxels, rivals: Sequence[Candidate]) -> float:
-    """Largest lead that a fit has on the cells of one part over all rivals, per cell, weighted.
+    """Largest weighted lead per cell of a fit over all rivals on one part.
 
-    The walls of a cottage lie on a lone cylinder as well; what tells it is that its roof does not,
-    however few of the cells are on it.
+    A single cylinder fits the walls of a cottage as well, but not its roof, which therefore decides
+    even if it has few cells.
     """
     signed, _, part = CompositeModel(cells.means).nearest(fit.state)
     own = deviance_a_residual(signed, fit.sigma)

@@ -1,4 +1,4 @@
-"""Learning of kinds from examples: which descriptors tell them, and how near is near enough."""
+"""Learning of kinds from examples: which descriptors distinguish them, and at what distance."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ Array = NDArray[np.float64]
 LEFT_OUT_SHARE = 0.9
 """Share of the left-out examples that the threshold accepts."""
 ROOM = 1.3
-"""The next example is a little further from the others than these are from each other."""
+"""A new example is a little further from the others than these are from each other."""
 LEAST = 1.3
-"""Threshold of examples that are all but copies: the next one is seen from elsewhere."""
+"""Minimum threshold, for nearly identical examples: a new one is seen from elsewhere."""
 ALONE = 1.8
-"""Threshold where one example says nothing of how examples differ, in usual distances: wide, as
-what is accepted has no high probability."""
+"""Threshold for a single example, whose variation is unknown, in typical distances: wide, since
+accepted objects get no high probability."""
 PRIOR_EXAMPLES = 2.0
-"""Examples that the usual distance of two of one kind counts for."""
+"""Number of examples that the prior distance counts for."""
 TELLS = 1.5
-"""A group tells a kind from another where the other's examples are so many times as far away as
-its own: one that does not is left out."""
+"""A group distinguishes a kind if the examples of other kinds are this many times as far away as
+its own; other groups are left out."""
 DIGITS = 6
 
 
@@ -55,16 +55,16 @@ def learn(
     Parameters
     ----------
     examples : sequence of Voxels
-        The cells of one object each, y up.
+        The cells of one object per example, y up.
     others : mapping of str to Learned
-        Kinds of the same catalogue, from which it must be told.
+        Kinds of the same catalogue, from which it must be distinguishable.
     unit : str, optional
-        Of the examples' lengths, where it is known.
+        Unit of the examples' lengths, if known.
 
     Raises
     ------
     InputError
-        Where there is no example, or it cannot be told from another kind.
+        If there is no example, or the kind cannot be distinguished from another.
     """
     if not examples:
         raise InputError("there is no example, but at least one is needed to learn a kind")
@@ -83,19 +83,19 @@ def learn(
 
 
 def _rows(described: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
-    """(N, D) of every group."""
+    """Descriptors (N, D) of every group."""
     return {name: np.stack([one[name] for one in described]) for name in DESCRIPTORS}
 
 
 def _distances(rows: Array) -> Array:
-    """(N, N) distances of examples to each other; infinite to themselves."""
+    """Distances (N, N) between examples; infinite on the diagonal."""
     apart: Array = np.linalg.norm(rows[:, None] - rows[None], axis=2)
     np.fill_diagonal(apart, np.inf)
     return apart
 
 
 def _scale(name: str, rows: Array) -> float:
-    """Distance of two examples that is usual, by those at hand and by what is usual elsewhere."""
+    """Typical distance of two examples, from these examples and the prior."""
     usual = USUAL_SCALES[name]
     if len(rows) < 2:
         return usual
@@ -104,7 +104,7 @@ def _scale(name: str, rows: Array) -> float:
 
 
 def _lead(name: str, rows: Array, others: Mapping[str, Learned]) -> float:
-    """Distance of the nearest example of another kind, in distances of this kind's own."""
+    """Distance to the nearest example of another kind, in typical distances of this kind."""
     foreign = [
         np.array(kind.groups[name].examples) for kind in others.values() if name in kind.groups
     ]
@@ -134,7 +134,7 @@ def _learned(rows: Mapping[str, Array], unit: str | None) -> Learned:
 
 
 def _threshold(rows: Mapping[str, Array]) -> float:
-    """Distance within which most examples lie of the others when they are left out."""
+    """Distance within which most left-out examples are from the others."""
     if len(next(iter(rows.values()))) < 2:
         return ALONE
     squares = [(_distances(own) / _scale(name, own)) ** 2 for name, own in rows.items()]
@@ -145,7 +145,7 @@ def _threshold(rows: Mapping[str, Array]) -> float:
 def _check_told(
     name: str, learned: Learned, rows: Mapping[str, Array], other: str, kind: Learned
 ) -> None:
-    """Refuse two kinds of which each accepts most examples of the other."""
+    """Reject two kinds that each accept most examples of the other."""
     count = len(next(iter(rows.values())))
     own = [{group: rows[group][i] for group in rows} for i in range(count)]
     shared = [group for group in learned.groups if group in kind.groups]

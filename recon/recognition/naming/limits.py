@@ -1,4 +1,4 @@
-"""Bounds of the catalogue, which blur a little."""
+"""Limits of the catalogue, slightly blurred."""
 
 from collections.abc import Sequence
 
@@ -9,24 +9,24 @@ from recon.recognition.segments.boxes import upright_box
 from recon.records import Cone, Solid, Sphere, Voxels
 
 RATIO_SPREAD = 0.05
-"""Standard deviation of a ratio of sizes, over which the bounds of the catalogue blur."""
+"""Standard deviation of a size ratio, by which the limits of the catalogue are blurred."""
 SIZE_SPREAD = 0.08
-"""Of the log of a size in metres: stereo sees a thing some percent too large or too small."""
+"""Standard deviation of the log of a size in metres: stereo sizes are off by some percent."""
 
 
 def log_within(value: float, limits: tuple[float, float], spread: float) -> float:
-    """Log of the chance that a value lies within its limits, which blur by a spread."""
+    """Log probability that a value is within its limits, blurred by `spread`."""
     excess = max(limits[0] - value, value - limits[1]) / spread
     return -np.inf if excess > 2.0 else -float(np.logaddexp(0.0, 2.0 * excess))
 
 
 def size_chance(kind: Kind, parts: Sequence[Solid], cells: Voxels) -> float:
-    """Chance (0 to 1) that a thing has its kind's sizes, all in metres."""
+    """Probability (0 to 1) that an object has its kind's sizes, all in metres."""
     chance = _log_chance(kind.size, _box_sizes(cells))
     if len(parts) == len(kind.parts):
         pairs = zip(kind.parts, parts, strict=True)
         chance += sum(_log_chance(rule.size, _solid_sizes(solid)) for rule, solid in pairs)
-    # Well within its bounds a size costs nothing.
+    # A size well within its limits costs nothing.
     return float(np.exp(chance))
 
 

@@ -1,4 +1,4 @@
-"""Naming: which kind of the catalogue an object is, and how probable that is."""
+"""Naming: the kind of the catalogue that an object is, with a probability."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -17,15 +17,15 @@ from recon.records import UNKNOWN, FoundObject, Part, Solid, Voxels
 Array = NDArray[np.float64]
 
 GHOST_CELLS = 100
-"""Cells from which a thing over the ground is one whose foot is hidden, not false matches."""
+"""Cells from which an object above the ground has a hidden foot and is not false matches."""
 HOVERING_CELLS = 40
-"""Cells that a crown needs to stand for a whole object whose body is not seen."""
+"""Minimum cells of a crown that represents a whole object whose body is not visible."""
 NO_KIND_FITS = "no kind of the catalogue fits"
 NOT_ASKED = "no catalogue was asked"
 NUM_NEAREST = 3
-"""Kinds that are said to be nearest."""
+"""Number of nearest kinds that are reported."""
 SAID = 0.001
-"""Kinds less probable than this are not near."""
+"""Minimum probability of a reported kind."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,16 +40,16 @@ class Naming:
     failures: list[str] = field(default_factory=list)
     nearest: tuple[tuple[str, float], ...] = ()
     seen: float | None = None
-    """Share of the surface of its solids that cells cover; None where it has none."""
+    """Share of its solids' surface covered by cells; None if it has no solids."""
     solid: Solid | None = None
-    """The lone solid that fits its cells best."""
+    """The single solid that fits its cells best."""
     deviance: float = 0.0
-    """BIC of the cells, less what a thing of no form would leave: the lower, the better known."""
+    """BIC of the cells, minus that of a formless object: the lower, the better explained."""
     is_hovering: bool = False
-    """True where nothing that is seen holds it, and it is too small to do without."""
+    """True if nothing visible supports it, and it is too small to stand without."""
 
     def found(self, number: int, num_voxels: int) -> FoundObject:
-        """The record of it."""
+        """The record of the object."""
         return FoundObject(
             id=number,
             label=self.label,
@@ -67,14 +67,14 @@ class Naming:
 def name_object(
     voxels: Voxels, ground: float, kinds: tuple[Kind, ...], is_metric: bool = False
 ) -> Naming:
-    """Name the object that `voxels` are the cells of.
+    """Name the object with the cells `voxels`.
 
     Parameters
     ----------
     ground : float
-        Height it stands on, world.
+        Height of the surface it stands on, world.
     is_metric : bool
-        Whether lengths are metres, in which kinds give theirs.
+        Whether lengths are in metres, the unit of the kinds.
     """
     case = a_case(voxels, ground, is_metric)
     found = hypotheses(case, kinds)
@@ -94,9 +94,9 @@ def name_object(
 
 
 def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
-    """Probability of each kind's name, and its likeliest hypothesis.
+    """Probability of each kind's name, and its most likely hypothesis.
 
-    P(name) = P(kind | it is of a kind) P(whole, and seen enough).
+    P(name) = P(kind | it is of a kind) P(complete and sufficiently visible).
     """
     best: dict[str, Hypothesis] = {}
     for one in found:
@@ -114,14 +114,14 @@ def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
 
 
 def _reason(nearest: Hypothesis | None) -> str:
-    """Why a thing has no name."""
+    """Why an object has no name."""
     if nearest is None or nearest.kind is None:
         return NO_KIND_FITS
     return f"too little speaks for a {nearest.kind.name}, which comes nearest"
 
 
 def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
-    """An object without a name or a form, for that reason."""
+    """An object without a name or a form, with the reason."""
     low, high = voxels.means.min(axis=0), voxels.means.max(axis=0)
     size = high - low
     size[1] = high[1] - ground
@@ -131,7 +131,7 @@ def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
 
 
 def _unnamed(voxels: Voxels, ground: float, best: Hypothesis, chance: float | None) -> Naming:
-    """An object of no kind, in the box of its cell means."""
+    """An object of no kind, with the box of its cell means."""
     roles = ("body", *(f"top {number}" for number in range(1, len(best.solids))))
     box = unknown(voxels, ground, NO_KIND_FITS)
     return replace(
@@ -144,7 +144,7 @@ def _unnamed(voxels: Voxels, ground: float, best: Hypothesis, chance: float | No
 
 
 def _named(voxels: Voxels, ground: float, best: Hypothesis, chance: float) -> Naming:
-    """An object of a kind: upright ones in the box of their solids, others in that of cells."""
+    """An object of a kind; upright ones with the box of their solids, others with that of cells."""
     assert best.kind is not None
     box = replace(
         unknown(voxels, ground, ""),
@@ -172,7 +172,7 @@ def _named(voxels: Voxels, ground: float, best: Hypothesis, chance: float) -> Na
 
 
 def _parts(voxels: Voxels, roles: Sequence[str], found: Sequence[Solid]) -> tuple[Part, ...]:
-    """The solids with what their own cells, those nearest to them, say."""
+    """The solids with the properties of the cells nearest to them."""
     if not found:
         return ()
     distances = np.stack([solid.distances(voxels.means) for solid in found])

@@ -1,11 +1,10 @@
-"""The probability that a thing is of its kind, whole, and seen enough: a conjunction.
+"""The probability that an object is of its kind, complete and sufficiently visible.
 
-Each condition has a logistic of its own and all of them are multiplied, so that nothing that is
-missing can be made up for by something else. The numbers began as a fit by maximum likelihood to
-440 simulated objects, half of them of no kind, seen in part and with noise, and to clumps of
-recorded maps, which weighed as much together; they were then chosen by hand among a few
-combinations that keep false names of recorded maps out. That of a surface that is hardly seen is a
-principle.
+Each condition has its own logistic, and all are multiplied, so that nothing compensates for a
+condition that is not met. The numbers started as a maximum likelihood fit to 440 simulated objects,
+half of them of no kind, partly visible and noisy, and to components of recorded maps, with equal
+total weight; they were then chosen by hand among a few combinations that avoid false names in
+recorded maps. The one for hardly visible surfaces is set by principle.
 """
 
 from dataclasses import dataclass
@@ -18,56 +17,58 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Logistic:
-    """A condition that holds with a chance of one half at `middle`, more beyond it."""
+    """A condition that holds with probability one half at `middle`, more above it."""
 
     middle: float
     steepness: float
 
     def chance(self, value: Array | float) -> Array:
-        """Chance at a value; of an array for each."""
+        """Probability at each value."""
         exponent = self.steepness * (np.asarray(value, dtype=np.float64) - self.middle)
         chances: Array = 1.0 / (1.0 + np.exp(-np.clip(exponent, -60.0, 60.0)))
         return chances
 
 
 FORM = Logistic(middle=0.1, steepness=3.5)
-"""Deviance a cell under that of a thing of no form: the fit must mean something."""
+"""Deviance per cell below that of a formless object: the fit must be meaningful."""
 LEAD = Logistic(middle=0.3, steepness=7.0)
-"""Deviance a cell under that of the best lone solid: a box is not a tree because one fits it."""
+"""Deviance per cell below that of the best single solid: a box is not a tree only because a tree
+fits it."""
 SEEN = Logistic(middle=float(np.log(0.03)), steepness=2.5)
-"""Log of the share of a part's surface that is seen."""
+"""Log of the visible share of a part's surface."""
 RESOLVED = Logistic(middle=float(np.log(0.6)), steepness=4.0)
-"""Log of the least width of a part in cells."""
+"""Log of the minimum width of a part in cells."""
 
 ORDERED = Logistic(middle=-0.9, steepness=4.0)
-"""The same of an assembly, whose parts in their places say more than how near the cells lie."""
+"""Lead of an assembly; the arrangement of its parts is stronger evidence than the distances of
+cells."""
 ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
-"""Log of the count of cells: a handful of them lies on anything."""
+"""Log of the number of cells: a handful fits anything."""
 EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
-"""Log of the count of cells of a plane that an assembly needs: any few lie on one."""
+"""Log of the number of cells of a plane that an assembly needs: any few cells fit one."""
 NEARNESS = Logistic(middle=0.0, steepness=6.0)
 """Log of the distance to a learned kind's examples, below its threshold."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Evidence:
-    """The evidence for a fit, whatever its kind."""
+    """Evidence for a fit, independent of its kind."""
 
     criterion: float
-    """BIC a cell, less that of a thing of no form."""
+    """BIC per cell, minus that of a formless object."""
     lead: float
-    """Lead over the best rival of no kind, on all cells or on a part's."""
+    """Lead over the best rival of no kind, on all cells or those of a part."""
     seen: Array
-    """(parts,) share of each part's surface with a cell near it."""
+    """(parts,) share of each part's surface with a cell nearby."""
     widths: Array
-    """(parts,) least width of each part in cells."""
+    """(parts,) minimum width of each part in cells."""
     num_cells: int
 
     @property
     def probability(self) -> float:
-        """That a thing is what the fit says, whole, and seen enough."""
+        """Probability that an object is what the fit says, complete and sufficiently visible."""
         seen = SEEN.chance(np.log(np.maximum(self.seen, 1e-3))).prod()
         resolved = RESOLVED.chance(np.log(np.maximum(self.widths, 1e-3))).prod()
         fitting = FORM.chance(-self.criterion) * LEAD.chance(self.lead)

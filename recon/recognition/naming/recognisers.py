@@ -1,4 +1,4 @@
-"""Recognisers by name: what names the cells of one object."""
+"""Recognisers by name: functions that name the cells of one object."""
 
 from typing import Protocol
 
@@ -11,7 +11,7 @@ from recon.settings import RecognitionSettings
 
 
 class Recogniser(Protocol):
-    """Names the cells of one object that stands on a ground (y up)."""
+    """Names the cells of one object on the ground (y up)."""
 
     def __call__(
         self,
@@ -28,7 +28,7 @@ class Recogniser(Protocol):
 def robust(
     cells: Voxels, ground: float, kinds: tuple[Kind, ...], settings: RecognitionSettings
 ) -> Naming:
-    """Whole fits of solids, with a probability."""
+    """Composite fits of solids, with a probability."""
     return name_object(cells, ground, kinds, settings.unit == "m")
 
 

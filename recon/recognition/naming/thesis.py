@@ -1,4 +1,4 @@
-"""The thesis's recogniser to the letter: hue parts, quadrics on cell centres, three rules (4.5)."""
+"""The thesis's recogniser, unmodified: hue parts, quadrics on cell centres, three rules (4.5)."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from recon.recognition.segments.segmentation import grow_hue
 from recon.records import FitFailure, Part, Voxels
 
 MIN_PART = 9
-"""Cells: a quadric has nine unknowns."""
+"""Minimum cells of a part: a quadric has nine unknowns."""
 
 
 def name_by_quadrics(
@@ -69,7 +69,7 @@ def _named(
 
 
 def _part(role: str, cells: Voxels, shape: str) -> Part | None:
-    """The part with a solid of its shape; None where none can be drawn on its cells."""
+    """The part with a solid of its shape; None if none can be fitted to its cells."""
     fit = from_points(shape, cells.means)
     if isinstance(fit, FitFailure):
         return None

@@ -1,4 +1,4 @@
-"""Seen and unseen parts of an object: what must be there although no view shows it."""
+"""Visible and hidden parts of an object, including parts that no view shows."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,26 +14,26 @@ from recon.records import Solid, Voxels
 Array = NDArray[np.float64]
 
 UNSEEN = 0.1
-"""A part is unseen that has less of its surface in cells than this share of the best seen one."""
+"""A part is unseen if its cell density is below this share of that of the best seen part."""
 HOVERING = 0.15
-"""Share of its height that an object's lowest cell may be over the ground: what hovers higher is
-held by something that is not seen."""
+"""Height of an object's lowest cell above the ground, as a share of its height: an object that
+hovers higher is supported by something unseen."""
 NEAR_CELLS = 1.25
-"""A cell is on a place of a surface that is nearer than so many cells."""
+"""Maximum distance, in cells, of a cell that covers a surface point."""
 NUM_PLACES = 200
-"""Places of a part that are looked at: its share is right to 0.035."""
+"""Sampled surface points per part: its share is accurate to 0.035."""
 TRUNK = 0.3
-"""Radius of a body that is not seen, as a share of its crown's."""
+"""Radius of an unseen body, as a share of its crown's."""
 
 
 def is_hovering(cells: Voxels, ground: float) -> bool:
-    """True where no cell is near the ground."""
+    """True if no cell is near the ground."""
     low, high = cells.means[:, 1].min(), cells.means[:, 1].max()
     return bool(low - ground > HOVERING * (high - ground) + 2.0 * cells.cell_size)
 
 
 def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
-    """(parts,) which parts have next to no cells for their surface."""
+    """Mask (parts,) of parts with nearly no cells for their surface."""
     _, _, nearest = CompositeModel(cells.means).nearest(composite)
     counts = np.bincount(nearest, minlength=len(composite.shapes))
     density = counts / np.maximum(composite.areas, cells.cell_size**2)
@@ -42,7 +42,7 @@ def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
 
 
 def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
-    """The composite, its lowest part no wider than a trunk where it is not seen."""
+    """The composite with its lowest part limited to the width of a trunk if it is unseen."""
     if not unseen_parts(composite, cells)[0] or not len(composite.radii[0]):
         return composite
     radius = np.minimum(composite.radii[0], TRUNK * composite.widest[1:].max(initial=0.0))
@@ -50,7 +50,7 @@ def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
 
 
 def coverage(parts: Sequence[Solid], cells: Voxels) -> Array:
-    """Share (parts,) of the surface of each solid that has a cell near it."""
+    """Share (parts,) of the surface of each solid with a cell nearby."""
     tree = cKDTree(cells.means)
     reach = NEAR_CELLS * cells.cell_size
     shares = []

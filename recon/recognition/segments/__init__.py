@@ -1,1 +1,1 @@
-"""Segments: which cells belong to one object, and to one part of it."""
+"""Segments: the cells of each object and of each part."""

@@ -1,4 +1,4 @@
-"""The upright box of least footprint."""
+"""The upright box with the smallest footprint."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,13 +9,13 @@ from recon.records import Box
 Array = NDArray[np.float64]
 
 MOST_POINTS = 1000
-"""Points that set a box: more do not change it."""
+"""Maximum number of points that define a box: more do not change it."""
 BULK = (0.01, 0.99)
-"""Shares of the points below the ends of a box: the few beyond them are false."""
+"""Quantiles of the points at the ends of a box: the few beyond them are outliers."""
 
 
 def upright_box(points: Array) -> Box:
-    """The box (y up) of least footprint round the bulk of points (N, 3)."""
+    """The box (y up) with the smallest footprint around the bulk of points (N, 3)."""
     points = points[:: -(-len(points) // MOST_POINTS)]
     floor = points[:, ::2]
     turns = _edge_directions(floor)
@@ -32,7 +32,7 @@ def upright_box(points: Array) -> Box:
 
 
 def _edge_directions(floor: Array) -> Array:
-    """Angles of the hull's edges: one of them lies along the least box."""
+    """Angles of the hull's edges: the smallest box is aligned with one of them."""
     try:
         corners = floor[ConvexHull(floor).vertices]
     except (QhullError, ValueError):

@@ -1,4 +1,4 @@
-"""Convex pieces: what meets along a concave crease are two surfaces (Stein et al., LCCP, 2014)."""
+"""Convex pieces: a concave crease separates two surfaces (Stein et al., LCCP, 2014)."""
 
 from dataclasses import dataclass, replace
 
@@ -13,18 +13,19 @@ Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
 
 MOST_CELLS, COARSE_CELLS = 2000, 1500
-"""Cells of a thing from which larger ones show its creases as well, and about how many of them."""
+"""Number of cells above which coarser cells show the creases as well, and their approximate
+number."""
 PATCH_CELLS = 3.0
-"""Reach of a patch: wide enough for a normal, narrower than a thing."""
+"""Size of a patch: wide enough for a normal, narrower than an object."""
 NUM_ROUNDS = 3
-"""Of moving the patches to the middle of their cells."""
+"""Rounds of moving the patches to the mean of their cells."""
 NUM_NEIGHBOURS = 12
 LINK_CELLS = 2.5
-"""Patches touch whose cells lie nearer together than so many cells."""
+"""Patches touch if they have cells within this distance, in cells."""
 SMALLEST_TOUCH = 2
-"""Pairs of cells along which two patches meet at least."""
+"""Minimum number of cell pairs between two touching patches."""
 CONCAVE_DEG = 12.0
-"""Turn of the surface up to which a crease is noise."""
+"""Angle up to which a crease is noise."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,17 +39,17 @@ class _Patches:
 
 
 def convex_pieces(cells: Voxels, eye: Array | None, smallest: int) -> Labels:
-    """Number (K,) of the convex piece of each cell, the largest 0.
+    """Convex piece (K,) of each cell, numbered by descending size.
 
     Parameters
     ----------
     cells : Voxels
-        Of one component.
+        Cells of one component.
     eye : (3,) float64, optional
-        A place that sees the outer side of most of the surface; where none is known, outside is
-        away from the middle.
+        A position that sees the outer side of most of the surface; if None, outside is away from
+        the centre.
     smallest : int
-        Pieces of fewer cells join the one that they touch most.
+        Pieces with fewer cells join the nearest larger one.
     """
     if len(cells) > MOST_CELLS:
         coarse, cell = _coarser(cells)
@@ -61,7 +62,7 @@ def convex_pieces(cells: Voxels, eye: Array | None, smallest: int) -> Labels:
 
 
 def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp]]:
-    """Fewer, larger cells, and the one (K,) that each cell lies in."""
+    """Fewer, larger cells, and the index (K,) of the one that contains each cell."""
     side = cells.cell_size * float(np.sqrt(len(cells) / COARSE_CELLS))
     index = np.floor(cells.means / side).astype(np.int64)
     _, first, cell = np.unique(index, axis=0, return_index=True, return_inverse=True)
@@ -72,7 +73,7 @@ def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp]]:
 def _patches(cells: Voxels, eye: Array | None) -> _Patches:
     reach = PATCH_CELLS * cells.cell_size
     normals = _normals(cells.means, eye)
-    # Places in units of a patch and normals together: a patch ends where its surface turns.
+    # Positions in units of a patch, with normals: a patch ends where its surface bends.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
     label: NDArray[np.integer] = np.unique(seeds, axis=0, return_inverse=True)[1].ravel()
@@ -128,7 +129,7 @@ def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:
 
 
 def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Edges whose two patches are both convex with a third: one false edge joins nothing."""
+    """Edges whose patches share a third neighbour, so that one false edge joins nothing."""
     neighbours: list[set[int]] = [set() for _ in range(count)]
     for first, second in edges.tolist():
         neighbours[first].add(second)
@@ -139,7 +140,7 @@ def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
 
 
 def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
-    """The pieces after each small one has joined the large one next to it."""
+    """Merge each small piece into the large one next to it."""
     counts = np.bincount(piece)
     large = counts >= smallest
     if not large.any():

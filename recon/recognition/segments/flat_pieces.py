@@ -1,4 +1,4 @@
-"""Flat pieces of an object and what is left between them."""
+"""Flat pieces of an object and the remainder between them."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ from recon.records import Cylinder, Plane, Solid, Voxels
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Step = Literal["board", "upright", "any"]
-"""A level board; upright planes; planes of any lean."""
+"""A level board; upright planes; planes of any tilt."""
 
 NUM_DRAWS = 300
 NUM_NEIGHBOURS = 40
-"""A plane is drawn through cells among so many neighbours."""
+"""A plane is drawn through cells among this number of neighbours."""
 ON_PLANE_CELLS = 0.5
-"""Cells nearer to a plane lie on it."""
+"""Maximum distance of a cell on a plane."""
 LINK_CELLS = 2.0
 LEAST_PLANE, LEAST_SHARE = 8, 0.03
-"""Cells that a plane needs, and their share of the object's."""
+"""Minimum number of cells of a plane, and their minimum share of the object's."""
 LEAST_WIDTH_CELLS = 1.8
-"""Narrower strips are not planes but bars."""
+"""Narrower strips are bars, not planes."""
 LEAST_BAR = 3
 MOST_PLANES = 10
 FILLED = 0.5
-"""Share of the cells of a board's area that it must have: a ring of walls has few."""
+"""Minimum share of a board's area with cells: a ring of walls has few."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,20 +46,20 @@ class FlatPiece:
 
     @property
     def tilt_deg(self) -> float | None:
-        """Angle of a plane's normal to the vertical; None of a bar."""
+        """Angle between a plane's normal and the vertical; None for a bar."""
         if not isinstance(self.solid, Plane):
             return None
         return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
 
 
 def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> list[FlatPiece]:
-    """Planes of an object, those of each step by falling size, then the bars between them.
+    """Planes of an object, those of each step by descending size, then the bars between them.
 
     Parameters
     ----------
     way : sequence of str
-        Planes that are taken out, one step after the other. Stereo errs along its rays, which are
-        nearly level, so that heights are known best, and the lean of a low board least.
+        Planes to extract, one step after the other. Stereo errors are along the rays, which are
+        nearly level, so heights are the most accurate, and the tilt of a low board the least.
     """
     rng = np.random.default_rng(0)
     rest = np.arange(len(cells))
@@ -92,7 +92,7 @@ def _peeled(
 
 
 def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | None:
-    """The fullest level board and its points; None where none has enough of them on its area."""
+    """The level board with the most points and these; None if none is dense enough."""
     heights = np.sort(points[:, 1])
     reach = ON_PLANE_CELLS * cell_size
     counts = np.searchsorted(heights, heights + 2.0 * reach, side="right") - np.arange(len(points))
@@ -105,7 +105,7 @@ def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | 
 
 
 def _footprint(points: Array) -> float:
-    """Area that points cover from above."""
+    """Area that points cover when seen from above."""
     try:
         return float(ConvexHull(points[:, ::2]).volume)
     except QhullError:
@@ -115,11 +115,11 @@ def _footprint(points: Array) -> float:
 def _largest_plane(
     points: Array, step: Step, needs: tuple[float, int], rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
-    """The plane with most connected points on it, and these; it needs so many, cells so wide."""
+    """The plane with the most connected points, and these; `needs`: cell size, minimum points."""
     planes = _drawn(points, step, rng)
     if not len(planes):
         return None
-    # Nearer cells count more: a plane across an edge is near to many, but to none of them much.
+    # Closer cells count more: a plane across an edge is near many cells but close to few.
     offsets = np.einsum("ij,ij->i", planes[:, 0], planes[:, 1])
     away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * needs[0])
     votes = np.clip(1.0 - away**2, 0.0, 1.0).sum(axis=0)
@@ -128,7 +128,7 @@ def _largest_plane(
 
 
 def _drawn(points: Array, step: Step, rng: np.random.Generator) -> Array:
-    """Planes (D, 2, 3), a point and a unit normal each, through three neighbouring points."""
+    """Planes (D, 2, 3), point and unit normal, through three neighbouring points each."""
     count = min(NUM_NEIGHBOURS, len(points))
     first = rng.integers(len(points), size=NUM_DRAWS)
     near = np.asarray(cKDTree(points).query(points[first], k=count)[1])
@@ -148,7 +148,7 @@ def _drawn(points: Array, step: Step, rng: np.random.Generator) -> Array:
 def _refined(
     points: Array, plane: Plane, step: Step, cell_size: float, least: int
 ) -> tuple[Plane, Rows] | None:
-    """The plane through the connected points on one; None where they are too few or a strip."""
+    """The plane refitted to its connected points; None if they are too few or a strip."""
     best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
@@ -163,20 +163,20 @@ def _refined(
 
 
 def _width(points: Array) -> float:
-    """Width of an even strip: its standard deviation times the root of 12."""
+    """Width of a uniform strip: its standard deviation times the root of 12."""
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return float(spread[1] / np.sqrt(len(points)) * np.sqrt(12.0))
 
 
 def _largest_group(points: Array, reach: float) -> NDArray[np.bool_]:
-    """Points (N,) of the largest group that hangs together over steps up to `reach`."""
+    """Mask (N,) of the largest group connected by steps up to `reach`."""
     label = joined(cKDTree(points).query_pairs(reach, output_type="ndarray"), len(points))
     largest: NDArray[np.bool_] = label == np.argmax(np.bincount(label))
     return largest
 
 
 def _through(points: Array, step: Step) -> Plane:
-    """The plane of least squares, of any lean or none."""
+    """The least-squares plane, with any tilt or upright."""
     middle = points.mean(axis=0)
     if step == "any":
         return Plane(point=middle, normal=_least(points - middle))
@@ -185,13 +185,13 @@ def _through(points: Array, step: Step) -> Plane:
 
 
 def _least(offsets: Array) -> Array:
-    """Direction in which offsets from their mean vary least."""
+    """Direction of least variation of offsets from their mean."""
     direction: Array = np.linalg.svd(offsets, full_matrices=False)[2][-1]
     return direction
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
-    """Upright bars in what is left, each the cells that hang together."""
+    """Upright bars in the remainder, one per connected group of cells."""
     if not len(rest):
         return []
     pairs = cKDTree(cells.means[rest]).query_pairs(

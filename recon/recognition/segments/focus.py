@@ -1,4 +1,4 @@
-"""The place that all views look at, as they do on a ring round one object."""
+"""The position that all views look at, as on a ring around one object."""
 
 from dataclasses import dataclass
 
@@ -9,33 +9,33 @@ Array = NDArray[np.float64]
 
 LEAST_VIEWS = 3
 NEAR = 0.3
-"""Distance at which the axes pass the place, as a share of that of the cameras: within the field
-of a narrow lens, whose rectified axis need not go through the middle of the image."""
+"""Maximum distance between the axes and the position, relative to the cameras' distance: within the
+field of view of a narrow lens, whose rectified axis need not pass through the image centre."""
 SPREAD = 0.1
-"""Least of the middle eigenvalue of the axes' scatter, 1/3 where they come from everywhere: by
-three views within some 30 degrees any place is looked at."""
+"""Minimum of the middle eigenvalue of the axes' scatter, which is 1/3 for axes from all directions:
+three views within about 30 degrees always look at some position."""
 WITHIN = 0.5
-"""Cells nearer to the place than this share of the cameras' distance belong to it."""
+"""Cells closer to the position than this share of the cameras' distance belong to it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Focus:
-    """A place and its reach."""
+    """A position and its radius."""
 
     centre: Array
     """(3,) world."""
     radius: float
 
     def holds(self, points: Array) -> NDArray[np.bool_]:
-        """(N,) which points (N, 3) are there."""
+        """Mask (N,) of the points (N, 3) within the radius."""
         near: NDArray[np.bool_] = np.linalg.norm(points - self.centre, axis=1) < self.radius
         return near
 
 
 def find_focus(T_world_left: Array) -> Focus | None:
-    """The place nearest to the axes of all cameras (N, 4, 4); None where they have none.
+    """The position nearest to the axes of all cameras (N, 4, 4); None if there is none.
 
-    The same place in space must lie before every camera, and the axes must pass close by it.
+    The position must be in front of every camera, and the axes must pass close to it.
     """
     if len(T_world_left) < LEAST_VIEWS:
         return None

@@ -1,4 +1,4 @@
-"""The ground: as set, or the largest level plane."""
+"""The ground: as given, or the largest level plane."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,21 +12,21 @@ Array = NDArray[np.float64]
 NUM_DRAWS = 400
 NUM_VOTERS = 4000
 STEEPEST = 0.5
-"""Cosine of the steepest tilt of a floor: a camera in the hand looks down by up to 60 degrees."""
+"""Cosine of the maximum tilt of a floor: a hand-held camera looks down by up to 60 degrees."""
 TOLERANCE = 0.005
-"""Of a point of the floor, as a share of the cloud's size."""
+"""Maximum distance of a point on the floor, as a share of the cloud's size."""
 BULK = (0.05, 0.95)
-"""Shares of the points below the ends of a cloud's bulk."""
+"""Quantiles that bound the bulk of a cloud."""
 FLOOR_SHARE = 0.15
-"""Share of the points that a floor must hold."""
+"""Minimum share of the points on a floor."""
 BELOW_SHARE = 0.4
-"""Share of the points that may lie under a floor, seen past its edge."""
+"""Maximum share of the points below a floor, seen past its edge."""
 
 
 def level_plane(points: Array) -> Array | None:
-    """Motion (4, 4) that makes the largest level plane of points (N, 3), y up, the floor y = 0.
+    """Transform (4, 4) that maps the largest level plane of points (N, 3), y up, to y = 0.
 
-    None where no plane holds enough of the points with nearly all others above it.
+    None if no plane holds enough of the points with nearly all others above it.
     """
     if len(points) < 3:
         return None
@@ -48,7 +48,7 @@ def level_plane(points: Array) -> Array | None:
 
 
 def extent(points: Array) -> float:
-    """Longest side of the box of points (N, 3), without the few that lie far off."""
+    """Longest side of the box of points (N, 3), without outliers."""
     low, high = np.quantile(points, BULK, axis=0)
     return float((high - low).max())
 
@@ -56,7 +56,7 @@ def extent(points: Array) -> float:
 def _most_voted(
     voters: Array, tolerance: float, rng: np.random.Generator
 ) -> tuple[NDArray[np.bool_], Array | None]:
-    """Voters on the level plane through three of them that most lie on, and its upward normal."""
+    """Mask of the voters on the level plane with the most of them, and its upward normal."""
     corners = voters[rng.integers(len(voters), size=(NUM_DRAWS, 3))]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
@@ -72,7 +72,7 @@ def _most_voted(
 
 
 def _floor_motion(point: Array, up: Array) -> Array:
-    """The least turn that brings `up` to y, about a point that comes to y = 0."""
+    """The smallest rotation that maps `up` to y, with `point` mapped to y = 0."""
     axis = np.cross(up, WORLD_UP)
     cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
     rotation = np.eye(3) + cross + cross @ cross / (1.0 + up[1])

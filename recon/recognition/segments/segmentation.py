@@ -1,4 +1,4 @@
-"""Parts of an object by their colour."""
+"""Segmentation of an object into parts by colour."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +12,16 @@ Array = NDArray[np.float64]
 
 MAJORITY_ROUNDS = 3
 MIN_HUE_DIFFERENCE_DEG = 15.0
-"""Two parts whose hues are nearer than this are not told apart by colour."""
+"""Two parts whose hues differ by less cannot be distinguished by colour."""
 MIN_SEPARATION = 2.0
-"""Distance of two colour clusters, in their own spreads, from which they count as two."""
+"""Minimum distance of two separate colour clusters, in their own spreads."""
 
 
 def grow_hue(voxels: Voxels, tolerance_deg: float) -> Segments:
     """The thesis's segmentation: neighbours of similar hue grow together (4.5).
 
-    A cell joins any of its 26 neighbours whose hue is less than `tolerance_deg` away, round the
-    circle; grey cells, which have no hue, join grey ones. Parts are numbered by falling size.
+    A cell joins any of its 26 neighbours whose hue is less than `tolerance_deg` away, around the
+    circle; grey cells, which have no hue, join grey ones. Parts are numbered by descending size.
     """
     pairs = neighbours(voxels.index)
     hue = rgb_to_hsv(voxels.colours)[:, 0]
@@ -35,7 +35,7 @@ def grow_hue(voxels: Voxels, tolerance_deg: float) -> Segments:
 
 
 def split_colours(voxels: Voxels) -> Segments | FitFailure:
-    """Two parts, 0 below and 1 above, by clusters of chroma and the majority of neighbours.
+    """Two parts, 0 below and 1 above, by chroma clusters and the majority of neighbours.
 
     Chroma is the log ratio of the colour channels, in which shading cancels. The clusters start
     from the lowest and the highest quarter; cells of mixed or grey colour follow their neighbours.
@@ -74,7 +74,7 @@ def _two_means(chroma: Array, height: Array) -> NDArray[np.bool_] | FitFailure:
 
 
 def _majority(upper: NDArray[np.bool_], pairs: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Each cell as most of its neighbours and itself."""
+    """Majority vote of each cell and its neighbours."""
     sign = np.where(upper, 1.0, -1.0)
     votes = sign.copy()
     np.add.at(votes, pairs[:, 0], sign[pairs[:, 1]])
@@ -83,7 +83,7 @@ def _majority(upper: NDArray[np.bool_], pairs: NDArray[np.intp]) -> NDArray[np.b
 
 
 def _not_apart(chroma: Array, colours: NDArray[np.uint8], upper: NDArray[np.bool_]) -> str:
-    """Why the two parts are not of two colours; empty where they are."""
+    """Why the two parts do not have two colours; empty if they do."""
     if upper.all() or not upper.any():
         return "all cells have one colour"
     groups = [chroma[~upper], chroma[upper]]

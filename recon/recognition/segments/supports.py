@@ -1,4 +1,4 @@
-"""Supports: level boards raised over the floor that things stand on, such as a table top."""
+"""Supports: raised level boards that objects stand on, such as table tops."""
 
 from dataclasses import dataclass
 
@@ -14,58 +14,58 @@ Mask = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 
 SHARE = 0.1
-"""Share of the standing cells that a support must hold."""
+"""Minimum share of the standing cells on a support."""
 OF_FLOOR = 0.04
-"""Its size as a share of the floor's: the top of a box on a table is smaller."""
+"""Its minimum size relative to the floor: the top of a box on a table is smaller."""
 LEAST_CELLS = 60
-"""Cells that a support needs: fewer are the top of a thing."""
+"""Minimum number of cells of a support: fewer are the top of an object."""
 FILLED = 0.5
-"""Share of the columns of its box that a support must fill."""
+"""Minimum share of the columns of its box that a support fills."""
 COVERED = 0.4
-"""Share of a support that the things on it may cover."""
+"""Maximum share of a support covered by the objects on it."""
 OPEN = 0.2
-"""Share of its rim under which a support may have cells: a box has sides, a table has legs."""
+"""Maximum share of a support's rim with cells below: a box has sides, a table has legs."""
 LEAST_ON_IT = 12
-"""Cells over a support from which something stands on it."""
+"""Minimum number of cells above a support that show an object on it."""
 HALF_CELLS, ABOVE_CELLS, BELOW_CELLS = 1.0, 1.5, 2.5
-"""Half the thickness of a board, and distances from it of what is on it and under it."""
+"""Half the thickness of a board, and minimum distances of what is on it and under it."""
 LINK_CELLS = 2.5
 MOST_SUPPORTS = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Support:
-    """A level board and what holds it."""
+    """A level board and its legs."""
 
     height: float
-    """Level frame."""
+    """Height in the level frame."""
     board: Rows
     """Its own cells."""
     legs: Rows
-    """Cells that hang under it."""
+    """Cells connected to it from below."""
     columns: Mask
-    """(X, Z) columns of cells that it lies in ..."""
+    """(X, Z) columns of cells that it covers ..."""
     corner: NDArray[np.int64]
-    """(2,) ... and the number of the first."""
+    """(2,) ... and the index of the first."""
 
     def holds(self, cells: Voxels) -> Mask:
-        """(K,) which cells lie over or under it."""
+        """Mask (K,) of the cells above or below it."""
         return _at(self.columns, _columns(cells) - self.corner)
 
 
 def find_supports(cells: Voxels, standing: Mask, num_floor: int) -> list[Support]:
-    """The supports of a level map, the fullest first.
+    """The supports of a level map, in descending order of cells.
 
-    A support is a level board, filled and mostly bare, that something stands on, and open beneath.
+    A support is a filled, mostly bare level board with something on it and open space beneath.
 
     Parameters
     ----------
     cells : Voxels
-        Means level, y up.
+        Means in the level frame, y up.
     standing : (K,) bool
-        Cells over the floor and before the walls.
+        Cells above the floor and in front of the walls.
     num_floor : int
-        Cells of the floor.
+        Number of floor cells.
     """
     supports: list[Support] = []
     rest = np.flatnonzero(standing)
@@ -86,7 +86,7 @@ def find_supports(cells: Voxels, standing: Mask, num_floor: int) -> list[Support
 
 
 def _fullest(heights: Array, rows: Rows, reach: float) -> Rows:
-    """Rows of the level layer, so thick on either side, that holds most."""
+    """Rows of the level layer with the most cells, `reach` thick on either side."""
     own = np.sort(heights[rows])
     counts = np.searchsorted(own, own + 2.0 * reach, side="right") - np.arange(len(own))
     if not len(own):
@@ -103,7 +103,7 @@ def _largest(points: Array, reach: float) -> Mask:
 
 
 def _support(cells: Voxels, rest: Rows, board: Rows) -> Support | None:
-    """The board as a support; None where it is not one."""
+    """The board as a support; None if it is not one."""
     height = float(np.median(cells.means[board, 1]))
     columns = _columns(cells)
     corner = columns[board].min(axis=0)
@@ -128,7 +128,7 @@ def _support(cells: Voxels, rest: Rows, board: Rows) -> Support | None:
 
 
 def _closed(mask: Mask, low: NDArray[np.int64]) -> float:
-    """Share of the rim of a board under which, or just beside it, there are cells."""
+    """Share of the rim of a board with cells under or just beside it."""
     wide = np.pad(mask, 1)
     sides = np.zeros_like(wide)
     inside = ((low >= -1) & (low <= mask.shape)).all(axis=1)
@@ -140,7 +140,7 @@ def _closed(mask: Mask, low: NDArray[np.int64]) -> float:
 def _beneath(
     cells: Voxels, rest: Rows, mask: Mask, corner: NDArray[np.int64], height: float
 ) -> Rows:
-    """Rows of the cells lower than a board, under it or just beside it."""
+    """Rows of the cells below a board, under it or just beside it."""
     wide = binary_dilation(np.pad(mask, 2), iterations=2)
     under = _at(wide, _columns(cells)[rest] - corner + 2)
     low = cells.means[rest, 1] < height - HALF_CELLS * cells.cell_size
@@ -149,7 +149,7 @@ def _beneath(
 
 
 def _hanging(cells: Voxels, below: Rows, height: float) -> Rows:
-    """Those of the cells below a board that hang together up to it."""
+    """The cells below a board that are connected up to it."""
     if not len(below):
         return below
     label = linked(cells.means[below], LINK_CELLS * cells.cell_size)
@@ -166,7 +166,7 @@ def _columns(cells: Voxels) -> NDArray[np.int64]:
 
 
 def _at(mask: Mask, index: NDArray[np.int64]) -> Mask:
-    """(N,) a mask at places that may lie outside of it."""
+    """Values (N,) of a mask at positions that may be outside it."""
     inside = ((index >= 0) & (index < mask.shape)).all(axis=1)
     found = np.zeros(len(index), dtype=bool)
     found[inside] = mask[tuple(index[inside].T)]

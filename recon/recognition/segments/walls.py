@@ -1,4 +1,4 @@
-"""Walls: large upright planes that all else lies before."""
+"""Walls: large upright planes with everything else in front of them."""
 
 from dataclasses import dataclass
 
@@ -14,13 +14,13 @@ Mask = NDArray[np.bool_]
 NUM_DRAWS = 300
 NUM_VOTERS = 3000
 UPRIGHT = 0.26
-"""Sine of the lean of a wall: up to 15 degrees."""
+"""Sine of the maximum tilt of a wall: 15 degrees."""
 WALL_SHARE = 0.1
-"""Share of the standing cells that a wall must hold."""
+"""Minimum share of the standing cells on a wall."""
 BEHIND_SHARE = 0.03
-"""Share of all cells that may lie behind a wall: seen through a door, or false."""
+"""Maximum share of all cells behind a wall: seen through a door, or false."""
 REACH = 0.5
-"""Width of a wall as a share of the width of everything along it."""
+"""Minimum width of a wall relative to the width of the scene along it."""
 MOST_WALLS = 6
 
 
@@ -29,25 +29,25 @@ class Wall:
     """An upright plane and its cells."""
 
     plane: Plane
-    """Its normal points to the side on which everything is."""
+    """Its normal points towards the scene."""
     mask: Mask
-    """(N,) the standing points that lie on it."""
+    """Mask (N,) of the standing points on it."""
 
 
 def find_walls(standing: Array, everything: Array, tolerance: float) -> list[Wall]:
     """The walls of a scene, the largest first.
 
-    A wall holds many cells, is nearly as wide as the scene, and has next to nothing behind it,
-    floor included: the side of a box has.
+    A wall has many cells, is nearly as wide as the scene, and has nearly nothing behind it, not
+    even floor, unlike the side of a box.
 
     Parameters
     ----------
     standing : (N, 3) float64
         Points above the floor, level, y up.
     everything : (M, 3) float64
-        The same with the floor.
+        The same points and those of the floor.
     tolerance : float
-        Distance up to which a point lies on a plane.
+        Maximum distance of a point on a plane.
     """
     rng = np.random.default_rng(0)
     walls: list[Wall] = []
@@ -70,7 +70,7 @@ def find_walls(standing: Array, everything: Array, tolerance: float) -> list[Wal
 def _most_voted(
     points: Array, everything: Array, tolerance: float, rng: np.random.Generator
 ) -> Plane | None:
-    """The upright plane with nothing behind it on which most points lie."""
+    """The upright plane with the most points on it and nothing behind it."""
     voters = points[rng.permutation(len(points))[:NUM_VOTERS]]
     witnesses = everything[rng.permutation(len(everything))[:NUM_VOTERS]]
     corners = voters[rng.integers(len(voters), size=(NUM_DRAWS, 3))]
