@@ -49,15 +49,18 @@ class Sheet:
     style : Style
     font_size : float
         Points.
+    fits : bool
+        The sheet may shrink to its content.
     """
 
-    def __init__(self, figure: Any, style: Style, font_size: float) -> None:
+    def __init__(self, figure: Any, style: Style, font_size: float, *, fits: bool = False) -> None:
         self.figure = figure
         self.style = style
         self.font_size = font_size
+        self.fits = fits
 
     @classmethod
-    def of(cls, size: Size, style: Style | None = None) -> "Sheet":
+    def of(cls, size: Size, style: Style | None = None, *, fits: bool = False) -> "Sheet":
         """An empty sheet of `size` pixels at the style's dots per inch."""
         from recon.figures.notebook import ShownFigure
 
@@ -69,7 +72,7 @@ class Sheet:
             facecolor="none" if clear else "white",
         )  # fmt: skip
         font = FONT_SHARE * POINTS_PER_INCH * float(np.sqrt(inches[0] * inches[1]))
-        return cls(figure, style, style.font_size or max(font, SMALLEST_FONT))
+        return cls(figure, style, style.font_size or max(font, SMALLEST_FONT), fits=fits)
 
     @property
     def size(self) -> Size:
@@ -97,6 +100,14 @@ class Sheet:
             engine.execute(root)
         for axes in self.figure.axes:
             axes.apply_aspect()
+
+    def fit(self, axes: Any) -> None:
+        """Remove the margins that axes of equal scale leave, if the sheet may shrink."""
+        self.settle()
+        if self.fits:
+            spare = axes.get_position(original=True).size - axes.get_position().size
+            self.figure.set_size_inches(self.figure.get_size_inches() * (1.0 - spare))
+            self.settle()
 
     def panels(
         self, rows: int, columns: int, *, font_share: float = 1.0, **ratios: Any

@@ -26,7 +26,7 @@ OCCUPIED = STATES[ground.OCCUPIED]
 
 def occupancy(voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None) -> Any:
     """Points over every floor cell, summed over height (thesis section 4.4)."""
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     axes = floor.floor_axes(sheet, "Occupancy: points summed over height", unit)
     floor.show(axes, floor.extent_of(voxels))
     if not len(voxels):
@@ -42,6 +42,7 @@ def occupancy(voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None) 
         drawn, axes, "points per floor cell", extend=scales.beyond(seen, low, high)
     )
     scales.plain_numbers(bar)
+    sheet.fit(axes)
     floor.add_scale_bar(sheet, axes, unit)
     return sheet.figure
 
@@ -76,7 +77,7 @@ def labels(
     -------
     matplotlib Figure
     """
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     named = sum(found.label != UNKNOWN for found in objects)
     axes = floor.floor_axes(
         sheet,
@@ -93,7 +94,7 @@ def labels(
         handles.append(floor.line("N: ahead of the\nfirst camera", marker="^", color=INK, lw=0))
     if with_legend:
         floor.add_legend(sheet, handles)
-    sheet.settle()
+    sheet.fit(axes)
     cover, reserved = _cover(axes, voxels), []
     if trajectory is not None and len(trajectory):
         reserved.append(floor.add_north(sheet, axes, trajectory[0, [0, 2], 2], cover))

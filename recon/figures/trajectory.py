@@ -37,7 +37,7 @@ def trajectory(
     -------
     matplotlib Figure
     """
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     axes = floor.floor_axes(
         sheet,
         f"Trajectory: {len(T_world_left)} {'pair' if len(T_world_left) == 1 else 'pairs'}",
@@ -58,7 +58,7 @@ def trajectory(
         handles.append(floor.patch("occupied", color=MAPPED))
     axes.legend(handles=handles, loc="best", framealpha=0.85, edgecolor="none",
                 fontsize=0.9 * sheet.font_size)  # fmt: skip
-    sheet.settle()
+    sheet.fit(axes)
     floor.add_scale_bar(sheet, axes, unit)
     return sheet.figure
 

@@ -175,7 +175,7 @@ def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) 
     path = run_path / "figures" / f"{shown}.{wish.ending}"
     path.parent.mkdir(exist_ok=True)
     try:
-        figure = kind.draw(subject, Sheet.of(size, wish.style))
+        figure = kind.draw(subject, Sheet.of(size, wish.style, fits=wish.size is None))
     except KeyError as error:
         raise InputError(f"{run_path}: the data for {stem} has no {error}") from error
     save(figure, path)
