@@ -58,7 +58,8 @@ def test_sizes_are_as_asked_and_nothing_is_drawn_without_cells(nothing):
 
 def test_floor_plans_have_no_idle_margins_unless_a_size_is_asked(voxels, ball):
     height, width = pixels(labels(voxels, [ball])).shape[:2]
-    assert width == pytest.approx(1000, abs=2) and 250 < height < 700
+    assert width == pytest.approx(1000, abs=2)
+    assert 250 < height < 700
     assert pixels(labels(voxels, [ball], sheet=small(500, 480))).shape == (480, 500, 3)
 
 
