@@ -83,7 +83,7 @@ def _jobs_of(
     _check_keys(table, JOB_KEYS, source)
     command = _text(table, "command", source)
     KINDS.check(command)
-    found = [_matches(word, folder, command) for word in _words(table, source)]
+    found = [_matches(word, folder) for word in _words(table, source)]
     if len(found) == 1:
         groups: list[tuple[Path, ...]] = [(path,) for path in found[0]]
     else:
@@ -179,30 +179,22 @@ def _words(table: Mapping[str, Any], source: str) -> list[str]:
     return words
 
 
-def _matches(word: str, folder: Path, command: str) -> list[Path]:
+def _matches(word: str, folder: Path) -> list[Path]:
     """Paths for a word: a path, a glob or a shipped name, relative to a folder.
 
     A missing path is kept: only its job fails.
     """
     path = folder / word
     if not any(mark in word for mark in "*?["):
-        is_name = not path.exists() and Path(word).name == word
-        return [_shipped(Path(word), command) or path] if is_name else [path]
+        is_shipped = path.name == word and not path.exists() and not Path(word).exists()
+        # Whether recon ships with one of that name is for the worker to say, who loads the command.
+        return [Path(word) if is_shipped else path]
     root = Path(path.anchor or ".")
     pattern = str(path.relative_to(root)) if path.anchor else str(path)
     found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
     if not found:
         raise InputError(f"{word} matches no file or folder in {folder.resolve()}")
     return found
-
-
-def _shipped(name: Path, command: str) -> Path | None:
-    """The file shipped with recon under a name; None if there is none."""
-    try:
-        found = KINDS.load(command).find(name)
-    except InputError:
-        return None
-    return None if found == name else found
 
 
 def _name(table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bool) -> str:

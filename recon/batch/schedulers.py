@@ -39,17 +39,13 @@ class Processes:
     Parameters
     ----------
     num_workers : int
-    num_threads : int
-        Threads per worker.
+        If there are fewer jobs, each gets the threads of several workers.
     progress : callable
         Called with the progress of each job.
     """
 
-    def __init__(
-        self, num_workers: int, num_threads: int = 1, progress: Progress = unheard
-    ) -> None:
+    def __init__(self, num_workers: int, progress: Progress = unheard) -> None:
         self._num_workers = num_workers
-        self._num_threads = num_threads
         self._progress = progress
         self._lock = threading.Lock()
 
@@ -58,7 +54,9 @@ class Processes:
         self._pipes = Pipes(self._progress)
         self._idle: queue.SimpleQueue[ProcessPoolExecutor] = queue.SimpleQueue()
         self._pools: list[ProcessPoolExecutor] = []
-        for _ in range(min(self._num_workers, len(calls))):
+        num_pools = min(self._num_workers, len(calls))
+        self._num_threads = self._num_workers // max(num_pools, 1)
+        for _ in range(num_pools):
             self._idle.put(self._new_pool())
         threads = ThreadPoolExecutor(self._num_workers)
         try:
@@ -146,13 +144,13 @@ class Dask:
                 return self._distributed.Client(self._address, timeout="10s")
             except (OSError, ValueError) as error:
                 raise InputError(f"no Dask scheduler answers at {self._address}") from error
-        cluster = self._distributed.LocalCluster(
+        # A client that was given no cluster makes one, and ends it when it is closed.
+        return self._distributed.Client(
             n_workers=self._num_workers,
             threads_per_worker=1,
             dashboard_address=None,
             env=dict.fromkeys(THREAD_VARIABLES, "1"),
         )
-        return self._distributed.Client(cluster)
 
 
 def telling(call: Call) -> Outcome:
@@ -173,7 +171,7 @@ def make_scheduler(
 ) -> Scheduler:
     """Local processes if no address is given, else a Dask cluster."""
     if address is None:
-        return Processes(num_workers, progress=progress)
+        return Processes(num_workers, progress)
     return Dask(address, num_workers, progress)
 
 

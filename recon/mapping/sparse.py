@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import Features, Matches
-from recon.settings import MatchingSettings, Settings
+from recon.settings import Settings
 from recon.stereo.features import detect_both, to_grey
 from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.sorting import falling
@@ -55,7 +55,7 @@ def match_sparse(
         noise = noise_level(to_grey(left)), noise_level(to_grey(right))
         return SparseMatches(matches=whole, num_features=None, image_noise=noise)
     parts = [
-        _match_strip(left, right, settings, search, rows)
+        _match_strip(left, right, settings, stated_range, rows)
         for rows in _strips(left.shape, settings.features.widths_px)
     ]
     return parts[0] if len(parts) == 1 else _joined(parts, search.keep)
@@ -92,14 +92,14 @@ def _match_strip(
     left: Image,
     right: Image,
     settings: Settings,
-    search: MatchingSettings,
+    stated_range: tuple[int, int] | None,
     rows: tuple[int, int],
 ) -> SparseMatches:
     first, end = rows
     top, bottom = max(0, first - _MARGIN_ROWS), min(len(left), end + _MARGIN_ROWS)
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features = detect_both(left[top:bottom], right[top:bottom], settings.features)
-    matches = refine(match(*features, search), *features)
+    matches = match_features(*features, settings, stated_range)
     noise = features[0].noise.level, features[1].noise.level
     v = features[0].points_px[:, 1] + top
     num_features = int(((v >= first) & (v < end)).sum())

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import Voxels
+from recon.voxelmap import VoxelMap
 
 SUMMED = ("counts", "weights")
 LARGEST = ("num_views", "hits", "passes")
@@ -17,7 +18,7 @@ def joined(parts: Iterable[Voxels], cell_size: float) -> Voxels:
     """The cells of all parts, which must be disjoint, in index order."""
     found = [part for part in parts if len(part)]
     if not found:
-        return _nothing(cell_size)
+        return VoxelMap(cell_size).occupied()
     columns: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in found])
         for name in Voxels.__slots__
@@ -25,18 +26,6 @@ def joined(parts: Iterable[Voxels], cell_size: float) -> Voxels:
     }
     order = np.lexsort(columns["index"].T[::-1])
     return Voxels(**{name: c[order] for name, c in columns.items()}, cell_size=cell_size)
-
-
-def _nothing(cell_size: float) -> Voxels:
-    places, numbers = np.zeros((0, 3)), np.zeros(0, np.int64)
-    return Voxels(
-        index=np.zeros((0, 3), np.int64),
-        centres=places,
-        means=places,
-        counts=numbers,
-        colours=np.zeros((0, 3), np.uint8),
-        cell_size=cell_size,
-    )
 
 
 def coarser(voxels: Voxels, factor: int) -> Voxels:
