@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from recon.libraries import THREAD_VARIABLES
 from recon.mapping.pair import match_pair
 from recon.stereo.kernels.threads import bands, run
-from recon.threads import num_threads
 from scenes import textured_pair
 
 
@@ -23,15 +21,6 @@ def test_the_bytes_do_not_depend_on_the_number_of_threads(quality, monkeypatch):
     for other in (found[2], found[5]):
         for name in ("points_px", "disparity_px", "sigma_px", "score", "probability"):
             np.testing.assert_array_equal(getattr(other, name), getattr(found[1], name))
-
-
-def test_the_allowance_is_that_of_the_environment(monkeypatch):
-    assert "NUMBA_NUM_THREADS" in THREAD_VARIABLES
-    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
-    assert num_threads() == 3
-    for nonsense in ("", "0", "many"):
-        monkeypatch.setenv("NUMBA_NUM_THREADS", nonsense)
-        assert num_threads() >= 1
 
 
 def test_bands_cover_every_row_once(monkeypatch):
