@@ -1,1 +1,1 @@
-"""The agent that walks, looks, maps, and stops when all is known."""
+"""The agent that walks, looks, maps, and stops when everything is known."""

@@ -1,4 +1,4 @@
-"""The agent: view -> pair -> map -> state -> next view, until a controller or a limit ends it."""
+"""The agent: view -> pair -> map -> state -> next view, until the controller or a limit ends it."""
 
 import logging
 from collections.abc import Callable, Iterator
@@ -40,30 +40,30 @@ def explore(
     stopwatch: Stopwatch | None = None,
     controller: Controller | None = None,
 ) -> Exploration:
-    """Let a controller lead the agent through a world until it ends.
+    """Let a controller guide the agent through a world until it ends.
 
     Parameters
     ----------
     source : Explorable
-        What is explored: a simulated world, or anything with `start()` and `take(view)`.
+        The world to explore: a simulated world, or anything with `start()` and `take(view)`.
     observe : callable, optional
         Called with every `Step`.
     take : callable, optional
-        Gives the pair of a view; `source.take` where not given.
+        Returns the pair of a view; `source.take` by default.
     stopwatch : Stopwatch, optional
-        Counts the time of the stages `render`, `stereo`, `map`, `plan` and `recognise`.
+        Measures the stages `render`, `stereo`, `map`, `plan` and `recognise`.
     controller : Controller, optional
-        The one that leads; that of `exploration.controller` where not given.
+        The controller; `exploration.controller` of the settings by default.
 
     Returns
     -------
     Exploration
-        Whole whatever ended it, a failing controller and Ctrl-C included.
+        Complete whatever ended it, including a failing controller or Ctrl-C.
 
     Raises
     ------
     InputError
-        For an unknown controller, a floor of too many cells, and a start where nobody can stand.
+        For an unknown controller, a floor with too many cells, or a blocked start.
     """
     check_floor(settings)
     controller = controller or make_controller(settings.exploration.controller)
@@ -79,7 +79,7 @@ def explore(
 
 
 class Agent:
-    """Two cameras that walk; the state of one exploration."""
+    """Two walking cameras; the state of one exploration."""
 
     def __init__(
         self, source: Explorable, settings: Settings, take: Take, stopwatch: Stopwatch
@@ -100,7 +100,7 @@ class Agent:
         self.message = ""
 
     def _begin(self) -> None:
-        """An empty map and model."""
+        """Start with an empty map and model."""
         self.mapper = Mapper(self.settings, stopwatch=self.stopwatch, compares=False)
         self.model = WorldModel(settings=self.settings, voxel_map=self.mapper.voxel_map)
 
@@ -121,18 +121,18 @@ class Agent:
         return None
 
     def _taken(self, view: View) -> StereoPair:
-        """The pair of a view from where the agent really is, posed as it believes."""
+        """The pair of a view from the agent's true pose, with its believed pose."""
         if self.slip is None:
             return self.take(view)
         return self.slip.as_believed(self.take(self.slip.true_view(view)))
 
     def stop(self, reason: str, message: str) -> None:
-        """Note why the exploration ended."""
+        """Record why the exploration ended."""
         self.stop_reason, self.message = reason, message
         log.info("%s: %s", reason, message)
 
     def _check_start(self) -> None:
-        """Raise `InputError` if the agent cannot begin."""
+        """Raise `InputError` if the agent cannot start."""
         x, _, z = self.start.position
         if not self.model.floor.holds(self.model.floor.cells([x, z])):
             raise InputError(
@@ -143,7 +143,7 @@ class Agent:
             self.referee.check_start(self.start)
 
     def _look(self, view: View, pair: StereoPair) -> Step:
-        """Put a pair into the map and the model of the world."""
+        """Add a pair to the map and the model of the world."""
         sight = Sight(view=view, pair=self._stamped(pair))
         if self.belief is not None:
             sight = self._corrected(sight)
@@ -157,14 +157,14 @@ class Agent:
         return Step(**parts, view=sight.view, objects=self.model.objects, known_share=known)
 
     def _put(self, sight: Sight) -> mapper.Step:
-        """Put a pair into the map and the floor."""
+        """Add a pair to the map and the floor."""
         (mapped,) = self.mapper.process(sight.pair, sight.result)
         with self.stopwatch.stage("map"):
             self.model.update(sight.view, mapped.pair, mapped.cloud)
         return mapped
 
     def _corrected(self, sight: Sight) -> Sight:
-        """A pair where it is believed to have been taken; the map anew where others moved too."""
+        """A pair with its corrected pose; rebuilds the map if other poses changed as well."""
         assert self.belief is not None
         with self.stopwatch.stage("stereo"):
             sight = replace(sight, result=match_points(sight.pair, self.settings))
@@ -184,7 +184,7 @@ class Agent:
         return sight
 
     def _stamped(self, pair: StereoPair) -> StereoPair:
-        """The pair with a time after the one before; its number where it states none."""
+        """The pair with a time after the previous one; its number if it has none."""
         stamps_s = self.mapper.trajectory.stamps_s
         if not len(stamps_s) or pair.stamp_s > stamps_s[-1]:
             return pair
@@ -194,9 +194,10 @@ class Agent:
         return None if self.referee is None else self.referee.coverage(self.model.floor)
 
     def _ask(self, controller: Controller, step: Step) -> View | None:
-        """The controller's next view, walked to; None if there is a reason to stop.
+        """Walk to the controller's next view; None if there is a reason to stop.
 
-        Where its way would touch something the floor knows that, and the controller is asked again.
+        If the path would touch something, this is noted on the floor and the controller is asked
+        again.
         """
         view = self._answer(controller, step)
         while view is not None and (contact := self._walk(step.view, view)) is not None:
@@ -218,7 +219,7 @@ class Agent:
                 self.stop(reason if reason in STOP_REASONS else "controller ended", said)
                 return None
             check_view(view)
-        # A plug-in may raise anything; what was explored till then is kept.
+        # A plug-in may raise anything; the exploration so far is kept.
         except Exception as error:
             log.debug("the controller failed", exc_info=True)
             self.stop("controller failed", f"{type(error).__name__}: {error}")
@@ -226,7 +227,7 @@ class Agent:
         return view
 
     def _walk(self, start: View, end: View) -> Array | None:
-        """Go to a view; nowhere, and the place (2,) of it, where an object stands in the way."""
+        """Go to a view; if an object blocks the path, stay and return the contact position (2,)."""
         path = path_between(start, end)
         judge = self.slip or self.referee
         contact = None if judge is None else judge.walk(path)
@@ -235,12 +236,12 @@ class Agent:
         return contact
 
     def _stop_before(self, view: View, contact: Array) -> None:
-        """End with a controller that walks into what it was told of."""
+        """Stop because the controller walks into a known obstacle."""
         (x, _, z), (touched_x, touched_z) = view.position, contact
         self.stop(
             "controller failed",
             f"the path to x {x:.2f}, z {z:.2f} runs into an object at x {touched_x:.2f}, "
-            f"z {touched_z:.2f}, as the one before it did",
+            f"z {touched_z:.2f}, as the previous path did",
         )
 
     def _state(self, step: Step) -> State:
@@ -259,7 +260,7 @@ class Agent:
         )
 
     def exploration(self) -> Exploration:
-        """All that there is, whatever ended it."""
+        """The results so far, whatever ended the exploration."""
         self.mapper.reached.say()
         voxels = self.mapper.voxels()
         recognition = self.mapper.recognise(voxels)

@@ -1,7 +1,7 @@
-"""Belief: where the agent takes itself to have been, by its steps and by the things that it saw.
+"""Belief: the agent's estimate of its path, from its steps and the objects it saw.
 
-Every pair adds a pose to a graph whose landmarks are the things that stand about; coming back to
-known things corrects the whole way.
+Every pair adds a pose to a graph whose landmarks are the objects; returning to known objects
+corrects the whole path.
 """
 
 import math
@@ -21,36 +21,38 @@ from recon.settings import Settings, updated
 
 AZIMUTH_SIGMA_RAD = math.radians(0.15)
 MIDDLE_SHARE = 0.04
-"""Standard deviation of the middle of what is seen of a thing, as a share of its radius."""
+"""Standard deviation of the centre of an object's visible part, as a share of its radius."""
 DISTANCE_SHARE = 0.06
-"""The same of the distance of its front."""
+"""The same for the distance to its front."""
 EDGE_RAD = math.radians(1.0)
-"""A thing that comes so near to the border of the image is cut off: its middle is elsewhere."""
+"""An object this close to the image border is cut off, so its centre is elsewhere."""
 HIDDEN_SHARE = 0.5
-"""Of what is hidden of a thing: so far may the middle of the rest be from its own."""
+"""Maximum offset of the visible part's centre from the object's, as a share of the hidden part."""
 GATE, FAR_GATE = 3.0, 4.0
-"""Standard deviations within which a thing is a known one, and beyond which it is a new one."""
+"""Standard deviations within which an object is a known one, and beyond which it is new."""
 NEW, UNCLEAR = -1, -2
 NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
-"""Earlier pairs that a pair is laid on: those that see a thing from less than 100 degrees off."""
+"""Earlier pairs that a pair is registered to: those that see an object from less than 100 degrees
+off."""
 NUM_SIGMAS, MAX_CAUTION = 2.0, 1 / 3
-"""Of the position, that are kept from obstacles besides; at most this share of the clearance."""
+"""Standard deviations of the position added to the distance from obstacles; at most this share of
+the clearance."""
 MOVED, TURNED_RAD = 0.2, math.radians(0.3)
-"""Of the way so far, in cells: beyond this the map is made anew."""
+"""Correction of the path, in cells and radians, beyond which the map is rebuilt."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sight:
-    """One pair where the agent believes that it was taken."""
+    """One pair with the pose at which the agent believes it was taken."""
 
     view: View
     pair: StereoPair
     result: PairResult | None = None
-    """Its matches and points, in the world as believed; None if they are not worked out yet."""
+    """Its matches and points, in the believed world frame; None if not yet computed."""
 
     @property
     def cloud(self) -> PointCloud:
-        """Its sure points, in the world as believed."""
+        """Its reliable points, in the believed world frame."""
         assert self.result is not None
         return self.result.cloud
 
@@ -61,7 +63,7 @@ class Sight:
         return planar(self.pair.T_world_left)
 
     def moved(self, T_new_old: Array) -> "Sight":
-        """The same from a pose that is corrected."""
+        """The same sight at a corrected pose."""
         places = transform(T_new_old, np.array([self.view.position, self.view.target]))
         assert self.pair.T_world_left is not None
         return Sight(
@@ -73,30 +75,30 @@ class Sight:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Belief:
-    """The graph of the walk so far, and the pairs that it is of."""
+    """The graph of the walk so far, and its pairs."""
 
     settings: Settings
     sights: list[Sight] = field(default_factory=list)
-    """Of all pairs, where the map has them."""
+    """All pairs, with their poses in the map."""
     graph: Graph | None = None
     _shown: list[Shown] = field(default_factory=list)
 
     @property
     def sigma(self) -> float:
-        """Standard deviation of the position along its most uncertain direction, world units."""
+        """Standard deviation of the position in its most uncertain direction, world units."""
         if self.graph is None:
             return 0.0
         return float(np.sqrt(np.linalg.eigvalsh(self.graph.covariance()[:2, :2])[-1]))
 
     @property
     def cautious(self) -> Settings:
-        """The settings with as much more room kept from obstacles as the position is unsure."""
+        """The settings with the clearance increased by the uncertainty of the position."""
         clearance = self.settings.exploration.walk_clearance
         wide = clearance + min(NUM_SIGMAS * self.sigma, MAX_CAUTION * clearance)
         return updated(self.settings, {"exploration": {"walk_clearance": wide}})
 
     def correct(self, sight: Sight, model: WorldModel) -> Array:
-        """Take the next pair; the motion (4, 4) from where it was meant to where it is believed."""
+        """Add the next pair; return the transform (4, 4) from intended to believed pose."""
         meant = sight.planar
         if self.graph is None:
             self.graph = Graph.at(meant, self._step_sigma)
@@ -110,7 +112,7 @@ class Belief:
         return _motion(meant, self.graph.poses[-1], sight)
 
     def _link(self) -> None:
-        """Lay the last pair on earlier ones that show the same."""
+        """Register the last pair to earlier ones that show the same."""
         assert self.graph is not None
         last = len(self._shown) - 1
         links = []
@@ -125,7 +127,7 @@ class Belief:
             self.graph.solve()
 
     def _neighbours(self) -> list[int]:
-        """Numbers of the earlier pairs that see known things from the directions most like it."""
+        """Numbers of the earlier pairs that see known objects from the most similar directions."""
         assert self.graph is not None
         last = len(self.graph.poses) - 1
         own = {bearing.landmark for bearing in self.graph.bearings if bearing.pose == last}
@@ -140,16 +142,16 @@ class Belief:
                 if cosine > MIN_COSINE:
                     apart[bearing.pose] = max(worth, apart.get(bearing.pose, -9.0))
         best = sorted(apart, key=lambda number: -apart[number])[:NUM_NEIGHBOURS]
-        # What was before the cameras just now may be so again, known or not.
+        # The previous pair may show the same surface, known or not.
         return best if last - 1 in best or not last else [*best, last - 1]
 
     def keep(self, sight: Sight) -> Sight:
-        """Note where the map has the last pair."""
+        """Record the pose of the last pair in the map."""
         self.sights.append(sight)
         return sight
 
     def outdated(self) -> list[Sight] | None:
-        """All pairs where they are believed now, where that is elsewhere than the map has them."""
+        """All pairs at their current poses if these differ from the map; otherwise None."""
         assert self.graph is not None
         had = np.array([sight.planar for sight in self.sights]).reshape(-1, 3)
         off = self.graph.poses[: len(had)] - had
@@ -166,7 +168,7 @@ class Belief:
 
     @property
     def _step_sigma(self) -> tuple[float, float]:
-        """Of position and heading; never so sure that nothing could be corrected."""
+        """Of position and heading; never so small that nothing could be corrected."""
         motion, least = self.settings.motion, 1e-4
         return (
             max(motion.position_noise, least * self.settings.map.cell_size),
@@ -174,13 +176,13 @@ class Belief:
         )
 
     def _things(self, sight: Sight, model: WorldModel) -> list[Detection]:
-        """The surface before the cameras."""
+        """The objects in front of the cameras."""
         place = sight.view.position[[0, 2]]
         standing = model.standing(place, sight.cloud)
         return detections(standing, place, model.scales) if len(standing) else []
 
     def _note(self, seen: Detection, sight: Sight) -> None:
-        """Add the sighting of a thing, which is a known one or a new one."""
+        """Add the sighting of an object, known or new."""
         assert self.graph is not None
         x, z, azimuth = sight.planar
         offset = seen.centre - [x, z]
@@ -215,14 +217,14 @@ class Belief:
         )
 
     def _towards(self, bearing: float) -> tuple[Array, Array]:
-        """The last place (2,), and the direction (2,) of a bearing from there."""
+        """The last position (2,), and the direction (2,) of a bearing from there."""
         assert self.graph is not None
         x, z, heading = self.graph.poses[-1]
         azimuth = heading + bearing
         return np.array([x, z]), np.array([math.cos(azimuth), math.sin(azimuth)])
 
     def _known(self, seen: Detection, bearing: float, distance: float) -> int:
-        """The landmark that a sighting is of, NEW, or UNCLEAR."""
+        """The landmark of a sighting, NEW, or UNCLEAR."""
         assert self.graph is not None
         if not len(self.graph.radii):
             return NEW
@@ -246,7 +248,7 @@ class Belief:
 
 
 def _motion(old: Array, new: Array, sight: Sight) -> Array:
-    """The motion (4, 4) that brings a sight from one planar pose to another."""
+    """The transform (4, 4) that moves a sight from one planar pose to another."""
     assert sight.pair.T_world_left is not None
     eye = sight.pair.T_world_left[:3, 3]
     there = np.array([new[0], eye[1], new[1]])
@@ -255,5 +257,5 @@ def _motion(old: Array, new: Array, sight: Sight) -> Array:
 
 
 def belief_of(settings: Settings) -> Belief | None:
-    """The belief of an agent whose motion errs; None if motion is exact."""
+    """The belief of an agent with motion errors; None if motion is exact."""
     return None if settings.motion.is_exact else Belief(settings=settings)

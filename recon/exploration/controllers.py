@@ -1,4 +1,4 @@
-"""Controllers by name: those that lead the agent, and the plug-ins beside them."""
+"""Controllers by name: the built-in ones and plug-ins."""
 
 import logging
 from collections.abc import Callable
@@ -13,25 +13,25 @@ log = logging.getLogger(__name__)
 
 
 class Controller(Protocol):
-    """The part that leads the agent (thesis 4.3; its Appendix C calls it a camera controller).
+    """The part that guides the agent (thesis 4.3; its Appendix C calls it a camera controller).
 
-    It is made anew, without arguments, for every exploration, and asked once after every pair; and
-    again where its way would run into something, which `state.floor.touched` holds from then on.
+    A new one is created, without arguments, for every exploration. It is asked once after every
+    pair, and again if its path would run into something, which `state.floor.touched` then contains.
     """
 
     def next_view(self, state: State) -> View | None:
-        """The next place to stand and point to look at; None when it is done.
+        """The next position and point to look at; None when it is done.
 
-        A plain `View` is walked to in a straight line, a `Walk` by its own path.
+        The agent walks to a plain `View` in a straight line, to a `Walk` along its path.
         """
         ...
 
     def info(self) -> str:
-        """Its strategy, in a line."""
+        """Its strategy, in one line."""
         ...
 
     def result(self) -> str:
-        """The result in words; a stop reason before a ";" at its beginning is the exploration's."""
+        """The result in words; a stop reason before the first ";" is that of the exploration."""
         ...
 
 
@@ -46,17 +46,17 @@ CONTROLLERS: Registry[Callable[[], Controller]] = Registry(
 
 
 def make_controller(name: str) -> Controller:
-    """Make the controller of that name.
+    """Create the controller with that name.
 
     Raises
     ------
     InputError
-        For an unknown name, with the known ones, and for a plug-in that does not load.
+        For an unknown name, listing the known ones, or a plug-in that does not load.
     """
     factory = CONTROLLERS.load(name)
     try:
         return factory()
-    # A package of somebody else's may fail in any way.
+    # A third-party package may fail in any way.
     except Exception as error:
         raise InputError(
             f"controller {name!r} cannot be made: {type(error).__name__}: {error}"
@@ -66,7 +66,7 @@ def make_controller(name: str) -> Controller:
 def check_view(view: View) -> None:
     """Raise `InputError` unless a controller's answer is a view of finite numbers."""
     if not isinstance(view, View):
-        raise InputError(f"next_view gave {view!r}, but a View or None is needed")
+        raise InputError(f"next_view returned {view!r}, but a View or None is needed")
     for name, value in (("position", view.position), ("target", view.target)):
         check_finite(name, value)
     if isinstance(view, Walk):
@@ -74,7 +74,7 @@ def check_view(view: View) -> None:
 
 
 def result_of(controller: Controller) -> str:
-    """A controller's own words on its result so far; none of a plug-in that fails to say any."""
+    """A controller's result so far in words; empty if a plug-in fails to return it."""
     try:
         return str(controller.result())
     except Exception:

@@ -1,4 +1,4 @@
-"""The two sides of what is explored: what the agent asks of it, and what a referee knows of it."""
+"""Interfaces of an explored world: for the agent, and for the referee, who knows the truth."""
 
 import math
 from collections.abc import Sequence
@@ -14,41 +14,41 @@ from recon.world.objects import TrueObject
 
 
 class Explorable(Protocol):
-    """A place that stereo pairs can be taken in: a simulated world, a robot, a recording."""
+    """A source of stereo pairs for requested views: a simulated world, a robot, a recording."""
 
     def start(self) -> View:
-        """The view that the exploration begins with."""
+        """The first view of the exploration."""
         ...
 
     def take(self, view: View) -> StereoPair:
-        """The pair of a view, rectified, with the pose that it was taken from."""
+        """The rectified pair of a view, with the pose at which it was taken."""
         ...
 
 
 @runtime_checkable
 class KnownWorld(Explorable, Protocol):
-    """An explored place whose truth is known."""
+    """An explored world whose truth is known."""
 
     objects: Sequence[TrueObject]
 
     def body_clearance(self, places_xz: ArrayLike, height: float) -> NDArray[np.float64]:
-        """(N,) distance of upright axes at x, z (N, 2) to the nearest surface, ground excluded.
+        """Distances (N,) of vertical axes at x, z (N, 2) to the nearest surface except the ground.
 
-        The axes reach from the ground up to `height`.
+        The axes extend from the ground up to `height`.
         """
         ...
 
     def is_inside(self, positions: ArrayLike) -> NDArray[np.bool_]:
-        """(N,) whether points (N, 3) lie inside an object."""
+        """Mask (N,) of the points (N, 3) inside an object."""
         ...
 
     def free_ground(self, cell_size: float) -> NDArray[np.bool_]:
-        """(X, Z) floor cells whose middle no object stands on or hangs over."""
+        """Mask (X, Z) of floor cells whose centre is not on or under an object."""
         ...
 
 
 def start_of(source: Explorable, settings: Settings) -> View:
-    """The first view: that of the source, but for what the settings say of it."""
+    """The first view: that of the source, with overrides from the settings."""
     start, wanted = source.start(), settings.exploration
     position, gaze = start.position, start.target - start.position
     if wanted.start_position is not None:

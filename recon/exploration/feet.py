@@ -1,8 +1,8 @@
-"""Feet of obstacles in the image: plain ground is open up to the first edge that stands on it.
+"""Feet of obstacles in the image: plain ground is free up to the first edge on it.
 
-An obstacle without texture, and a level edge of any, give stereo nothing to match. Its foot still
-stands out of the ground before it, as it does for Horswill's Polly (1993). Ground with a texture of
-its own raises the contrast that an edge needs, until stereo alone decides.
+Stereo cannot match obstacles without texture or horizontal edges. Their feet still stand out from
+the ground in front of them, as for Horswill's Polly (1993). Textured ground raises the contrast
+that an edge needs, until stereo alone decides.
 """
 
 import numpy as np
@@ -14,25 +14,25 @@ from recon.geometry import invert, transform
 from recon.records import StereoPair
 
 NEAR_SAMPLES, TEXTURED_SHARE = 8, 0.2
-"""Ground has a texture where more than this share of its nearest samples are edges."""
+"""The ground is textured if more than this share of its nearest samples are edges."""
 SMOOTHING_PX = 1.0
 MIN_CONTRAST = 8.0
-"""Grey levels across an edge ..."""
+"""Minimum difference of grey levels across an edge ..."""
 CONTRAST_RATIO = 4.0
-"""... and times the median contrast of the ground, be it noise or texture."""
+"""... and minimum multiple of the median contrast of the ground, noise or texture."""
 HORIZON_PX = 4.0
-"""Rows below the end of the ground where its own edge is blurred into it."""
+"""Rows below the end of the ground that are affected by its blurred edge."""
 
 
 def foot_distances(
     pair: StereoPair, azimuths_rad: Array, place: Array, ground: tuple[float, float], floor: Floor
 ) -> Array:
-    """(A,) distance along each azimuth (A,) of the first edge on the ground; infinite = none.
+    """Distance (A,) along each azimuth (A,) of the first edge on the ground; infinite = none.
 
     Parameters
     ----------
     place : (2,) float64
-        x, z that the azimuths are of.
+        x, z of the origin of the azimuths.
     ground : (float, float)
         Height of the ground, and distance at which it ends.
     """
@@ -53,13 +53,13 @@ def foot_distances(
 
 
 def _is_textured(is_edge: Mask, inside: Mask) -> bool:
-    """Tell whether the ground right before the camera is full of edges of its own."""
+    """True if the ground directly in front of the camera is full of edges."""
     near = inside & (inside.cumsum(axis=1) <= NEAR_SAMPLES)
     return bool(near.any() and is_edge[near].mean() > TEXTURED_SHARE)
 
 
 def _reach(pair: StereoPair, height: float, end: float) -> float:
-    """Distance at which the ground comes too near to its end in the image."""
+    """Distance at which the ground is too close to its end in the image."""
     eye_height = 0.0 if pair.T_world_left is None else pair.T_world_left[1, 3] - height
     if eye_height <= 0.0:
         return 0.0
@@ -67,7 +67,7 @@ def _reach(pair: StereoPair, height: float, end: float) -> float:
 
 
 def _pixels(pair: StereoPair, points_world: Array) -> tuple[NDArray[np.intp], Mask]:
-    """Pixels (..., 2) of points (..., 3) in the left image, and which of them are inside it."""
+    """Pixels (..., 2) of points (..., 3) in the left image, and a mask of those inside it."""
     T_left_world = invert(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
     points_left = transform(T_left_world, points_world.reshape(-1, 3))
     ahead = points_left[:, 2] > 0.0
@@ -80,7 +80,7 @@ def _pixels(pair: StereoPair, points_world: Array) -> tuple[NDArray[np.intp], Ma
 
 
 def _contrast(image: NDArray[np.uint8]) -> Array:
-    """(H, W) largest difference of a channel across a pixel, along its row or column."""
+    """Largest difference (H, W) of a channel across a pixel, along its row or column."""
     channels = image.astype(np.float64).reshape(*image.shape[:2], -1)
     contrast = np.zeros(image.shape[:2])
     for axis in (0, 1):

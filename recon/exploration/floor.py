@@ -1,4 +1,4 @@
-"""The ground grid: what the agent knows of the floor, cell by cell: free, occupied, or unknown."""
+"""The ground grid: the agent's knowledge of the floor, cell by cell: free, occupied or unknown."""
 
 import math
 from copy import copy
@@ -14,14 +14,15 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RAY_SPACING = 0.5
-"""Cells between two rays at their far ends, and between two samples along one, so that no cell
-slips through."""
+"""Cells between two rays at their far ends, and between two samples along one, so that no cell is
+missed."""
 NEIGHBOURS: Mask = np.ones((3, 3), dtype=bool)
-"""A cell and the eight around it."""
+"""A cell and its eight neighbours."""
 MAX_CELLS = 16_000_000
-"""Of the floor: what is planned with takes some hundred bytes for each."""
+"""Maximum number of floor cells: planning needs some hundred bytes per cell."""
 ROUNDING = 1e-9
-"""Numbers that differ by so little are equal, so that all units of length decide alike."""
+"""Numbers with a smaller difference are equal, so that decisions do not depend on the unit of
+length."""
 
 
 def check_floor(settings: Settings) -> None:
@@ -42,12 +43,12 @@ def _shape(size_x: float, size_z: float, cell_size: float) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lines:
-    """Lines of sight over the floor from C places, sampled outwards."""
+    """Lines of sight over the floor from C positions, sampled outwards."""
 
     cell: NDArray[np.intp]
-    """(C, A, R) flat number of the cell under each sample; one past the last = off the floor."""
+    """(C, A, R) flat index of the cell under each sample; one past the last = off the floor."""
     radii: Array
-    """(R,) distance of the samples from the place, world units."""
+    """(R,) distance of the samples from the position, world units."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -57,17 +58,17 @@ class Floor:
     size_x: float
     size_z: float
     cell_size: float = 1.0
-    """World units, as the sizes."""
+    """World units, like the sizes."""
     corner: Array = field(init=False)
     """(2,) x, z of its lowest corner."""
     seen_from: Array = field(init=False)
-    """(X, Z) smallest distance from which a view saw the cell free; infinite = never."""
+    """(X, Z) smallest distance from which a view saw the cell as free; infinite = never."""
     barred_from: Array = field(init=False)
     """(X, Z) smallest distance from which the foot of an obstacle was seen on it."""
     occupied: Mask = field(init=False)
-    """(X, Z) a mapped obstacle stands on it or hangs over it."""
+    """(X, Z) True if a mapped obstacle is on or above the cell."""
     touched: Mask = field(init=False)
-    """(X, Z) the body would run into something there, seen or not."""
+    """(X, Z) True if the body would collide with something there, seen or not."""
 
     def __post_init__(self) -> None:
         shape = _shape(self.size_x, self.size_z, self.cell_size)
@@ -84,22 +85,22 @@ class Floor:
 
     @property
     def known_free(self) -> Mask:
-        """(X, Z) inside some view's field and range with no obstacle before it."""
+        """(X, Z) within some view's field and range with no obstacle in front."""
         return np.isfinite(self.seen_from) & ~self.barred
 
     @property
     def known_share(self) -> float:
-        """Share of the cells that are free, or in whose way something stands."""
+        """Share of the cells that are known: free, barred or occupied."""
         return float((self.known_free | self.barred | self.occupied).mean())
 
     @property
     def barred(self) -> Mask:
-        """(X, Z) a foot was seen on it, and no view from nearer by more than a cell saw it free."""
+        """(X, Z) a foot was seen on it, and no view closer by more than a cell saw it as free."""
         nearest_free = self.seen_from + self.cell_size
         return np.isfinite(self.barred_from) & (self.barred_from <= nearest_free)
 
     def window(self, place_xz: Array, reach: float) -> "Floor":
-        """The part of the floor within reach of a place along x and z; it shares the arrays."""
+        """The part of the floor within reach of a position along x and z; it shares the arrays."""
         low = self.cells(place_xz - reach).clip(0, self.shape)
         high = (self.cells(place_xz + reach) + 1).clip(low, self.shape)
         part, rows = copy(self), tuple(map(slice, low, high))
@@ -110,39 +111,39 @@ class Floor:
         return part
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
-        """Cell (..., 2) of each point (..., 2); it may lie off the floor."""
+        """Cell (..., 2) of each point (..., 2); it may be off the floor."""
         return np.floor(self.in_cells(points_xz) + ROUNDING).astype(np.intp)
 
     def centres(self, cells: ArrayLike) -> Array:
-        """Middle x, z (..., 2) of cells (..., 2)."""
+        """Centres x, z (..., 2) of cells (..., 2)."""
         centres: Array = (np.asarray(cells) + 0.5) * self.cell_size + self.corner
         return centres
 
     def in_cells(self, points_xz: ArrayLike) -> Array:
-        """Places (..., 2) of points (..., 2) in cells, counted from the floor's corner."""
+        """Positions (..., 2) of points (..., 2) in cells, relative to the floor's corner."""
         places: Array = (np.asarray(points_xz) - self.corner) / self.cell_size
         return places
 
     def holds(self, cells: NDArray[np.intp]) -> Mask:
-        """Tell which of the cells (..., 2) lie on the floor."""
+        """Mask of the cells (..., 2) on the floor."""
         x, z = cells[..., 0], cells[..., 1]
         inside: Mask = (x >= 0) & (x < self.shape[0]) & (z >= 0) & (z < self.shape[1])
         return inside
 
     def flat(self, cells: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Number of each cell (..., 2), row by row; one past the last where it is off the floor."""
+        """Flat index of each cell (..., 2), row by row; one past the last if off the floor."""
         number = cells[..., 0] * self.shape[1] + cells[..., 1]
         return np.where(self.holds(cells), number, self.occupied.size)
 
     def mask(self, points_xz: ArrayLike) -> Mask:
-        """(X, Z) the cells that hold at least one of the points (N, 2)."""
+        """Mask (X, Z) of the cells with at least one of the points (N, 2)."""
         cells = self.cells(points_xz)
         marked = np.zeros(self.shape, dtype=bool)
         marked[tuple(cells[self.holds(cells)].T)] = True
         return marked
 
     def disc(self, centre_xz: Array, radius: float) -> Mask:
-        """(X, Z) the cells whose middle lies in a disc."""
+        """Mask (X, Z) of the cells whose centre is in a disc."""
         x, z = (
             (np.arange(n) + 0.5) * self.cell_size + low
             for n, low in zip(self.shape, self.corner, strict=True)
@@ -151,16 +152,16 @@ class Floor:
         return near
 
     def lines(self, places_xz: ArrayLike, azimuths_rad: Array, radii: Array) -> Lines:
-        """Lines of sight from places (C, 2) along every azimuth (A,)."""
+        """Lines of sight from positions (C, 2) along every azimuth (A,)."""
         directions = np.column_stack([np.cos(azimuths_rad), np.sin(azimuths_rad)])
         places = np.asarray(places_xz, dtype=np.float64)
         samples = places[:, None, None] + directions[:, None] * radii[:, None]
         return Lines(cell=self.flat(self.cells(samples)), radii=radii)
 
     def open_samples(self, lines: Lines, blocking: Mask) -> Mask:
-        """(C, A, R) which samples lie on the floor with no blocking cell (X, Z) before them.
+        """Mask (C, A, R) of the samples on the floor with no blocking cell (X, Z) before them.
 
-        What hangs over the place itself does not hide the floor around it.
+        Obstacles above the position itself do not hide the floor around it.
         """
         blocked = np.append(blocking.ravel(), True)[lines.cell]
         came_out = np.logical_or.accumulate(~blocked, axis=-1)
@@ -168,9 +169,9 @@ class Floor:
         return clear
 
     def visible(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> Array:
-        """(X, Z) distance of the cells before the mapped obstacles and nearer than `limits` (A,).
+        """Distance (X, Z) of the cells in front of mapped obstacles and within `limits` (A,).
 
-        Infinite where a cell is not seen.
+        Infinite if a cell is not seen.
         """
         step = RAY_SPACING * self.cell_size
         radii = step * np.arange(math.ceil(limits.max(initial=0.0) / step - ROUNDING))
@@ -181,13 +182,13 @@ class Floor:
         return distance.reshape(self.shape)
 
     def see(self, place_xz: Array, azimuths_rad: Array, limits: Array) -> None:
-        """Note the free ground that a view shows."""
+        """Record the free ground that a view shows."""
         part = self.window(place_xz, limits.max(initial=0.0))
         seen_from = part.visible(place_xz, azimuths_rad, limits)
         np.minimum(part.seen_from, seen_from, out=part.seen_from)
 
     def bar(self, place_xz: Array, azimuths_rad: Array, distances: Array) -> None:
-        """Note the feet of obstacles that a view shows; infinitely far is none."""
+        """Record the feet of obstacles that a view shows; infinite = none."""
         seen = np.isfinite(distances)
         azimuth, distance = azimuths_rad[seen], distances[seen]
         offsets = distance[:, None] * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
@@ -196,22 +197,22 @@ class Floor:
         np.minimum.at(self.barred_from, tuple(cells[inside].T), distance[inside])
 
     def touch(self, place_xz: Array, radius: float) -> bool:
-        """Note that a body of some radius cannot stand on a place; False where that was known."""
+        """Record that a body of some radius cannot stand at a position; False if already known."""
         is_new = not self.touched[tuple(self.cells(place_xz))]
         self.touched |= self.disc(place_xz, radius + self.cell_size)
         return is_new
 
     def azimuths(self, heading_rad: float, field_rad: float, reach: float) -> Array:
-        """Azimuths of rays over a field of view that meet every cell within `reach`.
+        """Azimuths of rays over a field of view that hit every cell within `reach`.
 
-        The azimuth of a direction (x, z) is atan2(z, x): it grows clockwise seen from above.
+        The azimuth of a direction (x, z) is atan2(z, x): it increases clockwise seen from above.
         """
         number = 2 + math.ceil(field_rad * reach / (RAY_SPACING * self.cell_size))
         return heading_rad + np.linspace(-field_rad / 2.0, field_rad / 2.0, number)
 
 
 def first_best(values: Array, axis: int = -1) -> NDArray[np.intp]:
-    """Number of the first of the greatest values along an axis; rounding decides nothing."""
+    """Index of the first maximum along an axis, independent of rounding."""
     slack = ROUNDING * np.abs(values).max(initial=0.0)
     best: NDArray[np.intp] = (values >= values.max(axis=axis, keepdims=True) - slack).argmax(axis)
     return best

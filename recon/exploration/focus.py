@@ -1,7 +1,7 @@
-"""Auto focus: the cameras turn to the nearest thing, and match the disparities around it.
+"""Auto focus: the cameras converge on the nearest object and match the disparities around it.
 
 The thesis leaves it to future work: "the camera parameters should be chosen by the distance of the
-objects". A first look measures, a second one is taken.
+objects". A first pair measures the distance, a second one is used.
 """
 
 import math
@@ -18,19 +18,19 @@ from recon.settings import Settings, given_tree, updated
 Take = Callable[[View], StereoPair]
 
 NEAREST_SHARE = 0.02
-"""Of the points that are nearer than the nearest thing: noise."""
+"""Share of the points closer than the nearest object, which are noise."""
 MIN_POINTS = 20
-"""Fewer are not a thing."""
+"""Fewer points are not an object."""
 ROOM = 1.5
-"""Things this much nearer than the nearest one are still matched."""
+"""Objects closer than the nearest one by this factor are still matched."""
 ENDS_PX = 1
-"""Searched beyond both ends."""
+"""Extra disparities searched at both ends."""
 
 
 def focusing(take: Take, settings: Settings) -> Take:
-    """The way to take pairs that looks twice: with the gaze as it was asked for, then focused.
+    """Make `take` look twice: first with the requested gaze, then focused.
 
-    Where the first look shows nothing, its pair is what is given.
+    If the first look shows nothing, its pair is returned.
     """
     if not settings.eyes.auto_focus:
         return take
@@ -50,7 +50,7 @@ def focusing(take: Take, settings: Settings) -> Take:
 
 
 def nearest_distance(pair: StereoPair, settings: Settings) -> float | None:
-    """Distance of the nearest thing that a pair shows; None if it shows none."""
+    """Distance to the nearest object in a pair; None if there is none."""
     seen = match_points(replace(pair, T_world_left=np.eye(4)), settings).cloud
     if len(seen) < MIN_POINTS:
         return None
@@ -58,13 +58,13 @@ def nearest_distance(pair: StereoPair, settings: Settings) -> float | None:
 
 
 def range_of(rig: StereoRig, distance: float) -> tuple[int, int]:
-    """The disparities from infinity to somewhat nearer than the nearest thing, in whole pixels."""
+    """The disparities from infinity to slightly closer than the nearest object, in whole pixels."""
     low, high = rig.disparity_offset_px, float(rig.disparity(distance / ROOM))
     return math.floor(low) - ENDS_PX, math.ceil(high) + ENDS_PX
 
 
 def focusable(settings: Settings) -> Settings:
-    """The settings with a search range that pairs may state; as they are without auto focus."""
+    """The settings with the search range left to the pairs; unchanged without auto focus."""
     if not settings.eyes.auto_focus:
         return settings
     tree = given_tree(settings)

@@ -1,6 +1,6 @@
-"""The frontier controller: a round past all that is left to see, of which the first view is taken.
+"""The frontier controller: plans a round past everything left to see and takes its first view.
 
-The round is planned anew after every pair, by what is known then.
+The round is planned again after every pair with what is then known.
 """
 
 import math
@@ -26,27 +26,28 @@ from recon.exploration.viewpoints import (
 from recon.records import View
 
 HORIZON = 1.5
-"""Rounds are planned over the floor within so many sight ranges, as long as they find a view."""
+"""Rounds are planned over the floor within this number of sight ranges if they find a view
+there."""
 MAX_WANTED = 24
-"""A round goes past no more obstacles: the nearest."""
+"""Maximum number of obstacles of a round: the nearest."""
 
 
 @dataclass(slots=True, kw_only=True)
 class FrontierController:
-    """Goes a round of the unknown sides of obstacles and the unknown ground."""
+    """Goes on a round of the unknown sides of obstacles and the unknown ground."""
 
     taken: list[tuple[Array, float]] = field(default_factory=list)
-    """Place (2,) and azimuth of every view so far."""
+    """Position (2,) and azimuth of every view so far."""
     looks: list[Look] = field(default_factory=list)
-    """The obstacles that views were meant to show sides of."""
+    """Views that were meant to show sides of obstacles."""
     reason: str = ""
 
     def info(self) -> str:
-        """Name the strategy."""
+        """The name of the strategy."""
         return "a round of new sides of obstacles and unknown ground, by gain against its length"
 
     def result(self) -> str:
-        """Tell why it ended."""
+        """Why it ended."""
         return self.reason
 
     def next_view(self, state: State) -> View | None:
@@ -62,7 +63,7 @@ class FrontierController:
         return view
 
     def _plan(self, state: State) -> View | None:
-        """Plan a round, and begin it."""
+        """Plan a round and return its first view."""
         paths, unknown = plan(state), unexplored(state.floor, state.obstacles)
         wanted = sorted(wanted_of(state), key=lambda one: math.dist(one.centre, state.place))
         wanted = wanted[:MAX_WANTED]
@@ -78,7 +79,7 @@ class FrontierController:
     def _look(
         self, state: State, paths: ShortestPaths, sides: Sides, number: int, azimuth_rad: float
     ) -> View:
-        """The view from a place of the round, on an obstacle if one is in the middle of it."""
+        """The view from a position of the round, aimed at an obstacle if one is in its centre."""
         self.looks += sides.looks(number, azimuth_rad)
         target = sides.target(number, azimuth_rad)
         if target is None:
@@ -86,7 +87,7 @@ class FrontierController:
         return look_at(paths, sides.places[number], target, state)
 
     def _end(self, state: State) -> None:
-        """Note why there is nothing left to do."""
+        """Record why there is nothing left to do."""
         wanted, unknown = wanted_of(state), unexplored(state.floor, state.obstacles)
         unseen = [t for t in wanted if isinstance(t, Detection) or not len(t.bearings_rad)]
         is_left = bool(unseen) or unknown.mean() > MAX_UNKNOWN
@@ -97,5 +98,5 @@ class FrontierController:
 
 
 def wanted_of(state: State) -> list[Obstacle | Detection]:
-    """List the detections, and the obstacles that are not known: all that is to be looked at."""
+    """The detections and the obstacles that are not known: everything left to look at."""
     return [*state.detections, *(one for one in state.obstacles if not is_known(one))]

@@ -1,4 +1,4 @@
-"""Ground that views would show, from many places at once."""
+"""Ground that views would show, from many positions at once."""
 
 import math
 from collections.abc import Iterable
@@ -16,32 +16,32 @@ AZIMUTHS_RAD: Array = np.linspace(0.0, 2.0 * math.pi, NUM_RAYS, endpoint=False)
 SAMPLE = 2.0
 """Cells between two samples along a ray; less than half an obstacle's width."""
 SAME_GAZE_RAD = 4.5 * SPACING_RAD
-"""A view from the same place, turned by no more, shows nothing that the earlier one did not."""
+"""A view from the same position, rotated by at most this angle, shows nothing new."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Visibility:
-    """The ground that lies open round some places."""
+    """The visible ground around some positions."""
 
     floor: Floor
     blocking: Mask
-    """(X, Z) cells that nobody sees across."""
+    """(X, Z) cells that block the view."""
     places: Array
     """(C, 2) x, z."""
     field_rad: float
     """Width of a view."""
     reach: float
-    """Distance up to which a view tells free ground, world units."""
+    """Distance up to which a view recognises free ground, world units."""
     barred: Mask
-    """(C, NUM_RAYS) views that nearly were taken before, and would show nothing more."""
+    """(C, NUM_RAYS) views similar to earlier ones, which would show nothing new."""
     _cell: NDArray[np.int32]
-    """(C, NUM_RAYS, R) cell under each sample of the rays that is seen."""
+    """(C, NUM_RAYS, R) cell under each visible sample of the rays."""
     _area: Array
-    """(R,) area that each sample stands for, square world units."""
+    """(R,) area that each sample represents, square world units."""
 
     @classmethod
     def over(cls, floor: Floor, places: Array, field_rad: float, reach: float) -> "Visibility":
-        """Look out from every place (C, 2) as far as the mapped obstacles allow."""
+        """The view from every position (C, 2) as far as the mapped obstacles allow."""
         number = math.ceil(reach / (SAMPLE * floor.cell_size) - 0.5 - ROUNDING)
         radii: Array = SAMPLE * (np.arange(number, dtype=np.float64) + 0.5)
         blocking = floor.occupied | floor.barred
@@ -57,7 +57,7 @@ class Visibility:
         )
 
     def without(self, views: Iterable[tuple[Array, float]], same_place: float) -> "Visibility":
-        """The same, with views barred that are near those from a place (2,) along an azimuth."""
+        """The same, without views similar to those from positions (2,) along azimuths."""
         barred = self.barred.copy()
         for place, azimuth in views:
             is_near = np.hypot(*(self.places - place).T) <= same_place * (1.0 + ROUNDING)
@@ -65,9 +65,9 @@ class Visibility:
         return replace(self, barred=barred)
 
     def area(self, unknown: Mask, rows: NDArray[np.intp] | None = None) -> Array:
-        """(C, NUM_RAYS) unknown area (X, Z) that a view along each azimuth would show.
+        """Unknown area (C, NUM_RAYS) that a view along each azimuth would show.
 
-        Only from the places of some rows, where these are given; zero from others.
+        If `rows` is given, only for these positions; zero for others.
         """
         half = round(self.field_rad / SPACING_RAD / 2.0)
         places = np.arange(len(self.places)) if rows is None else rows
@@ -75,7 +75,7 @@ class Visibility:
         return np.where(self.barred, 0.0, area)
 
     def left(self, unknown: Mask, place: Array, azimuth_rad: float) -> Mask:
-        """(X, Z) the unknown cells that a view from a place (2,) would not show."""
+        """The unknown cells (X, Z) that a view from a position (2,) would not show."""
         rays = self.floor.azimuths(azimuth_rad, self.field_rad, self.reach)
         number = round(self.reach / self.floor.cell_size / RAY_SPACING)
         radii, left = RAY_SPACING * np.arange(number), unknown.copy()
@@ -84,7 +84,7 @@ class Visibility:
 
 
 def ray_of(azimuths_rad: Array) -> NDArray[np.intp]:
-    """Number of the ray nearest to each azimuth."""
+    """Index of the ray nearest to each azimuth."""
     ray: NDArray[np.intp] = np.rint(azimuths_rad / SPACING_RAD).astype(np.intp) % NUM_RAYS
     return ray
 

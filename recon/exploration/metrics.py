@@ -1,4 +1,4 @@
-"""Numbers of an exploration that need no truth but the objects themselves."""
+"""Metrics of an exploration that need only the objects, no other ground truth."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ from recon.world.objects import TrueObject
 
 
 def path_between(start: View, end: View) -> Array:
-    """Corners (N, 3) of the path from one view to the next, both ends included."""
+    """Corners (N, 3) of the path from one view to the next, including both ends."""
     via = end.via if isinstance(end, Walk) else np.empty((0, 3))
     return np.vstack([start.position, via, end.position])
 
@@ -24,22 +24,22 @@ def length_of(path: Array) -> float:
 
 
 def path_bound(start: View, objects: Sequence[TrueObject], viewing_distance: float) -> float:
-    """A length that no tour undercuts which comes within viewing distance of every object.
+    """Lower bound for the length of a tour within viewing distance of every object.
 
-    A tour joins the discs around the objects from which they can be seen, so it is no shorter than
-    the shortest tree that joins them.
+    A tour connects the discs around the objects from which they can be seen, so it is at least as
+    long as the minimum spanning tree of the discs.
     """
     centres = np.array([start.position, *(found.centre for found in objects)])[:, [0, 2]]
     radii = np.array([0.0, *(max(f.size[[0, 2]]) / 2 + viewing_distance for f in objects)])
     gaps = np.maximum(cdist(centres, centres) - radii - radii[:, None], 0.0)
-    # A sparse graph takes an edge of length zero for none.
+    # A sparse graph ignores edges of length zero.
     return float(minimum_spanning_tree(gaps + 1e-9).sum())
 
 
 def pairs_until_objects(
     timeline: Sequence[tuple[int, Sequence[FoundObject]]], final: Sequence[FoundObject]
 ) -> int:
-    """Pairs taken when the last of the final objects had its final label for good."""
+    """Number of pairs after which all final objects had their final labels permanently."""
     return max((_settled(timeline, found) for found in final), default=0)
 
 
@@ -53,6 +53,6 @@ def _settled(timeline: Sequence[tuple[int, Sequence[FoundObject]]], final: Found
 
 
 def _is_same(found: FoundObject, final: FoundObject) -> bool:
-    """Tell whether both have one label, and the one's axis goes through the other."""
+    """True if both have the same label and the axis of one passes through the other."""
     apart = np.abs(found.centre - final.centre)[[0, 2]]
     return found.label == final.label and bool((apart <= final.size[[0, 2]] / 2).all())

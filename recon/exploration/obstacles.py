@@ -11,10 +11,10 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
 
 MIN_POINTS_OF_VIEW = 30
-"""A view has seen an obstacle well when it put this many sure points on it."""
+"""A view has seen an obstacle well if it has this number of reliable points on it."""
 
 SURE = 0.9
-"""Probability from which a label is believed."""
+"""Minimum probability of a trusted label."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -24,48 +24,48 @@ class Obstacle:
     cells: NDArray[np.intp]
     """(N, 2) floor cells under it."""
     centre: Array
-    """(2,) x, z of the middle of its box."""
+    """(2,) x, z of the centre of its box."""
     radius: float
-    """Of the disc round `centre` that holds it, world units."""
+    """Radius of the disc around `centre` that contains it, world units."""
     top: float
     """Height of its highest cell, world units."""
     voxels: Voxels
     """Its occupied cells above the ground."""
     bearings_rad: Array
-    """(V,) azimuth, from the obstacle, of every place that saw it well."""
+    """(V,) azimuth, from the obstacle, of every position that saw it well."""
     found: FoundObject | None = None
     """Its name and shape, as last recognised."""
     num_named: int = 0
-    """Number of its occupied cells then."""
+    """Number of its occupied cells at that time."""
 
     @property
     def is_sure(self) -> bool:
-        """True if its label is one of a catalogue, and believed."""
+        """True if it has a trusted label from a catalogue."""
         found = self.found
         return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
 
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
-        """(N,) which points (N, 2) lie within its disc, widened by a margin."""
+        """Mask (N,) of the points (N, 2) within its disc, widened by a margin."""
         near: Mask = np.hypot(*(points_xz - self.centre).T) <= self.radius + margin
         return near
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Observations:
-    """The floor cells that every pair put sure points on."""
+    """The floor cells with reliable points, for every pair."""
 
     places: list[Array] = field(default_factory=list)
     """(2,) x, z of the cameras, one per pair."""
     cell: list[NDArray[np.intp]] = field(default_factory=list)
-    """Flat numbers of cells, one array per pair, one entry per point."""
+    """Flat indices of cells, one array per pair, one entry per point."""
 
     def add(self, place: Array, sure: PointCloud, floor: Floor) -> None:
-        """Note where the points of one more pair lie."""
+        """Record the cells of the points of another pair."""
         self.places.append(place)
         self.cell.append(floor.flat(floor.cells(sure.points[:, [0, 2]])))
 
     def seen(self, obstacle_of_cell: NDArray[np.intp], num_obstacles: int) -> NDArray[np.intp]:
-        """(P, T) number of sure points that each pair put on each obstacle.
+        """Number (P, T) of reliable points of each pair on each obstacle.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class Observations:
 
 
 def columns(voxels: Voxels, spacing: float) -> Array:
-    """Points (N, 2) x, z, at most `spacing` apart, that cover the cells seen from above."""
+    """Points (N, 2) x, z, at most `spacing` apart, that cover the cells in top view."""
     number = max(1, int(np.ceil(voxels.cell_size / spacing)))
     steps = ((np.arange(number) + 0.5) / number - 0.5) * voxels.cell_size
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
@@ -89,7 +89,7 @@ def columns(voxels: Voxels, spacing: float) -> Array:
 
 
 def patches(occupied: Mask) -> NDArray[np.intp]:
-    """(X, Z) number of the patch of each occupied cell, gaps of one cell closed; -1 = none."""
+    """Patch number (X, Z) of each occupied cell, with gaps of one cell closed; -1 = none."""
     number, _ = label(binary_dilation(occupied, np.ones((2, 2), dtype=bool)), NEIGHBOURS)
     return np.where(occupied, number.astype(np.intp) - 1, -1)
 
@@ -97,9 +97,9 @@ def patches(occupied: Mask) -> NDArray[np.intp]:
 def find_obstacles(
     voxels: Voxels, floor: Floor, observations: Observations, min_voxels: int
 ) -> tuple[Obstacle, ...]:
-    """Cut the occupied cells above the ground into obstacles, in the order of their floor cells.
+    """Split the occupied cells above the ground into obstacles, in the order of their floor cells.
 
-    Fewer than `min_voxels` cells that hang together are not an obstacle.
+    Fewer than `min_voxels` connected cells are not an obstacle.
     """
     patch = patches(floor.mask(columns(voxels, floor.cell_size)))
     of_voxel = np.append(patch.ravel(), -1)[floor.flat(floor.cells(voxels.centres[:, [0, 2]]))]

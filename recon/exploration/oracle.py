@@ -18,25 +18,25 @@ from recon.world.objects import TrueObject
 
 NUM_SIDES = 3
 NUM_TURNS = 8
-"""Ways to turn the three sides of an object that are tried."""
+"""Number of rotations of an object's three sides that are tried."""
 REACHES = (0.2, 0.35, 0.5, 0.75, 1.0)
-"""Shares of the viewing distance that are tried from an object's side."""
+"""Distances from an object that are tried, as shares of the viewing distance."""
 NUM_ROUNDS = 8
-"""Times that the stops and their order are chosen anew."""
+"""Rounds of improving the stops and their order."""
 
 Order = list[int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sides:
-    """Places around one object that show three sides of it, a third of a turn apart."""
+    """Positions around one object that show three sides of it, 120 degrees apart."""
 
     turns: tuple[tuple[Array, ...], ...]
-    """For each turn the places (K, 2) of its sides, those that can be stood on."""
+    """For each rotation, the walkable positions (K, 2) of its sides."""
 
     @classmethod
     def of(cls, one: TrueObject, walkable: Mask, floor: Floor, viewing_distance: float) -> "Sides":
-        """Look for places around an object; of the turns, those with most sides are kept."""
+        """Find positions around an object; keeps the rotations with the most sides."""
         turn = 2.0 * math.pi / NUM_SIDES
         turns = []
         for start in np.linspace(0.0, turn, NUM_TURNS, endpoint=False):
@@ -50,18 +50,18 @@ class Sides:
 def oracle_path(
     start_xz: Array, objects: Sequence[TrueObject], free: Mask, floor: Floor, scales: Scales
 ) -> float | None:
-    """Length of a tour that a walker who knows the world could go; None if there is none.
+    """Length of a tour that a walker who knows the world could take; None if there is none.
 
-    It begins at the start (2,), ends anywhere, keeps the walking clearance, and stands on three
-    sides of every object, from the viewing distance or nearer. Order and places are improved by
-    turns (2-opt, and the best place for the neighbours); the length is that around the obstacles.
+    It begins at the start (2,), ends anywhere, keeps the walking clearance, and visits three sides
+    of every object within the viewing distance. Order and positions are improved alternately
+    (2-opt, and the best position between its neighbours); the length is that around the obstacles.
 
     Parameters
     ----------
     free : (X, Z) bool
         Floor cells outside the true footprints.
     floor : Floor
-        Gives the grid of the cells.
+        Defines the grid of the cells.
     """
     room = np.full(free.shape, np.inf) if free.all() else distance_transform_edt(free)
     walkable = room >= scales.cells(scales.walk_clearance)
@@ -80,7 +80,7 @@ def oracle_path(
 def _places(
     one: TrueObject, bearing: float, walkable: Mask, floor: Floor, viewing_distance: float
 ) -> Array:
-    """(K, 2) walkable places on one bearing of an object."""
+    """Walkable positions (K, 2) on one bearing of an object."""
     reach = max(one.size[[0, 2]]) / 2.0 + viewing_distance * np.array(REACHES)
     places = one.centre[[0, 2]] + np.outer(reach, [math.cos(bearing), math.sin(bearing)])
     cells = floor.flat(floor.cells(places))
@@ -89,7 +89,7 @@ def _places(
 
 
 def _moved(stops: list[Array], order: Order, sides: Sequence[Sides]) -> list[Array]:
-    """The stops, each object's sides turned and placed so that the tour gets shortest."""
+    """The stops, with each object's sides rotated and placed to minimise the tour."""
     stops, at = list(stops), {number: position for position, number in enumerate(order)}
     first = 1
     for one in sides:
@@ -105,7 +105,7 @@ def _moved(stops: list[Array], order: Order, sides: Sequence[Sides]) -> list[Arr
 def _placed(
     stops: list[Array], order: Order, at: dict[int, int], numbers: range, turn: tuple[Array, ...]
 ) -> tuple[float, list[Array]]:
-    """Length that the best places of one turn add to the tour, and these places."""
+    """Length that the best positions of one rotation add to the tour, and these positions."""
     total, places = 0.0, []
     for number, candidates in zip(numbers, turn, strict=True):
         position = at[number]
@@ -118,12 +118,12 @@ def _placed(
 
 
 def _legs(stops: list[Array]) -> Array:
-    """(N, N) distances as the crow flies."""
+    """Straight-line distances (N, N)."""
     return cdist(np.array(stops), np.array(stops))
 
 
 def _walked(start: Array, end: Array, walkable: Mask, floor: Floor) -> float:
-    """Length of the shortest path between two places, corners cut."""
+    """Length of the shortest path between two positions, with corners cut."""
     if is_clear(floor, walkable, start, end):
         return float(np.hypot(*(end - start)))
     paths = paths_over(floor, walkable, start)
@@ -133,7 +133,7 @@ def _walked(start: Array, end: Array, walkable: Mask, floor: Floor) -> float:
 
 
 def nearest_first(legs: Array) -> Order:
-    """Order of a tour over N places that goes on to the nearest each time, from the first on."""
+    """Order of a tour over N positions that always continues to the nearest, from the first."""
     order, left = [0], list(range(1, len(legs)))
     while left:
         order.append(min(left, key=lambda place: legs[order[-1], place]))
@@ -142,7 +142,7 @@ def nearest_first(legs: Array) -> Order:
 
 
 def improved(order: Order, legs: Array) -> Order:
-    """The tour with stretches turned round as long as that shortens it (2-opt); its start stays."""
+    """The tour with segments reversed while that shortens it (2-opt); its start is kept."""
     tour = np.array(order)
     while (best := _best_turn(tour, legs)) is not None:
         i, j = best
@@ -151,7 +151,7 @@ def improved(order: Order, legs: Array) -> Order:
 
 
 def _best_turn(tour: NDArray[np.intp], legs: Array) -> tuple[int, int] | None:
-    """First and last position of the stretch that shortens the tour most; None if none does."""
+    """First and last index of the segment to reverse for the shortest tour; None if none helps."""
     number = len(tour)
     if number < 3:
         return None

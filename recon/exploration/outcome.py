@@ -1,4 +1,4 @@
-"""The records of an exploration: its steps, and what it left."""
+"""The records of an exploration: its steps and its results."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -28,7 +28,7 @@ class Step(mapper.Step):
     said: str = ""
     """The controller's result so far."""
     known_share: float = 0.0
-    """Share of the floor that is known, free or not."""
+    """Share of the floor that is known, whether free or not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,17 +37,18 @@ class Exploration:
 
     reconstruction: Reconstruction[VoxelMap]
     recognition: Recognition
-    """Of the reconstruction's voxels."""
+    """Recognition in the reconstruction's voxels."""
     clearest: mapper.Step | None
-    """The step with most matches."""
+    """The step with the most matches."""
     views: tuple[View, ...]
     known_free: Array
-    """(K, 2) x, z of the middles of the floor cells known to be free."""
+    """(K, 2) x, z of the centres of the floor cells known to be free."""
     stop_reason: str
     """One of STOP_REASONS."""
     message: str
-    """The controller's last words, or the reason of its failure."""
+    """The controller's final message, or the reason for its failure."""
     metrics: dict[str, Any]
-    """The numbers of metrics.json, but for `seconds`; what needs truth is None without it."""
+    """The numbers of metrics.json except `seconds`; those that need ground truth are None without
+    it."""
     true_trajectory: Trajectory | None = None
-    """True poses of the pairs; None if motion is exact, or the truth not known."""
+    """True poses of the pairs; None if motion is exact or the truth is unknown."""

@@ -1,4 +1,4 @@
-"""Shortest paths over the floor, at a distance from obstacles and from the unknown."""
+"""Shortest paths over the floor that keep away from obstacles and unknown ground."""
 
 import itertools
 from collections.abc import Iterable
@@ -15,48 +15,48 @@ from recon.exploration.state import State
 from recon.exploration.wave import shortest
 
 DIGITS = 9
-"""Lengths in cells are told apart by: the same steps in another order are as long."""
+"""Decimals of lengths in cells: the same steps in another order have equal length."""
 MIN_POCKET = 10
-"""Unknown patches of fewer cells are chinks between rays, not places to go and see."""
+"""Unknown patches of fewer cells are gaps between rays and not worth a look."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ShortestPaths:
-    """Shortest paths over the floor from one place to all others."""
+    """Shortest paths over the floor from one position to all others."""
 
     floor: Floor
     walkable: Mask
-    """(X, Z) known free and far enough from everything."""
+    """(X, Z) known to be free and far enough from everything."""
     place: Array
-    """(2,) x, z where the paths begin."""
+    """(2,) x, z of the start of the paths."""
     distance: Array
-    """(X, Z) length of the path, world units; infinite where there is none."""
+    """(X, Z) length of the path, world units; infinite if there is none."""
     _before: NDArray[np.int32]
-    """(X, Z, 2) the cell before each cell on its path."""
+    """(X, Z, 2) the previous cell of each cell on its path."""
 
     def reaches(self, points_xz: Array) -> Mask:
-        """(N,) which points (N, 2) can be walked to."""
+        """Mask (N,) of the reachable points (N, 2)."""
         return np.isfinite(self.length(points_xz))
 
     def length(self, points_xz: Array) -> Array:
-        """(N,) length of the path to each point; infinite where there is none."""
+        """Length (N,) of the path to each point; infinite if there is none."""
         lengths = np.append(self.distance.ravel(), np.inf)
         return lengths[self.floor.flat(self.floor.cells(points_xz))]
 
     def nearest(self, point_xz: Array) -> Array:
-        """The reachable place (2,) nearest to a point."""
+        """The reachable position (2,) nearest to a point."""
         places = self.floor.centres(np.argwhere(np.isfinite(self.distance)))
         nearest: Array = places[np.hypot(*(places - point_xz).T).argmin()]
         return nearest
 
     def is_clear(self, start_xz: Array, end_xz: Array) -> bool:
-        """Tell whether the straight line between two points can be walked."""
+        """True if the straight line between two points can be walked."""
         return is_clear(self.floor, self.walkable, start_xz, end_xz)
 
     def corners(self, end_xz: Array) -> Array:
-        """Corners (N, 2) of the path to a point that can be reached, its ends left out.
+        """Corners (N, 2) of the path to a reachable point, without its ends.
 
-        The path over the cells is pulled straight wherever the straight line can be walked.
+        The path over the cells is straightened where the straight line can be walked.
         """
         steps = [*self._cells_to(end_xz), end_xz]
         corners: list[Array] = []
@@ -68,7 +68,7 @@ class ShortestPaths:
         return np.array(corners).reshape(-1, 2)
 
     def _cells_to(self, end_xz: Array) -> list[Array]:
-        """Middles of the cells on the path, in order, without the first and the last."""
+        """Centres of the cells on the path, in order, without the first and the last."""
         first, cells = tuple(self.floor.cells(self.place)), []
         cell = tuple(self.floor.cells(end_xz))
         while cell != first:
@@ -78,7 +78,7 @@ class ShortestPaths:
 
 
 def is_clear(floor: Floor, walkable: Mask, start_xz: Array, end_xz: Array) -> bool:
-    """Tell whether the straight line between two points stays on walkable cells (X, Z)."""
+    """True if the straight line between two points stays on walkable cells (X, Z)."""
     number = 2 + int(np.hypot(*(end_xz - start_xz)) / (RAY_SPACING * floor.cell_size))
     share = np.linspace(0.0, 1.0, number)[:, None]
     cells = floor.cells(start_xz + share * (end_xz - start_xz))
@@ -86,15 +86,15 @@ def is_clear(floor: Floor, walkable: Mask, start_xz: Array, end_xz: Array) -> bo
 
 
 def plan(state: State, *, through_unknown: bool = False) -> ShortestPaths:
-    """Find the paths from where the agent stands to all cells at once.
+    """Find the paths from the agent's position to all cells at once.
 
-    With `through_unknown`, ground that nobody has seen yet is taken for free.
+    With `through_unknown`, ground that has not been seen is treated as free.
     """
     return paths_over(state.floor, _walkable(state, through_unknown), state.place)
 
 
 def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
-    """Find the paths from a place (2,) over the walkable cells (X, Z) to all others."""
+    """Find the paths from a position (2,) over the walkable cells (X, Z) to all others."""
     x, z = floor.cells(place)
     distance, before = shortest(walkable, (int(x), int(z)))
     return ShortestPaths(
@@ -107,9 +107,9 @@ def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
 
 
 def _walkable(state: State, through_unknown: bool) -> Mask:
-    """Free cells that keep the clearance.
+    """Free cells with enough clearance.
 
-    Where the agent itself stands too near to something, it may stay as near while it gets away.
+    If the agent itself is too close to something, it may stay that close while it moves away.
     """
     floor, scales = state.floor, state.scales
     here = tuple(floor.cells(state.place))
@@ -126,7 +126,7 @@ def _walkable(state: State, through_unknown: bool) -> Mask:
 
 
 def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
-    """(X, Z) cells that keep a clearance (in cells), but near `here` no more than is kept there."""
+    """Mask (X, Z) of cells with a clearance (in cells), near `here` at most the clearance there."""
     if not cells.any():
         return np.ones_like(cells)
     room = distance_transform_edt(~cells)
@@ -137,7 +137,7 @@ def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
 
 
 def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
-    """(X, Z) unknown cells worth a look: not the insides of obstacles, no chinks."""
+    """Mask (X, Z) of unknown cells worth a look: no insides of obstacles, no small gaps."""
     unknown = ~floor.known_free & ~floor.occupied & ~floor.touched
     for obstacle in obstacles:
         unknown &= ~_inside(floor, obstacle.cells)
@@ -148,7 +148,7 @@ def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
 
 
 def _inside(floor: Floor, cells: NDArray[np.intp]) -> Mask:
-    """(X, Z) cells whose middle lies in the convex hull of some cells."""
+    """Mask (X, Z) of cells whose centre is in the convex hull of some cells."""
     square = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
     hull = ConvexHull((cells[:, None] + square).reshape(-1, 2))
     low, high = cells.min(axis=0), cells.max(axis=0) + 1

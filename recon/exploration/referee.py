@@ -1,4 +1,4 @@
-"""The referee: measures an exploration against what is true in a world, beside the agent."""
+"""The referee: measures an exploration against the true world, independently of the agent."""
 
 import itertools
 from dataclasses import dataclass, field
@@ -16,19 +16,19 @@ from recon.records import View
 from recon.settings import Settings
 
 SAMPLE = 0.2
-"""Body radii between two samples of a path."""
+"""Distance between two samples of a path, in body radii."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Referee:
-    """Measurements taken while the agent walks; the agent itself never looks into them."""
+    """Measurements during the walk, which the agent itself never uses."""
 
     world: KnownWorld
     settings: Settings
     free: Mask = field(init=False)
     """(X, Z) floor cells outside the true footprints."""
     min_clearance: float = np.inf
-    """Smallest distance so far of the body's axis from a surface, world units."""
+    """Minimum distance so far between the body's axis and a surface, world units."""
 
     def __post_init__(self) -> None:
         self.free = self.world.free_ground(self.settings.map.cell_size)
@@ -40,15 +40,15 @@ class Referee:
         upright = np.array([[x, share * y, z] for share in (0.1, 0.5, 1.0)])
         if self.world.is_inside(upright).any() or clearance < self.settings.motion.body_radius:
             raise InputError(
-                f"exploration.start_position: x {x:g}, z {z:g} stands inside or against an "
+                f"exploration.start_position: x {x:g}, z {z:g} is inside or against an "
                 "object, but free ground is needed; choose another start"
             )
         self.min_clearance = clearance
 
     def walk(self, path: Array) -> Array | None:
-        """Measure a path (N, 3); the first place (2,) where the body would collide, or None.
+        """Measure a path (N, 3); returns the first position (2,) of a collision, or None.
 
-        Of a path with such a place nothing is noted.
+        A path with a collision is not recorded.
         """
         places = samples(path, self._step)
         clearance = self._clearance(places)
@@ -60,12 +60,12 @@ class Referee:
         return None
 
     def coverage(self, floor: Floor) -> float:
-        """Known free cells, as a share of all that are free; 1 where none is."""
+        """Known free cells as a share of all free cells; 1 if there are none."""
         known = float((floor.known_free & self.free).sum())
         return known / self.free.sum() if self.free.any() else 1.0
 
     def metrics(self, start: View) -> dict[str, Any]:
-        """The numbers of metrics.json that only truth can give."""
+        """The numbers of metrics.json that need ground truth."""
         reach = self.settings.exploration.viewing_distance
         return {
             "path_bound": path_bound(start, self.world.objects, reach),
@@ -88,12 +88,12 @@ class Referee:
 
 
 def referee_of(source: Explorable, settings: Settings) -> Referee | None:
-    """The referee of what is explored; None if the truth is not known."""
+    """The referee of an explored world; None if the truth is not known."""
     return Referee(world=source, settings=settings) if isinstance(source, KnownWorld) else None
 
 
 def samples(path: Array, step: float) -> Array:
-    """(M, 3) points of a path (N, 3), its corners included, at most `step` apart."""
+    """Points (M, 3) of a path (N, 3), including its corners, at most `step` apart."""
     points = [path[:1]]
     for a, b in itertools.pairwise(path):
         number = 1 + int(np.ceil(np.linalg.norm(b - a) / step))

@@ -1,4 +1,4 @@
-"""A scan: what one pair tells of the floor, as rays that end at obstacles, and what it detects."""
+"""A scan: the floor seen by one pair, as rays that end at obstacles, and its detections."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,29 +14,31 @@ from recon.geometry import wrapped
 from recon.records import PointCloud, StereoPair, View
 
 BLUR_RAD = math.radians(1.5)
-"""Points of one obstacle are this far apart at most: gaps between them hide what is behind."""
+"""Maximum angle between neighbouring points of one obstacle, which hides what is behind the
+gaps."""
 MARGIN = 1.0
-"""Cells before an obstacle that stay unknown: half a cell and the thickness of an edge."""
+"""Cells in front of an obstacle that stay unknown: half a cell and the thickness of an edge."""
 MIN_POINTS = 8
 """Fewer points than this are noise ..."""
 MIN_POINTS_DISTANCE = 6.0
-"""... and so are fewer than the square of this over the distance in viewing distances: a quarter
-of the usual features of a tree a tenth of that distance in radius and four tenths in height."""
+"""... and so are fewer than the square of this over the distance in viewing distances: a quarter of
+the typical features of a tree with a radius of 0.1 and a height of 0.4 viewing distances."""
 COMPANY_DISTANCE, COMPANY = 2.0, (4.0, 40.0)
-"""A point is noise where fewer than the square of this over the distance in viewing distances hang
-together with it, within these bounds."""
+"""A point is noise if its group has fewer points than the square of this over the distance in
+viewing distances, within these bounds."""
 RANGE_RATIO = 1.15
-"""Points of one direction whose distances differ by more than this factor are of two obstacles."""
+"""Points in one direction whose distances differ by more than this factor belong to two
+obstacles."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scan:
-    """One look over the floor."""
+    """One view over the floor."""
 
     place: Array
     """(2,) x, z of the point midway between the cameras."""
     azimuths_rad: Array
-    """(A,) of the rays over the field of view, evenly spaced."""
+    """(A,) azimuths of the rays over the field of view, evenly spaced."""
     limits: Array
     """(A,) length of each ray, to an obstacle or to its end."""
     feet: Array
@@ -55,26 +57,26 @@ class Scan:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Detection:
-    """An obstacle seen too far off, or too poorly, to be in the map."""
+    """An obstacle seen from too far away, or too poorly, to be in the map."""
 
     centre: Array
-    """(2,) x, z of the middle of its visible points."""
+    """(2,) x, z of the centre of its visible points."""
     radius: float
     """Half its width, world units."""
     distance: float
-    """Distance that it was seen from, world units."""
+    """Distance from which it was seen, world units."""
     sigma: float
     """Standard deviation of that distance."""
 
 
 def polar(points_xz: Array, place: Array) -> tuple[Array, Array]:
-    """Azimuth (N,) in radians and distance (N,) of points (N, 2) from a place (2,)."""
+    """Azimuth (N,) in radians and distance (N,) of points (N, 2) from a position (2,)."""
     offset = points_xz - place
     return np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(offset[:, 0], offset[:, 1])
 
 
 def field_of_view(pair: StereoPair) -> float:
-    """Width of the field, radians."""
+    """Horizontal field of view, radians."""
     return 2.0 * math.atan(pair.rig.width / 2.0 / pair.rig.focal_px)
 
 
@@ -86,14 +88,14 @@ def scan(
     ground: tuple[float, float],
     floor: Floor,
 ) -> Scan:
-    """Measure how far the field of a view is open.
+    """Measure the free distance in all directions of a view.
 
     Parameters
     ----------
     standing : PointCloud
         Points of the pair above the ground, world.
     reach : float
-        Distance up to which an obstacle is surely seen, world units.
+        Distance up to which an obstacle is reliably seen, world units.
     ground : (float, float)
         Height of the ground, and distance at which it ends.
     floor : Floor
@@ -120,7 +122,7 @@ def scan(
 
 
 def sigma_of(cloud: PointCloud) -> Array:
-    """Depth sigma of every point; zero where nothing is known of it."""
+    """Depth sigma of every point; zero if unknown."""
     return np.zeros(len(cloud)) if cloud.sigma is None else cloud.sigma
 
 
@@ -141,7 +143,7 @@ def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detectio
 
 
 def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud:
-    """The points that are not alone: an obstacle shows many, the more the nearer it is."""
+    """The points without isolated ones: an obstacle has many points, more when it is closer."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
     group = _groups(_sideways(azimuth)[0], distance / scales.cell)
     size = np.bincount(group)[group]
@@ -150,15 +152,15 @@ def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud
 
 
 def _sideways(azimuth: Array) -> tuple[Array, float]:
-    """Azimuths counted from their mean direction, so that they do not wrap round; and that."""
+    """Azimuths relative to their mean direction, so that they do not wrap around, and the mean."""
     ahead = float(np.angle(np.exp(1j * azimuth).sum()))
     return wrapped(azimuth - ahead), ahead
 
 
 def _groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:
-    """Number of the group of each point: those that touch in direction and distance.
+    """Group number of each point; groups are connected in direction and distance.
 
-    Distance is taken by its logarithm, in which the error of stereo grows slowest.
+    The logarithm of the distance is used, in which the stereo error grows slowest.
     """
     if not len(side):
         return np.empty(0, dtype=np.intp)
@@ -180,6 +182,7 @@ def _detection(distance: Array, side: Array, sigma: Array, place: Array, ahead: 
         centre=place + away * np.array([math.cos(middle), math.sin(middle)]),
         distance=away,
         radius=away * math.tan(float(np.ptp(side)) / 2.0),
-        # Errors of one obstacle's points are not independent: their mean gains less than sqrt(N).
+        # Errors of an obstacle's points are correlated, so their mean improves by less than
+        # sqrt(N).
         sigma=float(np.median(sigma)) / 2.0,
     )

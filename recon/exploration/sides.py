@@ -1,4 +1,4 @@
-"""Sides of obstacles: those that nobody has seen, and the views that would show them."""
+"""Sides of obstacles: the unseen ones, and the views that would show them."""
 
 import math
 from collections.abc import Sequence
@@ -15,21 +15,22 @@ from recon.exploration.scan import Detection
 from recon.exploration.sight import is_open
 
 OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
-"""An obstacle is known when no gap between its views is wider, with a sure label and without: three
-views or four, from all round."""
+"""An obstacle is known if no gap between its views is wider, with and without a sure label: three
+or four views all around."""
 MARGIN_RAD = math.radians(4.0)
-"""Views are planned so much closer together, as nobody stands exactly where he planned to."""
+"""Views are planned closer together by this angle, since positions are never reached exactly."""
 BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
 LAST = 0.5
-"""A view that shows all that is left of an obstacle is worth this share of a whole side or more:
-until then the obstacle is not known."""
+"""A view that shows all that is missing of an obstacle is worth at least this share of a whole
+side, since it makes the obstacle known."""
 LEAST = 0.4
-"""A view that shows less of a new side than this share shows none, unless little more is left."""
+"""A view that shows less than this share of a new side does not count, unless little more is
+missing."""
 CENTRED = 0.1
-"""Share of its worth that an obstacle loses at the edge of the image."""
+"""Share of its value that an obstacle loses at the edge of the image."""
 
 MAX_LOOKS = 2
-"""A side that did not show well in so many views does not show."""
+"""A side that was not seen well in this number of views is given up."""
 
 Wanted = Sequence[Obstacle | Detection]
 
@@ -39,14 +40,14 @@ class Look:
     """A view that was meant to show a side of an obstacle."""
 
     place: Array
-    """(2,) x, z that it was taken from."""
+    """(2,) x, z from which it was taken."""
     centre: Array
-    """(2,) x, z of the obstacle, as it was known then."""
+    """(2,) x, z of the obstacle, as known at that time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sides:
-    """The sides of O obstacles, as seen from C places."""
+    """The sides of O obstacles, as seen from C positions."""
 
     obstacles: Wanted
     places: Array
@@ -54,11 +55,11 @@ class Sides:
     azimuth: Array
     """(O, C) direction of each obstacle."""
     slack: Array
-    """(O, C) angle by which a view may miss its middle; negative where it is not seen."""
+    """(O, C) angle by which a view may miss its centre; negative if it is not seen."""
     arc: Array
-    """(O,) half the arc of bearings that one view makes known."""
+    """(O,) half the arc of bearings that one view covers."""
     missing: Mask
-    """(O, BEARINGS) bearings that no view makes known."""
+    """(O, BEARINGS) bearings that no view covers."""
 
     @classmethod
     def of(
@@ -70,7 +71,7 @@ class Sides:
         reach: float,
         looks: Sequence[Look] = (),
     ) -> "Sides":
-        """Look from places (C, 2) at the obstacles within reach of them, after some looks."""
+        """The sides of obstacles within reach of positions (C, 2), after some looks."""
         azimuth = np.empty((len(wanted), len(places)))
         slack = np.full(azimuth.shape, -1.0)
         for row, obstacle in enumerate(wanted):
@@ -93,24 +94,24 @@ class Sides:
         )
 
     def shown(self) -> Array:
-        """(O, C) share of a side of each obstacle that would become known."""
+        """Share (O, C) of a side of each obstacle that would become known."""
         shown: Array = _shown(self.azimuth, self.slack, self.missing, self.arc)
         return shown
 
     def worth(self) -> Array:
-        """(C, NUM_RAYS) number of sides that a view along each azimuth would make known."""
+        """Number (C, NUM_RAYS) of sides that a view along each azimuth would cover."""
         worth: Array = _worth(self.shown(), self.azimuth, self.slack)
         return worth
 
     def after(self, place: int, azimuth_rad: float) -> "Sides":
-        """The sides that are left when a view from a place was taken."""
+        """The sides that are left after a view from a position."""
         missing = self.missing.copy()
         for row in self._in_view(place, azimuth_rad):
             missing[row] &= ~self._within(row, place)
         return replace(self, missing=missing)
 
     def looks(self, place: int, azimuth_rad: float) -> list[Look]:
-        """The looks at obstacles of which a view from a place would show something new."""
+        """The looks at obstacles of which a view from a position would show something new."""
         shown = self.shown()[:, place]
         return [
             Look(place=self.places[place], centre=self.obstacles[row].centre)
@@ -119,31 +120,31 @@ class Sides:
         ]
 
     def target(self, place: int, azimuth_rad: float) -> Obstacle | Detection | None:
-        """The obstacle in the middle of a view that would show something new of it."""
+        """The obstacle in the centre of a view that would show something new of it."""
         shown = self.shown()[:, place]
         ahead = turn(self.azimuth[:, place], np.array(azimuth_rad)) <= 0.75 * SPACING_RAD
         rows = np.flatnonzero(ahead & (shown > 0.0))
         return self.obstacles[rows[shown[rows].argmax()]] if len(rows) else None
 
     def _in_view(self, place: int, azimuth_rad: float) -> NDArray[np.intp]:
-        """Rows of the obstacles that a view from a place keeps in its field."""
+        """Rows of the obstacles within the field of a view from a position."""
         miss = turn(self.azimuth[:, place], np.array(azimuth_rad))
         return np.flatnonzero(miss <= self.slack[:, place])
 
     def _within(self, row: np.intp, place: int) -> Mask:
-        """(BEARINGS,) the bearings that a view of one obstacle from a place makes known."""
+        """Mask (BEARINGS,) of the bearings that a view of one obstacle from a position covers."""
         bearing = self.azimuth[row, place] + math.pi
         within: Mask = turn(BEARINGS_RAD, np.array(bearing)) <= self.arc[row]
         return within
 
 
 def is_known(obstacle: Obstacle) -> bool:
-    """Tell whether an obstacle was seen from enough sides for its label and its map."""
+    """True if an obstacle was seen from enough sides for its label and its map."""
     return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if obstacle.is_sure else OPEN_RAD)
 
 
 def widest_gap(bearings_rad: Array) -> float:
-    """The widest angle between neighbours among directions (V,); a whole turn for one or none."""
+    """The widest angle between neighbouring directions (V,); a full turn for one or none."""
     if not len(bearings_rad):
         return 2.0 * math.pi
     ordered = np.sort(np.mod(bearings_rad, 2.0 * math.pi))
@@ -151,13 +152,13 @@ def widest_gap(bearings_rad: Array) -> float:
 
 
 def _planned_gap(obstacle: Obstacle | Detection) -> float:
-    """The gap that views may leave; what has no name yet is taken to get a sure one."""
+    """The gap that views may leave; an unnamed obstacle is assumed to get a sure name."""
     is_doubted = isinstance(obstacle, Obstacle) and obstacle.found and not obstacle.is_sure
     return OPEN_RAD if is_doubted else OPEN_SURE_RAD
 
 
 def _missing(obstacle: Obstacle | Detection, arc: float, looks: Sequence[Look]) -> Mask:
-    """(BEARINGS,) the bearings within an arc of none that was seen well, or looked at in vain."""
+    """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain."""
     seen = obstacle.bearings_rad if isinstance(obstacle, Obstacle) else np.empty(0)
     reach = obstacle.radius
     of_it = [one.place for one in looks if np.hypot(*(one.centre - obstacle.centre)) <= reach]
@@ -169,7 +170,7 @@ def _missing(obstacle: Obstacle | Detection, arc: float, looks: Sequence[Look]) 
 
 
 def _open(floor: Floor, places: Array, centre: Array, own: float) -> NDArray[np.bool_]:
-    """(C,) the places from which nothing stands before an obstacle."""
+    """Mask (C,) of the positions with a free line of sight to an obstacle."""
     end, own_cells = floor.in_cells(centre), own / floor.cell_size
     starts = floor.in_cells(places)
     return np.array([is_open(floor.occupied, start, end, own_cells) for start in starts], bool)
@@ -184,7 +185,7 @@ def _apart(a_rad: float, b_rad: float) -> float:
 
 @njit(cache=True)
 def _new(bearing: float, missing: Mask, arc: float) -> int:
-    """Number of the missing bearings (BEARINGS,) that a view from a bearing makes known."""
+    """Number of the missing bearings (BEARINGS,) that a view from a bearing covers."""
     new = 0
     for number in range(len(BEARINGS_RAD)):
         if missing[number] and _apart(bearing, BEARINGS_RAD[number]) <= arc:
@@ -194,7 +195,7 @@ def _new(bearing: float, missing: Mask, arc: float) -> int:
 
 @njit(cache=True)
 def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
-    """(O, C) share of a side of each obstacle that views from each place would make known."""
+    """Share (O, C) of a side of each obstacle that views from each position would cover."""
     shown = np.zeros(azimuth.shape)
     for row in range(azimuth.shape[0]):
         total = _new(0.0, missing[row], math.pi)
@@ -208,7 +209,7 @@ def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
 
 @njit(cache=True)
 def _share(new: int, total: int, side: float) -> float:
-    """Share of a side (of so many bearings) that new ones are worth, of all that are missing."""
+    """Value of new bearings as a share of a side, given the total number missing."""
     if new == total:
         return max(new / side, LAST)
     return new / side if new >= LEAST * side or total < 2.0 * LEAST * side else 0.0
@@ -216,7 +217,7 @@ def _share(new: int, total: int, side: float) -> float:
 
 @njit(cache=True)
 def _worth(shown: Array, azimuth: Array, slack: Array) -> Array:
-    """(C, NUM_RAYS) sum of what is shown (O, C), along the azimuths that keep it in the field."""
+    """Sum (C, NUM_RAYS) of what is shown (O, C), along the azimuths with it in the field."""
     worth = np.zeros((shown.shape[1], len(AZIMUTHS_RAD)))
     for row in range(shown.shape[0]):
         for c in range(shown.shape[1]):
@@ -227,7 +228,7 @@ def _worth(shown: Array, azimuth: Array, slack: Array) -> Array:
 
 @njit(cache=True)
 def _add(worth: Array, shown: float, azimuth: float, slack: float) -> None:
-    """Add what is shown of one obstacle to the rays (NUM_RAYS,) that keep it in the field."""
+    """Add what is shown of one obstacle to the rays (NUM_RAYS,) with it in the field."""
     for ray in range(len(AZIMUTHS_RAD)):
         miss = _apart(azimuth, AZIMUTHS_RAD[ray]) / slack
         if miss <= 1.0:

@@ -1,6 +1,6 @@
-"""Compiled loops of planning: lines of sight over the floor, and what is seen along them.
+"""Compiled loops for planning: lines of sight over the floor, and what is seen along them.
 
-Places and lengths are in cells, counted from the floor's corner.
+Positions and lengths are in cells, relative to the floor's corner.
 """
 
 import math
@@ -17,9 +17,9 @@ Cells = NDArray[np.int32]
 
 @njit(cache=True)
 def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cells) -> None:
-    """Put the flat number of the cell under each sample of a ray into `cell` (R,), if it is seen.
+    """Write the flat index of the cell under each visible sample of a ray to `cell` (R,).
 
-    What hangs over the place (2,) itself does not hide the floor around it.
+    Obstacles above the position (2,) itself do not hide the floor around it.
     """
     size_x, size_z = blocking.shape
     dx, dz = math.cos(azimuth), math.sin(azimuth)
@@ -38,7 +38,7 @@ def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cel
 
 @njit(cache=True)
 def cast(blocking: Mask, places: Array, azimuths: Array, radii: Array) -> Cells:
-    """(C, A, R) flat number of the cell under each sample of each ray; HIDDEN where not seen."""
+    """Flat index (C, A, R) of the cell under each sample of each ray; HIDDEN if not seen."""
     cell = np.empty((len(places), len(azimuths), len(radii)), np.int32)
     for c in range(len(places)):
         for a in range(len(azimuths)):
@@ -48,7 +48,7 @@ def cast(blocking: Mask, places: Array, azimuths: Array, radii: Array) -> Cells:
 
 @njit(cache=True)
 def _along(cell: Cells, unknown: Mask, area: Array) -> float:
-    """Unknown area along one ray, whose samples (R,) stand for an area each."""
+    """Unknown area along one ray, whose samples (R,) each represent an area."""
     total = 0.0
     for r in range(len(cell)):
         if cell[r] != HIDDEN and unknown[cell[r]]:
@@ -58,15 +58,15 @@ def _along(cell: Cells, unknown: Mask, area: Array) -> float:
 
 @njit(cache=True)
 def fields(cell: Cells, places: NDArray[np.intp], unknown: Mask, area: Array, half: int) -> Array:
-    """(C, A) unknown area in the field of a view along each ray: `half` rays to both sides.
+    """Unknown area (C, A) in the field of a view along each ray: `half` rays on both sides.
 
     Parameters
     ----------
     places : (P,) int
-        Rows of the places that are asked for; others show nothing.
+        Rows of the positions to compute; others are zero.
     unknown : (X * Z,) bool
     area : (R,) float64
-        Area that each sample stands for.
+        Area that each sample represents.
     """
     num_places, num_rays, _ = cell.shape
     field = np.zeros((num_places, num_rays))
@@ -82,7 +82,7 @@ def fields(cell: Cells, places: NDArray[np.intp], unknown: Mask, area: Array, ha
 
 @njit(cache=True)
 def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, radii: Array) -> None:
-    """Take the cells that rays from a place (2,) show out of the unknown (X * Z,), in place."""
+    """Remove the cells seen by rays from a position (2,) from `unknown` (X * Z,), in place."""
     cell = np.empty(len(radii), np.int32)
     for a in range(len(azimuths)):
         _march(blocking, place, azimuths[a], radii, cell)
@@ -93,7 +93,7 @@ def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, radii: Arr
 
 @njit(cache=True)
 def is_open(occupied: Mask, start: Array, end: Array, own: float) -> bool:
-    """Tell whether nothing occupied stands between two places, but for `own` cells at the end."""
+    """True if no occupied cell is between two positions, except `own` cells at the end."""
     length = math.hypot(end[0] - start[0], end[1] - start[1])
     for step in range(int((length - own) / RAY_SPACING)):
         share = step * RAY_SPACING / length

@@ -1,4 +1,4 @@
-"""The state that a controller is told, and the walk that it may answer."""
+"""The state that a controller receives, and the walk that it may return."""
 
 from dataclasses import dataclass, field, replace
 
@@ -21,7 +21,7 @@ class State:
 
     num_pairs: int
     view: View
-    """The place of the agent, and what it looks at."""
+    """The position of the agent and its target."""
     pair: StereoPair
     """The last pair taken."""
     voxel_map: VoxelMap
@@ -30,14 +30,14 @@ class State:
     obstacles: tuple[Obstacle, ...]
     """Obstacles of the map."""
     detections: tuple[Detection, ...]
-    """Obstacles seen, but too far off to be in the map."""
+    """Obstacles seen, but too far away to be in the map."""
     sure_range: float
     """Distance up to which a view shows an obstacle well enough for the map, world units."""
     objects: tuple[FoundObject, ...]
     """Objects recognised so far."""
     simulator: KnownWorld | None
-    """The world itself where it is a simulated one, else None; recon's own controllers do not
-    look at it."""
+    """The world itself if it is simulated, otherwise None; recon's own controllers do not use
+    it."""
     settings: Settings
 
     @property
@@ -48,11 +48,11 @@ class State:
 
     @property
     def scales(self) -> Scales:
-        """Lengths to decide by."""
+        """Lengths for decisions."""
         return Scales.of(self.settings)
 
     def within(self, reach: float) -> "State":
-        """The part of it within reach of the agent along x and z."""
+        """The part of the state within reach of the agent along x and z."""
         floor = self.floor.window(self.place, reach)
         shift = floor.cells(self.floor.corner + 0.5 * floor.cell_size)
         inside = [_inside(one, floor, shift) for one in self.obstacles]
@@ -65,14 +65,14 @@ class State:
 
 
 def _inside(obstacle: Obstacle, floor: Floor, shift: NDArray[np.intp]) -> Obstacle:
-    """An obstacle with those of its cells that lie on a part of the floor, shifted (2,) to it."""
+    """An obstacle with its cells on a part of the floor, shifted (2,) to that part."""
     cells = obstacle.cells + shift
     return replace(obstacle, cells=cells[floor.holds(cells)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Walk(View):
-    """A view, and the path to it."""
+    """A view and the path to it."""
 
     via: Array = field(default_factory=lambda: np.empty((0, 3)))
-    """(N, 3) corners of the path between here and the view, world."""
+    """(N, 3) corners of the path between the current position and the view, world."""

@@ -1,4 +1,4 @@
-"""The thesis's controller: the seven steps of section 4.4, with what they need to end."""
+"""The thesis's controller: the seven steps of section 4.4, with rules for termination."""
 
 import math
 from dataclasses import dataclass, field
@@ -14,10 +14,10 @@ from recon.exploration.viewpoints import azimuth_of, look_along, look_at, viewpo
 from recon.records import View
 
 MAX_TRIES = 3
-"""An obstacle that is still not in the map after so many approaches is noise."""
+"""An obstacle that is still not in the map after this number of approaches is noise."""
 NEAR = 0.5
-"""Share of the clearance by which a detection's place is wrong at most once it is in the map, and
-within which unexplored ground is the same as what was headed for before."""
+"""Maximum position error of a detection once it is in the map, and distance within which unexplored
+ground counts as an earlier target; as a share of the clearance."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -32,7 +32,7 @@ class Circle:
 
 @dataclass(slots=True, kw_only=True)
 class ThesisController:
-    """Meets what is new, turns around it, turns on the spot, heads for the unexplored."""
+    """Approaches new obstacles, circles them, turns on the spot, heads for the unexplored."""
 
     circle: Circle | None = None
     turned_deg: float = 0.0
@@ -45,15 +45,15 @@ class ThesisController:
     num_barred: int = 0
 
     def info(self) -> str:
-        """Name the strategy."""
+        """The name of the strategy."""
         return "the strategy of the thesis, section 4.4"
 
     def result(self) -> str:
-        """Tell why it ended."""
+        """Why it ended."""
         return "nothing reachable" if self.num_barred else "all known"
 
     def next_view(self, state: State) -> View | None:
-        """The first of its activities that has something to do (figures 25 and 26)."""
+        """The view of the first activity that has something to do (figures 25 and 26)."""
         paths = plan(state, through_unknown=True)
         for activity in (self._circle, self._meet, self._turn, self._head):
             view = activity(state, paths)
@@ -79,7 +79,7 @@ class ThesisController:
         return None
 
     def _meet(self, state: State, paths: ShortestPaths) -> View | None:
-        """Go to the nearest new obstacle; begin to turn around it once it is no noise (4 and 6)."""
+        """Go to the nearest new obstacle; circle it once it is not noise (steps 4 and 6)."""
         seen: list[Obstacle | Detection] = [*state.obstacles, *state.detections]
         new = [t for t in seen if not self._is_finished(t)]
         for obstacle in sorted(new, key=lambda t: _gap(t, state.place)):
@@ -97,7 +97,7 @@ class ThesisController:
         return any(_gap(done, obstacle.centre) <= 0.0 for done in self.finished)
 
     def _is_met(self, obstacle: Obstacle, state: State) -> bool:
-        """Tell whether the last view looked at an obstacle from in front of it."""
+        """True if the last view looked at an obstacle from in front of it."""
         target = state.view.target[[0, 2]]
         near = _gap(obstacle, state.place) <= 1.5 * state.scales.clearance
         return near and bool(obstacle.holds(target[None], NEAR * state.scales.clearance)[0])
@@ -105,7 +105,7 @@ class ThesisController:
     def _approach(
         self, obstacle: Obstacle | Detection, state: State, paths: ShortestPaths
     ) -> View | None:
-        """Stand in front of an obstacle; None if that failed too often or cannot be."""
+        """Stand in front of an obstacle; None if that failed too often or is impossible."""
         near = NEAR * state.scales.clearance
         before = [other for other in self.approached if np.hypot(*(other - obstacle.centre)) < near]
         if len(before) >= MAX_TRIES:
@@ -122,7 +122,7 @@ class ThesisController:
         return None
 
     def _turn(self, state: State, paths: ShortestPaths) -> View | None:
-        """Turn on the spot, counter-clockwise, until it is a whole turn (step 5)."""
+        """Turn on the spot, counter-clockwise, up to a full turn (step 5)."""
         step = state.settings.exploration.robot_turn_deg
         if self.heading is not None or self.turned_deg + step >= 360.0 - 1e-6:
             return None
@@ -132,18 +132,18 @@ class ThesisController:
         return look_along(paths, state.place, azimuth, state)
 
     def _head(self, state: State, paths: ShortestPaths) -> View | None:
-        """Go into the closest unexplored direction, on and on until something bars the way."""
+        """Go in the closest unexplored direction until something blocks the path."""
         if self.heading is None:
             return self._set_out(state, paths)
         ahead = state.place + state.scales.clearance * self.heading
         if paths.is_clear(state.place, ahead):
             return look_along(paths, ahead, azimuth_of(self.heading), state)
-        # At the border of the world, or before an obstacle: look round, then choose again.
+        # At the border of the world or an obstacle: look around, then choose again.
         self.heading, self.turned_deg = None, 0.0
         return self._turn(state, paths)
 
     def _set_out(self, state: State, paths: ShortestPaths) -> View | None:
-        """Choose a direction; where it is barred at once, go round to its unexplored ground."""
+        """Choose a direction; if it is blocked, go around to its unexplored ground."""
         unknown = state.floor.centres(np.argwhere(unexplored(state.floor, state.obstacles)))
         while (target := self._closest(unknown, state)) is not None:
             self.headed_for.append(target)
@@ -160,7 +160,7 @@ class ThesisController:
         return None
 
     def _closest(self, points_xz: Array, state: State) -> Array | None:
-        """The closest of some points (N, 2), but for those that were headed for before."""
+        """The closest of some points (N, 2), except earlier targets."""
         for target in self.headed_for:
             points_xz = points_xz[np.hypot(*(points_xz - target).T) > NEAR * state.scales.clearance]
         if not len(points_xz):
@@ -170,12 +170,12 @@ class ThesisController:
 
 
 def _gap(obstacle: Obstacle | Detection, place: Array) -> float:
-    """Distance of a place (2,) from the surface of an obstacle."""
+    """Distance of a position (2,) from the surface of an obstacle."""
     return float(np.hypot(*(place - obstacle.centre))) - obstacle.radius
 
 
 def _same(obstacle: Obstacle, state: State) -> Obstacle:
-    """The obstacle as the map has it now."""
+    """The obstacle as it is in the map now."""
     return min(
         (other for other in state.obstacles if other.holds(obstacle.centre[None])[0]),
         key=lambda other: _gap(other, obstacle.centre),

@@ -1,4 +1,4 @@
-"""A round of views past what is left to see: places put in where they cost least, then ordered."""
+"""A round of views past what is left to see, built by cheapest insertion and then reordered."""
 
 from dataclasses import dataclass, field
 
@@ -13,32 +13,32 @@ from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
 
 MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 8
-"""A round is planned no farther: what comes after hardly changes where it begins."""
+"""Maximum number of stops of a round: further ones hardly change where it begins."""
 MAX_UNKNOWN = 0.02
-"""Share of the floor that may stay unseen in corners when all is called known."""
+"""Maximum share of unseen floor in corners when everything counts as known."""
 EARLY = 3.0
-"""Ground that lies beside the way to objects waits until after them, unless it costs less than one
-part in this more on the way."""
+"""Ground beside the path to objects waits until after them, unless visiting it on the way costs
+less by this factor."""
 
 
 @dataclass(slots=True, kw_only=True)
 class Tour:
-    """An open path from here past some of C places."""
+    """An open path from here past some of C positions."""
 
     places: Array
     """(C, 2) x, z."""
     lengths: Array
-    """(C,) of the paths there from here, world units."""
+    """(C,) lengths of the paths from here, world units."""
     stops: list[tuple[int, int]] = field(default_factory=list)
-    """Number of the place and of the ray of each view, in order."""
+    """Indices of the position and the ray of each view, in order."""
 
     def detours(self, early: float = 1.0) -> tuple[Array, NDArray[np.intp]]:
-        """The detour (C,) by which each place makes the path longer, and its position (C,) on it.
+        """The detour (C,) that each position adds to the path, and its index (C,) on the path.
 
         Parameters
         ----------
         early : float
-            Factor of the detours that are not at the path's end.
+            Factor for detours that are not at the path's end.
         """
         if not self.stops:
             return self.lengths, np.zeros(len(self.lengths), dtype=np.intp)
@@ -51,7 +51,7 @@ class Tour:
         return detour.min(axis=1), first_best(-detour, axis=1)
 
     def shorten(self) -> None:
-        """Put the stops into a better order (2-opt)."""
+        """Improve the order of the stops (2-opt)."""
         numbers = [place for place, _ in self.stops]
         legs = np.zeros((len(numbers) + 1, len(numbers) + 1))
         legs[0, 1:] = legs[1:, 0] = self.lengths[numbers]
@@ -63,16 +63,16 @@ class Tour:
 def first_stop(
     lengths: Array, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
 ) -> tuple[int, float] | None:
-    """The number of the place and the azimuth of the view that a round begins with.
+    """Index of the position and azimuth of the first view of a round.
 
-    The view that shows most for its detour is put into the round where that is shortest, what it
-    would show is taken for seen, and so on until no view shows enough: first sides of obstacles,
-    whose order is improved then, and ground on the way and after. None if nothing is left.
+    Repeatedly inserts the view that shows most for its detour where the detour is shortest and
+    marks what it would show as seen, until no view shows enough: first sides of obstacles, whose
+    order is then improved, and then ground on the way and after. None if nothing is left.
 
     Parameters
     ----------
     lengths : (C,) float64
-        Of the paths to the places of `visibility` and `sides`, world units.
+        Lengths of the paths to the positions of `visibility` and `sides`, world units.
     unknown : (X, Z) bool
         Ground to be seen.
     """
@@ -91,7 +91,7 @@ def first_stop(
 def add_objects(
     tour: Tour, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
 ) -> None:
-    """Put views of new sides of obstacles into a round, ground besides where it is seen as well."""
+    """Insert views of new sides of obstacles into a round; ground in these views counts too."""
     if not sides.missing.any():
         return
     area = visibility.area(unknown, np.flatnonzero(sides.shown().any(axis=0)))
@@ -110,10 +110,10 @@ def add_objects(
 
 
 def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales) -> None:
-    """Put views of unknown ground into a round.
+    """Insert views of unknown ground into a round.
 
-    Where little enough is unknown, none is worth a detour longer than the viewing distance for each
-    least area that it shows.
+    If little is unknown, a view is only worth a detour of at most one viewing distance per minimum
+    area that it shows.
     """
     is_little = unknown.mean() <= MAX_UNKNOWN
     least_rate = scales.min_area / scales.viewing_distance if is_little else 0.0
@@ -122,7 +122,7 @@ def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales
     for _ in range(MAX_GROUND_STOPS):
         area = visibility.area(unknown, rows)
         shown = area.max(axis=1)
-        # What is unknown only shrinks on the round.
+        # The unknown ground only shrinks along the round.
         rows = np.flatnonzero(shown >= scales.min_area)
         detour, position = tour.detours(early)
         least = np.maximum(scales.min_area, least_rate * detour)

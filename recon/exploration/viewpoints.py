@@ -1,4 +1,4 @@
-"""Places to look from, and the views from there."""
+"""Viewpoints and the views from them."""
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from recon.exploration.state import State, Walk
 
 NUM_BEARINGS = 12
 CLOSER = (1.0, 0.8, 0.6, 0.4, 1.2, 1.4)
-"""Factors of the distance that is tried around an obstacle."""
+"""Factors of the distances tried around an obstacle."""
 
 
 def azimuth_of(direction_xz: Array) -> float:
@@ -25,13 +25,13 @@ def azimuth_of(direction_xz: Array) -> float:
 
 
 def lifted(points_xz: Array, height: float) -> Array:
-    """Points (..., 3) over the floor points (..., 2)."""
+    """Points (..., 3) at a height above floor points (..., 2)."""
     x, z = np.moveaxis(points_xz, -1, 0)
     return np.stack([x, np.full_like(x, height), z], axis=-1)
 
 
 def look_along(paths: ShortestPaths, place: Array, azimuth_rad: float, state: State) -> Walk:
-    """The view from a place (2,) that can be reached, level into a direction."""
+    """The level view from a reachable position (2,) in a direction."""
     direction = np.array([math.cos(azimuth_rad), math.sin(azimuth_rad)])
     ahead = place + state.scales.gaze * direction
     return look_to(paths, place, lifted(ahead, state.scales.eye_height), state)
@@ -40,12 +40,12 @@ def look_along(paths: ShortestPaths, place: Array, azimuth_rad: float, state: St
 def look_at(
     paths: ShortestPaths, place: Array, obstacle: Obstacle | Detection, state: State
 ) -> Walk:
-    """The view from a place (2,) that can be reached on the middle of an obstacle."""
+    """The view from a reachable position (2,) towards the centre of an obstacle."""
     return look_to(paths, place, middle_of(obstacle, state), state)
 
 
 def look_to(paths: ShortestPaths, place: Array, target: Array, state: State) -> Walk:
-    """The view from a place (2,) that can be reached on a target (3,)."""
+    """The view from a reachable position (2,) towards a target (3,)."""
     height = state.scales.eye_height
     return Walk(
         position=lifted(place, height),
@@ -55,18 +55,18 @@ def look_to(paths: ShortestPaths, place: Array, target: Array, state: State) -> 
 
 
 def middle_of(obstacle: Obstacle | Detection, state: State) -> Array:
-    """The point (3,) to look at of an obstacle; not below the eyes, so that the gaze is level."""
+    """The target point (3,) of an obstacle, not below the cameras, so that the gaze is level."""
     height = state.scales.eye_height
     middle = max(height, obstacle.top / 2.0) if isinstance(obstacle, Obstacle) else height
     return lifted(obstacle.centre, middle)
 
 
 def vantage_points(paths: ShortestPaths, unknown: Mask, scales: Scales) -> Array:
-    """Places (N, 2) that can be reached and are worth looking round from.
+    """Reachable positions (N, 2) that are worth looking around from.
 
-    The frontier, which is the cells that border on unknown ones but for the ground along obstacles,
-    on which the agent does not walk; and places all over the known ground, as much of the unknown
-    is seen from afar.
+    These are the frontier, the cells that border on unknown ones except ground along obstacles,
+    where the agent does not walk; and positions all over the known ground, since much of the
+    unknown ground is visible from afar.
     """
     reached = np.isfinite(paths.distance)
     border = binary_dilation(unknown, NEIGHBOURS, iterations=scales.border)
@@ -87,9 +87,9 @@ def _one_per_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDAr
 def viewpoint(
     paths: ShortestPaths, obstacle: Obstacle | Detection, bearing_rad: float, clearance: float
 ) -> Array | None:
-    """The place (2,) to look at an obstacle from on one bearing; None if none can be reached.
+    """The viewpoint (2,) of an obstacle on one bearing; None if none is reachable.
 
-    Where something stands in the way, the distance is shortened, then lengthened.
+    If something is in the way, the distance is first reduced, then increased.
     """
     direction = np.array([math.cos(bearing_rad), math.sin(bearing_rad)])
     places = obstacle.centre + np.outer(obstacle.radius + clearance * np.array(CLOSER), direction)
@@ -101,7 +101,7 @@ def viewpoint(
 def viewpoints_round(
     paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], state: State
 ) -> Array:
-    """Places (N, 2) around obstacles that can be reached, on some bearings of each."""
+    """Reachable positions (N, 2) around obstacles, on some bearings of each."""
     bearings = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
     clearance = state.scales.clearance
     tried = [viewpoint(paths, one, float(b), clearance) for one in wanted for b in bearings]

@@ -1,4 +1,4 @@
-"""A wave that spreads over the walkable cells: Dijkstra's algorithm with buckets, compiled."""
+"""Shortest paths over the walkable cells: Dijkstra's algorithm with buckets, compiled."""
 
 import numpy as np
 from numba import njit
@@ -8,21 +8,23 @@ from recon.exploration.floor import Array, Mask
 
 NO_CELL = -1
 NUM_BUCKETS = 3
-"""Of a cell's width each: steps are one cell long at least and less than two, so that cells of one
-bucket cannot shorten each other's path, and none is put beyond the next but one."""
+"""Buckets of one cell width each: steps are at least one and less than two cells long, so that
+cells of one bucket cannot shorten each other's path, and none is put more than two buckets
+ahead."""
 DIAGONAL = 2.0**0.5
 Cells = NDArray[np.int32]
 
 
 def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, Cells]:
-    """Shortest paths from a cell to all others, by way of eight neighbours.
+    """Shortest paths from a cell to all others over eight neighbours.
 
     Returns
     -------
     distance : (X, Z) float64
-        In cells; infinite where no path leads.
+        In cells; infinite if there is no path.
     before : (X, Z, 2) int32
-        The cell before each on its path; the first cell's own, and NO_CELL where no path leads.
+        The previous cell of each on its path; the first cell's is itself, NO_CELL if there is no
+        path.
     """
     padded = np.pad(walkable, 1)
     width = padded.shape[1]
@@ -40,10 +42,10 @@ def shortest(walkable: Mask, start: tuple[int, int]) -> tuple[Array, Cells]:
 def _spread(
     settled: Mask, start: int, around: Cells, cell: Cells, after: Cells
 ) -> tuple[Array, Cells]:
-    """Distance and cell before (N,) of the cells of a grid that are not settled, whose border is.
+    """Distance and previous cell (N,) of the unsettled cells of a grid with a settled border.
 
-    The buckets are lists of the cells that wait, linked by `after`; no cell waits more often than
-    it has neighbours.
+    The buckets are lists of waiting cells, linked by `after`; no cell is queued more often than it
+    has neighbours.
     """
     distance = np.full(len(settled), np.inf)
     before = np.full(len(settled), NO_CELL, np.int32)

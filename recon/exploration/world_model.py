@@ -1,4 +1,4 @@
-"""The agent's model of the world: its map, the floor, the obstacles, and what was detected."""
+"""The agent's model of the world: the map, the floor, the obstacles and the detections."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -17,17 +17,17 @@ from recon.voxelmap import VoxelMap
 from recon.voxelmap.occupancy import occupied
 
 SURE_SIGMA = 1.0
-"""A point has seen its obstacle well when its depth is known to one cell."""
+"""A point is reliable if its depth is known to one cell."""
 NEARLY_ALL = 0.9
 NUM_VIEWS = 3
-"""An obstacle is named first when so many views have seen it well ..."""
+"""An obstacle is first named when this number of views have seen it well ..."""
 GROWTH, SURE_GROWTH = 1.25, 2.0
-"""... and again when it has grown by this factor since: without a sure label, and with one."""
+"""... and again when it has grown by this factor, without and with a sure label."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class WorldModel:
-    """The agent's state; `update` is all that changes it."""
+    """The agent's state, changed only by `update`."""
 
     settings: Settings
     voxel_map: VoxelMap
@@ -38,9 +38,9 @@ class WorldModel:
     detections: tuple[Detection, ...] = ()
     """Obstacles seen that are not in the map."""
     growth: list[float] = field(default_factory=list)
-    """Of each pair with points, how fast their sigma grows with the square of the distance."""
+    """For each pair with points, the growth of sigma with the square of the distance."""
     timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
-    """Number of pairs taken, and the objects named by then, whenever these changed."""
+    """Number of pairs and the objects named so far, whenever these changed."""
 
     def __post_init__(self) -> None:
         world, cell_size = self.settings.world, self.settings.map.cell_size
@@ -61,20 +61,20 @@ class WorldModel:
 
     @property
     def sure_range(self) -> float:
-        """Distance up to which nearly all points of a view are sure, world units."""
+        """Distance up to which nearly all points of a view are reliable, world units."""
         reach = self.scales.viewing_distance
         if not self.growth or np.median(self.growth) == 0.0:
             return reach
         return min(reach, math.sqrt(SURE_SIGMA * self.scales.cell / np.median(self.growth)))
 
     def standing(self, place: Array, cloud: PointCloud) -> PointCloud:
-        """The points (world) of what stands on the floor, seen from a place (2,), without noise."""
+        """The points (world) of objects on the floor, seen from a position (2,), without noise."""
         height = cloud.points[:, 1]
         standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
         return without_noise(standing, place, self.scales)
 
     def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
-        """Take in one more pair, whose sure points are in the map already."""
+        """Add another pair, whose reliable points are already in the map."""
         place = view.position[[0, 2]]
         standing = self.standing(place, cloud)
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
@@ -92,20 +92,20 @@ class WorldModel:
         self._detect(seen, standing)
 
     def name_obstacles(self) -> None:
-        """Recognise the obstacles that were seen often enough, and have changed since last time."""
+        """Recognise the obstacles that were seen often enough and have changed since."""
         self.obstacles = tuple(self._named(one) if _is_due(one) else one for one in self.obstacles)
         if not self.timeline or self.objects != self.timeline[-1][1]:
             self.timeline.append((len(self.observations.places), self.objects))
 
     def remember(self, before: "WorldModel") -> None:
-        """Take over the names of a model whose map was corrected, and what it bumped into."""
+        """Take over the names and the touched cells of a model whose map was corrected."""
         named = [one for one in before.obstacles if one.found is not None]
         self.obstacles = tuple(_with_name(one, named) for one in self.obstacles)
         self.timeline = before.timeline
         self.floor.touched |= before.floor.touched
 
     def _find_obstacles(self) -> None:
-        """Bring the occupied cells of the floor and the obstacles up to the map."""
+        """Update the occupied cells of the floor and the obstacles from the map."""
         voxels = occupied(self.voxel_map, self.settings.map)
         voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
         under = self.floor.mask(columns(voxels, self.floor.cell_size))
@@ -121,7 +121,7 @@ class WorldModel:
         return replace(obstacle, found=largest, num_named=len(obstacle.voxels))
 
     def _detect(self, seen: Scan, standing: PointCloud) -> None:
-        """Bring the obstacles that are not in the map up to date."""
+        """Update the obstacles that are not in the map."""
         points_xz = standing.points[:, [0, 2]]
         new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
         for detection in detections(new, seen.place, self.scales):
@@ -129,9 +129,9 @@ class WorldModel:
         self.detections = tuple(one for one in self.detections if not self._is_settled(one))
 
     def _is_settled(self, detection: Detection) -> bool:
-        """Tell whether a detection is in the map by now, or was noise.
+        """True if a detection is now in the map, or was noise.
 
-        It was noise if a view from nearer saw the ground there free.
+        It was noise if a closer view saw the ground there as free.
         """
         seen_from = self.floor.seen_from[self.floor.disc(detection.centre, detection.radius)]
         if not len(seen_from) or np.median(seen_from) < detection.distance - detection.radius:
@@ -139,7 +139,7 @@ class WorldModel:
         return bool(self._is_mapped(detection.centre[None], detection.sigma)[0])
 
     def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
-        """(N,) which points belong, within their errors, to an obstacle of the map."""
+        """Mask (N,) of the points that belong, within their errors, to a mapped obstacle."""
         mapped = np.zeros(len(points_xz), dtype=bool)
         for one in self.obstacles:
             reach = one.radius + self.scales.same_obstacle + sigma
@@ -147,7 +147,7 @@ class WorldModel:
         return mapped
 
     def _note(self, new: Detection) -> None:
-        """Keep a detection; of two that may be of one obstacle, the surer one."""
+        """Keep a detection; of two that may show the same obstacle, the more reliable one."""
         same = [old for old in self.detections if self._may_be_one(old, new)]
         others = tuple(old for old in self.detections if not self._may_be_one(old, new))
         self.detections = (*others, min([*same, new], key=lambda detection: detection.sigma))
@@ -165,7 +165,7 @@ def _is_due(obstacle: Obstacle) -> bool:
 
 
 def _with_name(obstacle: Obstacle, named: list[Obstacle]) -> Obstacle:
-    """An obstacle with the name that it had before, if it had one."""
+    """An obstacle with its previous name, if it had one."""
     inside = [other for other in named if obstacle.holds(other.centre[None])[0]]
     if not inside:
         return obstacle
