@@ -1,1 +1,1 @@
-"""Localisation: the pose of a pair in a known map, and the places that a robot knows again."""
+"""Localisation: the pose of a pair in a known map, and the recognition of known places."""

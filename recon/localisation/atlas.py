@@ -1,4 +1,4 @@
-"""An atlas: the places of a run with their poses, in one file."""
+"""An atlas: the places of a run with their poses in one file."""
 
 import os
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Atlas:
-    """Places that were seen, in order."""
+    """The places seen, in order."""
 
     places: list[Place]
     numbers: list[int]
-    """Of the pairs that the places were seen in."""
+    """Numbers of the pairs in which the places were seen."""
     T_world_left: Array
     """(P, 4, 4)"""
 
@@ -33,16 +33,16 @@ class Atlas:
 
     @property
     def summaries(self) -> Array:
-        """(P, W) of the places."""
+        """Summaries (P, W) of the places."""
         return np.array([place.summary for place in self.places])
 
     @property
     def depths(self) -> Array:
-        """(P,) median depths of the places, world units."""
+        """Median depths (P,) of the places, world units."""
         return np.array([place.depth for place in self.places])
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the atlas, whole or not at all; the same places give the same bytes."""
+        """Write the atlas, whole or not at all; identical places give identical bytes."""
         seen = [place.sightings for place in self.places]
         archive.save(
             path,
@@ -67,7 +67,7 @@ class Atlas:
         Raises
         ------
         InputError
-            If it is not an atlas, or one that is damaged.
+            If the file is not an atlas or is damaged.
         """
         columns = archive.read_columns(path)
         try:

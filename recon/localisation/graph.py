@@ -1,8 +1,8 @@
-"""The graph of a walk: poses on the floor, joined by steps and by the things seen from them.
+"""The graph of a walk: poses on the floor, connected by steps and by the objects seen from them.
 
-Landmark SLAM in the plane: a step is as sure as motion is, a sighting as sure as stereo makes it;
-all poses and landmarks are adjusted together, so that coming back to known things corrects the
-whole way (Thrun and Montemerlo 2006, GraphSLAM).
+Landmark SLAM in the plane: steps have the uncertainty of the motion, sightings that of stereo; all
+poses and landmarks are adjusted together, so that returning to known objects corrects the whole
+path (Thrun and Montemerlo 2006, GraphSLAM).
 """
 
 from dataclasses import dataclass, field
@@ -18,25 +18,25 @@ Array = NDArray[np.float64]
 
 NUM_ROUNDS = 12
 ROBUST = 3.0
-"""Standard deviations from which on Cauchy's weights let go."""
+"""Standard deviations from which Cauchy weights reduce the influence of a residual."""
 SMALL_CHANGE = 1e-5
 FIRST_SIGMA = 1e-5
-"""Of the first pose, which the world is anchored at; radians and world units."""
+"""Standard deviation of the first pose, which anchors the world; radians and world units."""
 FRONT_SHARE = 0.7
-"""Of its radius that a thing's front is before its middle, usually ..."""
+"""Typical distance of an object's front from its centre, as a share of its radius ..."""
 FRONT_SIGMA = 0.35
 """... and the standard deviation of that share."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bearing:
-    """A thing as a pair sees it."""
+    """An object as seen by a pair."""
 
     pose: int
     """Number of the pair."""
     landmark: int
     azimuth_rad: float
-    """From straight ahead, growing clockwise seen from above."""
+    """Relative to straight ahead, increasing clockwise seen from above."""
     distance: float
     """To its front, world units."""
     azimuth_sigma: float
@@ -45,40 +45,40 @@ class Bearing:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Link:
-    """A measurement of the way from one pose to another."""
+    """A measurement of the motion from one pose to another."""
 
     first: int
     second: int
     step: Array
-    """(3,) ahead and aside, as the first pose looks, and the turn."""
+    """(3,) shift forwards and sideways in the frame of the first pose, and rotation."""
     information: Array
     """(3, 3) of x, z and azimuth, world."""
     is_sure: bool = False
-    """True for a step, which cannot join two pairs that show unlike things."""
+    """True for a step, which cannot be a false match."""
 
     @classmethod
     def between(cls, numbers: tuple[int, int], poses: Array, information: Array) -> "Link":
-        """The link of two poses (2, 3) that were measured."""
+        """The link of two measured poses (2, 3)."""
         return cls(
             first=numbers[0], second=numbers[1], step=step_between(*poses), information=information
         )
 
 
 def planar(T_world_left: Array) -> Array:
-    """(3,) x, z of a camera, and the azimuth of straight ahead."""
+    """x, z of a camera and the azimuth of straight ahead (3,)."""
     ahead = T_world_left[:3, 2]
     return np.array([*T_world_left[[0, 2], 3], np.arctan2(ahead[2], ahead[0])])
 
 
 def led_by(poses: Array, steps: Array) -> Array:
-    """(N, 3) what steps (N, 3) ahead, aside and round add to planar poses (N, 3)."""
+    """Change (N, 3) of planar poses (N, 3) by steps (N, 3) forwards, sideways and around."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     ahead, aside, turn = steps.T
     return np.column_stack([c * ahead - s * aside, s * ahead + c * aside, turn])
 
 
 def step_between(before: Array, after: Array) -> Array:
-    """(3,) step ahead and aside, and turn, that leads from one planar pose to another."""
+    """Step (3,) forwards, sideways and around from one planar pose to another."""
     c, s = np.cos(before[2]), np.sin(before[2])
     x, z, turn = after - before
     return np.array([c * x + s * z, -s * x + c * z, float(wrapped(turn))])
@@ -86,27 +86,27 @@ def step_between(before: Array, after: Array) -> Array:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Graph:
-    """A walk and its landmarks; `solve` adjusts them all."""
+    """A walk and its landmarks; `solve` adjusts them."""
 
     poses: Array
     """(N, 3) x, z, azimuth of straight ahead."""
     links: list[Link] = field(default_factory=list)
-    """Steps as they were meant, and motions between pairs that show the same."""
+    """Intended steps, and measured motions between pairs that show the same."""
     step_sigma: tuple[float, float]
-    """Of position along each axis, world units, and heading, radians."""
+    """Standard deviations of position along each axis, world units, and heading, radians."""
     landmarks: Array = field(default_factory=lambda: np.zeros((0, 3)))
-    """(M, 3) x, z of the middle, and the distance of the front from it."""
+    """(M, 3) x, z of the centre, and the distance of the front from it."""
     radii: Array = field(default_factory=lambda: np.zeros(0))
     """(M,) half the width of each, as first seen."""
     bearings: list[Bearing] = field(default_factory=list)
 
     @classmethod
     def at(cls, pose: Array, step_sigma: tuple[float, float]) -> "Graph":
-        """A walk that begins at a pose (3,)."""
+        """A walk that starts at a pose (3,)."""
         return cls(poses=pose[None], step_sigma=step_sigma)
 
     def walk(self, step: Array) -> None:
-        """Add the pose that a step (3,) is meant to lead to."""
+        """Add the intended pose after a step (3,)."""
         last = self.poses[-1:]
         self.poses = np.vstack([self.poses, last + led_by(last, step[None])])
         position, heading = self.step_sigma
@@ -117,7 +117,7 @@ class Graph:
         )
 
     def add(self, place: Array, radius: float) -> int:
-        """A new landmark at x, z; its number."""
+        """Add a landmark at x, z; returns its number."""
         self.landmarks = np.vstack([self.landmarks, [*place, FRONT_SHARE * radius]])
         self.radii = np.append(self.radii, radius)
         return len(self.radii) - 1
@@ -135,11 +135,11 @@ class Graph:
                 break
 
     def covariance(self) -> Array:
-        """(3, 3) of the last pose."""
+        """Covariance (3, 3) of the last pose."""
         return self._spread(np.arange(3)[None] + 3 * (len(self.poses) - 1))
 
     def spread_between(self, number: int) -> Array:
-        """(3, 3) covariance of the difference of the last pose and an earlier one."""
+        """Covariance (3, 3) of the difference between the last pose and an earlier one."""
         both = self._spread(np.arange(3) + 3 * np.array([[number], [len(self.poses) - 1]]))
         join = np.hstack([-np.eye(3), np.eye(3)])
         return join @ both @ join.T
@@ -168,7 +168,7 @@ class Graph:
         return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
 
     def _of_links(self) -> "Block":
-        """Residuals of the links along the way."""
+        """Residuals of the links along the path."""
         number = len(self.links)
         rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
         first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
@@ -181,7 +181,7 @@ class Graph:
         information = np.array([link.information for link in self.links]).reshape(-1, 3, 3)
         root = np.linalg.cholesky(information).swapaxes(1, 2)
         residual = np.einsum("nij,nj->ni", root, off)
-        # A link of two pairs that do not show the same is off by far.
+        # A link between two pairs that do not show the same has a large error.
         off_sq = np.where([link.is_sure for link in self.links], 0.0, (residual**2).sum(axis=1))
         weight = 1.0 / np.sqrt(1.0 + off_sq / ROBUST**2)
         derivative = root @ np.concatenate([by_first, by_second], axis=2) * weight[:, None, None]
@@ -193,7 +193,7 @@ class Graph:
         )
 
     def _of_bearings(self) -> "Block":
-        """Residuals of the sightings: seen minus expected places of things."""
+        """Residuals of the sightings: measured minus expected positions of objects."""
         seen = self.bearings
         pose = np.array([bearing.pose for bearing in seen], np.intp)
         mark = np.array([bearing.landmark for bearing in seen], np.intp)
@@ -216,7 +216,7 @@ class Graph:
             axis=1,
         )
         residual = off / sigma
-        # Cauchy's weights of both together: a thing that is taken for another is off in either.
+        # Joint Cauchy weights, since a confused object may be wrong in either.
         weight = 1.0 / np.sqrt(1.0 + (residual**2).sum(axis=1) / ROBUST**2)
         scaled = derivative / sigma[..., None] * weight[:, None, None]
         columns = np.column_stack(
@@ -227,7 +227,7 @@ class Graph:
         )
 
     def _of_fronts(self) -> "Block":
-        """Prior knowledge of the front of a thing."""
+        """Prior for the front of an object."""
         number = len(self.radii)
         sigma = np.maximum(FRONT_SIGMA * self.radii, 1e-3)
         columns = 3 * (len(self.poses) + np.arange(number)) + 2

@@ -1,4 +1,4 @@
-"""The keeper of an atlas: it keeps the places of pairs as they come, and not too many of them."""
+"""The keeper of an atlas: collects the places of pairs and limits their number."""
 
 from collections.abc import Mapping
 
@@ -14,15 +14,15 @@ from recon.sequences.odometry.places import Place, see
 Array = NDArray[np.float64]
 
 MAX_PLACES = 2000
-"""More are thinned out: with 250 points each they would take over 70 MB."""
+"""Maximum number before thinning: with 250 points each they need over 70 MB."""
 SAME_TURN_DEG = 3.0
 SAME_SHARE = 0.03
-"""Of the median depth of a place: from within it a pair shows nothing new."""
+"""Share of the median depth of a place within which a pair shows nothing new."""
 MIN_POINTS = 12
 
 
 class PlaceKeeper:
-    """Keeps what pairs show, where they show something new."""
+    """Keeps the places of pairs that show something new."""
 
     def __init__(self) -> None:
         self._places: dict[int, Place] = {}
@@ -30,7 +30,7 @@ class PlaceKeeper:
         self._thinning = 1
 
     def add(self, pair: StereoPair, number: int) -> None:
-        """Take the next pair; one without a pose is left out."""
+        """Add the next pair; a pair without a pose is skipped."""
         T_world_left = pair.T_world_left
         if T_world_left is None or number % self._thinning or self._is_known(T_world_left):
             return
@@ -42,7 +42,7 @@ class PlaceKeeper:
             self._thin()
 
     def atlas(self, trajectory: Trajectory) -> Atlas:
-        """The places with the poses that a trajectory has for their pairs."""
+        """The places with the poses of their pairs in a trajectory."""
         return atlas_of(self._places, trajectory)
 
     def _is_known(self, T_world_left: Array) -> bool:
@@ -55,7 +55,7 @@ class PlaceKeeper:
         return bool(np.linalg.norm(off[:3, 3]) < SAME_SHARE * place.depth and turn < SAME_TURN_DEG)
 
     def _thin(self) -> None:
-        """Keep the places of every second number that is still taken."""
+        """Keep every second of the remaining place numbers."""
         self._thinning *= 2
         self._places = {n: place for n, place in self._places.items() if n % self._thinning == 0}
 

@@ -1,4 +1,4 @@
-"""The pose of a pair in a known map, from a guess that is nearly right."""
+"""The pose of a pair in a known map, from an approximate guess."""
 
 from dataclasses import replace
 
@@ -26,12 +26,13 @@ from recon.voxelmap.occupancy import occupied
 Array = NDArray[np.float64]
 
 GUESS_SIGMA_CELLS, GUESS_SIGMA_DEG = 1.5, 5.0
-"""Of a guess without a covariance: about as far as registration finds its way back from."""
+"""Standard deviations of a guess without a covariance: about the convergence range of the
+registration."""
 MAX_SIGMA_CELLS = 5.0
-"""Points that are less sure tell nothing of a surface."""
+"""Points with a larger sigma do not contribute to a surface."""
 MIN_POINTS = 30
 MAX_PULL = 5.0
-"""Standard deviations of the guess between it and an answer that is believed."""
+"""Maximum distance of an accepted answer from the guess, in standard deviations of the guess."""
 MAX_RESIDUAL = 3.0
 
 
@@ -43,24 +44,24 @@ def locate(
 ) -> PoseEstimate | FitFailure:
     """Find the pose of a pair in a known map, near a guess.
 
-    The pair's points are laid on the surface that the cells of the map make. Directions that they
-    do not tell keep the uncertainty of the guess, so that the covariance says what is known.
+    The pair's points are registered to the surface of the map's cells. Directions that they do not
+    determine keep the uncertainty of the guess, so the covariance shows what is known.
 
     Parameters
     ----------
     pair : StereoPair
-        Its own pose is not looked at.
+        Its own pose is ignored.
     voxel_map : VoxelMap or Voxels
     guess : (4, 4) array or PoseEstimate
-        `T_world_left`, right to about one and a half cells and 5 degrees; an estimate brings its
-        own covariance.
+        `T_world_left`, correct to about one and a half cells and 5 degrees; an estimate has its own
+        covariance.
     settings : Settings, optional
-        Of the map, and of the matching of the pair.
+        Settings of the map and of the matching of the pair.
 
     Returns
     -------
     PoseEstimate or FitFailure
-        Falsy, with the reason, where the pair does not tell.
+        A failure is falsy and has the reason why the pose cannot be determined.
     """
     check_type("pair", pair, StereoPair)
     check_type("map", voxel_map, VoxelMap, Voxels)
@@ -72,7 +73,7 @@ def locate(
 
 
 def prior_of(guess: Array | PoseEstimate, cell_size: float) -> Prior:
-    """The guess and its information; `InputError` where it is not a pose."""
+    """The guess and its information; `InputError` if it is not a pose."""
     if isinstance(guess, PoseEstimate):
         return Prior(T_world_left=guess.T_world_left, information=inverse(guess.covariance))
     check_rigid("guess", guess)
@@ -81,7 +82,7 @@ def prior_of(guess: Array | PoseEstimate, cell_size: float) -> Prior:
 
 
 def points_of(cloud: PointCloud, rig: StereoRig, cell_size: float) -> Points:
-    """The points (left frame) that can be laid on a map of such cells."""
+    """The points (left frame) that can be registered to a map with this cell size."""
     if cloud.sigma is None:
         raise InputError("the points have no sigma, but one is needed")
     sure = cloud.select(cloud.sigma <= MAX_SIGMA_CELLS * cell_size)
@@ -91,20 +92,20 @@ def points_of(cloud: PointCloud, rig: StereoRig, cell_size: float) -> Points:
 
 
 def locate_points(points: Points, surfels: Surfels, prior: Prior) -> PoseEstimate | FitFailure:
-    """The pose of points of a pair on the surfels of a map."""
+    """The pose of a pair from its points and the surfels of a map."""
     if len(points) < MIN_POINTS:
         return FitFailure(f"{len(points)} points, but {MIN_POINTS} are needed")
     if not len(surfels):
         return FitFailure("the map is empty")
     found = register(points, surfels, prior)
     if found is None:
-        return FitFailure("too few points lie on the map")
+        return FitFailure("too few points are on the map")
     estimate = _estimate(found, points, prior)
     pull = prior.pull(found.T_world_left)
     if pull @ prior.information @ pull > MAX_PULL**2:
-        return FitFailure("the map is met too far from the guess")
+        return FitFailure("the best match is too far from the guess")
     if estimate.residual > MAX_RESIDUAL:
-        return FitFailure(f"the points lie {estimate.residual:.1f} sigma off the map")
+        return FitFailure(f"the points are {estimate.residual:.1f} sigma off the map")
     return estimate
 
 

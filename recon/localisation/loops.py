@@ -1,7 +1,7 @@
-"""Loops: a drive that comes back to places that it knows is corrected as a whole.
+"""Loop closing: a drive that returns to known places is corrected as a whole.
 
-Places that look alike are checked by the motion between them; Open3D's pose graph distributes what
-is left over at each closing along the way.
+Similar places are verified by the motion between them; Open3D's pose graph distributes the closing
+errors along the path.
 """
 
 import itertools
@@ -21,20 +21,20 @@ from recon.sequences.odometry.places import meet
 Array = NDArray[np.float64]
 
 MIN_DETOUR = 4.0
-"""A way back is a loop where it is so many times as long as the way straight there."""
+"""A path back to a place is a loop if it is longer than the direct distance by this factor."""
 DRIFT_SHARE = 0.1
-"""Of the way between two places, that odometry may be off at most."""
+"""Maximum drift of odometry, as a share of the path between two places."""
 SAME_VIEW_COSINE = 0.5
 NUM_CANDIDATES = 3
-"""Places that look most alike, which are held against each place."""
+"""Number of most similar places that each place is compared with."""
 MIN_AGREEING, MIN_AGREEING_SHARE = 24, 0.4
-"""Points, and share of those that look alike, that have to agree on one motion."""
+"""Minimum number, and share of the matched points, that agree on one motion."""
 MAX_NODES = 300
-"""Of the graph; what lies between two of them is carried along."""
+"""Maximum number of nodes of the graph; poses between two nodes are interpolated."""
 STEP_SHARE, STEP_DEG = 0.01, 0.1
-"""Standard deviation of a step of odometry: of its length, and of its turn."""
+"""Standard deviation of an odometry step: as a share of its length, and of its rotation."""
 LOOP_SHARE, LOOP_DEG = 0.002, 0.05
-"""The same of a loop, as a share of the depth of its place."""
+"""The same for a loop, with the first as a share of the depth of its place."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,20 +48,20 @@ class Loop:
     """Median depth of the place, world units."""
 
     def error(self, poses: Array) -> float:
-        """Distance by which poses (N, 4, 4) miss the closing."""
+        """Closing error of poses (N, 4, 4)."""
         off = invert(poses[self.first]) @ poses[self.second]
         return float(np.linalg.norm(off[:3, 3] - self.T_first_second[:3, 3]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Closed:
-    """A drive after its loops are closed."""
+    """A drive after loop closing."""
 
     poses: Array
     """(N, 4, 4)"""
     num_loops: int
     error_before: float
-    """Greatest distance by which a loop was missed, world units."""
+    """Maximum closing error before the correction, world units."""
     error_after: float
 
 
@@ -71,7 +71,7 @@ def close_loops(poses: Array, atlas: Atlas) -> Closed | None:
     Parameters
     ----------
     poses : (N, 4, 4) array
-        By odometry.
+        Poses from odometry.
     atlas : Atlas
         Places of some of the pairs.
     """
@@ -88,7 +88,7 @@ def close_loops(poses: Array, atlas: Atlas) -> Closed | None:
 
 
 def find_loops(poses: Array, atlas: Atlas) -> list[Loop]:
-    """The places of a drive that it comes back to."""
+    """The loops of a drive: pairs of places that show the same."""
     if len(atlas) < 2:
         return []
     steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
@@ -124,7 +124,7 @@ def _loop(atlas: Atlas, first: int, second: int) -> Loop | None:
 
 
 def optimised(poses: Array, loops: Sequence[Loop]) -> Array:
-    """The poses (N, 4, 4) that agree best with the steps between them and with the loops."""
+    """The poses (N, 4, 4) that agree best with the steps between them and the loops."""
     nodes = _nodes(len(poses), loops)
     graph = _graph(poses, nodes, loops)
     registration = load_open3d().pipelines.registration
@@ -135,12 +135,12 @@ def optimised(poses: Array, loops: Sequence[Loop]) -> Array:
         registration.GlobalOptimizationOption(reference_node=0),
     )
     found = np.array([without_drift(node.pose) for node in graph.nodes])
-    # The first pose is where it was.
+    # The first pose stays.
     return _carried(poses, nodes, poses[0] @ invert(found[0]) @ found)
 
 
 def _nodes(number: int, loops: Sequence[Loop]) -> NDArray[np.intp]:
-    """Numbers of the poses that become nodes: evenly spaced, and the ends of loops."""
+    """Indices of the poses that become nodes: evenly spaced ones and the ends of loops."""
     spaced = np.linspace(0, number - 1, min(number, MAX_NODES)).astype(np.intp)
     kept = loops[:: 1 + len(loops) // MAX_NODES]
     ends = [end for loop in kept for end in (loop.first, loop.second)]
@@ -175,7 +175,7 @@ def _edge(source: int, target: int, T_target_source: Array, sigma: tuple[float, 
 
 
 def _carried(poses: Array, nodes: NDArray[np.intp], found: Array) -> Array:
-    """All poses, moved with the nodes before and after them."""
+    """All poses, interpolated between the corrections of the neighbouring nodes."""
     corrected = poses.copy()
     corrected[nodes] = found
     for at, (first, second) in enumerate(itertools.pairwise(nodes)):

@@ -1,7 +1,6 @@
-"""A pair held against what a map would show from a pose, tile by tile of the image.
+"""Comparison of a pair with the view of a map from a pose, tile by tile of the image.
 
-Texture repeats, and one tree looks like another; what stands behind, and what does not, tells
-places apart.
+Texture repeats, and trees look alike; what is behind them and what is missing distinguishes places.
 """
 
 from dataclasses import dataclass
@@ -18,25 +17,25 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 NUM_TILES = 16
-"""Along the longer side of the image."""
+"""Number of tiles along the longer side of the image."""
 MIN_POINTS = 2
-"""In a tile that shows something."""
+"""Minimum number of points of a tile that shows something."""
 DEPTH_RATIO = 1.25
-"""Depths that differ by less are one ..."""
+"""Depths that differ by a smaller factor are equal ..."""
 NUM_SIGMAS = 3.0
-"""... and so are those that differ by less than this, by the points' own uncertainty."""
+"""... and so are those that differ by fewer standard deviations of the points."""
 MIN_DEPTH = 1e-3
 NEW_WEIGHT = 0.5
-"""Of a tile that shows what the map lacks: maps are seldom whole."""
+"""Weight of a tile that shows something missing in the map: maps are seldom complete."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outlook:
-    """The depth of what a pair shows, tile by tile."""
+    """The depth of a pair, tile by tile."""
 
     rig: StereoRig
     depth: Array
-    """(R, C) infinite where nothing is seen."""
+    """(R, C) depth; infinite if nothing is seen."""
     ratio: Array
     """(R, C) factor by which the depth may be off."""
 
@@ -53,14 +52,14 @@ class Outlook:
         return cls(rig=rig, depth=depth, ratio=loose.reshape(depth.shape))
 
     def agreement(self, voxels: Voxels, T_world_left: Array) -> tuple[int, int]:
-        """The number of tiles that show what the map does, and of those that do not."""
+        """The number of tiles that agree with the map, and of those that do not."""
         points = transform(invert(T_world_left), voxels.means)
         tile, inside = _tiles(points, self.rig)
         shown = _nearest(tile[inside], points[inside, 2], self.rig, 1)
         is_seen, is_shown = np.isfinite(self.depth), np.isfinite(shown)
         near, far = _around(shown)
         as_seen = is_seen & (near <= self.depth * self.ratio) & (far >= self.depth / self.ratio)
-        # A sure point where the map has nothing; a cell that the pair looks through.
+        # A reliable point where the map has nothing; a cell that the pair looks through.
         is_new = is_seen & ~as_seen & (self.ratio < 2.0 * DEPTH_RATIO)
         _, behind = _around(self.depth, empty=np.inf)
         is_missing = is_shown & ~is_seen & (behind > DEPTH_RATIO * shown) & ~_touches(is_seen)
@@ -74,7 +73,7 @@ def _grid(rig: StereoRig) -> tuple[float, int, int]:
 
 
 def _tiles(points_left: Array, rig: StereoRig) -> tuple[NDArray[np.intp], Mask]:
-    """(N,) number of the tile of each point, and whether it is in the image."""
+    """Tile index (N,) of each point, and a mask of the points in the image."""
     side, rows, columns = _grid(rig)
     ahead = points_left[:, 2] > MIN_DEPTH
     pixels = np.full((len(points_left), 2), -1.0)
@@ -85,7 +84,7 @@ def _tiles(points_left: Array, rig: StereoRig) -> tuple[NDArray[np.intp], Mask]:
 
 
 def _nearest(tile: NDArray[np.intp], depth: Array, rig: StereoRig, least: int) -> Array:
-    """(R, C) depth of the nearest point of each tile with so many points; else infinite."""
+    """Depth (R, C) of the nearest point of each tile with enough points; otherwise infinite."""
     _, rows, columns = _grid(rig)
     nearest = np.full(rows * columns, np.inf)
     np.minimum.at(nearest, tile, depth)
@@ -94,7 +93,7 @@ def _nearest(tile: NDArray[np.intp], depth: Array, rig: StereoRig, least: int) -
 
 
 def _around(depth: Array, empty: float = 0.0) -> tuple[Array, Array]:
-    """The least and the greatest depth of each tile and its neighbours."""
+    """The minimum and maximum depth of each tile and its neighbours."""
     near: Array = minimum_filter(depth, 3, mode="nearest")
     far: Array = maximum_filter(np.where(np.isfinite(depth), depth, empty), 3, mode="nearest")
     return near, far

@@ -1,4 +1,4 @@
-"""Pairs laid on one another: the motion between two that show the same, in the plane."""
+"""Registration of pairs: the planar motion between two that show the same."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,33 +19,33 @@ from recon.voxelmap import VoxelMap
 Array = NDArray[np.float64]
 
 PLANAR = [3, 5, 1]
-"""x, z and the turn about the vertical, among the six of a `PoseEstimate`."""
+"""x, z and the rotation about the vertical, among the six parameters of a `PoseEstimate`."""
 LEVEL_SIGMA = 1e-4
-"""Radians and world units: a robot neither lifts nor tilts its cameras."""
+"""Standard deviation of height and tilt, radians and world units: a robot's cameras stay level."""
 SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
-"""Difference of one pair's surface from another's, as a whole."""
+"""Systematic difference between the surfaces of two pairs."""
 FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
 MIN_SHARE = 0.3
-"""Of points that lie on the other pair's surface."""
+"""Minimum share of points on the other pair's surface."""
 MAX_OFF = 4.0
-"""Standard deviations of the guess between it and a motion that is believed."""
+"""Maximum distance of an accepted motion from the guess, in standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """The surface that a pair shows, in the frame of its camera."""
+    """The surface seen by a pair, in the frame of its camera."""
 
     place: Place
     cloud: PointCloud
     """Left frame, axes of the world: turned level, x ahead is not."""
     T_level_left: Array
-    """(4, 4) the camera's tilt: it stands at the origin and looks along its azimuth 0."""
+    """(4, 4) tilt of the camera, which is at the origin with azimuth 0."""
     points: Points
     cell_size: float
 
     @classmethod
     def of(cls, pair: StereoPair, cloud: PointCloud, cell_size: float) -> "Shown":
-        """The surface of a pair whose cloud is in the world."""
+        """The surface of a pair whose cloud is in the world frame."""
         assert pair.T_world_left is not None
         azimuth = float(planar(pair.T_world_left)[2])
         T_level_left = pose(rotation_about_y(azimuth) @ pair.T_world_left[:3, :3], np.zeros(3))
@@ -59,13 +59,13 @@ class Shown:
         )
 
     def at(self, place: Array) -> Array:
-        """`T_world_left` (4, 4) at x, z and azimuth (3,), the height counted from the camera."""
+        """`T_world_left` (4, 4) at x, z and azimuth (3,), with the camera at height 0."""
         x, z, azimuth = place
         return pose(rotation_about_y(-azimuth), [x, 0.0, z]) @ self.T_level_left
 
     @cached_property
     def surfels(self) -> Surfels:
-        """Of the sure points, in the frame of the camera."""
+        """Surfels of the reliable points, in the frame of the camera."""
         voxel_map = VoxelMap(self.cell_size)
         sigma = self.cloud.sigma
         assert sigma is not None
@@ -74,16 +74,17 @@ class Shown:
 
 
 def linked(first: Shown, second: Shown, poses: Array, spread: Array) -> tuple[Array, Array] | None:
-    """The poses (2, 3) of two pairs and the information (3, 3) of what is between them.
+    """The poses (2, 3) of two pairs and the information (3, 3) of the motion between them.
 
-    By features where they show the same side, else by the surfaces that both see.
+    Uses features if the pairs show the same side, otherwise the surfaces that both see. None if
+    neither works.
 
     Parameters
     ----------
     poses : (2, 3) array
-        x, z and azimuth, as far as they are known.
+        x, z and azimuth, as currently known.
     spread : (3, 3) array
-        Covariance of the second, where the first stands still.
+        Covariance of the second pose relative to the first.
     """
     for measure in (_by_features, _by_shape):
         found = measure(first, second, poses, spread)
@@ -119,7 +120,7 @@ def _by_shape(
     if len(second.points) < 30 or len(first.surfels) < 10:
         return None
     T_first_second = invert(first.at(poses[0])) @ second.at(poses[1])
-    # In the frame of the first camera, turned level, as the plane is there.
+    # In the levelled frame of the first camera, in which the motion is planar.
     level = first.T_level_left
     start = level @ T_first_second
     information = np.diag(np.full(6, LEVEL_SIGMA**-2.0))
@@ -141,7 +142,7 @@ def _by_shape(
 
 
 def _known(information: Array, shown: Shown, cells: float, degrees: float) -> Array:
-    """(3, 3) of x, z and azimuth, where height and tilt are known, and no surer than a floor."""
+    """Information (3, 3) of x, z, azimuth for known height and tilt, with a minimum covariance."""
     sign = np.diag([1.0, 1.0, -1.0])
     planar = sign @ information[np.ix_(PLANAR, PLANAR)] @ sign
     least = np.array([cells * shown.cell_size, cells * shown.cell_size, np.radians(degrees)])

@@ -1,4 +1,4 @@
-"""Recall: where in a known map a pair was taken, without a guess (the kidnapped robot)."""
+"""Recall: the pose of a pair in a known map without a guess (the kidnapped robot problem)."""
 
 from dataclasses import dataclass, replace
 
@@ -21,56 +21,57 @@ from recon.settings import Settings
 Array = NDArray[np.float64]
 
 NUM_CANDIDATES = 40
-"""Places that look most alike, which are held against the pair point by point."""
+"""Number of most similar places that are compared with the pair point by point."""
 NUM_HYPOTHESES = 12
 MIN_AGREEING = 24
-"""Points that have to agree with those of a place, before it is taken for the same."""
+"""Minimum number of points that agree with those of a place for it to be the same."""
 NUM_SHAPES = 24
-"""Guesses by shape that are looked at closely."""
+"""Number of guesses by shape that are refined."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
-"""Of tilt and height of a guess by shape."""
+"""Standard deviations of tilt and height of a guess by shape."""
 COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
-"""A place is as good as the pose itself within this share of its depth, and 20 degrees: features
-would have told it."""
+"""A place covers a pose within this share of its depth and 20 degrees: features would have found
+it."""
 PLACE_SIGMA_CELLS, PLACE_SIGMA_DEG = 0.05, 0.1
-"""Of the pose of a place in its own map."""
+"""Standard deviations of the pose of a place in its own map."""
 TILES_PER_E = 1.5
-"""Tiles more in agreement that make a pose e times as likely: neighbours see one thing."""
+"""Number of additional agreeing tiles that make a pose e times as likely; neighbouring tiles are
+correlated."""
 MIN_TILES = 6.0
-"""Fewer in agreement, less those that are not, are taken for chance."""
+"""Minimum number of agreeing minus disagreeing tiles; fewer may be chance."""
 MIN_SHARE = 0.85
-"""Of tiles in agreement, at a pose that is believed."""
+"""Minimum share of agreeing tiles at an accepted pose."""
 MIN_PROBABILITY = 0.97
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Hypothesis:
-    """A pose that a pair may have been taken from."""
+    """A possible pose of a pair."""
 
     estimate: PoseEstimate
     num_same: int
-    """Tiles of the image that show what the map does there."""
+    """Tiles of the image that agree with the map."""
     num_different: int
     is_known: bool = True
-    """True if a place was known again there; a guess by shape only shows what else it may be."""
+    """True if a known place was recognised there; a guess by shape only shows an alternative."""
 
     @property
     def evidence(self) -> float:
-        """Logarithm of how much likelier the image is than by chance."""
+        """Log likelihood ratio of the image against chance."""
         return (self.num_same - self.num_different - MIN_TILES) / TILES_PER_E
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class KnownWorld:
-    """A map that pairs are looked for in."""
+    """A map to localise pairs in."""
 
     voxels: Voxels
     surfels: Surfels
     atlas: Atlas
     summaries: Array
-    """(P, W) of the atlas's places."""
+    """(P, W) summaries of the atlas's places."""
     depths: Array
-    """(P,) of the atlas's places, world units."""
+    """(P,) median depths of the atlas's places, world units."""
     settings: Settings
 
     @classmethod
@@ -86,11 +87,11 @@ class KnownWorld:
         )
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
-        """The pose that a pair was taken from; a `FitFailure` where the map does not tell."""
+        """The pose of a pair; a `FitFailure` if the map does not determine it."""
         return choose(self.hypotheses(pair))
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
-        """The distinct poses that a pair may have been taken from, the likeliest first."""
+        """The distinct possible poses of a pair, the most likely first."""
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         points = points_of(cloud, pair.rig, self.voxels.cell_size)
         outlook = Outlook.of(cloud, pair.rig)
@@ -100,7 +101,7 @@ class KnownWorld:
         return distinct(found, self.voxels.cell_size)
 
     def _by_places(self, pair: StereoPair, points: Points) -> list[PoseEstimate]:
-        """Poses by the places that look alike, the ones with most points in common first."""
+        """Poses from similar places, those with the most points in common first."""
         if not len(self.atlas):
             return []
         query = see(pair, STRETCHES)
@@ -119,7 +120,7 @@ class KnownWorld:
         return found
 
     def _by_shape(self, cloud: PointCloud, points: Points, outlook: Outlook) -> list[PoseEstimate]:
-        """Poses by the shape of what is seen, where no place would have told them."""
+        """Poses from the shape of what is seen, where no place covers them."""
         if not len(self.atlas):
             return []
         poses = guesses(cloud, self.voxels, self.atlas.T_world_left[0])
@@ -133,7 +134,7 @@ class KnownWorld:
         return found
 
     def _level(self, T_world_left: Array) -> Prior:
-        """A guess by shape: at the height and tilt that all places have."""
+        """A guess by shape, at the height and tilt of all places."""
         loose = prior_of(T_world_left, self.voxels.cell_size).information
         tight = np.array([np.radians(LEVEL_SIGMA_DEG), LEVEL_SIGMA_CELLS * self.voxels.cell_size])
         information = loose.copy()
@@ -141,7 +142,7 @@ class KnownWorld:
         return Prior(T_world_left=T_world_left, information=information)
 
     def _is_covered(self, T_world_left: Array) -> bool:
-        """True if a place shows what would be seen from a pose."""
+        """True if a place shows what a pose would show."""
         apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
         alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
         return bool(((apart < COVERED_SHARE * self.depths) & (alike > COVERED_COSINE)).any())
@@ -150,11 +151,11 @@ class KnownWorld:
         return meet(self.atlas.places[row], query)
 
     def _prior(self, row: int, meeting: Meeting, query: Place) -> Prior:
-        """The pose of the query by a place, as sure as their points and the place are."""
+        """The pose of the query from a place, with the uncertainty of the points and the place."""
         T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
         at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
         information, _ = at.normal_equations()
-        # Six numbers were fitted to the points that agree best.
+        # Corrects for the six fitted parameters.
         spread = at.spread * np.sqrt(len(at.residual) / (len(at.residual) - 6.0))
         covariance = np.linalg.pinv(information) * spread**2
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
@@ -168,7 +169,7 @@ class KnownWorld:
 
 
 def _by_points(prior: Prior, meeting: Meeting) -> PoseEstimate:
-    """The pose that a place's points alone tell."""
+    """The pose from a place's points alone."""
     return PoseEstimate(
         T_world_left=prior.T_world_left,
         covariance=inverse(prior.information),
@@ -180,7 +181,7 @@ def _by_points(prior: Prior, meeting: Meeting) -> PoseEstimate:
 
 
 def distinct(found: list[Hypothesis], cell_size: float) -> list[Hypothesis]:
-    """The hypotheses that differ, the likeliest of each first."""
+    """The distinct hypotheses, the most likely first."""
     kept: list[Hypothesis] = []
     for one in sorted(found, key=lambda one: -one.evidence):
         if not any(_is_same(one.estimate, other.estimate, cell_size) for other in kept):
@@ -195,12 +196,12 @@ def _is_same(a: PoseEstimate, b: PoseEstimate, cell_size: float) -> bool:
 
 
 def choose(found: list[Hypothesis]) -> PoseEstimate | FitFailure:
-    """The likeliest of distinct hypotheses, likeliest first, where no other comes near it."""
+    """The first of distinct hypotheses, most likely first, if no other is nearly as likely."""
     if not found:
         return FitFailure("no place looks like it")
     best = found[0]
     evidence = np.array([one.evidence for one in found])
-    # Chance is one more hypothesis, of evidence 0.
+    # Chance is one more hypothesis, with evidence 0.
     probability = float(1.0 / (np.exp(evidence - evidence[0]).sum() + np.exp(-evidence[0])))
     if best.num_same < MIN_SHARE * (best.num_same + best.num_different):
         return FitFailure("the map shows other things there")

@@ -1,8 +1,9 @@
-"""Registration: points of a pair laid on the surface of a map, by generalised ICP.
+"""Registration of a pair's points to the surface of a map by generalised ICP.
 
-Each point is as unsure along its ray as stereo makes it, and far surer across: a point on the limb
-of a trunk tells the direction well though its depth is poor (Segal, Haehnel and Thrun 2009, with
-point-to-plane distances). Points on one cell share the cell's error, so that they count as one.
+Each point has the uncertainty of stereo along its ray and a far smaller one across it: a point on
+the outline of a trunk determines the direction well although its depth is poor (Segal, Haehnel and
+Thrun 2009, with point-to-plane distances). Points on one cell share the cell's error, so they count
+as one.
 """
 
 from dataclasses import dataclass
@@ -18,27 +19,27 @@ Array = NDArray[np.float64]
 
 NUM_ROUNDS = 25
 FIRST_REACH, LAST_REACH, SHRINKING = 3.0, 1.5, 0.8
-"""Cells within which a point looks for its cell: at first, at last, and the factor of a round."""
+"""Search radius of a point in cells: initial, final, and the factor per round."""
 SURFACE_SIGMA = 0.12
-"""Of the distance of a surface from the mean of its cell, in cells."""
+"""Standard deviation of the distance of a surface from the mean of its cell, in cells."""
 ACROSS_PX = 0.7
-"""Standard deviation of a point across its ray."""
+"""Standard deviation of a point across its ray, pixels."""
 MIN_CELLS = 8
-"""Fewer say nothing of a pose."""
+"""Fewer cells do not determine a pose."""
 SMALL_CHANGE = 1e-4
 MAX_SIGMAS = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Points:
-    """Points of a pair, as unsure as they are."""
+    """Points of a pair with their uncertainties."""
 
     points_left: Array
     """(N, 3)"""
     sigma: Array
-    """(N,) along the ray, world units."""
+    """(N,) standard deviation along the ray, world units."""
     across: Array
-    """(N,) across the ray, world units."""
+    """(N,) standard deviation across the ray, world units."""
 
     def __len__(self) -> int:
         return len(self.points_left)
@@ -46,14 +47,14 @@ class Points:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prior:
-    """Prior knowledge of a pose."""
+    """Prior of a pose."""
 
     T_world_left: Array
     information: Array
     """(6, 6) inverse covariance, in the order of `PoseEstimate`."""
 
     def pull(self, T_world_left: Array) -> Array:
-        """(6,) small turn and shift that lead from the prior pose to this one."""
+        """Small rotation and shift (6,) from the prior pose to this one."""
         turn = T_world_left[:3, :3] @ self.T_world_left[:3, :3].T
         shift = T_world_left[:3, 3] - self.T_world_left[:3, 3]
         return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift])
@@ -61,40 +62,40 @@ class Prior:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contacts:
-    """Cells that points lie on, at a pose."""
+    """Cells that points are on at a pose."""
 
     residual: Array
     """(C,) distance of the points from the surface, standard deviations."""
     by_pose: Array
-    """(C, 6) derivative of that by a small turn and shift."""
+    """(C, 6) derivative of the residual by a small rotation and shift."""
     num_near: int
-    """Points near a piece of surface."""
+    """Number of points near a piece of surface."""
     num_points: int
-    """Points that lie on it, within 3 standard deviations."""
+    """Number of points on it, within 3 standard deviations."""
 
     @property
     def spread(self) -> float:
-        """Robust standard deviation of the residuals: what moved is not noise of the pose."""
+        """Robust standard deviation of the residuals, independent of what has moved."""
         return float(np.median(np.abs(self.residual))) / 0.6745
 
     @property
     def weights(self) -> Array:
-        """(C,) Cauchy's."""
+        """Cauchy weights (C,)."""
         return 1.0 / (1.0 + self.residual**2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Registration:
-    """A pose, and how well the points lie on the surface there."""
+    """A pose and the fit of the points to the surface."""
 
     T_world_left: Array
     information: Array
-    """(6, 6) of the points alone."""
+    """(6, 6) information from the points alone."""
     contacts: Contacts
 
 
 def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | None:
-    """The pose at which points lie on the surface; None if too few of them do."""
+    """The pose at which the points are on the surface; None if too few are."""
     T, reach = prior.T_world_left, FIRST_REACH
     for _ in range(NUM_ROUNDS):
         contacts = touch(points, surfels, T, reach * surfels.cell_size)
@@ -113,12 +114,12 @@ def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | N
 
 
 def inverse(matrix: Array) -> Array:
-    """The inverse of a covariance or an information."""
+    """The inverse of a covariance or information matrix."""
     return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
 
 
 def moved(T_world_left: Array, change: Array) -> Array:
-    """The pose after a small turn `change[:3]` about the camera and a shift `change[3:]`."""
+    """The pose after a small rotation `change[:3]` about the camera and a shift `change[3:]`."""
     turn = Rotation.from_rotvec(change[:3]).as_matrix()
     return without_drift(pose(turn @ T_world_left[:3, :3], T_world_left[:3, 3] + change[3:]))
 
@@ -136,7 +137,7 @@ def _normal_equations(contacts: Contacts, prior: Prior, T_world_left: Array) -> 
 
 
 def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -> Contacts:
-    """The cells that the points lie on, and how far off."""
+    """The cells that the points are on, and their distances."""
     R, eye = T_world_left[:3, :3], T_world_left[:3, 3]
     offset = points.points_left @ R.T
     rows, cell = surfels.under(offset + eye, reach)
@@ -144,7 +145,7 @@ def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -
     normal = surfels.normals[cell]
     gap = np.einsum("ni,ni->n", normal, offset + eye - surfels.means[cell])
     along = np.einsum("ni,ni->n", normal, offset) / np.linalg.norm(offset, axis=1)
-    # Of the distance: the ray's part of the normal, and what is left of it.
+    # Variance of the distance: the parts of the normal along and across the ray.
     variance = points.sigma[rows] ** 2 * along**2 + points.across[rows] ** 2 * (1.0 - along**2)
     surface = SURFACE_SIGMA * surfels.cell_size
     is_near = np.abs(gap) < MAX_SIGMAS * np.sqrt(variance + surface**2)
@@ -157,7 +158,7 @@ def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -
 def _by_cell(
     cell: NDArray[np.intp], surfels: Surfels, gap_and_offset: Array, variance: Array
 ) -> tuple[Array, Array]:
-    """Residuals (C,) and derivatives (C, 6) of the cells: their points share the cell's error."""
+    """Residuals (C,) and derivatives (C, 6) of the cells, whose points share the cell's error."""
     cells, row = np.unique(cell, return_inverse=True)
     weight = 1.0 / np.maximum(variance, 1e-12)
     total = np.bincount(row, weight, len(cells))

@@ -1,7 +1,7 @@
-"""Guesses by shape: the poses from which the thing before the cameras may be one of the map.
+"""Guesses by shape: poses from which the object ahead may be one of the map.
 
-What is round looks the same from all sides, and the map holds several things; features alone do
-not tell how many poses would show the same.
+Round objects look the same from all sides, and the map has several objects; features alone do not
+show how many poses would look the same.
 """
 
 from dataclasses import dataclass
@@ -15,27 +15,28 @@ from recon.records import PointCloud, Voxels
 
 NUM_BEARINGS = 36
 MAX_SIGMA_CELLS = 3.0
-"""Points that are less sure do not make a thing."""
+"""Points with a larger sigma are ignored."""
 MIN_POINTS, MIN_CELLS = 20, 8
-"""Of a thing before the cameras, and of one of the map."""
+"""Minimum points of an object ahead, and minimum cells of an object in the map."""
 MAX_THINGS = 60
-"""A map of more is not searched by shape: it would take too long, and features tell more there."""
+"""Maps with more objects are not searched by shape: it would take too long, and features are more
+reliable there."""
 LEVEL_COSINE = 0.966
-"""Cameras that tilt or roll more than 15 degrees are not guessed by shape."""
+"""Cameras tilted or rolled by more than 15 degrees get no guesses by shape."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Thing:
-    """A patch of the ground with something on it."""
+    """A patch of ground with an object on it."""
 
     centre: Array
-    """(2,) x, z of the middle of its box."""
+    """(2,) x, z of the centre of its box."""
     radius: float
     """Half the width of its box."""
 
 
 def things(voxels: Voxels) -> list[Thing]:
-    """Things that stand apart on the map, seen from above."""
+    """Separate objects of the map in top view."""
     found = []
     for rows in _patches(voxels.means[:, [0, 2]], voxels.cell_size):
         if len(rows) >= MIN_CELLS:
@@ -45,7 +46,7 @@ def things(voxels: Voxels) -> list[Thing]:
 
 
 def guesses(cloud: PointCloud, voxels: Voxels, T_world_left: Array) -> list[Array]:
-    """Poses (4, 4), at the height and tilt of one, that put the thing ahead onto things of the map.
+    """Poses (4, 4), at the height and tilt of one, that place the object ahead on mapped ones.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def guesses(cloud: PointCloud, voxels: Voxels, T_world_left: Array) -> list[Arra
         Points of the pair, left frame.
     voxels : Voxels
     T_world_left : (4, 4) array
-        A pose of the same robot, for its height and tilt; where it is not nearly level, no guess.
+        A pose of the same robot for its height and tilt; no guesses if it is not nearly level.
     """
     of_map = things(voxels)
     ahead = _nearest_thing(cloud, voxels.cell_size)
@@ -69,14 +70,14 @@ def guesses(cloud: PointCloud, voxels: Voxels, T_world_left: Array) -> list[Arra
 
 
 def _standing(thing: Thing, turn: Array, offset: Array, T_world_left: Array) -> Array:
-    """The pose, turned, whose offset (3,) leads to the near side of a thing."""
+    """The rotated pose whose offset (3,) leads to the near side of an object."""
     offset = turn @ offset
     x, z = thing.centre - offset[[0, 2]] * (1.0 + thing.radius / np.hypot(offset[0], offset[2]))
     return pose(turn @ T_world_left[:3, :3], [x, T_world_left[1, 3], z])
 
 
 def _nearest_thing(cloud: PointCloud, cell_size: float) -> Array | None:
-    """(3,) the middle of the front of the nearest thing, left frame; None if nothing stands."""
+    """Centre (3,) of the front of the nearest object, left frame; None if there is none."""
     sigma = np.zeros(len(cloud)) if cloud.sigma is None else cloud.sigma
     points = cloud.points[sigma <= MAX_SIGMA_CELLS * cell_size]
     patches = [points[rows] for rows in _patches(points[:, [0, 2]], cell_size, closing=2.0)]
@@ -91,7 +92,7 @@ def _nearest_thing(cloud: PointCloud, cell_size: float) -> Array | None:
 
 
 def _patches(places: Array, cell_size: float, closing: float = 1.0) -> list[NDArray[np.intp]]:
-    """The rows of places (N, 2) that hang together on a grid of cells."""
+    """The rows of connected positions (N, 2) on a grid of cells."""
     if not len(places):
         return []
     cell = np.floor(places / (closing * cell_size)).astype(np.int64)

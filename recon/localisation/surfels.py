@@ -1,4 +1,4 @@
-"""Surfels: the occupied cells of a map as small pieces of surface, with their normals."""
+"""Surfels: the occupied cells of a map as small pieces of surface with normals."""
 
 from dataclasses import dataclass, field, replace
 
@@ -13,32 +13,32 @@ Array = NDArray[np.float64]
 
 NUM_NEIGHBOURS = 20
 REACH = 2.5
-"""Cells within which neighbours tell the normal."""
+"""Radius in cells of the neighbours that determine the normal."""
 MIN_NEIGHBOURS = 5
 MAX_THICKNESS = 0.3
-"""Of a piece of surface, as a share of its breadth squared: the two smallest variances."""
+"""Maximum ratio of the two smallest variances of a piece of surface."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surfels:
-    """Cells whose neighbours lie in a plane with them."""
+    """Cells as pieces of surface, with normals from their neighbours."""
 
     means: Array
     """(K, 3) mean positions, world."""
     normals: Array
     """(K, 3) unit normals, of either sign."""
     is_flat: NDArray[np.bool_]
-    """(K,) whether the neighbours agree on a normal."""
+    """(K,) True if the neighbours agree on a normal."""
     cell_size: float
     tree: cKDTree = field(repr=False)
-    """Of the means."""
+    """Tree of the means."""
 
     def __len__(self) -> int:
         return len(self.means)
 
     @classmethod
     def of(cls, voxels: Voxels) -> "Surfels":
-        """The surfels of occupied cells; their normals are those of planes through neighbours."""
+        """The surfels of occupied cells, with normals of planes through their neighbours."""
         tree = cKDTree(voxels.means.reshape(-1, 3))
         reach = REACH * voxels.cell_size
         distance, row = tree.query(voxels.means, k=NUM_NEIGHBOURS, distance_upper_bound=reach)
@@ -59,14 +59,14 @@ class Surfels:
         )
 
     def moved(self, T_a_b: Array) -> "Surfels":
-        """The same surfels of frame b in frame a."""
+        """The same surfels, from frame b to frame a."""
         means = transform(T_a_b, self.means)
         return replace(
             self, means=means, normals=self.normals @ T_a_b[:3, :3].T, tree=cKDTree(means)
         )
 
     def under(self, points: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """The rows of points (N, 3) that have a flat surfel within reach, and its row."""
+        """The rows of points (N, 3) with a flat surfel within reach, and the surfels' rows."""
         distance, nearest = self.tree.query(points, distance_upper_bound=reach)
         surfel = np.asarray(nearest, dtype=np.intp)
         rows = np.flatnonzero(np.isfinite(distance))
