@@ -39,7 +39,9 @@ def _of_cloud(cloud: PointCloud) -> Columns:
 
 
 def _of_voxels(voxels: Voxels) -> Columns:
-    columns = _split(XYZ, voxels.means) | _split(RGB, voxels.colours)
+    columns = _split(XYZ, voxels.means)
+    if voxels.colours is not None:
+        columns |= _split(RGB, voxels.colours)
     # Signed 32 bits: the one integer type that every format here supports.
     columns["count"] = voxels.counts.astype(np.int32)
     columns |= _split(INDEX, voxels.index.astype(np.int32))
@@ -129,7 +131,7 @@ def _as_voxels(columns: Mapping[str, NDArray[Any]]) -> Voxels:
         centres=(index.astype(np.float64) + 0.5) * cell_size,
         means=means,
         counts=columns["count"].astype(np.int64),
-        colours=colours_of(columns, colours) if colours else cloud_in(columns).shown_colours,
+        colours=colours_of(columns, colours) if colours else None,
         cell_size=cell_size,
         **kept,
     )

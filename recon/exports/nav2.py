@@ -1,6 +1,7 @@
 """A floor map for nav2 and other robot planners: `.pgm` and its `.yaml`; z up."""
 
 import math
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -83,8 +84,8 @@ def _write_description(path: Path, floor: GroundGrid) -> None:
 def read(path: Path) -> Voxels:
     """The occupied cells, each with count 1, in one layer at the height of a robot.
 
-    A grid that is not aligned with the world's is shifted by less than half a cell; free and
-    unknown floor is not kept.
+    A cell takes the pixel that contains its centre, as the image need not be aligned with the
+    world's grid; free and unknown floor is not kept.
 
     Raises
     ------
@@ -95,24 +96,49 @@ def read(path: Path) -> Voxels:
     description = _description(_description_of(path) if is_image else path)
     greys = _read_image(path if is_image else path.parent / description["image"])
     shares = (greys if description["negate"] else 255 - greys.astype(np.int64)) / 255.0
-    row, column = np.nonzero(shares > description["occupied_thresh"])
     size = description["resolution"]
-    x, y = description["origin"][:2]
-    # Rows go down, and the second axis of a format with z up is the world's -z.
-    ground = np.column_stack(
-        [x + (column + 0.5) * size, -(y + (greys.shape[0] - row - 0.5) * size)]
-    )
-    cells = np.floor(ground / size + _ROUNDING).astype(np.int64)
+    cells = _floor_cells(shares > description["occupied_thresh"], description["origin"], size)
     height = math.ceil(_LOWEST / size - 0.5)
-    index = np.unique(
-        np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]]), axis=0
-    )
+    index = np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]])
     centres = (index + 0.5) * size
-    colours = np.full((len(index), 3), _GREYS[OCCUPIED], np.uint8)
     return Voxels(
         index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
-        colours=colours, cell_size=size,
+        cell_size=size,
     )  # fmt: skip
+
+
+def _floor_cells(
+    is_occupied: NDArray[np.bool_], origin: list[float], size: float
+) -> NDArray[np.int64]:
+    """(K, 2) indices along x and z, in order, of the cells whose centre lies in such a pixel.
+
+    Parameters
+    ----------
+    is_occupied : (rows, columns)
+    origin : [x, y, yaw]
+        Of the corner of the lower left pixel, with z up; yaw in radians, 0 where left out.
+    size : float
+        Of a cell and a pixel, world units.
+    """
+    row, column = np.nonzero(is_occupied)
+    if not len(row):
+        return np.zeros((0, 2), np.int64)
+    num_rows = len(is_occupied)
+    yaw = origin[2] if len(origin) > 2 else 0.0
+    turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
+    low, high = [column.min(), num_rows - 1 - row.max()], [column.max(), num_rows - 1 - row.min()]
+    corners = np.array([*product(*zip(low, np.add(high, 1), strict=True))]) @ turn.T
+    # The second axis of a format with z up is -z of the world.
+    ends = (corners + np.divide(origin[:2], size)) * [1, -1]
+    x, z = (np.arange(math.floor(values.min()), math.ceil(values.max()) + 1) for values in ends.T)
+    cells = np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    middles = ((cells + 0.5) * [1, -1] - np.divide(origin[:2], size)) @ turn
+    pixel = np.floor(middles + np.array([-_ROUNDING, _ROUNDING])).astype(np.int64)
+    inside = ((pixel >= low) & (pixel <= high)).all(axis=1)
+    found = np.flatnonzero(inside)
+    across, up = pixel[found].T
+    chosen: NDArray[np.int64] = cells[found[is_occupied[num_rows - 1 - up, across]]]
+    return chosen
 
 
 _LOWEST = 0.5
@@ -146,8 +172,6 @@ def _description(path: Path) -> dict[str, Any]:
     origin = found["origin"]
     if not (0 < found["resolution"] < math.inf and len(origin) >= 2 and np.isfinite(origin).all()):
         raise InputError(f"{path}: resolution is {found['resolution']}, origin {origin}")
-    if any(origin[2:]):
-        raise InputError(f"{path}: its origin is rotated by {origin[2]}, but 0 is needed")
     if Path(found["image"]).is_absolute() or ".." in Path(found["image"]).parts:
         raise InputError(f"{path}: its image {found['image']!r} lies outside its folder")
     return found

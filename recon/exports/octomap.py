@@ -1,5 +1,6 @@
 """Cells as OctoMap trees, by pyoctomap: z up, `.bt` occupied or free, `.ot` also with colour."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     for place, value in zip(_centres(index, voxels), values.clip(_LOWEST, _HIGHEST), strict=True):
         tree.updateNode(place, float(value), lazy_eval=True)
     if has_colour:
-        for place, colour in zip(_centres(voxels.index, voxels), voxels.colours, strict=True):
+        for place, colour in zip(_centres(voxels.index, voxels), voxels.shown_colours, strict=True):
             tree.setNodeColor(place, *colour.tolist())
     # An empty tree has no root to update, which OctoMap does not check.
     if len(index):
@@ -81,7 +82,7 @@ def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:
 
 
 def read(path: Path) -> Voxels:
-    """The occupied cells, each with count 1; grey if the tree has no colours.
+    """The occupied cells, each with count 1; without colours if the tree has none.
 
     Raises
     ------
@@ -95,7 +96,8 @@ def read(path: Path) -> Voxels:
     )
     num_cells = float((np.rint(leaves[:, 3] / header.cell_size) ** 3).sum())
     check_memory(path, _CELL_BYTES * num_cells)
-    return _voxels(leaves, header.cell_size)
+    found = _voxels(leaves, header.cell_size)
+    return found if header.kind == "ColorOcTree" else replace(found, colours=None)
 
 
 def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[float, ...]]:
@@ -114,7 +116,7 @@ def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[flo
         (
             *leaf.getCoordinate(),
             leaf.getSize(),
-            *(leaf.current_node.getColor() if has_colour else (128, 128, 128)),
+            *(leaf.current_node.getColor() if has_colour else (0, 0, 0)),
         )
         for leaf in tree.begin_leafs(_DEPTH)
         if tree.isNodeOccupied(leaf.current_node)

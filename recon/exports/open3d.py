@@ -23,7 +23,8 @@ def as_voxel_grid(voxels: Voxels) -> Any:
     """An `open3d.geometry.VoxelGrid` of the same cells; it keeps index and colour only."""
     o3d = load_open3d()
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(voxels.centres))
-    cloud.colors = o3d.utility.Vector3dVector(voxels.colours / 255.0)
+    if voxels.colours is not None:
+        cloud.colors = o3d.utility.Vector3dVector(voxels.colours / 255.0)
     span = voxels.index if len(voxels) else np.zeros((1, 3), np.int64)
     corners = (span.min(axis=0) * voxels.cell_size, (span.max(axis=0) + 1) * voxels.cell_size)
     return o3d.geometry.VoxelGrid.create_from_point_cloud_within_bounds(
@@ -42,10 +43,12 @@ def of_voxel_grid(grid: Any) -> Voxels:
     cells = grid.get_voxels()
     index = low + np.array([cell.grid_index for cell in cells], np.int64).reshape(-1, 3)
     colours = np.array([cell.color for cell in cells]).reshape(-1, 3)
+    has_colour = bool(grid.has_colors())
     centres = (index.astype(np.float64) + 0.5) * grid.voxel_size
     voxels = Voxels(
         index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
-        colours=np.rint(255.0 * colours).astype(np.uint8), cell_size=float(grid.voxel_size),
+        colours=np.rint(255.0 * colours).astype(np.uint8) if has_colour else None,
+        cell_size=float(grid.voxel_size),
     )  # fmt: skip
     return voxels.select(order_of(index))
 

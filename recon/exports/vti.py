@@ -93,7 +93,7 @@ def read(path: Path) -> PointCloud | Voxels:
     """
     _check_whole(path)
     image = read_dataset(path)
-    if not {"counts", "means", "colours"} <= set(image.cell_data.keys()):
+    if not {"counts", "means"} <= set(image.cell_data.keys()):
         return vtk.read_points(path)
     _check_cells(image)
     return of_image(image)

@@ -39,7 +39,7 @@ def part_colour(voxels: Voxels, found: FoundObject, number: int) -> RGB:
     own = _cells_of_part(voxels, found, number)
     hue = found.parts[number].hue_deg
     if len(own):
-        red, green, blue = np.median(_of_one_hue(own.colours), axis=0).astype(int).tolist()
+        red, green, blue = np.median(_of_one_hue(own.shown_colours), axis=0).astype(int).tolist()
         return red, green, blue
     if hue is None:
         return GREY
@@ -71,7 +71,7 @@ def _of_one_hue(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def by_hue(voxels: Voxels) -> NDArray[np.uint8]:
     """Colours (K, 3) that show only the hue; grey where there is none."""
-    rgb = voxels.colours / 255.0
+    rgb = voxels.shown_colours / 255.0
     hsv = [colorsys.rgb_to_hsv(*row) for row in rgb.tolist()]
     pure = [colorsys.hsv_to_rgb(h, min(1.0, 2.0 * s), 0.85) for h, s, _ in hsv]
     return np.rint(255.0 * np.array(pure).reshape(-1, 3)).astype(np.uint8)

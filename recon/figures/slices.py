@@ -42,7 +42,7 @@ def _draw_layer(axes: Any, voxels: Voxels, layer: int) -> None:
     colours = np.full((width, depth, 4), 0, dtype=np.uint8)
     here = voxels.index[:, 1] == layer
     x, z = (places[here] - low).T
-    colours[x, z, :3] = voxels.colours[here]
+    colours[x, z, :3] = voxels.shown_colours[here]
     colours[x, z, 3] = 255
     origin = low.astype(np.float64) * voxels.cell_size
     grid = GroundGrid(cells=colours, origin_xz=origin, cell_size=voxels.cell_size)

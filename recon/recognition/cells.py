@@ -21,13 +21,15 @@ def gather(cloud: PointCloud, cell_size: float, min_count: int = 1) -> Voxels:
 
     # Offsets from the cell keep the precision of points far from the origin.
     means = mean(cloud.points - index * cell_size) + cells * cell_size
-    colours = np.rint(mean(cloud.shown_colours.astype(np.float64))).astype(np.uint8)
+    colours = cloud.colours
+    if colours is not None:
+        colours = np.rint(mean(colours.astype(np.float64))).astype(np.uint8)
     kept = counts >= min_count
     return Voxels(
         index=cells[kept],
         centres=(cells[kept].astype(np.float64) + 0.5) * cell_size,
         means=means[kept],
         counts=counts[kept],
-        colours=colours[kept],
+        colours=None if colours is None else colours[kept],
         cell_size=cell_size,
     )

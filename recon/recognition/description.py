@@ -52,7 +52,9 @@ def explaining(solid: Solid, cells: Voxels) -> ExplainingSolid:
     return ExplainingSolid(solid=solid, explained=float(on_it.mean()))
 
 
-def dominant_colour(cells: Voxels) -> tuple[int, int, int]:
-    """The typical colour of the cells: their median per channel."""
+def dominant_colour(cells: Voxels) -> tuple[int, int, int] | None:
+    """The typical colour of the cells: their median per channel; None if they have none."""
+    if cells.colours is None:
+        return None
     red, green, blue = np.median(cells.colours, axis=0).astype(int).tolist()
     return red, green, blue

@@ -67,9 +67,7 @@ class PointCloud:
     @property
     def shown_colours(self) -> NDArray[np.uint8]:
         """(M, 3) RGB; mid grey if the colours are unknown."""
-        if self.colours is not None:
-            return self.colours
-        return np.full((len(self.points), 3), GREY, np.uint8)
+        return _shown(self.colours, len(self))
 
     def __repr__(self) -> str:
         return f"PointCloud({len(self)} points{'' if self.sigma is None else ' with sigma'})"
@@ -100,6 +98,10 @@ class PointCloud:
         )
 
 
+def _shown(colours: NDArray[np.uint8] | None, num_rows: int) -> NDArray[np.uint8]:
+    return np.full((num_rows, 3), GREY, np.uint8) if colours is None else colours
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Voxels:
     """The occupied cells of a map, in the order of their index (x, then y, then z)."""
@@ -112,10 +114,10 @@ class Voxels:
     """(K, 3) mean position of the cell's points, world."""
     counts: NDArray[np.int64]
     """(K,) number of points."""
-    colours: NDArray[np.uint8]
-    """(K, 3) mean RGB."""
     cell_size: float
     """World units."""
+    colours: NDArray[np.uint8] | None = None
+    """(K, 3) mean RGB; None where the points have no colours."""
     weights: NDArray[np.float64] | None = None
     """(K,) sum of the points' weights by sigma; this and the fields below are None if not kept."""
     num_views: NDArray[np.int64] | None = None
@@ -129,17 +131,21 @@ class Voxels:
         if not 0 < self.cell_size < np.inf:
             raise InputError(f"cell_size is {self.cell_size}, but a finite number > 0 is needed")
         num_cells = len(self.index)
-        for name in ("index", "centres", "means", "colours"):
-            check_shape(name, getattr(self, name), (num_cells, 3))
-        for name in ("counts", "weights", "num_views", "hits", "passes"):
+        for name in Voxels.__slots__:
             values = getattr(self, name)
-            if values is not None:
-                check_shape(name, values, (num_cells,))
+            if isinstance(values, np.ndarray):
+                is_row = name in ("index", "centres", "means", "colours")
+                check_shape(name, values, (num_cells, 3) if is_row else (num_cells,))
         if num_cells and self.counts.min() < 1:
             raise InputError(f"counts contain {self.counts.min()}, but 1 or more is needed")
 
     def __len__(self) -> int:
         return len(self.index)
+
+    @property
+    def shown_colours(self) -> NDArray[np.uint8]:
+        """(K, 3) RGB; mid grey if the colours are unknown."""
+        return _shown(self.colours, len(self))
 
     def __repr__(self) -> str:
         return f"Voxels({len(self)} cells of {self.cell_size:g}, {self.counts.sum()} points)"

@@ -61,10 +61,10 @@ def read_scene(path: Path, settings: Settings) -> Scene:
     if path.is_dir() and not is_partitioned(path):
         raise InputError(f"{path} has no map.npz and settings.toml, but a run is needed")
     data = read(path)
-    if isinstance(data, PointCloud) and data.colours is None:
-        notify("colour-missing", f"{path} has no colours: objects are shown grey")
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, settings.map)
+    if data.colours is None:
+        notify("colour-missing", f"{path} has no colours: objects are named without")
     return Scene(data=data)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError, check_number
 from recon.files import atomic_path, check_memory
+from recon.records.clouds import GREY
 from recon.voxelmap import hits
 from recon.voxelmap.table import Rows
 
@@ -43,20 +44,23 @@ class Content:
     cell_size: float
     ray_margin: float
     channels: tuple[str, ...]
+    has_colour: bool
     rows: Rows
     """Hits, positions and colours of the cells."""
     columns: Columns
     """All arrays by name, for the channels."""
 
 
-def hit_columns(rows: Rows, *, lean: bool) -> dict[str, NDArray[Any]]:
+def hit_columns(rows: Rows, *, lean: bool, has_colour: bool) -> dict[str, NDArray[Any]]:
     """The arrays of ordered rows, stored as columns, which compress best."""
     # Differences wrap around in 32 bits, and so do the sums that undo them.
     index = rows["index"].view(np.uint32).T
     columns = {"index": np.diff(index, axis=1, prepend=np.uint32(0)), "count": rows["count"]}
-    if lean:
-        return columns | {"colour": hits.mean_colours(rows).T}
-    return columns | {"position": rows["position"].T, "colour": rows["colour"].T}
+    if not lean:
+        columns["position"] = rows["position"].T
+    if has_colour:
+        columns["colour"] = (hits.mean_colours(rows) if lean else rows["colour"]).T
+    return columns
 
 
 def save(path: str | os.PathLike[str], columns: Columns) -> None:
@@ -167,6 +171,7 @@ def _content(columns: Columns) -> Content:
         cell_size=cell_size,
         ray_margin=float(columns["ray_margin"]),
         channels=tuple(columns["channels"].tolist()),
+        has_colour="colour" in columns,
         rows=rows_of(columns),
         columns=columns,
     )
@@ -191,11 +196,14 @@ def _check_cells(columns: Columns) -> None:
 def rows_of(columns: Columns) -> Rows:
     """Hits, positions and colours of cells, from the arrays of `hit_columns`."""
     _check_cells(columns)
-    count, colour = columns["count"].astype(np.uint64), columns["colour"]
-    position = columns.get("position")
-    if position is None:
-        # A lean file: the cell centre and the mean colour.
+    count, position = columns["count"].astype(np.uint64), columns.get("position")
+    is_lean = position is None
+    if position is None:  # the cell centre
         position = np.broadcast_to(count * np.uint64(hits.STEPS // 2), (3, len(count)))
+    colour = columns.get("colour")
+    if colour is None:
+        colour = np.broadcast_to(count * np.uint64(GREY), (3, len(count)))
+    elif is_lean:  # the mean
         colour = colour * count
     is_wide = (count > hits.CAPACITY[hits.NARROW]).any()
     rows = np.zeros(len(count), hits.WIDE if is_wide else hits.NARROW)

@@ -104,6 +104,7 @@ class CoarseMaps(Generic[L]):
         for level, own in enumerate(coarse_columns(columns), 1):
             if own:
                 self._at(level).add_rows(archive.rows_of(own))
+                self._at(level).has_colour = "colour" in own
 
 
 def coarse_columns(columns: Columns) -> list[dict[str, NDArray[Any]]]:

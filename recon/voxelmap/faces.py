@@ -57,4 +57,4 @@ def exposed_faces(voxels: Voxels) -> Faces:
         cells.append(exposed)
         corners.append((voxels.index[exposed, None] + square) * voxels.cell_size)
     cell = np.concatenate(cells)
-    return Faces(vertices=np.concatenate(corners), colours=voxels.colours[cell], cell=cell)
+    return Faces(vertices=np.concatenate(corners), colours=voxels.shown_colours[cell], cell=cell)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.notices import notify
 from recon.voxelmap import archive, hits
 from recon.voxelmap.coarse import MAX_LEVEL, coarse_columns
 from recon.voxelmap.sums import HITS, CellSums, Index
@@ -25,6 +26,8 @@ def sums_of(voxel_map: VoxelMap) -> CellSums:
     """The sums of all cells of a map, coarser ones too."""
     columns = voxel_map.columns()
     names = names_of(voxel_map.channels)
+    if not voxel_map.has_colour:
+        notify("colour-missing", "the map has no colours: partitions, which keep them, show grey")
     rows = archive.rows_of(columns)
     extra = {"weight": columns["weight"][:, 0]} if "weight" in columns else {}
     cells = _level(0, rows, names, extra)
@@ -102,6 +105,7 @@ def map_of(
         cell_size=cell_size,
         ray_margin=ray_margin,
         channels=channels,
+        has_colour=True,
         rows=archive.rows_of(columns),
         columns=columns,
     )

@@ -9,18 +9,20 @@ from recon.records import Voxels
 
 
 def to_open3d(voxels: Voxels) -> Any:
-    """An open3d.geometry.PointCloud: one coloured point per cell, at the mean of its points."""
+    """An open3d.geometry.PointCloud: one point per cell, at the mean of its points."""
     geometry = load_open3d()
     cloud = geometry.geometry.PointCloud()
     cloud.points = geometry.utility.Vector3dVector(voxels.means)
-    cloud.colors = geometry.utility.Vector3dVector(voxels.colours / 255.0)
+    if voxels.colours is not None:
+        cloud.colors = geometry.utility.Vector3dVector(voxels.colours / 255.0)
     return cloud
 
 
 def to_pyvista(voxels: Voxels) -> Any:
-    """A pyvista.PolyData: one point per cell at its centre, with `colours` and `counts`."""
+    """A pyvista.PolyData: one point per cell at its centre, with `counts` and known `colours`."""
     cells = load_pyvista().PolyData(np.ascontiguousarray(voxels.centres))
-    cells["colours"] = voxels.colours
+    if voxels.colours is not None:
+        cells["colours"] = voxels.colours
     cells["counts"] = voxels.counts
     cells["means"] = voxels.means
     return cells

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError, check_number, check_type
+from recon.notices import notify
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan, eye_of
@@ -39,6 +40,11 @@ class VoxelMap:
     ray_margin : float
         Distance, in cells, at which free space ends before a point, or two sigma if that is more;
         at 0 it extends to the point's own cell, as in OctoMap.
+
+    Attributes
+    ----------
+    has_colour : bool
+        Whether cells have colours: those of a map whose points all have.
     """
 
     def __init__(
@@ -48,6 +54,7 @@ class VoxelMap:
         check_number("ray_margin", ray_margin, low=0)
         self.cell_size = float(cell_size)
         self.ray_margin = float(ray_margin)
+        self.has_colour = True
         self._hits = CellTable(hits.NARROW)
         self._channels = {name: self._channel(name) for name in sorted(set(channels))}
         self._coarse = CoarseMaps(self.cell_size, type(self))
@@ -89,6 +96,7 @@ class VoxelMap:
         Parameters
         ----------
         cloud : PointCloud
+            One without colours leaves the whole map without.
         origin : (3,) array_like, optional
             Camera position, world; needed by a map that keeps rays.
         view : int, optional
@@ -107,6 +115,7 @@ class VoxelMap:
         for channel in self._channels.values():
             channel.check(scan)
         inside = (points, np.ascontiguousarray(cloud.shown_colours), self.cell_size)
+        self._note_colour(cloud.colours is not None or not len(cloud))
         rows = self._add(hits.insert, inside, len(points))
         for channel in self._channels.values():
             channel.add(scan, rows)
@@ -120,7 +129,15 @@ class VoxelMap:
             Number of points counted; those without a sigma, or with one above 64 cells, are not.
         """
         check_type("cloud", cloud, PointCloud)
+        self._note_colour(cloud.colours is not None or not len(cloud))
         return self._coarse.insert(cloud)
+
+    def _note_colour(self, is_known: bool) -> None:
+        """Note whether points to come have colours; those that a map had until now are lost."""
+        if self.has_colour and not is_known:
+            self.has_colour = False
+            if self.num_cells:
+                notify("colour-missing", "points without colours leave the whole map without")
 
     @property
     def coarse(self) -> tuple["VoxelMap", ...]:
@@ -134,6 +151,7 @@ class VoxelMap:
             theirs, ours = getattr(other, name), getattr(self, name)
             if theirs != ours:
                 raise InputError(f"the other map's {name} is {theirs}, but {ours} is needed")
+        self._note_colour(other.has_colour)
         # A copy, since a map may be merged with itself.
         rows = self.add_rows(other._hits.used.copy())
         self._coarse.merge(other._coarse)
@@ -185,6 +203,7 @@ class VoxelMap:
             return inside
 
         part = VoxelMap(self.cell_size, channels=self.channels, ray_margin=self.ray_margin)
+        part.has_colour = self.has_colour
         rows = np.flatnonzero(is_inside(self._hits.used["index"]))
         part.add_rows(self._hits.rows[rows])
         part._channels = {n: c.cropped(rows, is_inside) for n, c in self._channels.items()}
@@ -220,7 +239,8 @@ class VoxelMap:
 
     def hit_columns(self, *, lean: bool = False) -> dict[str, NDArray[Any]]:
         """The arrays of a file with hits, positions and colours, in cell order."""
-        return archive.hit_columns(in_order(self._hits.used), lean=lean)
+        rows = in_order(self._hits.used)
+        return archive.hit_columns(rows, lean=lean, has_colour=self.has_colour)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "VoxelMap":
@@ -242,6 +262,7 @@ class VoxelMap:
         """The map stored in a file."""
         loaded = cls(content.cell_size, channels=content.channels, ray_margin=content.ray_margin)
         loaded.add_rows(content.rows)
+        loaded.has_colour = content.has_colour
         for channel in loaded._channels.values():
             channel.restore(content.columns, len(content.rows))
         loaded._coarse.restore(content.columns)
@@ -291,7 +312,7 @@ class VoxelMap:
             centres=(index.astype(np.float64) + 0.5) * self.cell_size,
             means=(index + hits.means(rows)) * self.cell_size,
             counts=rows["count"].astype(np.int64),
-            colours=hits.mean_colours(rows),
+            colours=hits.mean_colours(rows) if self.has_colour else None,
             cell_size=self.cell_size,
             **kept,
         )

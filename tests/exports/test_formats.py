@@ -172,6 +172,28 @@ def test_nav2_shows_free_occupied_and_unknown(tmp_path):
     assert description["resolution"] == 1.0
 
 
+@pytest.mark.parametrize("turns", [0.0, 0.1, 0.25, -0.5, 1.3])
+def test_a_nav2_map_whose_origin_is_turned_is_turned_back(tmp_path, turns):
+    """A wall of two by forty metres, drawn along the image, stands along its own direction."""
+    image = np.full((60, 60), 254, np.uint8)
+    image[30:34, 10:50] = 0
+    cv2.imwrite(str(tmp_path / "map.pgm"), image)
+    yaw = 2 * np.pi * turns
+    (tmp_path / "map.yaml").write_text(
+        f"image: map.pgm\nresolution: 0.5\norigin: [3.0, -7.0, {yaw}]\n"
+    )
+    voxels = read(tmp_path / "map.yaml")
+    # nav2 says (x, y) = origin + turned (column, row from below); y is -z here.
+    along, up = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    middle = [3.0, -7.0] + 0.5 * (30 * along + 28 * up)
+    offset = voxels.centres[:, [0, 2]] * [1, -1] - middle
+    assert np.abs(offset @ along).max() < 10.0
+    assert np.abs(offset @ up).max() < 1.0
+    assert abs(len(voxels) - 160) <= 8
+    assert np.allclose(offset.mean(axis=0), 0, atol=0.1)
+    assert voxels.colours is None
+
+
 @pytest.mark.parametrize("ending", [".ply", ".npz", ".bt", ".las", ".pgm"])
 def test_a_box_keeps_what_is_inside(tmp_path, ending):
     box = ([98.0, -1.0, -45.0], [102.0, 5.0, -38.0])

@@ -9,6 +9,7 @@ from recon.cli.main import main
 from recon.exports import ply
 from recon.exports.formats import write
 from recon.records import PointCloud
+from recon.voxelmap import VoxelMap
 
 BALL, CAN = (0.1, 0.1), (0.03, 0.12)
 
@@ -55,8 +56,13 @@ def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
 def test_a_cloud_without_colours_says_that_those_of_objects_are_not_known(tmp_path, capsys):
     plain = np.concatenate(things(np.random.default_rng(0), table=False))[::8]
     write(PointCloud(points=plain), tmp_path / "plain.ply")
-    report = run_json(capsys, "recognise", tmp_path / "plain.ply")
-    assert [one["code"] for one in report["warnings"]] == ["colour-missing"]
+    plain_map = VoxelMap(cell_size=0.01)
+    plain_map.insert(PointCloud(points=plain))
+    plain_map.save(tmp_path / "plain.npz")
+    for name in ("plain.ply", "plain.npz"):
+        report = run_json(capsys, "recognise", tmp_path / name)
+        assert [one["code"] for one in report["warnings"]] == ["colour-missing"]
+        assert {one["colour"] for one in report["objects"]} <= {None}
 
 
 def test_names_with_sizes_need_a_scale(desk, capsys):

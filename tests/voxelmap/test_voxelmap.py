@@ -1,11 +1,14 @@
 """The map: what it counts, and that order, chunks and merging do not change a bit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.errors import InputError
+from recon.notices import collected_notices
 from recon.voxelmap import VoxelMap
 from tests.voxelmap.clouds import cloud, filled, random_cloud
 
@@ -28,6 +31,27 @@ def test_counts_means_and_colours_are_those_of_the_points():
         colour = np.bincount(inverse.ravel(), points.colours[:, column]) / counts
         assert np.abs(voxels.colours[:, column] - colour).max() <= 0.5
     assert np.array_equal(voxels.centres, (index + 0.5) * 0.7)
+
+
+def test_a_map_of_points_without_colours_has_none(tmp_path):
+    coloured = random_cloud(np.random.default_rng(1), num=200, spread=2.0)
+    plain = replace(coloured, colours=None)
+    voxel_map = filled(plain)
+    assert voxel_map.occupied(1).colours is None
+    for lean in (False, True):
+        voxel_map.save(tmp_path / "map.npz", lean=lean)
+        assert VoxelMap.load(tmp_path / "map.npz").occupied(1).colours is None
+    assert voxel_map.cropped([-1, -1, -1], [1, 1, 1]).occupied(1).colours is None
+    with collected_notices() as notices:
+        mixed = filled(coloured)
+        assert mixed.occupied(1).colours is not None
+        assert notices == []
+        mixed.merge(voxel_map)
+    assert mixed.occupied(1).colours is None
+    assert [one.code for one in notices] == ["colour-missing"]
+    # The first cloud alone does not tell of those to come.
+    empty = filled(plain.select(slice(0)), coloured)
+    assert np.array_equal(empty.occupied(1).colours, filled(coloured).occupied(1).colours)
 
 
 def test_the_cell_below_zero_is_minus_one():

@@ -34,6 +34,7 @@ def coarser(voxels: Voxels, factor: int) -> Voxels:
         return voxels
     index, row = np.unique(voxels.index // factor, axis=0, return_inverse=True)
     size, counts = factor * voxels.cell_size, np.bincount(row, voxels.counts)
+    colours = voxels.colours
 
     def mean(values: NDArray[Any]) -> NDArray[np.float64]:
         """Mean (K, 3), weighted by the number of points."""
@@ -51,7 +52,7 @@ def coarser(voxels: Voxels, factor: int) -> Voxels:
         index=index,
         centres=(index.astype(np.float64) + 0.5) * size,
         means=mean(voxels.means),
-        colours=np.rint(mean(voxels.colours)).astype(np.uint8),
+        colours=None if colours is None else np.rint(mean(colours)).astype(np.uint8),
         cell_size=size,
         **kept,
     )

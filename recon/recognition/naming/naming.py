@@ -181,6 +181,6 @@ def _parts(voxels: Voxels, roles: Sequence[str], found: Sequence[Solid]) -> tupl
     for number, (role, solid) in enumerate(zip(roles, found, strict=True)):
         own = nearest == number
         rms = float(np.sqrt(np.mean(distances[number, own] ** 2))) if own.any() else 0.0
-        hue = mean_hue_deg(voxels.colours[own])
+        hue = mean_hue_deg(voxels.shown_colours[own])
         parts.append(Part(role=role, solid=solid, hue_deg=hue, num_voxels=int(own.sum()), rms=rms))
     return tuple(parts)

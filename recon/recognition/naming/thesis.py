@@ -73,5 +73,5 @@ def _part(role: str, cells: Voxels, shape: str) -> Part | None:
     fit = from_points(shape, cells.means)
     if isinstance(fit, FitFailure):
         return None
-    hue = mean_hue_deg(cells.colours)
+    hue = mean_hue_deg(cells.shown_colours)
     return Part(role=role, solid=fit.solid, hue_deg=hue, num_voxels=len(cells), rms=fit.rms)

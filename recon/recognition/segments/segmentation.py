@@ -24,7 +24,7 @@ def grow_hue(voxels: Voxels, tolerance_deg: float) -> Segments:
     circle; grey cells, which have no hue, join grey ones. Parts are numbered by descending size.
     """
     pairs = neighbours(voxels.index)
-    hue = rgb_to_hsv(voxels.colours)[:, 0]
+    hue = rgb_to_hsv(voxels.shown_colours)[:, 0]
     first, second = hue[pairs].T
     alike = hue_distance_deg(first, second) < tolerance_deg
     both, one = (first < 0) & (second < 0), (first < 0) ^ (second < 0)
@@ -40,14 +40,14 @@ def split_colours(voxels: Voxels) -> Segments | FitFailure:
     Chroma is the log ratio of the colour channels, in which shading cancels. The clusters start
     from the lowest and the highest quarter; cells of mixed or grey colour follow their neighbours.
     """
-    chroma = _log_chroma(voxels.colours)
+    chroma = _log_chroma(voxels.shown_colours)
     upper = _two_means(chroma, voxels.means[:, 1])
     if isinstance(upper, FitFailure):
         return upper
     pairs = neighbours(voxels.index)
     for _ in range(MAJORITY_ROUNDS):
         upper = _majority(upper, pairs)
-    fault = _not_apart(chroma, voxels.colours, upper)
+    fault = _not_apart(chroma, voxels.shown_colours, upper)
     return FitFailure(fault) if fault else Segments(label=upper.astype(np.int32))
 
 
