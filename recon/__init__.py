@@ -21,8 +21,6 @@ from recon.environment import prepare as _prepare
 
 _prepare()
 
-__version__ = "0.1.0"
-
 if TYPE_CHECKING:
     from recon.camera import StereoRig as StereoRig
     from recon.errors import InputError as InputError
@@ -81,6 +79,7 @@ if TYPE_CHECKING:
     from recon.settings import Settings as Settings
     from recon.stereo.dense.dense import match_dense as match_dense
     from recon.stereo.matching.matching import ImageMatcher as ImageMatcher
+    from recon.version import __version__ as __version__
     from recon.voxelmap import VoxelMap as VoxelMap
     from recon.world.world import World as World
 else:
@@ -118,12 +117,13 @@ _HOMES = {
     "plugins": "register",
     "settings": "MatchingSettings SequenceSettings Settings",
     "stereo.matching.matching": "ImageMatcher",
+    "version": "__version__",
     "voxelmap": "VoxelMap",
     "world.world": "World",
 }
 _HOME_OF = {name: f"recon.{home}" for home, names in _HOMES.items() for name in names.split()}
 
-__all__ = ["__version__", *sorted(_HOME_OF)]
+__all__ = sorted(_HOME_OF)
 
 
 def __dir__() -> list[str]:

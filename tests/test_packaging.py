@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-import recon
-
 ROOT = Path(__file__).parents[1]
+VERSION = "7.8.9"
+"""Of the tag of a release that is made here."""
 SUPPORTED = ("3.11", "3.12", "3.13")
 HELD = {
     "recon/py.typed", "recon/stereo/vonmises_venus.json", "recon/world/shipped/village.scene",
@@ -52,8 +52,27 @@ def dist(tmp_path_factory):
     shutil.copytree(ROOT / "recon", folder / "recon", ignore=kept)
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, folder)
+    (folder / ".gitignore").write_text("dist/\n*.egg-info/\n")
+    git = ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b"]
+    run("git", "init", "-q", folder)
+    run(*git, "add", ".")
+    run(*git, "commit", "-q", "-m", "Release")
+    run(*git, "tag", "-m", "Release", f"v{VERSION}")
+    # The wheel is made of the archive, which has no history.
     run(sys.executable, "-m", "build", "--no-isolation", folder)
     return folder / "dist"
+
+
+@pytest.mark.parametrize("has_history", [False, True])
+def test_sources_without_a_tag_have_a_version_too(tmp_path, has_history):
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    if has_history:
+        run("git", "init", "-q", tmp_path)
+        run("git", "-C", tmp_path, "-c", "user.name=a", "-c", "user.email=a@b",
+            "commit", "-q", "--allow-empty", "-m", "First")  # fmt: skip
+    said = run(sys.executable, "-m", "setuptools_scm", cwd=tmp_path).strip()
+    assert (said == "0+unknown") is not has_history
+    assert said.startswith("0.1.dev1+g" if has_history else "0+")
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +82,7 @@ def wheel(dist):
 
 
 def test_the_wheel_holds_what_recon_needs_and_nothing_else(wheel):
-    assert wheel.name == f"recon_stereo-{recon.__version__}-py3-none-any.whl"
+    assert wheel.name == f"recon_stereo-{VERSION}-py3-none-any.whl"
     names = set(zipfile.ZipFile(wheel).namelist())
     assert names >= HELD
     assert any(name.endswith("licenses/LICENSE") for name in names)
@@ -106,7 +125,7 @@ def environment(python, folder, wheel):
 @pytest.mark.parametrize("python", pythons())
 def test_every_python_takes_the_wheel(python, wheel, tmp_path):
     inner = environment(python, tmp_path / "env", wheel)
-    run(inner, "-I", "-c", WITHOUT_LIBRARIES, recon.__version__, cwd=tmp_path)
+    run(inner, "-I", "-c", WITHOUT_LIBRARIES, VERSION, cwd=tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +143,7 @@ def test_an_installed_recon_finds_what_ships_with_it_from_any_folder(installed, 
     assert Path(home.strip()).is_relative_to(installed.parents[1])
     run(installed, "-I", "-c", FROM_ELSEWHERE, cwd=tmp_path)
     program = installed.parent / "recon"
-    assert recon.__version__ in run(program, "--version", cwd=tmp_path)
+    assert VERSION in run(program, "--version", cwd=tmp_path)
     run(program, "fetch", "motorcycle", "-o", "motorcycle", cwd=tmp_path)
     assert (tmp_path / "motorcycle/left.png").is_file()
 

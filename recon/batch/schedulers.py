@@ -13,6 +13,7 @@ from typing import Any, Protocol
 from recon.batch.progress import Pipes, begin_worker
 from recon.batch.worker import Outcome, Progress, hear_with, unheard
 from recon.errors import InputError
+from recon.files import Limits
 from recon.libraries import THREAD_VARIABLES, load_extra
 
 Call = Callable[[], Outcome]
@@ -176,5 +177,10 @@ def make_scheduler(
 
 
 def bound(call: Callable[..., Outcome], *arguments: Any) -> Call:
-    """A call bound to its arguments, to be sent to a worker."""
-    return partial(call, *arguments)
+    """A call with its arguments and the limits of this context, as it is sent to a worker."""
+    return partial(_limited, Limits.current(), call, *arguments)
+
+
+def _limited(limits: Limits, call: Callable[..., Outcome], *arguments: Any) -> Outcome:
+    with limits.applied():
+        return call(*arguments)

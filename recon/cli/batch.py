@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from recon.cli.info import table
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, print_json, start_logging, with_options
 from recon.cli.progress import shown_jobs
 
 SOME_FAILED = 5
@@ -41,7 +41,7 @@ SOME_FAILED = 5
 @click.option("--overwrite", is_flag=True, help="Replace an existing batch.")
 @click.option("--resume", is_flag=True, help="Skip finished jobs, retry failed ones.")
 @click.option("--dry-run", is_flag=True, help="List the jobs without running them.")
-@with_options(OUTPUT)
+@with_options(SCENE, OUTPUT)
 def batch(jobs: str, **given: Any) -> int:
     """Run many jobs, each into its own run folder.
 

@@ -78,7 +78,7 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Evaluate matchers, labels in random worlds, a trajectory or a surface against truth.
 
     A pair is searched over the range that its calibration states, else a little more than its truth
-    holds, whatever the settings say. -o leaves figures. ATE is the root mean square distance of
+    holds, where the settings give none. -o leaves figures. ATE is the root mean square distance of
     positions after rigid alignment (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
     _check_one(pair_dirs, given)

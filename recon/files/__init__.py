@@ -2,6 +2,7 @@
 
 from recon.files.atomic import PathLike, atomic_path, remove_temporaries
 from recon.files.limits import (
+    Limits,
     check_memory,
     check_name,
     check_regular,
@@ -11,6 +12,7 @@ from recon.files.limits import (
 )
 
 __all__ = [
+    "Limits",
     "PathLike",
     "atomic_path",
     "check_memory",

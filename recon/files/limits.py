@@ -3,9 +3,11 @@
 import os
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 from recon.errors import InputError
 from recon.files.atomic import PathLike
@@ -61,6 +63,26 @@ def outside_allowed() -> Iterator[None]:
         yield
     finally:
         _goes_outside.reset(token)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """Limits of a context, to be taken along into another process."""
+
+    memory_bytes: int
+    goes_outside: bool
+
+    @classmethod
+    def current(cls) -> Self:
+        """The limits of this context."""
+        return cls(memory_bytes=_memory.get(), goes_outside=_goes_outside.get())
+
+    @contextmanager
+    def applied(self) -> Iterator[None]:
+        """Let these limits hold in this context."""
+        outside = outside_allowed() if self.goes_outside else nullcontext()
+        with memory_limit(self.memory_bytes), outside:
+            yield
 
 
 def may_read(path: PathLike, *folders: Path) -> bool:

@@ -22,6 +22,7 @@ from recon.runs.work import Work
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import rectifier
 from recon.sequences.contradictions.pairs import check_images as check_contradictions
+from recon.sequences.contradictions.truth import check_truth
 from recon.sequences.pair_images import read_pair
 from recon.sequences.pfm import write_pfm
 from recon.sequences.truth import DisparityTruth, read_truth_file
@@ -126,6 +127,7 @@ def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
         metrics["dense_coverage"] = pair.dense.coverage
     if truth is None:
         return metrics
+    check_truth(pair.left, pair.matches, truth)
     metrics |= evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
     if pair.dense is not None:
         judged = evaluate_map(pair.dense.disparity_px, truth.disparity_px, truth.quantisation_px)

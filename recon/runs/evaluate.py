@@ -23,7 +23,7 @@ from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth
-from recon.settings import Settings, updated
+from recon.settings import Settings, given_tree, updated
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
 from recon.stereo.matching import vonmises
@@ -92,20 +92,28 @@ def _trials(
     pair_dir: Path, settings: Settings, matchers: Iterable[str], truth_scale: float | None
 ) -> Iterator[Trial]:
     truth = read_truth(pair_dir, truth_scale)
-    search = own_range(pair_dir, truth)
+    ranged = searching(settings, own_range(pair_dir, truth))
     for matcher in matchers:
-        chosen = updated(settings, {"matching": search | {"matcher": matcher}})
+        chosen = updated(ranged, {"matching": {"matcher": matcher}})
         yield Trial(pair_dir=pair_dir, settings=chosen, truth=truth)
 
 
-def own_range(pair_dir: Path, truth: DisparityTruth) -> dict[str, Any]:
-    """The search range of a pair: its calibration's, else slightly more than that of its truth."""
+def searching(settings: Settings, search: Numbers) -> Settings:
+    """The settings over a search range, but for the ends that somebody gave."""
+    own = given_tree(settings)["matching"]
+    return updated(
+        settings, {"matching": {name: end for name, end in search.items() if name not in own}}
+    )
+
+
+def own_range(pair_dir: Path, truth: DisparityTruth) -> Numbers:
+    """The search range of a pair: its calibration's, else a little more than its truth holds."""
     high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
     return stated_range(pair_dir) or {"min_disparity": 0, "max_disparity": high}
 
 
-def stated_range(pair_dir: Path) -> dict[str, Any] | None:
-    """The search range that a pair's calibration states; None if it has none."""
+def stated_range(pair_dir: Path) -> Numbers | None:
+    """The search range that a pair's calibration states; None where it has none."""
     try:
         stated = read_calibration(find_calibration(pair_dir)).disparity_range
     except InputError:

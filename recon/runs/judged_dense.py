@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from recon.figures.dense import kept_dense
 from recon.records import DisparityMap
 from recon.runs.arguments import positive
-from recon.runs.evaluate import check_names, own_range
+from recon.runs.evaluate import check_names, own_range, searching
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth, read_truth_file
-from recon.settings import Settings, updated
+from recon.settings import Settings
 from recon.stereo.dense.cost import Search
 from recon.stereo.dense.dense import grey_of, match_every_pixel
 from recon.stereo.dense.evaluation import judge
@@ -43,7 +43,7 @@ def _judge_pair(path: Path, job: Job, work: Work) -> list[dict[str, Any]]:
     scale = job.arguments.get("truth_scale")
     truth = read_truth(path, scale)
     left, right = read_pair(*(find_image(path, side) for side in ("left", "right")))
-    settings = updated(job.settings, {"matching": own_range(path, truth)})
+    settings = searching(job.settings, own_range(path, truth))
     with work.stage("stereo"):
         found = _matched(left, right, settings)
     if work.folder:

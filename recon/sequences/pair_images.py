@@ -3,10 +3,14 @@
 from pathlib import Path
 
 import cv2
+import numpy as np
 
 from recon.notices import notify
 from recon.sequences.depth import Image, stretch_of
 from recon.sequences.images import read_pixels
+
+LEVEL_SLACK = 0.15
+"""Mean and spread that differ by less than this share of the spread are left alone."""
 
 
 def read_pair(left_path: Path, right_path: Path) -> tuple[Image, Image]:
@@ -26,8 +30,28 @@ def alike(left: Image, right: Image) -> tuple[Image, Image]:
     """Both images in grey if one of them is."""
     if left.ndim == right.ndim:
         return left, right
-    notify("colour-missing", "one camera is grey and one in colour: both are used as grey")
+    coloured = left if left.ndim == 3 else right
+    is_grey = (coloured == coloured[..., :1]).all()  # a grey image may be stored as RGB
+    if not is_grey:
+        notify("colour-missing", "one camera is grey and one in colour: both are used as grey")
     return grey(left), grey(right)
+
+
+def levelled(image: Image, like: Image) -> Image:
+    """A grey image (H, W) brought to the mean and spread of another, where they differ plainly.
+
+    Following points takes for granted that they look the same in both images.
+    """
+    spread, wanted = float(image.std()), float(like.std())
+    shift = float(like.mean()) - float(image.mean())
+    if min(spread, wanted) == 0.0 or (
+        abs(wanted - spread) < LEVEL_SLACK * wanted and abs(shift) < LEVEL_SLACK * wanted
+    ):
+        return image
+    levels = (np.arange(256) - image.mean()) * (wanted / spread) + like.mean()
+    table = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+    changed: Image = table[image]
+    return changed
 
 
 def grey(image: Image) -> Image:

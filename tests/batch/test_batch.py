@@ -3,17 +3,21 @@
 import csv
 import json
 import os
+import pickle
 import signal
+from contextvars import Context
+from pathlib import Path
 
 import pytest
 
 from recon.batch.batch import run_batch
 from recon.batch.jobfile import read_jobs
-from recon.batch.schedulers import MAX_TRIES, Processes, lost
+from recon.batch.schedulers import MAX_TRIES, Processes, bound, lost
 from recon.batch.summary import as_csv
 from recon.batch.worker import Outcome, do
 from recon.cli import main
 from recon.errors import InputError
+from recon.files import check_memory, may_read, memory_limit, outside_allowed
 
 JOBS = """
 [[job]]
@@ -188,3 +192,21 @@ def test_a_swept_setting_is_a_column(tmp_path):
     report = run_batch(jobs, tmp_path / "out", Skipped())
     rows = list(csv.DictReader(as_csv(report).splitlines()))
     assert [row["map.min_count"] for row in rows] == ["1", "2"]
+
+
+def seen_limits():
+    """What a worker may read."""
+    try:
+        check_memory("a file", 2000)
+    except InputError:
+        return may_read("/elsewhere", Path("/here")), "refused"
+    return may_read("/elsewhere", Path("/here")), "allowed"
+
+
+def test_limits_of_the_batch_hold_in_its_workers():
+    with outside_allowed(), memory_limit(1000):
+        call = bound(seen_limits)
+    usual = bound(seen_limits)
+    # A worker begins with a context of its own.
+    assert Context().run(pickle.loads(pickle.dumps(call))) == (True, "refused")
+    assert Context().run(usual) == (False, "allowed")

@@ -42,6 +42,20 @@ def test_pairs_of_one_name_are_refused(capsys):
     assert "called motorcycle" in capsys.readouterr().err
 
 
+def test_a_range_that_was_given_wins_over_that_of_the_pair(capsys):
+    """The pair states 0 to 70, and holds disparities from 6 to 59."""
+    argv = ["evaluate", str(PAIR), "--matcher", "sgbm", "--quality", "fast", "--json"]
+    assert main([*argv, "--set", "matching.max_disparity=20"]) == 0
+    said = capsys.readouterr()
+    (narrow,) = json.loads(said.out)["pairs"]
+    assert "search-range-too-small" in said.err
+    assert main(argv) == 0
+    said = capsys.readouterr()
+    (wide,) = json.loads(said.out)["pairs"]
+    assert "search-range-too-small" not in said.err
+    assert narrow["num_matches"] < 0.9 * wide["num_matches"]
+
+
 def test_a_trained_model_is_used(tmp_path, capsys):
     model = tmp_path / "model.json"
     assert main(["train", str(PAIR), "-o", str(model), "--json"]) == 0

@@ -81,6 +81,15 @@ def test_the_unit_is_that_of_the_square(board_dirs):
     assert ratio == pytest.approx(1000, rel=1e-3)
 
 
+def test_folders_that_are_swapped_are_told(board_dirs):
+    with collected_notices() as notices:
+        found = calibrate(*board_dirs, chessboard())
+        assert notices == []
+        swapped = calibrate(*board_dirs[::-1], chessboard())
+    assert [notice.code for notice in notices] == ["left-right-swapped"]
+    assert swapped.calibration.baseline == pytest.approx(found.calibration.baseline, rel=1e-3)
+
+
 def test_another_board_is_not_found(board_dirs):
     with pytest.raises(InputError, match=r"0 pairs show a whole board of 9 x 6 .* first error"):
         calibrate(*board_dirs, chessboard((9, 6)))

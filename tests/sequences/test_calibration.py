@@ -150,6 +150,7 @@ def test_middlebury_millimetres_become_metres(tmp_path):
         (opencv(OPENCV_5).replace("T:", "t:"), "lacks T"),
         (opencv(OPENCV_5).replace("rows: 3", "rows: 4", 1), "not a calibration in YAML"),
         (kalibr().replace("radtan", "rational"), "camera model pinhole with rational is not known"),
+        (kalibr().replace("pinhole", "omni"), "omni with .*: calibrate again as pinhole"),
         (kalibr().replace("cam1:", "cam7:"), "lacks cam1"),
         ("focal length: seven\n", "lacks K1 or M1"),
         ("just words", "holds no keys"),

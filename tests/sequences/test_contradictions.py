@@ -1,13 +1,19 @@
 """What images contradict is said with its code; sound ones get no word."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
+from recon.camera import StereoRig
 from recon.notices import collected_notices
+from recon.records import StereoPair
 from recon.runs.execute import execute
 from recon.runs.job import Job
 from recon.sequences import open_sequence
+from recon.sequences.contradictions.checked import CheckedPairs
+from recon.sequences.contradictions.moments import moment_finding
 from recon.sequences.contradictions.pairs import findings
 from recon.sequences.images import read_image
 from recon.sequences.pose_files import read_poses
@@ -75,6 +81,91 @@ def test_images_that_have_nothing_in_common(images):
     assert codes(left, textured(np.random.default_rng(9))[:, :400].copy()) == ["images-unrelated"]
 
 
+def test_a_pattern_that_repeats_is_not_of_another_place():
+    bricks = np.tile(textured(np.random.default_rng(3), (40, 24)), (6, 20))
+    assert codes(bricks[:, 5:405].copy(), bricks[:, 12:412].copy()) == []
+
+
+@pytest.mark.parametrize(("gain", "offset"), [(0.4, 0), (0.5, 90), (1.6, -60)])
+def test_a_camera_of_another_exposure_contradicts_nothing(images, gain, offset):
+    left, right = images
+    changed = np.clip(gain * right.astype(float) + offset, 0, 255).astype(np.uint8)
+    assert codes(left, changed, search=(0, 20)) == []
+    assert codes(changed, left, search=(0, 20)) == ["left-right-swapped"]
+
+
+def test_cameras_at_another_angle_see_much_behind_infinity(images):
+    left, right = images
+    assert codes(left, np.roll(right, 8, axis=1)) == ["behind-infinity"]
+    assert codes(left, np.roll(right, -8, axis=1)) == []
+
+
+def turning(rig, number):
+    """What a rig that looks about sees of a textured world far away, both cameras alike."""
+    rng = np.random.default_rng(8)
+    world = textured(rng, (300, 900))
+    moved = cv2.warpAffine(
+        world,
+        np.array([[1.0, 0.0, -150.0 - 6.0 * number], [0.0, 1.0, -30.0 - 4.0 * number]]),
+        (rig.width, rig.height),
+        flags=cv2.INTER_LINEAR,
+    )
+    return moved, np.roll(moved, -9, axis=1)
+
+
+def moving(num_pairs, late=0, still=False):
+    """Pairs of such a rig; the right images show what the left ones did some pairs before."""
+    rig = StereoRig(
+        width=400, height=240, focal_px=400.0, cx_left_px=200.0, cx_right_px=200.0, cy_px=120.0,
+        baseline=0.1,
+    )  # fmt: skip
+    for number in range(num_pairs):
+        at = (0, 0) if still else (number, number - late)
+        left, right = turning(rig, at[0])[0], turning(rig, at[1])[1]
+        yield StereoPair(left=left, right=right, rig=rig, name=f"{number:06d}")
+
+
+@pytest.mark.parametrize(
+    ("late", "words"), [(1, "1 pair late"), (2, "2 pairs late"), (-1, "1 pair early")]
+)
+def test_a_camera_that_lags_is_told_by_the_pairs_before(late, words):
+    *before, last = moving(3, late)
+    found = moment_finding(last, before[::-1])
+    assert found.code == "not-simultaneous"
+    assert words in found.text
+
+
+@pytest.mark.parametrize("still", [False, True])
+def test_cameras_of_one_moment_do_not_lag_moving_or_at_rest(still):
+    *before, last = moving(3, still=still)
+    assert moment_finding(last, before[::-1]) is None
+
+
+class Listed(list):
+    """Pairs as a source has them."""
+
+    disparity_range = None
+    skipped = ()
+
+
+def test_sides_that_are_swapped_only_from_the_middle_on_are_told():
+    def pairs(swapped):
+        for number, pair in enumerate(moving(12)):
+            is_swapped = number in swapped
+            sides = (pair.right, pair.left) if is_swapped else (pair.left, pair.right)
+            yield replace(pair, left=sides[0], right=sides[1])
+
+    def told(swapped):
+        with collected_notices() as notices:
+            source = Listed(pairs(swapped))
+            assert len(list(CheckedPairs(source, has_given_poses=False))) == 12
+        return [notice.code for notice in notices]
+
+    assert told(range(6, 12)) == ["left-right-swapped"]
+    assert told(range(12)) == ["left-right-swapped"]
+    assert told([9]) == []
+
+
 def test_one_image_on_both_sides(images):
     assert codes(images[0], images[0].copy()) == ["same-image"]
 
@@ -115,6 +206,7 @@ def test_pairs_of_the_drive_that_contradict_what_is_said_of_them(data_dir, tmp_p
     assert [*said(drive(data_dir, tmp_path / "rows", rows=2))] == ["rows-differ"]
     assert [*said(drive(data_dir, tmp_path / "late", late=1))] == ["not-simultaneous"]
     assert [*said(drive(data_dir, tmp_path / "early", late=-1))] == ["not-simultaneous"]
+    assert [*said(drive(data_dir, tmp_path / "later", late=2))] == ["not-simultaneous"]
 
 
 @pytest.mark.data

@@ -1,5 +1,7 @@
 """Rows correspond after rectification, and the rectified rig measures what stands in the world."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
 from recon.geometry import pose, transform
+from recon.notices import collected_notices
 from recon.sequences.calibration.cameras import Calibration, Camera
 from recon.sequences.calibration.rectification import common_axes, rectifier
 
@@ -134,3 +137,17 @@ def test_cameras_that_share_no_view_are_refused():
     step = Rotation.from_rotvec(turn).apply([-0.2, 0, 0])  # the right eye stands at x = 0.2
     with pytest.raises(InputError, match="share no field of view"):
         rectifier(calibration(turn, step), SIZE)
+
+
+@pytest.mark.parametrize(
+    ("size", "is_said"), [(SIZE, False), ((480, 360), True), ((200, 160), True)]
+)
+def test_a_calibration_without_a_size_is_held_against_its_principal_point(size, is_said):
+    rig = calibration([0.0, 0.0, 0.0], [-0.1, 0.0, 0.0])
+    with collected_notices() as notices:
+        rectifier(rig, size)
+    assert [one.code for one in notices] == (["calibration-off-centre"] if is_said else [])
+    sized = replace(rig, left=replace(rig.left, size=SIZE))
+    if is_said:
+        with pytest.raises(InputError, match="calibration is for"):
+            rectifier(sized, size)

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
+from recon.notices import collected_notices
+from recon.records import Matches
 from recon.sequences import read_truth
-from recon.sequences.truth import read_truth_file, write_disparity
+from recon.sequences.contradictions.truth import check_truth
+from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
 from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
 
 
@@ -59,3 +62,44 @@ def test_what_was_found_is_read_back_as_truth(tmp_path):
     again = read_truth_file(tmp_path / "dense.pfm")
     np.testing.assert_array_equal(again.disparity_px, found)
     assert again.quantisation_px == 0.0
+
+
+def matches_at(disparity_px):
+    """A match at every tenth pixel of a truth, and what it should be."""
+    height, width = disparity_px.shape
+    v, u = np.mgrid[:height:3, :width:3].reshape(2, -1)
+    return Matches(
+        points_px=np.column_stack([u, v]).astype(np.float64),
+        index_left=np.arange(len(u)),
+        index_right=np.arange(len(u)),
+        disparity_px=disparity_px[v, u],
+        sigma_px=np.ones(len(u)),
+        score=np.ones(len(u)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda truth: truth, None),
+        (lambda truth: truth + 0.4, None),
+        (lambda truth: -truth, "with the truth times -1"),
+        (lambda truth: truth / 16, "with the truth times 16"),
+        (lambda truth: 4 * truth, "with the truth times 0.25"),
+        (lambda truth: truth[::-1, ::-1] + 40, "is it the left image's, of these two"),
+    ],
+)
+def test_a_truth_that_matches_contradict_is_told(change, words):
+    true = 20.0 + 15.0 * np.random.default_rng(3).random((60, 80))
+    image = np.zeros(true.shape, np.uint8)
+    with collected_notices() as notices:
+        check_truth(image, matches_at(true), DisparityTruth(change(true), 0.0))
+    assert [notice.code for notice in notices] == (["truth-disagrees"] if words else [])
+    assert all(words in notice.text for notice in notices)
+
+
+@pytest.mark.parametrize("shape", [(59, 80), (60, 81)])
+def test_a_truth_of_another_size_is_refused(shape):
+    image = np.zeros((60, 80), np.uint8)
+    with pytest.raises(InputError, match="but the left image has 80 x 60"):
+        check_truth(image, matches_at(np.ones((60, 80))), DisparityTruth(np.ones(shape), 0.0))

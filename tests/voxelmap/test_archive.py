@@ -96,9 +96,9 @@ def test_another_version_is_refused(path):
 
 def test_a_missing_column_is_refused(path):
     content = dict(np.load(path))
-    del content["colour"]
+    del content["count"]
     np.savez_compressed(path, **content)
-    refused(path, "not a voxel map .*colour")
+    refused(path, "not a voxel map .*count")
 
 
 @pytest.mark.parametrize(

@@ -87,6 +87,11 @@ def calibrate(
             f"the calibration is off by {solved.rms_px:.2f} px (root mean square), but at most "
             f"{MAX_RMS_PX:g} px can be used: check --board and the images, or give --force"
         )
+    if solved.calibration.is_swapped:
+        notify(
+            "left-right-swapped",
+            "the right camera stands to the left of the left one: left and right are swapped",
+        )
     return BoardCalibration(
         calibration=solved.calibration,
         rms_px=solved.rms_px,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_finite, check_shape
-from recon.geometry import check_rigid, pose
+from recon.geometry import check_rigid, invert, pose
 
 Array = NDArray[np.float64]
 
@@ -70,6 +70,12 @@ class Calibration:
     def baseline(self) -> float:
         """Distance of the two cameras, world units."""
         return float(np.linalg.norm(self.T_right_left[:3, 3]))
+
+    @property
+    def is_swapped(self) -> bool:
+        """True where the right camera stands to the left of the left one."""
+        x, y, _ = invert(self.T_right_left)[:3, 3]
+        return bool(-x > abs(y))
 
     @property
     def size(self) -> tuple[int, int] | None:

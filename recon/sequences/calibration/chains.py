@@ -110,7 +110,7 @@ def _vins_camera(document: Document) -> Camera:
         distortion = np.array([_number(values, name) for name in ("k2", "k3", "k4", "k5")])
         focal = [_number(values, name) for name in ("mu", "mv", "u0", "v0")]
     else:
-        raise ValueError(f"camera model {model:.40} is not known")
+        raise _unknown(model)
     lens_name = "none" if model == "PINHOLE" else "equidistant"
     return pinhole(focal, distortion, lens_name, image_size(document))
 
@@ -146,7 +146,7 @@ def _orbslam_step(document: Document, left: Camera) -> Array:
 def _orbslam_camera(document: Document, name: str) -> Camera:
     model = str(document.get("Camera.type", "PinHole"))
     if model not in ("PinHole", "Rectified", "KannalaBrandt8"):
-        raise ValueError(f"camera model {model:.40} is not known")
+        raise _unknown(model)
     focal = [_number(document, f"{name}.{key}") for key in ("fx", "fy", "cx", "cy")]
     lens = "equidistant" if model == "KannalaBrandt8" else "none"
     keys = ("k1", "k2", "k3", "k4") if lens == "equidistant" else ("k1", "k2", "p1", "p2", "k3")
@@ -172,10 +172,18 @@ def _orbslam2_raw(document: Document) -> Calibration:
     return from_rectified(cameras, (projections[0], projections[1]), (rotations[0], rotations[1]))
 
 
+def _unknown(model: str) -> ValueError:
+    """The error of a camera that neither OpenCV nor recon can rectify."""
+    return ValueError(
+        f"camera model {model:.40} is not known: calibrate again as pinhole with radtan or, for "
+        "wide lenses, equidistant distortion (Kalibr: pinhole-equi), or give rectified images"
+    )
+
+
 def pinhole(focal: Any, distortion: Array, lens: str, size: tuple[int, int] | None) -> Camera:
     """A camera from fx, fy, cx, cy and a distortion model by any tool's name."""
     if lens.lower() not in LENSES:
-        raise ValueError(f"camera model pinhole with {lens:.40} is not known")
+        raise _unknown(f"pinhole with {lens}")
     fx, fy, cx, cy = (float(value) for value in focal)
     return Camera(
         matrix=np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]),
@@ -190,7 +198,7 @@ def _camera(document: Document, distortion: str) -> Camera:
     model = document.get("camera_model", "pinhole")
     lens = str(document.get("distortion_model", "none"))
     if model != "pinhole":
-        raise ValueError(f"camera model {model!s:.40} with {lens:.40} is not known")
+        raise _unknown(f"{model} with {lens}")
     width, height = numbers(document["resolution"], (2,))
     return pinhole(
         numbers(document["intrinsics"], (4,)),

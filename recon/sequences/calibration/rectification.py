@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.errors import InputError
-from recon.geometry import invert, pose
+from recon.geometry import pose
 from recon.notices import notify
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration, Camera
@@ -213,11 +213,10 @@ def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
 
 
 def _check_sides(calibration: Calibration) -> None:
-    x, y, _ = invert(calibration.T_right_left)[:3, 3]
-    if -x > abs(y):
+    if calibration.is_swapped:
         raise InputError(
-            f"according to the calibration the right camera is {-x:g} to the left of the left one: "
-            "the images or the cameras are swapped"
+            f"according to the calibration the right camera is {calibration.baseline:g} to the "
+            "left of the left one: the images or the cameras are swapped"
         )
 
 

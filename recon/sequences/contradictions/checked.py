@@ -1,25 +1,33 @@
 """Pairs checked, as they pass, against the metadata of the recording."""
 
+from collections import deque
 from collections.abc import Iterator
 
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
+from recon.sequences.contradictions.moments import REACH, moment_finding
 from recon.sequences.contradictions.motions import Step, pose_finding, step_between
 from recon.sequences.contradictions.pairs import Finding, findings
 from recon.sequences.frames import DerivedSource
 
 SURVEYED = (0, 4, 9)
-"""Numbers of the pairs whose images are checked."""
+"""Numbers of the first pairs whose images are checked."""
 STEPPED = (1, 5, 9)
 """Numbers of the first pairs whose motion since the previous one is checked."""
+TIMED = (2, 5, 9)
+"""Numbers of the pairs that are compared with the images just before."""
 NUM_LATER = 12
-"""Number of steps checked in the rest of the recording, evenly spaced."""
+"""Number of pairs checked in the rest of the recording, evenly spaced."""
+LASTING_SHARE = 0.25
+"""Share of the checked pairs, at least two, that must show what does not hold from the start."""
+DECIDED = ("not-simultaneous", "left-right-swapped")
+"""Codes that explain all other findings in the images."""
 
 
 class CheckedPairs(DerivedSource):
     """The unchanged pairs of a source; contradictions are reported once.
 
-    Only findings in most of the checked pairs are reported.
+    Findings in most of the first checked pairs, or in a good share of all, are reported.
     """
 
     def __init__(self, source: PairSource, *, has_given_poses: bool) -> None:
@@ -31,11 +39,11 @@ class CheckedPairs(DerivedSource):
         if self._is_done:
             yield from self.source
             return
-        watch = _Watch(len(self.source) if self._has_given_poses else 0)
+        watch = _Watch(len(self.source), has_given_poses=self._has_given_poses)
         for pair in self.source:
             watch.look_at(pair)
             yield pair
-        watch.say_images()
+        watch.say_images(is_end=True)
         watch.say_poses()
         self._is_done = True
 
@@ -43,44 +51,49 @@ class CheckedPairs(DerivedSource):
 class _Watch:
     """Findings so far in one pass over the pairs."""
 
-    def __init__(self, num_posed: int) -> None:
+    def __init__(self, num_pairs: int, *, has_given_poses: bool) -> None:
         self._num_pairs = 0
-        self._last: StereoPair | None = None
+        self._before: deque[StereoPair] = deque(maxlen=REACH)
         self._looked_at: list[list[Finding]] = []
+        self._timed: list[list[Finding]] = []
         self._steps: list[Step] = []
-        self._stepped = _stepped(num_posed)
-        self._has_said_images = self._has_said_poses = False
+        later = _later(num_pairs)
+        self._surveyed = frozenset([*SURVEYED, *later])
+        self._stepped = frozenset([*STEPPED, *later] if has_given_poses else [])
+        self._said: set[str] = set()
+        self._has_said_poses = False
 
     def look_at(self, pair: StereoPair) -> None:
         """Check the next pair, if it is one of the selected ones."""
         number = self._num_pairs
-        if number in SURVEYED:
+        if number in self._surveyed:
             nearest = pair.rig.disparity_offset_px
             self._looked_at.append(findings(pair.left, pair.right, nearest_px=nearest))
-        if number in self._stepped and self._last is not None and not self._has_said_poses:
-            step = step_between(self._last, pair)
+        if number in TIMED:
+            found = moment_finding(pair, [*self._before])
+            self._timed.append([found] if found else [])
+        if number in self._stepped and self._before and not self._has_said_poses:
+            step = step_between(self._before[0], pair)
             self._steps += [step] if step is not None else []
         if number == SURVEYED[-1]:
-            self.say_images()
+            self.say_images(is_end=False)
         if number >= STEPPED[-1] and number in self._stepped:
             self.say_poses()
-        self._last = pair
+        self._before.appendleft(pair)
         self._num_pairs += 1
 
-    def say_images(self) -> None:
-        """Report the findings in most of the checked pairs."""
-        if self._has_said_images:
-            return
-        self._has_said_images = True
-        for code in dict.fromkeys(finding.code for pair in self._looked_at for finding in pair):
-            found = [f for pair in self._looked_at for f in pair if f.code == code]
-            if 2 * len(found) > len(self._looked_at):
-                notify(code, found[0].text)
+    def say_images(self, *, is_end: bool) -> None:
+        """Report the findings in most of the checked pairs, at the end also those in a share."""
+        for pairs in (self._timed, self._looked_at):
+            for code in dict.fromkeys(finding.code for pair in pairs for finding in pair):
+                if not self._said & {code, *DECIDED} and _holds(code, pairs, is_end=is_end):
+                    self._said.add(code)
+                    notify(code, next(f.text for pair in pairs for f in pair if f.code == code))
 
     def say_poses(self) -> None:
         """Report contradictions of the last steps: poses may go wrong anywhere along the path."""
         # Poses are compared with motions from stereo, which must be sound itself.
-        if self._has_said_poses or any(self._looked_at):
+        if self._has_said_poses or self._said:
             return
         del self._steps[: -len(STEPPED)]
         found = pose_finding(self._steps)
@@ -90,10 +103,15 @@ class _Watch:
             notify(found.code, found.text + where)
 
 
-def _stepped(num_pairs: int) -> frozenset[int]:
-    """Numbers of the pairs whose motion is checked; none without given poses."""
-    if not num_pairs:
-        return frozenset()
-    begin = STEPPED[-1] + 1
+def _holds(code: str, pairs: list[list[Finding]], *, is_end: bool) -> bool:
+    """Whether enough of the checked pairs show a finding of this code."""
+    number = sum(any(finding.code == code for finding in pair) for pair in pairs)
+    is_lasting = is_end and number >= 2 and number > LASTING_SHARE * len(pairs)
+    return 2 * number > len(pairs) or is_lasting
+
+
+def _later(num_pairs: int) -> range:
+    """Numbers of the pairs that are checked after the first ones."""
+    begin = SURVEYED[-1] + 1
     every = max(1, (num_pairs - begin) // NUM_LATER)
-    return frozenset([*STEPPED, *range(begin + every - 1, num_pairs, every)])
+    return range(begin + every - 1, num_pairs, every)

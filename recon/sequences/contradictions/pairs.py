@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.notices import notify
-from recon.sequences.contradictions.survey import survey
+from recon.sequences.contradictions.survey import Survey, survey
 from recon.sequences.depth import Image
 from recon.sequences.odometry.tracking import Sightings
 
@@ -17,6 +17,8 @@ MIN_SIGHTINGS = 25
 """Fewer are uninformative."""
 MIN_CORNERS, UNRELATED_SHARE = 60, 0.06
 """Minimum number of corners, and the share matched by chance; sound pairs reach a fifth."""
+ALIKE_SHARE = 0.3
+"""Share of corners that resemble some place in an unrelated image, at most."""
 MAX_ROW_OFFSET_PX = 0.75
 """Maximum median row offset. Real rigs stay below (KITTI 0.3)."""
 INLIER_PX = 1.0
@@ -74,19 +76,23 @@ def findings(
     """
     if left.shape == right.shape and np.array_equal(left, right):
         return [Finding(code="same-image", text="left and right are the same image")]
-    seen, num_wanted = survey(left, right)
+    made = survey(left, right)
+    seen = made.seen
     if len(seen) < MIN_SIGHTINGS:
-        return _unrelated(len(seen), num_wanted)
+        return _unrelated(made)
     lowest = nearest_px if search is None else min(nearest_px, search[0])
     found = [_moment(seen) or _rows(seen), _sides(seen, lowest)]
-    if search is not None and found[1] is None:
-        found.append(_range(seen, search))
+    if found[1] is None:
+        found.append(_behind(seen, lowest) if search is None else _range(seen, search))
     return [finding for finding in found if finding is not None]
 
 
-def _unrelated(num_seen: int, num_wanted: int) -> list[Finding]:
+def _unrelated(made: Survey) -> list[Finding]:
     """Images with many corners but nearly no matches."""
-    if num_wanted < MIN_CORNERS or num_seen > UNRELATED_SHARE * num_wanted:
+    num_seen, num_wanted = len(made.seen), made.num_wanted
+    # A repeated pattern matches in many places, which is a match too.
+    is_common = num_seen > UNRELATED_SHARE * num_wanted or made.num_alike > ALIKE_SHARE * num_wanted
+    if num_wanted < MIN_CORNERS or is_common:
         return []
     return [
         Finding(
@@ -106,6 +112,19 @@ def _sides(seen: Sightings, lowest: float) -> Finding | None:
         code="left-right-swapped",
         text=f"left and right seem to be swapped: {behind.mean():.0%} of the common points have "
         f"a disparity below {lowest:g} px ({low:.0f} to {high:.0f} px)",
+    )
+
+
+def _behind(seen: Sightings, lowest: float) -> Finding | None:
+    """Many points behind infinity, but not all: the angle between the cameras is wrong."""
+    behind = seen.disparity_px < lowest - SLACK_PX
+    if behind.mean() < OUTSIDE_SHARE:
+        return None
+    return Finding(
+        code="behind-infinity",
+        text=f"{behind.mean():.0%} of what both cameras see has a disparity below {lowest:g} px, "
+        "which is impossible: the angle between the cameras is not the calibrated one, or left and "
+        "right were taken at different times",
     )
 
 

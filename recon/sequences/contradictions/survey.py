@@ -1,12 +1,14 @@
 """Correspondences of two images without assumptions about range, sides or rows."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.sequences.depth import Image
 from recon.sequences.odometry.tracking import Sightings, corners, follow
-from recon.sequences.pair_images import grey
+from recon.sequences.pair_images import grey, levelled
 
 Points = NDArray[np.float32]
 
@@ -22,17 +24,30 @@ MIN_LEAD = 0.05
 """Minimum lead over the second-best position: repetitive patches are uninformative."""
 
 
-def survey(left: Image, right: Image) -> tuple[Sightings, int]:
-    """Corners of the left image matched in the right one, and the number searched for.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Survey:
+    """Corners of one image searched for in another."""
+
+    seen: Sightings
+    """Corners with one unambiguous match."""
+    num_wanted: int
+    """Corners searched for."""
+    num_alike: int
+    """Corners that match in one place or more."""
+
+
+def survey(left: Image, right: Image) -> Survey:
+    """Corners of the left image matched in the right one.
 
     Patches are searched along whole rows, and some rows above and below, in small images; unique
     matches are tracked at full size.
     """
-    one, other = grey(left), grey(right)
+    one = grey(left)
+    other = levelled(grey(right), one)
     factor = max(1.0, one.shape[1] / MAX_WIDTH_PX)
     small, small_other = (_shrunk(image, factor) for image in (one, other))
     wanted = _spread(corners(small))
-    starts, ends = _found(small, small_other, wanted)
+    starts, ends, num_alike = _found(small, small_other, wanted)
     points = ((starts + 0.5) * factor - 0.5).astype(np.float32)
     guess = ((ends + 0.5) * factor - 0.5).astype(np.float32)
     moved, is_found = follow(one, other, points, guess)
@@ -40,7 +55,7 @@ def survey(left: Image, right: Image) -> tuple[Sightings, int]:
     seen = Sightings(
         points_px=points.astype(np.float64), disparity_px=offset[:, 0], row_offset_px=-offset[:, 1]
     )
-    return seen.select(is_found), len(wanted)
+    return Survey(seen=seen.select(is_found), num_wanted=len(wanted), num_alike=num_alike)
 
 
 def _shrunk(image: Image, factor: float) -> Image:
@@ -56,24 +71,32 @@ def _spread(points: Points) -> Points:
     return points[:: max(1, len(points) // NUM_CORNERS)]
 
 
-def _found(image: Image, other: Image, points: Points) -> tuple[Points, Points]:
-    """The points whose patch is found, and its positions."""
-    starts, ends = [], []
-    for point in points:
-        place = _place(image, other, np.rint(point).astype(np.int64))
-        if place is not None:
-            starts.append(np.rint(point))
+def _found(image: Image, other: Image, points: Points) -> tuple[Points, Points, int]:
+    """The points with one unambiguous match, its positions, and the number with any match."""
+    starts, ends, num_alike = [], [], 0
+    for point in np.rint(points):
+        place, score, lead = _place(image, other, point.astype(np.int64))
+        num_alike += score >= MIN_SCORE
+        if score >= MIN_SCORE and lead >= MIN_LEAD:
+            starts.append(point)
             ends.append(place)
     shape = (-1, 2)
-    return np.array(starts, np.float32).reshape(shape), np.array(ends, np.float32).reshape(shape)
+    return (
+        np.array(starts, np.float32).reshape(shape),
+        np.array(ends, np.float32).reshape(shape),
+        num_alike,
+    )
 
 
-def _place(image: Image, other: Image, point: NDArray[np.int64]) -> tuple[float, float] | None:
+def _place(
+    image: Image, other: Image, point: NDArray[np.int64]
+) -> tuple[tuple[float, float], float, float]:
+    """The place of the patch round a point, its score, and its lead over the next best."""
     half = PATCH_PX // 2
     u, v = int(point[0]), int(point[1])
     patch = image[v - half : v + half + 1, u - half : u + half + 1] if min(u, v) >= half else None
     if patch is None or patch.shape != (PATCH_PX, PATCH_PX):
-        return None
+        return (0.0, 0.0), 0.0, 0.0
     top = max(0, v - half - MAX_ROWS_PX)
     strip = other[top : v + half + 1 + MAX_ROWS_PX]
     scores = cv2.matchTemplate(strip, patch, cv2.TM_CCOEFF_NORMED)
@@ -83,6 +106,4 @@ def _place(image: Image, other: Image, point: NDArray[np.int64]) -> tuple[float,
         slice(max(0, column - half), column + half + 1),
     )
     scores[around] = -1.0
-    if best < MIN_SCORE or best - scores.max() < MIN_LEAD:
-        return None
-    return float(column + half), float(top + row + half)
+    return (float(column + half), float(top + row + half)), best, best - float(scores.max())

@@ -12,7 +12,7 @@ from recon.camera import StereoRig
 from recon.geometry import transform
 from recon.records import StereoPair
 from recon.sequences.depth import Image
-from recon.sequences.pair_images import grey
+from recon.sequences.pair_images import grey, levelled
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_] | NDArray[np.integer]
@@ -81,9 +81,8 @@ def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = 
     T_second_first : (4, 4), optional
         Motion of the left camera, to predict the corners; by default they start where they were.
     """
-    left, right, next_left, next_right = (
-        grey(image) for image in (first.left, first.right, second.left, second.right)
-    )
+    left, next_left = grey(first.left), grey(second.left)
+    right, next_right = levelled(grey(first.right), left), levelled(grey(second.right), next_left)
     points = corners(left)
     seen, is_seen = seen_by_both(left, right, points)
     seen = seen.select(is_seen)
@@ -115,7 +114,7 @@ def _predicted(seen: Sightings, rig: StereoRig, T_second_first: Array) -> NDArra
 def sight(pair: StereoPair) -> Sightings:
     """Corners that both cameras see."""
     left = grey(pair.left)
-    seen, is_seen = seen_by_both(left, grey(pair.right), corners(left))
+    seen, is_seen = seen_by_both(left, levelled(grey(pair.right), left), corners(left))
     return seen.select(is_seen)
 
 

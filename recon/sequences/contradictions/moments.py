@@ -1,0 +1,54 @@
+"""Left and right taken at different times, found by comparison with the previous pairs."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from recon.records import StereoPair
+from recon.sequences.contradictions.pairs import Finding
+from recon.sequences.contradictions.survey import survey
+from recon.sequences.depth import Image
+
+REACH = 2
+"""Maximum lag between the cameras that is searched for, in pairs."""
+MIN_GAIN, MIN_MORE = 1.3, 0.08
+"""Factor, and share, by which an image of another pair must fit better than the paired one."""
+
+
+def moment_finding(pair: StereoPair, before: Sequence[StereoPair]) -> Finding | None:
+    """The contradiction that images of two different pairs fit better than those of one pair.
+
+    A rig at rest shows none, as all its images fit each other.
+
+    Parameters
+    ----------
+    pair : StereoPair
+    before : sequence of StereoPair
+        The previous pairs, the last one first; up to `REACH` of them are used.
+    """
+    own = level_share(pair.left, pair.right)
+    shares = {words: level_share(*images) for words, images in _partners(pair, before[:REACH])}
+    words = max(shares, key=lambda one: shares[one], default="")
+    if not shares or shares[words] < max(MIN_GAIN * own, own + MIN_MORE):
+        return None
+    return Finding(
+        code="not-simultaneous",
+        text=f"left and right were taken at different times: the right images are {words}, as "
+        f"{shares[words]:.0%} of the corners then lie in corresponding rows, {own:.0%} as paired",
+    )
+
+
+def _partners(
+    pair: StereoPair, before: Sequence[StereoPair]
+) -> Iterator[tuple[str, tuple[Image, Image]]]:
+    for number, other in enumerate(before, start=1):
+        pairs = f"{number} pair{'s' if number > 1 else ''}"
+        yield f"{pairs} late", (other.left, pair.right)
+        yield f"{pairs} early", (pair.left, other.right)
+
+
+def level_share(left: Image, right: Image) -> float:
+    """Share of the corners matched in corresponding rows, weighted by how close the rows are."""
+    made = survey(left, right)
+    level = np.maximum(0.0, 1.0 - np.abs(made.seen.row_offset_px))
+    return float(level.sum()) / max(1, made.num_wanted)

@@ -1,0 +1,72 @@
+"""Memory that reading takes, measured in a process of its own."""
+
+import io
+import struct
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+
+IN_A_CHILD = """
+import resource, sys
+from recon.errors import InputError
+from recon.exports import read
+read(sys.argv[1])
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+for path in sys.argv[2:]:
+    try:
+        read(path)
+    except InputError:
+        continue
+    sys.exit(f"{path} was read")
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) >> 10)
+"""
+
+
+def liars(folder):
+    """Small files that claim much, of readers that need no extra."""
+    claims = {
+        "a.ply": "ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\n"
+        "property float y\nproperty float z\nend_header\n1 2 3\n",
+        "b.ply": "ply\nformat binary_little_endian 1.0\nelement vertex 3000000000\n"
+        "property double x\nproperty double y\nproperty double z\nend_header\n",
+        "c.pcd": "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 900000000\n"
+        "HEIGHT 4\nPOINTS 3600000000\nDATA binary\n",
+        "d.off": "OFF\n2000000000 0 0\n0 0 0\n",
+        "e.stl": "",
+        "f.npz": "",
+    }
+    for name, text in claims.items():
+        (folder / name).write_text(text)
+    (folder / "e.stl").write_bytes(bytes(80) + struct.pack("<I", 2**32 - 1))
+    header = io.BytesIO()
+    claim = {"descr": "<f8", "fortran_order": False, "shape": (1 << 28, 3)}
+    np.lib.format.write_array_header_1_0(header, claim)
+    with zipfile.ZipFile(folder / "f.npz", "w") as archive:
+        archive.writestr("points.npy", header.getvalue())
+    return [folder / name for name in claims]
+
+
+def test_files_that_claim_much_take_little_memory(tmp_path):
+    """A gigabyte is claimed by each; what their reading adds is a share of that."""
+    (tmp_path / "sound.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+        "property float z\nend_header\n1 2 3\n"
+    )
+    words = [sys.executable, "-c", IN_A_CHILD, tmp_path / "sound.ply", *liars(tmp_path)]
+    done = subprocess.run([*map(str, words)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert 0 <= int(done.stdout) < 100
+
+
+def test_what_is_really_held_takes_its_memory(tmp_path):
+    """The measure tells: a tenth of a gigabyte that is there is seen."""
+    np.save(tmp_path / "a.npy", np.zeros((1 << 22, 3)))
+    (tmp_path / "none.ply").write_text("ply\n")
+    first, later = "read(sys.argv[1])\n", "for path"
+    child = IN_A_CHILD.replace(first, "").replace(later, first + later)
+    words = [sys.executable, "-c", child, tmp_path / "a.npy", tmp_path / "none.ply"]
+    done = subprocess.run([*map(str, words)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 90
