@@ -85,6 +85,20 @@ def test_nothing_that_is_required_is_under_the_gpl():
     assert {name: word for name in seen if GPL.search(word := license_of(name))} == {}
 
 
+def test_the_weight_of_an_installation_is_the_stated_one():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    names: set[str] = set()
+    for line in project["dependencies"]:
+        name = Requirement(line).name
+        names |= {name.lower().replace("_", "-")} | {
+            one.lower().replace("_", "-") for one in required(name, set())
+        }
+    files = [file for name in names for file in importlib.metadata.files(name) or []]
+    gigabytes = sum(file.size or 0 for file in files) / 1e9
+    (stated,) = re.findall(r"installation takes ([\d.]+) GB", (ROOT / "docs/start.md").read_text())
+    assert gigabytes == pytest.approx(float(stated), rel=0.1)
+
+
 @pytest.mark.parametrize("word", ["GPL-3.0-only", "License :: OSI Approved :: GNU General Public"])
 def test_the_gpl_is_known_when_it_is_seen(word):
     assert GPL.search(word)
