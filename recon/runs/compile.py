@@ -2,7 +2,8 @@
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
 from pathlib import Path
 
 from recon.runs.events import Events
@@ -13,34 +14,47 @@ from recon.world.library import find_scene
 
 SCENE = "village"
 NUM_PAIRS = 4
-"""Pairs of an exploration: enough to see objects and plan a path."""
+"""Length of the walk: enough to see objects and to plan a path."""
+
+Jobs = list[tuple[Job, Path]]
+"""Jobs, each with the run folder that it leaves."""
 
 
 def compile_ahead(events: Events | None = None) -> None:
-    """Run the small jobs in a temporary folder; numba caches the compiled kernels.
+    """Run small jobs in a temporary folder, in two processes; numba caches what they compile.
 
     Parameters
     ----------
     events : Events, optional
-        Notified of every finished job.
+        Notified when a process is done.
     """
     events = events or Events()
-    with tempfile.TemporaryDirectory(prefix="recon-") as name:
-        jobs = [*_jobs(Path(name))]
-        for number, (job, folder) in enumerate(jobs):
-            events.on_stage(job.kind)
-            execute(job, folder, replace(events, on_progress=Events().on_progress))
-            events.progress(number + 1, len(jobs))
+    events.on_stage("compiling")
+    with (
+        tempfile.TemporaryDirectory(prefix="recon-") as name,
+        ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
+    ):
+        futures = [pool.submit(_run, jobs) for jobs in _jobs(Path(name))]
+        for number, future in enumerate(as_completed(futures), start=1):
+            future.result()
+            events.progress(number, len(futures))
 
 
-def _jobs(place: Path) -> Iterator[tuple[Job, Path]]:
-    """Every job, and its run folder."""
+def _run(jobs: Jobs) -> None:
+    for job, folder in jobs:
+        execute(job, folder)
+
+
+def _jobs(place: Path) -> Iterator[Jobs]:
+    """The jobs of each process."""
     scene = find_scene(SCENE)
     walk = updated(Settings(), {"exploration": {"max_pairs": NUM_PAIRS}})
+    yield [(Job(kind="explore", inputs=(scene,), settings=walk), place / "walk")]
     surface = updated(Settings(), {"dense": {"enabled": True}, "surface": {"mesh": True}})
-    recording, pair = place / "recording", ("left/000000.png", "right/000000.png")
-    yield Job(kind="explore", inputs=(scene,), settings=walk), place / "walk"
-    yield Job(kind="render", inputs=(scene,), arguments={"views": "drive:3"}), recording
-    yield Job(kind="reconstruct", inputs=(recording,), settings=surface), place / "run"
-    images = tuple(recording / image for image in pair)
-    yield Job(kind="disparity", inputs=images, settings=surface), place / "matches"
+    recording = place / "recording"
+    images = tuple(recording / f"{side}/000000.png" for side in ("left", "right"))
+    yield [
+        (Job(kind="render", inputs=(scene,), arguments={"views": "drive:3"}), recording),
+        (Job(kind="reconstruct", inputs=(recording,), settings=surface), place / "run"),
+        (Job(kind="disparity", inputs=images, settings=surface), place / "matches"),
+    ]
