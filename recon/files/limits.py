@@ -67,7 +67,7 @@ def outside_allowed() -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """Limits of a context, to be taken along into another process."""
+    """The limits of a context, to be applied in another process."""
 
     memory_bytes: int
     goes_outside: bool
@@ -79,7 +79,7 @@ class Limits:
 
     @contextmanager
     def applied(self) -> Iterator[None]:
-        """Let these limits hold in this context."""
+        """Apply these limits in this context."""
         outside = outside_allowed() if self.goes_outside else nullcontext()
         with memory_limit(self.memory_bytes), outside:
             yield

@@ -64,7 +64,7 @@ def read_scene(path: Path, settings: Settings) -> Scene:
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, settings.map)
     if data.colours is None:
-        notify("colour-missing", f"{path} has no colours: objects are named without")
+        notify("colour-missing", f"{path} has no colours: objects are recognised without")
     return Scene(data=data)
 
 

@@ -19,6 +19,8 @@ Columns = Mapping[str, NDArray[Any]]
 class _Level(Protocol):
     """What a voxel map of one level provides."""
 
+    has_colour: bool
+
     @property
     def num_cells(self) -> int: ...
 

@@ -27,7 +27,10 @@ def sums_of(voxel_map: VoxelMap) -> CellSums:
     columns = voxel_map.columns()
     names = names_of(voxel_map.channels)
     if not voxel_map.has_colour:
-        notify("colour-missing", "the map has no colours: partitions, which keep them, show grey")
+        notify(
+            "colour-missing",
+            "the map has no colours: its partitions, which store colours, are grey",
+        )
     rows = archive.rows_of(columns)
     extra = {"weight": columns["weight"][:, 0]} if "weight" in columns else {}
     cells = _level(0, rows, names, extra)

@@ -44,7 +44,7 @@ class VoxelMap:
     Attributes
     ----------
     has_colour : bool
-        Whether cells have colours: those of a map whose points all have.
+        Whether cells have colours: only if all points inserted had colours.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class VoxelMap:
         Parameters
         ----------
         cloud : PointCloud
-            One without colours leaves the whole map without.
+            Without colours, the whole map loses its colours.
         origin : (3,) array_like, optional
             Camera position, world; needed by a map that keeps rays.
         view : int, optional
@@ -133,11 +133,13 @@ class VoxelMap:
         return self._coarse.insert(cloud)
 
     def _note_colour(self, is_known: bool) -> None:
-        """Note whether points to come have colours; those that a map had until now are lost."""
+        """Drop the colours of the map if points without colours are added."""
         if self.has_colour and not is_known:
             self.has_colour = False
             if self.num_cells:
-                notify("colour-missing", "points without colours leave the whole map without")
+                notify(
+                    "colour-missing", "points without colours are added: the map loses its colours"
+                )
 
     @property
     def coarse(self) -> tuple["VoxelMap", ...]:
