@@ -177,7 +177,7 @@ def make_scheduler(
 
 
 def bound(call: Callable[..., Outcome], *arguments: Any) -> Call:
-    """A call with its arguments and the limits of this context, as it is sent to a worker."""
+    """A call bound to its arguments and the limits of this context, to be sent to a worker."""
     return partial(_limited, Limits.current(), call, *arguments)
 
 

@@ -14,10 +14,10 @@ from recon.world.library import find_scene
 
 SCENE = "village"
 NUM_PAIRS = 4
-"""Length of the walk: enough to see objects and to plan a path."""
+"""Pairs of an exploration: enough to see objects and plan a path."""
 
 Jobs = list[tuple[Job, Path]]
-"""Jobs, each with the run folder that it leaves."""
+"""Jobs, each with its run folder."""
 
 
 def compile_ahead(events: Events | None = None) -> None:

@@ -99,7 +99,7 @@ def _trials(
 
 
 def searching(settings: Settings, search: Numbers) -> Settings:
-    """The settings over a search range, but for the ends that somebody gave."""
+    """The settings with a search range, except for the limits that were given explicitly."""
     own = given_tree(settings)["matching"]
     return updated(
         settings, {"matching": {name: end for name, end in search.items() if name not in own}}
@@ -107,13 +107,13 @@ def searching(settings: Settings, search: Numbers) -> Settings:
 
 
 def own_range(pair_dir: Path, truth: DisparityTruth) -> Numbers:
-    """The search range of a pair: its calibration's, else a little more than its truth holds."""
+    """The search range of a pair: its calibration's, else slightly more than that of its truth."""
     high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
     return stated_range(pair_dir) or {"min_disparity": 0, "max_disparity": high}
 
 
 def stated_range(pair_dir: Path) -> Numbers | None:
-    """The search range that a pair's calibration states; None where it has none."""
+    """The search range that a pair's calibration states; None if it has none."""
     try:
         stated = read_calibration(find_calibration(pair_dir)).disparity_range
     except InputError:

