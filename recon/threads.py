@@ -1,4 +1,4 @@
-"""Threads: how many a process may use, and calls made in them."""
+"""Threads: the number a process may use, and calls made in threads."""
 
 import os
 from collections import deque
@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 
 def num_processors() -> int:
-    """Processors this process may use: Slurm's allowance, else those it is bound to."""
+    """Processors this process may use: Slurm's allowance, otherwise those it is bound to."""
     bound = (
         len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )
@@ -21,15 +21,15 @@ def num_processors() -> int:
 
 
 def num_threads() -> int:
-    """Threads to compute with: as `NUMBA_NUM_THREADS` says, else one per processor."""
+    """Number of compute threads: `NUMBA_NUM_THREADS` if set, otherwise one per processor."""
     said = os.environ.get("NUMBA_NUM_THREADS", "")
     return int(said) if said.isdecimal() and int(said) else num_processors()
 
 
 def in_threads(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-    """The result for each item, in order; no more items are in work than there are threads.
+    """The result for each item, in order; at most one item per thread is in progress.
 
-    The call should let go of the interpreter for most of its time.
+    The call should release the GIL for most of its time.
     """
     number = num_threads()
     if number == 1:

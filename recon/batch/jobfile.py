@@ -187,7 +187,7 @@ def _matches(word: str, folder: Path) -> list[Path]:
     path = folder / word
     if not any(mark in word for mark in "*?["):
         is_shipped = path.name == word and not path.exists() and not Path(word).exists()
-        # Whether recon ships with one of that name is for the worker to say, who loads the command.
+        # The worker, which loads the command, checks whether recon ships a recording of that name.
         return [Path(word) if is_shipped else path]
     root = Path(path.anchor or ".")
     pattern = str(path.relative_to(root)) if path.anchor else str(path)

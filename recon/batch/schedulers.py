@@ -145,7 +145,7 @@ class Dask:
                 return self._distributed.Client(self._address, timeout="10s")
             except (OSError, ValueError) as error:
                 raise InputError(f"no Dask scheduler answers at {self._address}") from error
-        # A client that was given no cluster makes one, and ends it when it is closed.
+        # A client without a cluster creates one and stops it when closed.
         return self._distributed.Client(
             n_workers=self._num_workers,
             threads_per_worker=1,

@@ -16,7 +16,7 @@ class ExplorationSettings:
     clearance: Positive = 10.0
     """Distance from which objects are inspected, world units."""
     object_turn_deg: float = Field(default=40.0, gt=0, le=180)
-    """Angle between successive views round an object."""
+    """Angle between successive views around an object."""
     robot_turn_deg: float = Field(default=45.0, gt=0, le=180)
     """Angle between successive views when turning on the spot."""
     walk_clearance: Positive = 3.0

@@ -7,7 +7,7 @@ from recon.settings.stage import NonNegative, Positive, table
 
 @table
 class MotionSettings:
-    """The body: an upright cylinder round the point midway between the cameras."""
+    """The body: an upright cylinder around the point midway between the cameras."""
 
     body_radius: Positive = 0.5
     """Radius of the body, world units; a surface nearer than this is a collision."""

@@ -23,7 +23,7 @@ def names_of(channels: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def sums_of(voxel_map: VoxelMap) -> CellSums:
-    """The sums of all cells of a map, coarser ones too."""
+    """The sums of all cells of a map, including coarser ones."""
     columns = voxel_map.columns()
     names = names_of(voxel_map.channels)
     if not voxel_map.has_colour:

@@ -32,7 +32,7 @@ class CellSums:
     index: Index
     """(4, K) level, x, y, z; a cell of level k is 2^k times as large. Sorted, unique."""
     names: tuple[str, ...]
-    """(S,) of the sums."""
+    """(S,) names of the sums."""
     values: NDArray[np.uint64]
     """(S, K) sums over the points of a cell."""
     views: Index
@@ -94,7 +94,7 @@ def split(cells: CellSums, side: int) -> Iterator[tuple[Key, CellSums]]:
 def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
     """Columns of (3, K) grouped by content, each group in its original order.
 
-    Neighbours are mostly alike, so that runs of them are sorted.
+    Neighbours are mostly equal, so runs of equal columns are sorted.
     """
     if not cubes.shape[1]:
         return {}
@@ -111,7 +111,7 @@ def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
 
 
 def _starts(columns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Columns that differ from the one before."""
+    """Mask of the columns that differ from the previous one."""
     begins = np.ones(columns.shape[1], np.bool_)
     begins[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
     return np.flatnonzero(begins)
@@ -123,12 +123,12 @@ def is_ordered(index: Index) -> bool:
 
 
 def lie_in(index: Index, cube: Key, side: int) -> bool:
-    """True where all cells (4, K) lie in one cube of `side` cells of level 0."""
+    """True if all cells (4, K) are in one cube of `side` level-0 cells."""
     return bool(_lie_in(np.ascontiguousarray(index), cube, side))
 
 
 def at_most(values: NDArray[np.uint64], counts: NDArray[np.uint64], each: int) -> bool:
-    """True where no sum (K,) exceeds that of `counts` points of `each`."""
+    """True if no sum (K,) exceeds `counts` points times `each`."""
     return bool(_at_most(values, counts, np.uint64(each)))
 
 
@@ -193,7 +193,7 @@ def _add(
     owners: NDArray[np.uint8],
     total: NDArray[np.uint64],
 ) -> None:
-    """Fill in the values of the one owner of a column, or the sums of both."""
+    """Fill in the values of a column's only owner, or the sums of both."""
     i = j = np.uint64(0)
     for n in range(len(owners)):
         in_a, in_b = np.uint64(owners[n] & 1), np.uint64(owners[n] >> 1)
@@ -212,7 +212,7 @@ def _rises(index: Index) -> bool:
 
 @njit(cache=True, nogil=True)
 def _lie_in(index: Index, cube: Key, side: int) -> bool:
-    """A corner of a coarse cell tells: none lies in two cubes."""
+    """A corner of a coarse cell suffices, since no cell is in two cubes."""
     num_outside = 0
     for axis in range(3):
         low = cube[axis] * side

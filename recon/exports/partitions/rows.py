@@ -16,7 +16,7 @@ from recon.voxelmap.sums import CellSums, at_most, is_ordered
 INDEX = ("level", "index_x", "index_y", "index_z")
 VIEWS = "views"
 WHOLE = ("count", "hits", "passes")
-"""Names of what is counted."""
+"""Names of the counts."""
 MAX_SUM = hits.CAPACITY[hits.WIDE]
 
 
@@ -124,7 +124,7 @@ def _check(cells: CellSums) -> None:
 
 
 def _can_be(name: str, values: NDArray[np.uint64], counts: NDArray[np.uint64]) -> bool:
-    """True for sums that points can add up to; those of hits and passes are not of points."""
+    """True for sums that points can add up to; hits and passes are not sums over points."""
     if name in WHOLE:
         return bool(values.max(initial=0) <= MAX_SUM)
     each = 255 if name.startswith("colour") else hits.STEPS - (name != "weight")

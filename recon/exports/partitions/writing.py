@@ -20,7 +20,7 @@ PARTITION_SIZE = 256
 Packed = tuple[Entry, bytes]
 """A partition in the manifest, and its file."""
 _Share = tuple[PartitionedMap, Entry, int]
-"""A partition of one map, and what is added to the numbers of its views."""
+"""A partition of one map, and the offset of its view numbers."""
 
 
 def write_partitions(
