@@ -7,7 +7,6 @@ from pathlib import Path
 from recon.batch.jobfile import NamedJob
 from recon.errors import InputError, ReconError
 from recon.runs.job import Job
-from recon.runs.parts import write_refined
 from recon.settings import Settings, given_tree, merged, updated
 
 MERGED = "merged"
@@ -30,6 +29,9 @@ def spread(jobs: Sequence[NamedJob], folder: Path, chunk: int) -> list[NamedJob]
     use the cell size suggested by the first recording unless one is given. An unreadable recording
     stays one job, which fails with the reason.
     """
+    # Late: a batch without chunks reads no recording itself.
+    from recon.runs.parts import write_refined
+
     found: list[NamedJob] = []
     for one in jobs:
         try:

@@ -54,7 +54,7 @@ def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
         axes = sheet.axes(at=(rows, columns, number + 1))
         axes.set_axis_off()
         size = min(sheet.font_size, 8.0)
-        axes.set_title(one.name[:LINE], color=INK, fontsize=size, loc="left")
+        axes.set_title(one.name[:LINE], color=INK, fontsize=size, loc="left", y=1.0)
         image = None if one.path is None else thumbnail(one.path)
         if image is not None:
             axes.imshow(image, interpolation="antialiased")
