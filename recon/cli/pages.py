@@ -1,4 +1,4 @@
-"""Options of the commands that show a page, and how its address is said."""
+"""Options of the commands that show a page, and the message with its address."""
 
 import sys
 from collections.abc import Callable

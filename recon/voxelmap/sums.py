@@ -111,7 +111,7 @@ def _groups(cubes: NDArray[np.int64]) -> dict[Key, NDArray[np.int64]]:
 
 
 def _starts(columns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Mask of the columns that differ from the previous one."""
+    """Indices of the columns that differ from the previous one."""
     begins = np.ones(columns.shape[1], np.bool_)
     begins[1:] = (columns[:, 1:] != columns[:, :-1]).any(axis=0)
     return np.flatnonzero(begins)
