@@ -190,7 +190,7 @@ def test_a_nav2_map_whose_origin_is_turned_is_turned_back(tmp_path, turns):
     assert np.abs(offset @ along).max() < 10.0
     assert np.abs(offset @ up).max() < 1.0
     assert abs(len(voxels) - 160) <= 8
-    assert np.allclose(offset.mean(axis=0), 0, atol=0.2)
+    assert np.allclose(offset.mean(axis=0), 0, atol=0.25)  # half a cell
     assert voxels.colours is None
 
 
