@@ -26,8 +26,8 @@ def spread(jobs: Sequence[NamedJob], folder: Path, chunk: int) -> list[NamedJob]
     """One job for every chunk of pairs of every recording.
 
     Estimates for a whole recording are computed here, once, and written beside the runs. All jobs
-    use the cell size suggested by the first recording unless one is given. An unreadable recording
-    stays one job, which fails with the reason.
+    use the sizes of cells and voxels suggested by the first recording unless they are given. An
+    unreadable recording stays one job, which fails with the reason.
     """
     # Late: a batch without chunks reads no recording itself.
     from recon.runs.parts import write_refined
@@ -35,7 +35,7 @@ def spread(jobs: Sequence[NamedJob], folder: Path, chunk: int) -> list[NamedJob]
     found: list[NamedJob] = []
     for one in jobs:
         try:
-            job = _with_cells_of(found, one.job).resolved()
+            job = _alike(found, one.job)
             record = folder / f"{one.name}.refined.json"
             num_pairs = write_refined(job.inputs[0], job.settings.sequence, record)
         except (ReconError, OSError):
@@ -45,12 +45,27 @@ def spread(jobs: Sequence[NamedJob], folder: Path, chunk: int) -> list[NamedJob]
     return found
 
 
-def _with_cells_of(earlier: Sequence[NamedJob], job: Job) -> Job:
-    sizes = [one.job.settings.map.cell_size for one in earlier if "part" in one.job.arguments]
-    if not sizes:
+def _alike(earlier: Sequence[NamedJob], job: Job) -> Job:
+    """The job with the cell and voxel sizes of the first recording that was split, or its own."""
+    done = [one.job.settings for one in earlier if "part" in one.job.arguments]
+    if not done:
+        return _with_voxels(job.resolved())
+    sizes = {
+        "map": {"cell_size": done[0].map.cell_size},
+        "surface": {"voxel": done[0].surface.voxel},
+    }
+    chosen = updated(Settings(), merged(sizes, given_tree(job.settings)))
+    return replace(job, settings=chosen).resolved()
+
+
+def _with_voxels(job: Job) -> Job:
+    """The job with a voxel size suggested by its first pair, if a surface needs one."""
+    from recon.runs.surfaces import suggested_for
+
+    if not job.settings.wants_surface or job.settings.surface.voxel is not None:
         return job
-    suggested = {"map": {"cell_size": sizes[0]}}
-    return replace(job, settings=updated(Settings(), merged(suggested, given_tree(job.settings))))
+    voxel = suggested_for(job.inputs[0], job.settings)
+    return replace(job, settings=updated(job.settings, {"surface": {"voxel": voxel}}))
 
 
 def _parts(one: NamedJob, record: Path, num_pairs: int, chunk: int) -> Iterator[NamedJob]:

@@ -54,7 +54,7 @@ def _explore(job: Job, work: Work) -> Numbers:
     _write(done, work)
     if job.settings.map.places:
         write_places(work, recorder.places, done.reconstruction.trajectory)
-    return done.metrics | recorder.surface.finish()
+    return done.metrics | recorder.surface.finish(done.reconstruction.trajectory)
 
 
 class Recorder:
@@ -73,7 +73,7 @@ class Recorder:
         self.places = PlaceKeeper()
         self.most_known = 0.0
         self.seen: list[SeenCamera] = []
-        self.surface = SurfaceWork(job.settings, work)
+        self.surface = SurfaceWork(job.settings, work, waits=not job.settings.motion.is_exact)
 
     def take(self, view: View) -> StereoPair:
         """The pair of the next view: replayed from an interrupted run, else taken and saved."""

@@ -17,6 +17,11 @@ def keeps_places(settings: Settings) -> bool:
     return settings.map.places or settings.sequence.poses == "estimated"
 
 
+def may_close(source: PairSource) -> bool:
+    """True if `close_drive` may correct the poses of a drive."""
+    return _estimated_in(source) is not None
+
+
 def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: Work) -> Numbers:
     """Correct a drive with estimated poses by its loops; return the metrics."""
     estimated = _estimated_in(source)

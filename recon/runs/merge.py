@@ -21,10 +21,11 @@ from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.maps import PARTITIONED, read_map, shown
 from recon.runs.outputs import cells_hit, write_outputs
 from recon.runs.reading import read_settings, read_trajectory
+from recon.runs.surfaces import merge_surfaces
 from recon.runs.work import Work
 from recon.settings import Settings
 
-KEPT = ("map", "recognition", "sequence", "matching")
+KEPT = ("map", "recognition", "sequence", "matching", "surface")
 """Settings that the merged run takes from the first run."""
 MATTERING = ("cell_size", "occupancy", "partition_size", "ray_margin")
 """Settings of the map that have to match."""
@@ -70,7 +71,8 @@ def _merge(job: Job, work: Work) -> Numbers:
         write_outputs(work.run, all_of_it, found)
     with work.stage("figures"):
         write_run_figures(work.run.path, all_of_it, None)
-    return {
+    surfaces = merge_surfaces(job.inputs, job.settings, way, work)
+    return surfaces | {
         "num_runs": len(job.inputs),
         "num_pairs": len(way),
         "num_points": num_points,

@@ -11,7 +11,8 @@ from recon.runs.job import Job
 from recon.sequences.frames import DerivedSource
 from recon.sequences.open import open_sequence
 from recon.sequences.refined import Refined, read_refined, refine
-from recon.settings import SequenceSettings
+from recon.settings import SequenceSettings, Settings
+from recon.surface.confirmation import NUM_NEIGHBOURS
 
 
 class PartialSource(DerivedSource):
@@ -54,7 +55,7 @@ class PartialSource(DerivedSource):
 def part_of(job: Job, whole: DerivedSource) -> PartialSource:
     """The part of a recording that a job processes; by default all pairs.
 
-    If only confirmed points are kept, the pairs before and after the part are read, too.
+    If points or depths have to be confirmed, pairs before and after the part are read, too.
 
     Raises
     ------
@@ -64,7 +65,14 @@ def part_of(job: Job, whole: DerivedSource) -> PartialSource:
     start, stop = job.arguments.get("part", (0, len(whole)))
     if stop > len(whole):
         raise InputError(f"part ends at {stop}, but the recording has {len(whole)} pairs")
-    return PartialSource(whole, start, stop, 1 if job.settings.sequence.only_confirmed else 0)
+    return PartialSource(whole, start, stop, _overlap(job.settings))
+
+
+def _overlap(settings: Settings) -> int:
+    """Number of pairs before and after a part that confirm it."""
+    if settings.wants_surface:
+        return NUM_NEIGHBOURS
+    return 1 if settings.sequence.only_confirmed else 0
 
 
 def refined_of(job: Job) -> Refined | None:

@@ -21,7 +21,7 @@ from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
 from recon.runs.figures import write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
-from recon.runs.loops import close_drive, keeps_places
+from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
 from recon.runs.outputs import cells_hit, write_outputs, write_places
 from recon.runs.parts import part_of, refined_of, without_poses
@@ -104,7 +104,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
-    surface = SurfaceWork(job.settings, work, unit="m")
+    surface = SurfaceWork(job.settings, work, unit="m", waits=may_close(source))
     places = PlaceKeeper()
     seen: list[SeenCamera] = []
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
@@ -112,11 +112,12 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         for pair, result in match_ahead(source, job.settings, work):
             num_before = mapper.num_pairs
             _note(mapper.process(pair, result), cloud, work)
-            if mapper.num_pairs == num_before:  # it only confirms
+            counts = mapper.num_pairs > num_before
+            surface.take(pair, counts=counts)
+            if not counts:  # it only confirms
                 continue
             seen.append(SeenCamera(name=pair.name, rig=pair.rig))
             chunked.take(mapper)
-            surface.take(pair)
             if keeps_places(job.settings):
                 places.add(pair, mapper.num_pairs - 1)
             work.progress(mapper.num_pairs, len(source))
@@ -135,7 +136,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         | _surface_distance(path, mapper)
         | source.metrics
         | loops
-        | surface.finish()
+        | surface.finish(mapper.trajectory, is_part=chunked.chunk is not None)
     )
 
 

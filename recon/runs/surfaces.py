@@ -1,19 +1,29 @@
 """Surfaces in runs: every pixel of every pair is matched, fused and written."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from recon.errors import InputError
 from recon.exports.formats import write
 from recon.figures.depth import kept_depth
-from recon.records import StereoPair
+from recon.records import StereoPair, Trajectory
 from recon.runs.figures import leave_figure, leave_mesh_figure
+from recon.runs.job import Numbers
+from recon.runs.waiting import WaitingViews
 from recon.runs.work import Work
+from recon.sequences.open import open_sequence
 from recon.sequences.writing import write_depth
 from recon.settings import Settings
 from recon.stereo.dense.dense import match_every_pixel
-from recon.surface.depth import DepthMap
-from recon.surface.fusion import Fusion
+from recon.surface.depth import DepthMap, depth_map
+from recon.surface.fusion import Fusion, Surface, suggested_voxel
+
+SAVED = "surface"
+"""Folder with the sums that `recon merge` adds, in runs of chunks."""
 
 
 class SurfaceWork:
@@ -24,26 +34,44 @@ class SurfaceWork:
     settings : Settings
     work : Work
     unit : str
-        Unit of lengths.
+        Of lengths.
+    waits : bool
+        Fuse only after all pairs, as their poses may be corrected.
     """
 
-    def __init__(self, settings: Settings, work: Work, unit: str = "world units") -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        work: Work,
+        unit: str = "world units",
+        *,
+        waits: bool = False,
+    ) -> None:
         self.settings = settings
         self.unit = unit
         self.work = work
-        self.is_wanted = wants_surface(settings)
-        self.fusion = Fusion(settings.surface)
+        self.is_wanted = settings.wants_surface
+        self.fusion = Fusion(settings.surface, work.run.partial / "surface")
+        self._waiting = WaitingViews(work.run.partial / "views") if waits else None
         self._places: list[np.ndarray] = []
         self._fullest: DepthMap | None = None
 
-    def take(self, pair: StereoPair) -> None:
-        """Match every pixel of the next pair, and fuse it."""
+    def take(self, pair: StereoPair, *, counts: bool = True) -> None:
+        """Match every pixel of the next pair, and fuse it or only confirm others with it."""
         if not self.is_wanted:
             return
         with self.work.stage("dense"):
             found = match_every_pixel(pair.left, pair.right, self.settings, pair.disparity_range)
         with self.work.stage("surface"):
-            view = self.fusion.add(pair, found)
+            view = self.fusion.view_of(pair, found)
+            if self._waiting is not None:
+                self._waiting.keep(view)
+            else:
+                self.fusion.add_view(view, counts=counts)
+        if counts:
+            self._note(view)
+
+    def _note(self, view: DepthMap) -> None:
         if self.settings.surface.depth_maps:
             with self.work.stage("write"):
                 write_depth(self.work.run.path / "depth", f"{len(self._places):06d}", view.depth)
@@ -51,27 +79,74 @@ class SurfaceWork:
         if self._fullest is None or view.valid_mask.sum() > self._fullest.valid_mask.sum():
             self._fullest = view
 
-    def finish(self) -> dict[str, Any]:
-        """Write dense.ply and mesh.ply, and return their metrics."""
+    def finish(self, way: Trajectory | None = None, *, is_part: bool = False) -> dict[str, Any]:
+        """Write dense.ply and mesh.ply, and give their numbers.
+
+        Parameters
+        ----------
+        way : Trajectory, optional
+            Corrected poses of the pairs.
+        is_part : bool
+            Also write the sums that `recon merge` adds.
+        """
         if not self.is_wanted:
             return {}
         with self.work.stage("surface"):
+            if self._waiting is not None and way is not None:
+                for view in self._waiting.moved_to(way):
+                    self.fusion.add_view(view)
+                self._places = list(way.positions)
+            if is_part:
+                self.fusion.save(self.work.run.path / SAVED)
             surface = self.fusion.finish()
-        folder = self.work.run.path
-        with self.work.stage("write"):
-            write(surface.cloud, folder / "dense.ply")
-            if surface.mesh is not None:
-                write(surface.mesh, folder / "mesh.ply")
+        write_surface(surface, self.work)
         with self.work.stage("figures"):
             if self._fullest is not None:
                 kept = kept_depth(self._fullest.colours, self._fullest.depth, self.unit)
-                leave_figure(folder, "depth", kept)
+                leave_figure(self.work.run.path, "depth", kept)
             if surface.mesh is not None:
-                leave_mesh_figure(folder, surface.mesh, np.array(self._places))
+                leave_mesh_figure(self.work.run.path, surface.mesh, np.array(self._places))
         return surface.metrics
 
 
-def wants_surface(settings: Settings) -> bool:
-    """True if a run writes more than its sparse cloud."""
-    asked = settings.surface
-    return settings.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps
+def suggested_for(recording: Path, settings: Settings) -> float | None:
+    """Voxel size that a run of the whole recording would choose."""
+    pair = next(iter(open_sequence(recording, replace(settings.sequence, poses="none"))))
+    found = match_every_pixel(pair.left, pair.right, settings, pair.disparity_range)
+    return suggested_voxel(depth_map(pair, found))
+
+
+def write_surface(surface: Surface, work: Work) -> None:
+    """Write dense.ply and mesh.ply."""
+    with work.stage("write"):
+        write(surface.cloud, work.run.path / "dense.ply")
+        if surface.mesh is not None:
+            write(surface.mesh, work.run.path / "mesh.ply")
+
+
+def merge_surfaces(
+    runs: Sequence[Path], settings: Settings, way: Trajectory, work: Work
+) -> Numbers:
+    """Add the surfaces of runs of chunks, and return their metrics.
+
+    Raises
+    ------
+    InputError
+        If only some runs have one.
+    """
+    has_one = [(run / SAVED).is_dir() for run in runs]
+    if not any(has_one):
+        return {}
+    if not all(has_one):
+        without = runs[has_one.index(False)]
+        raise InputError(f"{without} holds no {SAVED}, but {runs[has_one.index(True)]} does")
+    fusion = Fusion(settings.surface, work.run.partial / "surface")
+    with work.stage("surface"):
+        for run in runs:
+            fusion.merge(run / SAVED)
+        surface = fusion.finish()
+    write_surface(surface, work)
+    if surface.mesh is not None:
+        with work.stage("figures"):
+            leave_mesh_figure(work.run.path, surface.mesh, way.positions)
+    return surface.metrics

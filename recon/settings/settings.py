@@ -11,6 +11,12 @@ from recon.settings.stages import Stages
 class Settings(Stages):
     """The settings of a run: one frozen table per stage."""
 
+    @property
+    def wants_surface(self) -> bool:
+        """True if a run writes more than its sparse cloud."""
+        asked = self.surface
+        return self.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps
+
     @classmethod
     def of(cls, settings: "Settings | None" = None, **values: Any) -> "Settings":
         """Settings by keyword: ``Settings.of(quality="fast", max_disparity=60)``.

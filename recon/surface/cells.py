@@ -1,34 +1,42 @@
 """The dense cloud of many views: one point per cell, with a sigma from its views."""
 
-from itertools import product
+from itertools import chain, product
+from pathlib import Path
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from recon.records import PointCloud
-from recon.surface.depth import DepthMap, Floats
-from recon.voxelmap.table import CellTable, Rows, Slots, find_or_add
+from recon.surface.depth import DepthMap
+from recon.surface.pages import Pages, page_path, read_page, regions_of, saved_keys
+from recon.voxelmap.table import CellTable, Rows
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
-_CELL = np.dtype(
+CELL = np.dtype(
     [
         ("index", np.int32, (3,)),
         ("last_view", np.int32),
         ("num_pixels", np.int32),
         ("num_views", np.int32),
         ("num_agreeing", np.int32),
-        ("weight", np.float32),
-        ("place", np.float32, (3,)),
-        ("colour", np.float32, (3,)),
+        ("weight", np.int64),
+        ("place", np.int64, (3,)),
+        ("colour", np.int64, (3,)),
     ]
 )
 """A cell: the last view that saw it, its number of pixels, and the number of views; the maximum
 number of views agreeing on a pixel; the sums over the views of weights, weighted positions in the
 cell (in cells) and weighted colours."""
 
+_UNITS = 1 << 24
+"""Resolution of weights; integer sums do not depend on the order of the views."""
+_SUREST = 2.0**-10
+"""Minimum sigma of a point, in cells; bounds its weight."""
+_REGION = 128
+"""Cells along each side of a region."""
 _NEAR_SQ = 0.25
 """Squared distance, in cells, below which a point counts as at the requested position."""
 _REACHES = (1, 4)
@@ -38,37 +46,64 @@ _REACHES = (1, 4)
 class CellCloud:
     """Weighted means of the points in each cell of a grid.
 
+    The result does not depend on the order of the views.
+
     Parameters
     ----------
     cell : float
         Side of a cell, world units.
+    folder : Path, optional
+        Folder for regions out of use, which bounds memory; all stay in memory if None.
     """
 
-    def __init__(self, cell: float) -> None:
+    def __init__(self, cell: float, folder: Path | None = None) -> None:
         self.cell = cell
-        self._table = CellTable(_CELL)
+        self.pages = Pages(CELL, _REGION, folder)
         self._num_views = 0
 
     def add(self, view: DepthMap) -> None:
         """Add the points of a view."""
         mask = view.valid_mask
         places = view.points(mask) / self.cell
-        self._num_views += 1
-        rows = self._rows_of(places)
+        sigma = np.maximum(view.sigma[mask] / self.cell, _SUREST)
         agreeing = np.ones(mask.shape, np.uint8) if view.num_views is None else view.num_views
-        weights = 1.0 / view.sigma[mask] ** 2
-        seen = places, weights, view.colours[mask], agreeing[mask]
-        _add(self._table.rows, rows, *seen)
+        seen = places, _UNITS / sigma**2, view.colours[mask], agreeing[mask]
+        self._num_views += 1
+        index = np.floor(places).astype(np.int32)
+        for key, pixels in regions_of(index, _REGION):
+            table = self.pages.page(key)
+            rows = table.enter(index[pixels])
+            _add(table.rows, rows, self._num_views, *(values[pixels] for values in seen))
+
+    def merge(self, folder: Path) -> None:
+        """Add the saved pages of another cloud, of other views."""
+        for key in saved_keys(folder):
+            other = read_page(page_path(folder, key), CELL)
+            table = self.pages.page(key)
+            rows = table.enter(other["index"])
+            for name in ("num_views", "weight", "place", "colour"):
+                table.rows[name][rows] += other[name]
+            most = np.maximum(table.rows["num_agreeing"][rows], other["num_agreeing"])
+            table.rows["num_agreeing"][rows] = most
 
     def cloud(self) -> PointCloud:
         """The points (world), with sigma, and `views`: the number of views that agree on each."""
-        cells = self._table.used
+        parts = [self._points(cells) for cells in chain([np.zeros(0, CELL)], self.pages)]
+        views = np.concatenate([part.attributes["views"] for part in parts])
+        return PointCloud(
+            points=np.concatenate([part.points for part in parts]),
+            colours=np.concatenate([part.shown_colours for part in parts]),
+            sigma=np.concatenate([part.sigma for part in parts]),
+            attributes={"views": views},
+        )
+
+    def _points(self, cells: Rows) -> PointCloud:
         weight = cells["weight"].astype(np.float64)[:, None]
         views = np.maximum(cells["num_views"], cells["num_agreeing"]).clip(0, 255)
         return PointCloud(
             points=(cells["index"] + cells["place"] / weight) * self.cell,
             colours=np.rint(cells["colour"] / weight).clip(0, 255).astype(np.uint8),
-            sigma=1.0 / np.sqrt(weight[:, 0]),
+            sigma=self.cell * np.sqrt(_UNITS / weight[:, 0]),
             attributes={"views": views.astype(np.uint8)},
         )
 
@@ -78,83 +113,67 @@ class CellCloud:
         A few cells around each point are searched, more if they are empty; black if all are.
         """
         places = points / self.cell
-        sums = np.zeros((len(points), 4))
-        for reach in _REACHES:
-            lost = np.flatnonzero(sums[:, 3] == 0)
-            sums[lost] = self._colour_sums(places[lost], reach)
-        mean = sums[:, :3] / np.maximum(sums[:, 3:], 1e-12)
-        colours: NDArray[np.uint8] = np.rint(mean).clip(0, 255).astype(np.uint8)
+        colours = np.zeros((len(points), 3), np.uint8)
+        for key, chosen in regions_of(np.floor(places).astype(np.int32), _REGION):
+            cells = self.pages.around(key, max(_REACHES))
+            colours[chosen] = _colours(cells, places[chosen])
         return colours
 
-    def _colour_sums(self, places: Array, reach: int) -> Array:
-        """(N, 4) weighted sums of red, green and blue of the cells near points, and of weights."""
-        index = np.floor(places).astype(np.int32)
-        sums = np.zeros((len(places), 4))
-        for step in product(range(-reach, reach + 1), repeat=3):
-            rows = self._table.find(index + np.array(step, np.int32))
-            near = np.flatnonzero(rows >= 0)
-            cells = self._table.rows[rows[near]]
-            means = cells["place"] / cells["weight"][:, None]
-            away = cells["index"] + means - places[near]
-            share = 1.0 / (_NEAR_SQ + (away**2).sum(axis=1))
-            sums[near, :3] += cells["colour"] * share[:, None]
-            sums[near, 3] += cells["weight"] * share
-        return sums
 
-    def _rows_of(self, places: Array) -> Numbers:
-        """The row of each point's cell (N,), whose pixel count is updated."""
-        rows = np.empty(len(places), np.int64)
-        done = 0
-        while done < len(places):
-            done, num = _count(*self._table.arrays, places, self._num_views, done, rows)
-            self._table.num_rows = num
-            if self._table.is_full:
-                self._table.grow()
-        return rows
+def _colours(cells: CellTable, places: Array) -> NDArray[np.uint8]:
+    sums = np.zeros((len(places), 4))
+    for reach in _REACHES:
+        lost = np.flatnonzero(sums[:, 3] == 0)
+        sums[lost] = _colour_sums(cells, places[lost], reach)
+    mean = sums[:, :3] / np.maximum(sums[:, 3:], 1e-12)
+    colours: NDArray[np.uint8] = np.rint(mean).clip(0, 255).astype(np.uint8)
+    return colours
 
 
-@njit(cache=True, nogil=True)
-def _count(
-    slots: Slots, cells: Rows, num: int, places: Array, view: int, first: int, rows: Numbers
-) -> tuple[int, int]:
-    """Count pixels in their cells until the table is full; return the next one and the cell count.
-
-    Positions are in cells.
-    """
-    for k in range(first, len(places)):
-        if num == len(cells):
-            return k, num
-        x, y, z = np.floor(places[k, 0]), np.floor(places[k, 1]), np.floor(places[k, 2])
-        row, num = find_or_add(slots, cells, num, (int(x), int(y), int(z)))
-        rows[k] = row
-        cell = cells[row]
-        if cell.last_view != view:
-            cell.last_view = view
-            cell.num_pixels = 0
-            cell.num_views += 1
-        cell.num_pixels += 1
-    return len(places), num
+def _colour_sums(table: CellTable, places: Array, reach: int) -> Array:
+    """(N, 4) weighted sums of red, green and blue of the cells near points, and of weights."""
+    index = np.floor(places).astype(np.int32)
+    sums = np.zeros((len(places), 4))
+    for step in product(range(-reach, reach + 1), repeat=3):
+        rows = table.find(index + np.array(step, np.int32))
+        near = np.flatnonzero(rows >= 0)
+        cells = table.rows[rows[near]]
+        means = cells["place"] / cells["weight"][:, None]
+        away = cells["index"] + means - places[near]
+        share = 1.0 / (_NEAR_SQ + (away**2).sum(axis=1))
+        sums[near, :3] += cells["colour"] * share[:, None]
+        sums[near, 3] += cells["weight"] * share
+    return sums
 
 
 @njit(cache=True, nogil=True)
 def _add(
     cells: Rows,
     rows: Numbers,
+    view: int,
     places: Array,
-    weights: Floats,
+    weights: Array,
     colours: NDArray[np.uint8],
     agreeing: NDArray[np.uint8],
 ) -> None:
-    """Add pixels to their cells.
+    """Add the pixels of a view to their cells.
 
     Errors of one view are correlated: its pixels in a cell together weigh as much as one.
+    Positions are in cells.
     """
+    for row in rows:
+        cell = cells[row]
+        if cell.last_view != view:
+            cell.last_view = view
+            cell.num_pixels = 0
+            cell.num_views += 1
+        cell.num_pixels += 1
     for k in range(len(rows)):
         cell = cells[rows[k]]
-        weight = weights[k] / np.float32(cell.num_pixels)
-        cell.weight += weight
+        weight = max(np.floor(weights[k] / cell.num_pixels + 0.5), 1.0)
+        cell.weight += np.int64(weight)
         cell.num_agreeing = max(cell.num_agreeing, np.int32(agreeing[k]))
         for axis in range(3):
-            place = np.float32(places[k, axis] - cell.index[axis])
-            cell.place[axis] += weight * place
-            cell.colour[axis] += weight * np.float32(colours[k, axis])
+            place = places[k, axis] - cell.index[axis]
+            cell.place[axis] += np.int64(np.floor(weight * place + 0.5))
+            cell.colour[axis] += np.int64(weight) * np.int64(colours[k, axis])

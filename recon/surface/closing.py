@@ -37,6 +37,13 @@ def watertight(mesh: Mesh) -> Mesh:
     return with_normals(capped(closed))
 
 
+def thickness(mesh: Mesh) -> float:
+    """Twice the enclosed volume of a closed mesh over its area: the thickness of a plate."""
+    a, b, c = np.moveaxis(mesh.corners - mesh.vertices.mean(axis=0), 1, 0)
+    volume = abs(float((a * np.cross(b, c)).sum())) / 6
+    return 2 * volume / mesh.area
+
+
 def border_edges(mesh: Mesh) -> Edges:
     """(E, 2) edges of only one triangle, in its direction."""
     edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)

@@ -1,22 +1,28 @@
 """Fusion of the disparities of pairs into one surface: confirmed, fused, meshed."""
 
+import json
+from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
+from recon.files.documents import read_json
+from recon.notices import notify
 from recon.records import DisparityMap, Mesh, PointCloud, StereoPair
 from recon.settings import SurfaceSettings
 from recon.surface.cells import CellCloud
-from recon.surface.closing import watertight
+from recon.surface.closing import thickness, watertight
 from recon.surface.confirmation import Confirmation
 from recon.surface.depth import DepthMap, depth_map
 from recon.surface.triangles import largest_share, mesh_of_pixels, without_floaters
 from recon.surface.volume import Volume
 
+CELLS, BLOCKS, COUNTS = "cells", "blocks", "counts.json"
 _PIXELS_TO_VOXEL = 2.0
 
 
@@ -32,68 +38,144 @@ class Surface:
     """Metrics by their names in metrics.json."""
 
 
+@dataclass(slots=True, kw_only=True)
+class Counts:
+    """Pixels seen by a fusion."""
+
+    num_pixels: int = 0
+    num_known: int = 0
+    """Pixels with a depth."""
+    num_confirmed: int = 0
+    """Those of them that other views confirm."""
+
+    def __add__(self, other: "Counts") -> "Counts":
+        return Counts(
+            **{one.name: getattr(self, one.name) + getattr(other, one.name) for one in fields(self)}
+        )
+
+    def see(self, view: DepthMap) -> None:
+        """Count a view."""
+        self.num_pixels += view.depth.size
+        self.num_known += int(view.valid_mask.sum())
+
+
 class Fusion:
     """Takes pairs with their disparities, one at a time, and returns the surface at the end.
 
-    For a single pair, the pixels are the cloud, and the mesh joins neighbouring ones; for several,
-    depths confirmed by other views are fused in voxels.
+    Of a single pair the pixels are the cloud, and the mesh joins neighbouring ones; of several,
+    depths that other views confirm are fused in voxels.
+
+    Parameters
+    ----------
+    settings : SurfaceSettings
+    folder : Path, optional
+        Folder for data out of use, which bounds memory; all stays in memory if None.
     """
 
-    def __init__(self, settings: SurfaceSettings) -> None:
+    def __init__(self, settings: SurfaceSettings, folder: Path | None = None) -> None:
         self.settings = settings
         self.voxel = settings.voxel
+        self.folder = folder
+        self.counts = Counts()
         self._first: DepthMap | None = None
-        self._num_pairs = 0
-        self._num_pixels = self._num_known = self._num_confirmed = 0
+        self._num_taken = 0
         self._confirmation = Confirmation()
+        self._counts_waiting: deque[bool] = deque()
         self._volume: Volume | None = None
         self._cells: CellCloud | None = None
 
     def add(self, pair: StereoPair, found: DisparityMap) -> DepthMap:
-        """Add the next pair, and return its unconfirmed depths.
+        """Add the next pair, and return its unconfirmed depths."""
+        view = self.view_of(pair, found)
+        self.add_view(view)
+        return view
+
+    def view_of(self, pair: StereoPair, found: DisparityMap) -> DepthMap:
+        """The depths of a pair.
 
         Raises
         ------
         InputError
             For a second pair without a pose.
         """
-        if self._num_pairs and pair.T_world_left is None:
+        if self._num_taken and pair.T_world_left is None:
             raise InputError(
                 f"{pair.name} has no pose, but surfaces of several pairs need one each: "
                 "give --poses given or estimated"
             )
-        view = depth_map(pair, found)
-        self._num_pairs += 1
-        self._num_pixels += found.disparity_px.size
-        self._num_known += int(view.valid_mask.sum())
-        if self._num_pairs == 1:
-            self._first = view
-            self.voxel = self.voxel or suggested_voxel(view)
+        return depth_map(pair, found)
+
+    def add_view(self, view: DepthMap, *, counts: bool = True) -> None:
+        """Add the next view; one that does not count only confirms others."""
+        self._num_taken += 1
+        self._first = self._first or view
+        self.voxel = self.voxel or suggested_voxel(view)
+        if counts:
+            self.counts.see(view)
+        self._counts_waiting.append(counts)
         self._fuse(self._confirmation.add(view))
-        return view
 
     def finish(self) -> Surface:
         """The surface of all pairs."""
-        if self._num_pairs == 1 and self._first is not None:
+        if self._num_taken == 1 and self._first is not None:
             return self._of_one(self._first)
-        self._fuse(self._confirmation.finish())
+        self._settle()
         cells = self._cells or CellCloud(1.0)
         mesh = None
         if self.settings.mesh:
             fused = without_floaters(self._volume.mesh()) if self._volume else Mesh.none()
             mesh = self._closed(replace(fused, colours=cells.colours_at(fused.vertices)))
-        return self._surface(cells.cloud(), mesh, self._num_confirmed / max(self._num_known, 1))
+        share = self.counts.num_confirmed / max(self.counts.num_known, 1)
+        return self._surface(cells.cloud(), mesh, share)
+
+    def save(self, folder: Path) -> None:
+        """Write the sums to a folder, for `merge`."""
+        self._settle()
+        if self._cells is not None:
+            self._cells.pages.save(folder / CELLS)
+        if self._volume is not None:
+            self._volume.pages.save(folder / BLOCKS)
+        folder.mkdir(exist_ok=True)
+        counts = asdict(self.counts) | {"voxel": self.voxel}
+        (folder / COUNTS).write_text(json.dumps(counts, indent=1) + "\n")
+
+    def merge(self, folder: Path) -> None:
+        """Add the saved sums of other pairs.
+
+        Raises
+        ------
+        InputError
+            If its voxels have another size, or it is damaged.
+        """
+        counts, voxel = _read_counts(folder / COUNTS)
+        if self.voxel not in (None, voxel):
+            raise InputError(f"{folder} has voxels of {voxel}, but {self.voxel} is needed")
+        self.voxel = voxel
+        self.counts = self.counts + counts
+        if voxel is not None:
+            self._begun_cells(voxel).merge(folder / CELLS)
+            self._begun_volume(voxel).merge(folder / BLOCKS)
+
+    def _settle(self) -> None:
+        """Fuse the views that still wait for neighbours."""
+        self._fuse(self._confirmation.finish())
 
     def _fuse(self, views: Iterable[DepthMap]) -> None:
         for view in views:
-            self._num_confirmed += int(view.valid_mask.sum())
-            if self._num_pairs == 1 or self.voxel is None:
+            if not self._counts_waiting.popleft() or self.voxel is None:
                 continue
-            self._cells = self._cells or CellCloud(self.voxel)
-            self._cells.add(view)
+            self.counts.num_confirmed += int(view.valid_mask.sum())
+            self._begun_cells(self.voxel).add(view)
             if self.settings.mesh:
-                self._volume = self._volume or Volume(self.voxel)
-                self._volume.add(view)
+                self._begun_volume(self.voxel).add(view)
+
+    def _begun_cells(self, voxel: float) -> CellCloud:
+        self._cells = self._cells or CellCloud(voxel, self.folder and self.folder / CELLS)
+        return self._cells
+
+    def _begun_volume(self, voxel: float) -> Volume:
+        self._volume = self._volume or Volume(voxel, self.folder and self.folder / BLOCKS)
+        return self._volume
 
     def _of_one(self, view: DepthMap) -> Surface:
         mask = view.valid_mask
@@ -109,12 +191,21 @@ class Fusion:
         return self._surface(cloud, mesh, None)
 
     def _closed(self, mesh: Mesh) -> Mesh:
-        return watertight(mesh) if self.settings.watertight and len(mesh) else mesh
+        if not self.settings.watertight or not len(mesh):
+            return mesh
+        closed = watertight(mesh)
+        if self.voxel is not None and (thick := thickness(closed)) < self.voxel:
+            notify(
+                "mesh-without-thickness",
+                f"the closed mesh is {thick:.2g} thick on average, less than a voxel of "
+                f"{self.voxel:g}: of what is there one side was seen, and the other lies on it",
+            )
+        return closed
 
     def _surface(self, cloud: PointCloud, mesh: Mesh | None, share: float | None) -> Surface:
         metrics: dict[str, Any] = {
             "num_dense_points": len(cloud),
-            "dense_share": self._num_known / max(self._num_pixels, 1),
+            "dense_share": self.counts.num_known / max(self.counts.num_pixels, 1),
             "dense_confirmed_share": share,
         }
         if mesh is not None:
@@ -125,6 +216,16 @@ class Fusion:
                 "largest_piece_share": largest_share(mesh),
             }
         return Surface(cloud=cloud, mesh=mesh, metrics=metrics)
+
+
+def _read_counts(path: Path) -> tuple[Counts, float | None]:
+    """Counts and voxel size of a saved fusion; the latter is None if no depth was known."""
+    document = read_json(path)
+    try:
+        voxel = document.pop("voxel")
+        return Counts(**{name: int(n) for name, n in document.items()}), voxel and float(voxel)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path} does not hold the counts of a surface ({error})") from error
 
 
 def suggested_voxel(view: DepthMap) -> float | None:

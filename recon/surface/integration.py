@@ -1,6 +1,6 @@
 """Signed distances of voxels near a surface, from depth maps (Curless and Levoy, 1996)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -16,11 +16,18 @@ Place = tuple[float, float, float]
 BLOCK = 8
 """Voxels along each side of a block."""
 TRUNCATION = 4.0
-"""Truncation of distances in front of the surface, in voxels."""
-_BEHIND = 3.0
-"""Distance behind the surface up to which a view is informative, in voxels."""
-_FREE_SHARE = 0.3
-"""Weight of a view's free space, relative to that of its surface."""
+"""Distances farther before the surface than so many voxels are not told apart."""
+_BEHIND, _SIGMAS_BEHIND = 3.0, 2.0
+"""Distance behind the surface up to which a view is informative, in voxels or, if larger, sigmas:
+otherwise depths that are too large make a second surface behind the first."""
+_FREE_SHARE, _BEHIND_SHARE = 0.3, 0.2
+"""Weights of a view farther in front of and behind its surface, relative to that near it."""
+_SIGMAS_BEFORE = 3.0
+"""Truncation of distances in front of an unsure surface, in sigmas."""
+MAX_SIGMA = 6.0
+"""Maximum sigma of a depth, in voxels."""
+DEEPEST = _SIGMAS_BEHIND * MAX_SIGMA
+"""Maximum distance behind a surface at which a view is informative, in voxels."""
 _JUMP = 2.0
 """Depth difference of neighbouring pixels that separates surfaces, in voxels."""
 
@@ -30,27 +37,15 @@ _STEPS = np.arange(-TRUNCATION, TRUNCATION + 1, BLOCK / 2)
 NUM_STEPS = len(_STEPS)
 
 
-class Store(NamedTuple):
-    """Voxels of B blocks, V voxels each, x first."""
-
-    distance: Floats
-    """(B, V) in truncations, positive in front of the surface."""
-    weight: Floats
-    """(B, V)"""
-
-    @classmethod
-    def empty(cls, num_blocks: int) -> "Store":
-        """Unobserved voxels of `num_blocks` blocks."""
-        return cls(*(np.zeros((num_blocks, BLOCK**3), np.float32) for _ in cls._fields))
-
-    def for_blocks(self, num_blocks: int) -> "Store":
-        """The same voxels, with room for `num_blocks` blocks."""
-        if num_blocks > len(self.weight):
-            for array in self:
-                # resize() may move the block without a copy; no other reference to the array
-                # exists.
-                array.resize((num_blocks, BLOCK**3), refcheck=False)
-        return self
+UNITS = 1 << 13
+"""Resolution of weights; integer sums of parts can be added exactly."""
+_FULL = np.int32((2**31 - 1) * TRUNCATION / (_SIGMAS_BEFORE * MAX_SIGMA) - 4 * UNITS)
+"""Maximum weight of a voxel; larger sums of distances would overflow."""
+VOXELS = np.dtype(
+    [("index", np.int32, (3,)), ("distance", np.int32, BLOCK**3), ("weight", np.int32, BLOCK**3)]
+)
+"""A block: for each voxel, x first, the weighted sum of distances in truncations, positive in front
+of the surface, and the sum of weights."""
 
 
 class View(NamedTuple):
@@ -93,29 +88,50 @@ def touch(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fuse(blocks: Keys, store: Store, view: View, T_left_world: Array, voxel: float) -> None:
-    """Add the evidence of a view to every voxel of every visible block."""
-    T, side = T_left_world, BLOCK * voxel
-    for b in range(len(blocks)):
-        x, y, z = blocks[b, 0] * side, blocks[b, 1] * side, blocks[b, 2] * side
-        corner = (
-            T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
-            T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
-            T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
-        )
-        if _is_in_sight(corner, T, view, voxel):
-            _fuse_block(b, corner, T, store, view, voxel)
+def seen_mask(
+    cubes: Keys, view: View, T_left_world: Array, side: float, behind: float
+) -> NDArray[np.bool_]:
+    """(K,) False if a view has no evidence for any point of a cube.
+
+    Cubes (K, 3) are indexed along the axes; a view is informative up to `behind` its maximum depth.
+    """
+    found = np.empty(len(cubes), np.bool_)
+    for k in range(len(cubes)):
+        corner = _corner(cubes[k], T_left_world, side)
+        found[k] = _is_in_sight(corner, T_left_world, view, side, behind)
+    return found
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_in_sight(corner: Place, T: Array, view: View, voxel: float) -> bool:
-    """False if a view has no evidence for any voxel of a block, given by its corner."""
-    half = 0.5 * BLOCK * voxel
+def fuse(blocks: Rows, view: View, T_left_world: Array, voxel: float) -> None:
+    """Add the evidence of a view to every voxel of every visible block."""
+    side = BLOCK * voxel
+    for b in range(len(blocks)):
+        corner = _corner(blocks[b].index, T_left_world, side)
+        if _is_in_sight(corner, T_left_world, view, side, DEEPEST * voxel):
+            _fuse_block(blocks[b], corner, T_left_world, view, voxel)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _corner(index: Keys, T: Array, side: float) -> Place:
+    """The corner of a cube in the view's frame."""
+    x, y, z = index[0] * side, index[1] * side, index[2] * side
+    return (
+        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
+        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
+        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _is_in_sight(corner: Place, T: Array, view: View, side: float, behind: float) -> bool:
+    """False if a view has no evidence for any point of a cube, given by its corner."""
+    half = 0.5 * side
     x = corner[0] + half * (T[0, 0] + T[0, 1] + T[0, 2])
     y = corner[1] + half * (T[1, 0] + T[1, 1] + T[1, 2])
     z = corner[2] + half * (T[2, 0] + T[2, 1] + T[2, 2])
     radius = np.sqrt(3.0) * half
-    if z + radius <= 0 or z - radius > view.farthest + _BEHIND * voxel:
+    if z + radius <= 0 or z - radius > view.farthest + behind:
         return False
     focal, cx, cy = view.camera
     height, width = view.depth.shape
@@ -130,14 +146,8 @@ def _is_in_sight(corner: Place, T: Array, view: View, voxel: float) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _fuse_block(
-    b: int,
-    corner: Place,
-    T: Array,
-    store: Store,
-    view: View,
-    voxel: float,
-) -> None:
+def _fuse_block(block: Any, corner: Place, T: Array, view: View, voxel: float) -> None:
+    distance, weight = block.distance, block.weight
     for k in range(BLOCK**3):
         x, y, z = voxel * (k % BLOCK), voxel * (k // BLOCK % BLOCK), voxel * (k // BLOCK**2)
         place = (
@@ -145,41 +155,41 @@ def _fuse_block(
             corner[1] + T[1, 0] * x + T[1, 1] * y + T[1, 2] * z,
             corner[2] + T[2, 0] * x + T[2, 1] * y + T[2, 2] * z,
         )
-        _see(b, k, place, store, view, voxel)
+        ahead, trust = _say(place, view, voxel)
+        if trust > 0 and weight[k] < _FULL:
+            units = np.floor(UNITS * trust + 0.5)
+            weight[k] += np.int32(units)
+            distance[k] += np.int32(np.floor(units * ahead / TRUNCATION + 0.5))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _see(
-    b: int,
-    k: int,
-    place: Place,
-    store: Store,
-    view: View,
-    voxel: float,
-) -> None:
-    """Add the evidence of a view to one voxel, whose position is in the view's frame."""
+def _say(place: Place, view: View, voxel: float) -> tuple[float, float]:
+    """Distance in voxels of a point of the view's frame in front of the surface, and its weight.
+
+    The weight is 0 if the view has no evidence for it.
+    """
     if not place[2] > 0:
-        return
+        return 0.0, 0.0
     focal, cx, cy = view.camera
     u, v = focal * place[0] / place[2] + cx, focal * place[1] / place[2] + cy
     height, width = view.depth.shape
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
-        return
+        return 0.0, 0.0
     column, row = int(u + 0.5), int(v + 0.5)
-    # Four pixels differ by no more than a jump, otherwise only the nearest counts.
-    if not (view.depth[row, column] - place[2]) / voxel >= -_BEHIND - _JUMP:
-        return
-    ahead = (_depth_at(view.depth, u, v, _JUMP * voxel) - place[2]) / voxel
-    if not ahead >= -_BEHIND:  # also if the depth is unknown
-        return
     spread = view.sigma[row, column] / voxel
+    behind = max(_BEHIND, _SIGMAS_BEHIND * spread)
+    # Four pixels differ by no more than a jump, otherwise only the nearest counts.
+    if not (view.depth[row, column] - place[2]) / voxel >= -behind - _JUMP:
+        return 0.0, 0.0
+    ahead = (_depth_at(view.depth, u, v, _JUMP * voxel) - place[2]) / voxel
+    if not ahead >= -behind:  # also if the depth is unknown
+        return 0.0, 0.0
     trust = 1 / (spread * spread + 0.25)
     if ahead > TRUNCATION:
         trust *= _FREE_SHARE
-    store.weight[b, k] += trust
-    old = store.distance[b, k]
-    new = min(ahead / TRUNCATION, 1.0)
-    store.distance[b, k] = old + (new - old) * trust / store.weight[b, k]
+    elif ahead < -_BEHIND:
+        trust *= _BEHIND_SHARE
+    return min(ahead, max(TRUNCATION, _SIGMAS_BEFORE * spread)), trust
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

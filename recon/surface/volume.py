@@ -4,6 +4,7 @@ Each depth is weighted by its sigma. Open3D's VoxelBlockGrid extracts the triang
 they are filled here, as it does not support pixel weights.
 """
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,108 +14,166 @@ from recon.errors import InputError
 from recon.geometry import invert
 from recon.libraries import load_open3d
 from recon.records import Mesh
-from recon.surface.depth import DepthMap
-from recon.surface.integration import BLOCK, NUM_STEPS, Store, View, fuse, touch
-from recon.voxelmap.table import CellTable
+from recon.surface.depth import DepthMap, Floats
+from recon.surface.integration import (
+    BLOCK,
+    DEEPEST,
+    MAX_SIGMA,
+    NUM_STEPS,
+    UNITS,
+    VOXELS,
+    View,
+    fuse,
+    seen_mask,
+    touch,
+)
+from recon.surface.pages import Key, Pages, page_path, read_page, regions_of, saved_keys
+from recon.voxelmap.table import CellTable, Rows
 
 Array = NDArray[np.float64]
 Keys = NDArray[np.int32]
 
-_MAX_SIGMA = 6.0
-"""Maximum sigma of a depth, in voxels."""
 _MIN_WEIGHT = 0.04
 """Minimum weight of a surface voxel; one view with a sigma of one voxel yields 0.8."""
 _MAX_BLOCKS = 2_000_000
+"""Maximum number of blocks of one view, for memory."""
 _BLOCK = np.dtype([("index", np.int32, (3,))])
+_REGION = 16
+"""Blocks along each side of a region."""
 
 
 class Volume:
     """Signed distances around a surface, fused from depth maps.
 
+    A view updates all visible blocks that it or an earlier view has created. Integer sums of parts
+    can be added exactly.
+
     Parameters
     ----------
     voxel : float
         Side of a voxel, world units.
+    folder : Path, optional
+        Folder for regions out of use, which bounds memory; all stay in memory if None.
     """
 
-    def __init__(self, voxel: float) -> None:
+    def __init__(self, voxel: float, folder: Path | None = None) -> None:
         self.voxel = voxel
-        self._blocks = CellTable(_BLOCK)
-        self._store = Store.empty(len(self._blocks.rows))
-
-    @property
-    def num_blocks(self) -> int:
-        """Number of blocks that were near a surface."""
-        return self._blocks.num_rows
+        self.pages = Pages(VOXELS, _REGION, folder)
 
     def add(self, view: DepthMap) -> None:
         """Fuse the depths of a view, which also carves free space."""
-        sure = view.where(view.sigma <= _MAX_SIGMA * self.voxel)
+        sure = view.where(view.sigma <= MAX_SIGMA * self.voxel)
         if not sure.valid_mask.any():
             return
-        self._make_room(sure)
+        blocks = self._met(sure)
+        for key, rows in regions_of(blocks, _REGION):
+            self.pages.page(key).enter(blocks[rows])
         camera = (view.rig.focal_px, view.rig.cx_left_px, view.rig.cy_px)
         seen = View(sure.depth, sure.sigma, camera, float(np.nanmax(sure.depth)))
         T_left_world = invert(view.T_world_left)
-        fuse(self._blocks.used["index"], self._store, seen, T_left_world, self.voxel)
+        for key in self._in_sight(seen, T_left_world):
+            fuse(self.pages.page(key).used, seen, T_left_world, self.voxel)
 
-    def _make_room(self, view: DepthMap) -> None:
-        """Create the blocks that the surface of a view passes through."""
+    def merge(self, folder: Path) -> None:
+        """Add the saved pages of another volume."""
+        for key in saved_keys(folder):
+            other = read_page(page_path(folder, key), VOXELS)
+            table = self.pages.page(key)
+            rows = table.enter(other["index"])
+            for name in ("distance", "weight"):
+                table.rows[name][rows] += other[name]
+
+    def _met(self, view: DepthMap) -> Keys:
+        """(B, 3) blocks that the surface of a view passes through."""
         mask = view.valid_mask
         rays = view.rig.rays(np.argwhere(mask)[:, ::-1])
         steps = self.voxel / np.linalg.norm(rays, axis=1)
         rays = rays @ view.T_world_left[:3, :3].T
         depth, done = view.depth[mask].astype(np.float64), 0
-        side = BLOCK * self.voxel
+        side, blocks = BLOCK * self.voxel, CellTable(_BLOCK)
         while done < len(depth):
             lines = rays / side, view.position / side, depth, steps
-            done, num = touch(*self._blocks.arrays, lines, done)
-            self._blocks.num_rows = num
-            if num > _MAX_BLOCKS:
+            done, blocks.num_rows = touch(*blocks.arrays, lines, done)
+            if blocks.num_rows > _MAX_BLOCKS:
                 raise InputError(
                     f"voxels of {self.voxel:g} make more than {_MAX_BLOCKS} blocks, which do not "
                     "fit into memory: give a larger --voxel"
                 )
-            if len(self._blocks.rows) - num < NUM_STEPS:
-                self._blocks.grow()
-        self._store = self._store.for_blocks(len(self._blocks.rows))
+            if len(blocks.rows) - blocks.num_rows < NUM_STEPS:
+                blocks.grow()
+        index: Keys = blocks.used["index"]
+        return index
+
+    def _in_sight(self, view: View, T_left_world: Array) -> list[Key]:
+        keys, side = self.pages.keys, _REGION * BLOCK * self.voxel
+        cubes = np.array(keys, np.int32)
+        mask = seen_mask(cubes, view, T_left_world, side, DEEPEST * self.voxel)
+        return [key for key, is_seen in zip(keys, mask, strict=True) if is_seen]
 
     def mesh(self) -> Mesh:
         """The surface where distances change sign, without colours; holes remain."""
-        if not (self._store.weight > _MIN_WEIGHT).any():
+        parts = [self._part(key) for key in self.pages.keys]
+        if not parts:
             return Mesh.none()
-        try:
-            found = self._grid().extract_triangle_mesh(weight_threshold=_MIN_WEIGHT)
-        except RuntimeError as error:
-            # Open3D fails at setting colours of a mesh without vertices.
-            if "SetVertexColors" not in str(error):
-                raise
+        firsts = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
+        vertices = np.concatenate([vertices for vertices, _ in parts]).astype(np.float64)
+        triangles = np.concatenate(
+            [own + first for (_, own), first in zip(parts, firsts, strict=True)]
+        )
+        if not len(triangles):
             return Mesh.none()
-        if "positions" not in found.vertex or not len(found.vertex.positions):
-            return Mesh.none()
-        vertices = found.vertex.positions.numpy().astype(np.float64)
-        triangles = found.triangle.indices.numpy().astype(np.int32)
         vertices, triangles = _ordered(vertices, triangles)
         return with_normals(Mesh(vertices=vertices, triangles=triangles))
 
-    def _grid(self) -> Any:
-        """Open3D's grid with the same blocks."""
-        o3d = load_open3d()
-        core = o3d.core
-        grid = o3d.t.geometry.VoxelBlockGrid(
-            attr_names=("tsdf", "weight"),
-            attr_dtypes=(core.float32, core.float32),
-            attr_channels=((1), (1)),
-            voxel_size=self.voxel,
-            block_resolution=BLOCK,
-            block_count=self.num_blocks,
-        )
-        index = np.ascontiguousarray(self._blocks.used["index"])
-        rows, _ = grid.hashmap().activate(core.Tensor(index))
-        at, cube = rows.numpy(), (-1, BLOCK, BLOCK, BLOCK, 1)
-        grid.attribute("tsdf").numpy()[at] = self._store.distance[: len(at)].reshape(cube)
-        grid.attribute("weight").numpy()[at] = self._store.weight[: len(at)].reshape(cube)
-        return grid
+    def _part(self, key: Key) -> tuple[Floats, Keys]:
+        """Vertices (V, 3) and triangles of the surface in a region."""
+        none = np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)
+        blocks = self.pages.around(key, 1).used
+        if not (blocks["weight"] > _MIN_WEIGHT * UNITS).any():
+            return none
+        vertices, triangles = _extracted(blocks, self.voxel)
+        if not len(triangles):
+            return none
+        # Neighbouring regions extract bit-identical triangles; each is kept once.
+        middle = vertices[triangles].mean(axis=1, dtype=np.float64)
+        own = np.floor(middle / (_REGION * BLOCK * self.voxel)) == key
+        used, renumbered = np.unique(triangles[own.all(axis=1)], return_inverse=True)
+        return vertices[used], renumbered.reshape(-1, 3).astype(np.int32)
+
+
+def _extracted(blocks: Rows, voxel: float) -> tuple[Floats, Keys]:
+    """Vertices and triangles that Open3D extracts from blocks."""
+    none = np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)
+    try:
+        found = _grid(blocks, voxel).extract_triangle_mesh(weight_threshold=_MIN_WEIGHT)
+    except RuntimeError as error:
+        # Open3D fails at setting colours of a mesh without vertices.
+        if "SetVertexColors" not in str(error):
+            raise
+        return none
+    if "positions" not in found.vertex or not len(found.vertex.positions):
+        return none
+    triangles = found.triangle.indices.numpy().astype(np.int32)
+    return found.vertex.positions.numpy(), triangles
+
+
+def _grid(blocks: Rows, voxel: float) -> Any:
+    """Open3D's grid with the same blocks."""
+    core = load_open3d().core
+    grid = load_open3d().t.geometry.VoxelBlockGrid(
+        attr_names=("tsdf", "weight"),
+        attr_dtypes=(core.float32, core.float32),
+        attr_channels=((1), (1)),
+        voxel_size=voxel,
+        block_resolution=BLOCK,
+        block_count=len(blocks),
+    )
+    rows, _ = grid.hashmap().activate(core.Tensor(np.ascontiguousarray(blocks["index"])))
+    at, cube = rows.numpy(), (-1, BLOCK, BLOCK, BLOCK, 1)
+    distance = blocks["distance"] / np.maximum(blocks["weight"], 1)
+    grid.attribute("tsdf").numpy()[at] = distance.reshape(cube)
+    grid.attribute("weight").numpy()[at] = (blocks["weight"] / UNITS).reshape(cube)
+    return grid
 
 
 def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:

@@ -87,6 +87,24 @@ def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.in
 
 
 @njit(cache=True)
+def _enter(
+    slots: Slots,
+    rows: Rows,
+    num_rows: int,
+    index: NDArray[np.int32],
+    found: NDArray[np.int64],
+    first: int,
+) -> tuple[int, np.int64]:
+    """Find or add cells (K, 3) until the table is full; return the next cell and the row count."""
+    num = np.int64(num_rows)
+    for k in range(first, len(index)):
+        if num == len(rows):
+            return k, num
+        found[k], num = find_or_add(slots, rows, num, (index[k, 0], index[k, 1], index[k, 2]))
+    return len(index), num
+
+
+@njit(cache=True)
 def _refill(slots: Slots, rows: Rows, num_rows: int) -> None:
     """Enter all rows, which are distinct cells, into empty slots."""
     for row in range(num_rows):
@@ -119,6 +137,17 @@ class CellTable:
         """The row of each cell (K, 3), -1 if missing."""
         cells = np.ascontiguousarray(index, np.int32)
         rows: NDArray[np.int64] = _lookup(self.slots, self.rows, cells)
+        return rows
+
+    def enter(self, index: NDArray[np.integer]) -> NDArray[np.int64]:
+        """The row of each cell (K, 3), added if new."""
+        cells, done = np.ascontiguousarray(index, np.int32), 0
+        rows = np.empty(len(cells), np.int64)
+        while done < len(cells):
+            done, num = _enter(*self.arrays, cells, rows, done)
+            self.num_rows = int(num)
+            if self.is_full:
+                self.grow()
         return rows
 
     @property

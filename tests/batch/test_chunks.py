@@ -12,6 +12,7 @@ from recon.batch.jobfile import jobs_of_glob
 from recon.cli import main
 from recon.errors import InputError
 from recon.exports.partitions.partitioned import PartitionedMap
+from recon.exports.ply import read_mesh
 from recon.sequences import images
 from recon.sequences.open import open_sequence
 from recon.sequences.refined import Refined, read_refined, refine
@@ -25,9 +26,9 @@ name = "wall"
 command = "reconstruct"
 input = "drive"
 quality = "fast"
-settings = { "map.partition_size" = 64, "sequence.only_confirmed" = true }
+settings = { "map.partition_size" = 64, "sequence.only_confirmed" = true, "surface.mesh" = true }
 """
-SHARED = ("cloud.ply", "objects.json", "trajectory.txt")
+SHARED = ("cloud.ply", "objects.json", "trajectory.txt", "dense.ply")
 
 
 class Sent:
@@ -49,7 +50,7 @@ def drive(tmp_path_factory):
 @pytest.fixture(scope="module")
 def whole(drive):
     run = drive.parent / "whole"
-    given = ["--chunk", "5", "--set", "sequence.only_confirmed=true", "-q"]
+    given = ["--chunk", "5", "--set", "sequence.only_confirmed=true", "--mesh", "-q"]
     assert main(["reconstruct", str(drive), "-o", str(run), *SETTINGS, *given]) == 0
     return run
 
@@ -64,6 +65,12 @@ def test_chunks_as_jobs_become_the_map_of_one_run(drive, whole, tmp_path):
     assert files(merged / "map.parquet") == files(whole / "map.parquet")
     for name in SHARED:
         assert (merged / name).read_bytes() == (whole / name).read_bytes(), name
+    meshes = [read_mesh(run / "mesh.ply") for run in (whole, merged)]
+    places = [{one.tobytes() for one in mesh.vertices} for mesh in meshes]
+    assert len(places[0] & places[1]) > 0.9 * len(places[0] | places[1]) > 9
+    numbers = [json.loads((run / "metrics.json").read_text()) for run in (whole, merged)]
+    for name in ("dense_share", "dense_confirmed_share", "voxel", "num_dense_points"):
+        assert numbers[0][name] == numbers[1][name], name
     assert main([*given, "-j", "1", "-q", "--resume"]) == 0
 
 

@@ -81,6 +81,24 @@ def test_the_same_command_gives_the_same_bytes(drive, tmp_path, capsys):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
 
+def test_pairs_are_fused_where_closed_loops_put_them(drive, tmp_path, capsys, monkeypatch):
+    def moved(source, mapper, places, work):
+        poses = mapper.trajectory.T_world_left.copy()
+        poses[:, 0, 3] += 10
+        mapper.repose(poses, [])
+        return {}
+
+    reconstruct(drive, tmp_path / "plain", capsys, "--mesh", "--voxel", "0.1")
+    monkeypatch.setattr("recon.runs.reconstruct.may_close", lambda source: True)
+    monkeypatch.setattr("recon.runs.reconstruct.close_drive", moved)
+    reconstruct(drive, tmp_path / "moved", capsys, "--mesh", "--voxel", "0.1")
+    before, after = (read_mesh(tmp_path / name / "mesh.ply") for name in ("plain", "moved"))
+    assert len(after) == pytest.approx(len(before), rel=0.02)
+    shift = after.vertices.mean(axis=0) - before.vertices.mean(axis=0)
+    np.testing.assert_allclose(shift, [10, 0, 0], atol=0.02)
+    assert not (tmp_path / "moved" / "views").exists()
+
+
 def test_every_pixel_goes_into_the_map_where_it_is_wanted(drive, tmp_path, capsys):
     sparse = reconstruct(drive, tmp_path / "sparse", capsys)
     dense = reconstruct(

@@ -8,10 +8,11 @@ from views import COLOUR, HEIGHT, RIG, WIDTH, ball_view, view_of, wall_view
 
 from recon.errors import InputError
 from recon.geometry import transform
+from recon.notices import collected_notices
 from recon.records import DisparityMap, Mesh, StereoPair
 from recon.settings import SurfaceSettings
 from recon.surface.cells import CellCloud
-from recon.surface.closing import border_edges, capped, watertight
+from recon.surface.closing import border_edges, capped, thickness, watertight
 from recon.surface.confirmation import Confirmation, confirmed
 from recon.surface.depth import depth_map
 from recon.surface.fusion import Fusion
@@ -179,6 +180,22 @@ def test_a_closed_ball_has_the_right_size(ball):
     a, b, c = np.moveaxis(closed.corners, 1, 0)
     volume = (a * np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(4 / 3 * np.pi, rel=0.08)
+
+
+def closed_and_said(views):
+    """The codes of what is said when a watertight mesh of views is made."""
+    fusion = Fusion(SurfaceSettings(mesh=True, watertight=True, voxel=VOXEL))
+    for view in views:
+        fusion.add_view(view)
+    with collected_notices() as notices:
+        fusion.finish()
+    return [notice.code for notice in notices]
+
+
+def test_a_sheet_that_is_closed_has_no_thickness_and_that_is_said(ball):
+    assert thickness(watertight(ball)) == pytest.approx(2 / 3, rel=0.1)  # of a ball of radius 1
+    assert closed_and_said([wall_view()]) == ["mesh-without-thickness"]
+    assert closed_and_said([ball_view(angle) for angle in range(0, 360, 30)]) == []
 
 
 def test_two_borders_that_meet_in_a_vertex_get_a_cap_each():
