@@ -7,9 +7,11 @@ import importlib.util
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import ModuleType
+from typing import Any
 
 from recon.errors import MissingLibraryError
 
@@ -34,9 +36,50 @@ def load_open3d() -> ModuleType:
     if library is not None:
         ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
     try:
-        return importlib.import_module("open3d")
+        with _undisturbed():
+            if "open3d" not in sys.modules:
+                sys.modules[_LATE] = _late_plots()
+            return importlib.import_module("open3d")
     except (ImportError, OSError) as error:
         raise MissingLibraryError(f"Open3D does not load ({error}); run: {APT_LINE}") from error
+
+
+_one_at_a_time = threading.Lock()
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Let no other thread take over: Open3D walks through `sys.modules` when it is loaded, and
+    fails where another thread imports something meanwhile.
+    """
+    with _one_at_a_time:
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(60.0)
+        try:
+            yield
+        finally:
+            sys.setswitchinterval(interval)
+
+
+_LATE = "open3d.visualization.draw_plotly"
+"""The part of Open3D that plots in notebooks: it takes a web framework along, 40 % of the time."""
+
+
+def _late_plots() -> ModuleType:
+    """A module in its place, whose functions load it when they are called."""
+    module = ModuleType(_LATE)
+
+    def late(name: str) -> Callable[..., object]:
+        def call(*given: Any, **named: Any) -> object:
+            if sys.modules.get(_LATE) is module:
+                del sys.modules[_LATE]
+            return getattr(importlib.import_module(_LATE), name)(*given, **named)
+
+        return call
+
+    for name in ("get_plotly_fig", "draw_plotly", "draw_plotly_server"):
+        setattr(module, name, late(name))
+    return module
 
 
 @functools.cache
@@ -150,6 +193,26 @@ def limit_threads(number: int) -> None:
     import cv2
 
     cv2.setNumThreads(number)
+
+
+_M_ARENA_MAX = -8
+"""Of glibc's `mallopt`."""
+
+
+def share_arenas(number: int = 2) -> None:
+    """Let all threads allocate in few arenas: what one frees the next one uses.
+
+    glibc makes an arena for every thread otherwise, and a program that starts threads all the time
+    grows. Elsewhere nothing happens.
+    """
+    with suppress(AttributeError, OSError, TypeError):
+        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, number)
+
+
+def return_memory() -> None:
+    """Give free memory back to the system, where the C library can."""
+    with suppress(AttributeError, OSError, TypeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from recon.app.simulation import Simulation
-from recon.app.widgets import card, nicegui, number_field
+from recon.app.widgets import card, chooser, nicegui, number_field
 from recon.errors import InputError
 
 FIELDS = {
@@ -15,6 +15,8 @@ FIELDS = {
     "near": "near", "far": "far", "width": "width [px]", "height": "height [px]",
 }  # fmt: skip
 NAMES = {"fov_deg": "fov"}
+GAZES = ("shift", "toe-in")
+"""Both cameras look at the target by shifted sensors, or by turning inwards."""
 
 
 class CameraCard:
@@ -31,11 +33,20 @@ class CameraCard:
                 testid = "field-" + NAMES.get(name, name).replace("_", "-")
                 change = partial(self._change, name)
                 self.fields[name] = number_field(testid, FIELDS[name], value, change)
+            self.gaze = chooser(
+                "field-gaze", "gaze", GAZES, simulation.settings.eyes.gaze, self._turn
+            )
 
     def show(self) -> None:
         """Show the current values of the cameras."""
         for name, value in self.simulation.values().items():
             self.fields[name].set_value(round(value, 6))
+        self.gaze.set_value(self.simulation.settings.eyes.gaze)
+
+    def _turn(self, gaze: str) -> None:
+        if gaze != self.simulation.settings.eyes.gaze:
+            self.simulation.change_settings({"eyes": {"gaze": gaze}})
+            self._moved()
 
     def _change(self, name: str, _: Any = None) -> None:
         wanted = self.fields[name].value

@@ -1,15 +1,14 @@
 """A view of a layer as an image, and the row of the layer at each pixel."""
 
-import base64
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.app.filters import Shown
-from recon.app.layers import COLOUR, Layer
+from recon.app.layers import Layer
+from recon.app.looks import COLOUR, Look
 from recon.app.orbit import Orbit
-from recon.exports.encoding import encode_image
 from recon.figures import scales
 from recon.figures.partition import part_colour
 from recon.figures.solids import triangles_of
@@ -23,22 +22,6 @@ MARKED = np.array([255, 140, 0], np.uint8)
 POINT_PX = 2
 SEE_THROUGH = 0.55
 """Opacity of a solid in front of its cells."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Look:
-    """Display options of a layer."""
-
-    colour_by: str = COLOUR
-    is_dark: bool = True
-    is_quick: bool = False
-    """True for a coarse image of half the resolution, while the view turns."""
-    unit: str = ""
-    """Unit of lengths, if known."""
-    selected: int | None = None
-    """Id of the highlighted object."""
-    solids: tuple[FoundObject, ...] = ()
-    """Objects whose solids are drawn over the cells."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -134,9 +117,3 @@ def _add_solids(raster: Raster, voxels: Voxels, objects: tuple[FoundObject, ...]
     before = (over.number >= 0) & (depth >= raster.inverse_depth)
     mixed = SEE_THROUGH * over.image[before] + (1.0 - SEE_THROUGH) * raster.image[before]
     raster.image[before] = mixed.astype(np.uint8)
-
-
-def as_source(image: NDArray[np.uint8], ending: str = ".png") -> str:
-    """An image as a data URL."""
-    data = base64.b64encode(encode_image(image, ending)).decode()
-    return f"data:image/{ending.removeprefix('.').replace('jpg', 'jpeg')};base64,{data}"

@@ -16,9 +16,9 @@ from recon.exports.ply import read_cloud_chunks
 from recon.figures.partition import cells_of_mask
 from recon.notices import collected_notices
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
-from recon.runfolder import MANIFEST, read_manifest
+from recon.runfolder import MANIFEST
 from recon.runs.maps import map_path, shown
-from recon.runs.reading import read_reconstruction
+from recon.runs.reading import is_recorded, read_reconstruction
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
@@ -36,6 +36,8 @@ class Exhibit:
     objects: tuple[FoundObject, ...] = ()
     trajectory: Trajectory | None = None
     is_run: bool = False
+    is_recorded: bool = False
+    """True of a run that saw the real world."""
     unit: str = ""
     """Unit of lengths, if known."""
     notices: tuple[str, ...] = ()
@@ -77,7 +79,6 @@ def _read(path: Path) -> Data:
 
 
 def _open_run(path: Path) -> Exhibit:
-    manifest = read_manifest(path)
     layers: dict[str, Layer] = {}
     objects: tuple[FoundObject, ...] = ()
     trajectory = None
@@ -90,12 +91,15 @@ def _open_run(path: Path) -> Exhibit:
     for name, file in CLOUDS.items():
         if (path / file).exists():
             layers[name] = layer_of(_read(path / file))
-    # Late: it imports everything that draws figures.
-    from recon.runs.figures import RECORDED
-
-    unit = "m" if manifest["command"] in RECORDED else "world units"
+    is_real = is_recorded(path)
     return Exhibit(
-        path=path, layers=layers, objects=objects, trajectory=trajectory, is_run=True, unit=unit
+        path=path,
+        layers=layers,
+        objects=objects,
+        trajectory=trajectory,
+        is_run=True,
+        is_recorded=is_real,
+        unit="m" if is_real else "world units",
     )
 
 

@@ -1,6 +1,7 @@
 """One exhibit on the inspector's page: its view, options, readings and exports."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,14 +9,15 @@ import numpy as np
 from recon.app.drawing import View
 from recon.app.exhibit import Exhibit
 from recon.app.filter_card import FilterCard
-from recon.app.layers import COLOUR, LENGTHS, Layer
+from recon.app.layers import Layer
+from recon.app.looks import COLOUR, LENGTHS
 from recon.app.objects_table import ObjectsTable
-from recon.app.orbit import VIEWS
+from recon.app.orbit import VIEWS, Orbit
 from recon.app.pair_viewer import PairViewer
 from recon.app.taking import ENDINGS, packed
 from recon.app.threads import in_thread
 from recon.app.view_panel import ViewPanel
-from recon.app.widgets import card, chooser, nicegui, note, testid
+from recon.app.widgets import button, card, chooser, line, nicegui, note, side, testid
 from recon.errors import InputError, ReconError
 from recon.records import PointCloud
 
@@ -44,10 +46,10 @@ class ExhibitPage:
             if not is_alone:
                 self._add_cards()
         if is_alone:
-            with ui.element("div").classes("recon-side"):
+            with side():
                 self._add_cards()
         self.say("\n".join(exhibit.notices))
-        self.panel.painter.ask()
+        self.panel.begin(self._first_orbit())
 
     def named(self, name: str) -> str:
         """A `data-testid` of this exhibit."""
@@ -61,6 +63,14 @@ class ExhibitPage:
         """Show an error message; the view stays."""
         self.message.set_text(text)
 
+    def _first_orbit(self) -> Orbit:
+        """A recording is seen as its first camera saw it."""
+        orbit = Orbit.round(*self.layer.box)
+        trajectory = self.exhibit.trajectory
+        if not self.exhibit.is_recorded or trajectory is None or not len(trajectory):
+            return orbit
+        return orbit.behind(trajectory.T_world_left[0])
+
     def _add_view(self) -> None:
         ui = nicegui()
         self.panel = ViewPanel(
@@ -69,28 +79,29 @@ class ExhibitPage:
         self.panel.look = replace(self.panel.look, unit=self.exhibit.unit)
         self.panel.trajectory = self.exhibit.trajectory
         self.panel.names = tuple(self.exhibit.objects)
-        with ui.row().classes("w-full items-center gap-2"):
+        with ui.element("div").classes("recon-buttons").style("padding: 2px 0"):
             for view in VIEWS:
-                ui.button(view, on_click=lambda view=view: self.panel.look_from(view)).props(
-                    "flat dense no-caps size=sm"
+                ui.button(view, on_click=partial(self.panel.look_from, view)).props(
+                    "flat dense no-caps"
                 )
-            self.share = note(self.named("shown-share"), "reading ...")
+            self.share = note(self.named("shown-share"), "drawing ...")
         self.message = note(self.named("message"), "", "recon-message")
+        with card("Clicked"):
+            self.info = note(self.named("point-info"), "click a cell or a point")
+            self.info.classes("recon-told")
 
     def _add_cards(self) -> None:
-        with card("What is shown, and in which colour"):
+        with card("Layer and colour"):
             self._add_choices()
-        with card("Thresholds, slices and clip box"):
+        with card("Filters"):
             self.filters = FilterCard(
                 self.named, self.layer, self.exhibit.unit, self.panel.refilter
             )
-        with card("What was clicked"):
-            self.info = note(self.named("point-info"), "click a cell or a point")
         with card("Objects"):
-            self.table = ObjectsTable(self.named("objects"), self.exhibit, self._select)
+            self.table = ObjectsTable(self.named("objects"), self.exhibit.objects, self._select)
         with card("Pairs"):
             self.pairs = PairViewer(self.exhibit, self.suffix, self._show_pair, self.say)
-        with card("Take what is shown"):
+        with card("Export what is shown"):
             self._add_export()
         if self.exhibit.figures:
             self._add_figures()
@@ -115,28 +126,29 @@ class ExhibitPage:
                     lambda name: self._look(colour_by=name))  # fmt: skip
 
     def _add_export(self) -> None:
-        ui = nicegui()
-        with ui.row().classes("w-full items-end no-wrap gap-2"):
+        with line():
             self.ending = chooser(
                 self.named("format"), "format", ENDINGS, ENDINGS[0], lambda _: None
             )
-            button = ui.button("export", on_click=self._export).props("dense no-caps outline")
-            testid(button, self.named("export"))
+            button(self.named("export"), "export", self._export)
 
     def _add_figures(self) -> None:
         ui = nicegui()
         with card("Figures of the run"):
             names = {path.stem: path for path in self.exhibit.figures}
-            image = ui.image().classes("w-full")
+            first = "overview" if "overview" in names else next(iter(names))
+            with ui.dialog() as whole, ui.card().style("max-width: 95vw; width: 95vw"):
+                large = ui.image().props("fit=contain").style("max-height: 85vh")
 
             def show(name: str) -> None:
                 try:
-                    image.set_source(names[name])
+                    for image in (small, large):
+                        image.set_source(names[name])
                 except OSError as error:
                     self.say(f"{names[name]}: {error.strerror or error}")
 
-            first = "overview" if "overview" in names else next(iter(names))
-            chooser(self.named("figure"), "figure", list(names), first, show)
+            chooser(self.named("figure"), "figure (a click enlarges it)", list(names), first, show)
+            small = ui.image().classes("w-full cursor-pointer").on("click", whole.open)
             show(first)
 
     def _change_layer(self, name: str) -> None:
@@ -175,6 +187,8 @@ class ExhibitPage:
 
     def _drawn(self, view: View) -> None:
         self.share.set_text(view.shown.share(self.panel.layer.noun))
+        # Late: the scene comes first.
+        self.pairs.begin()
 
     def _show_pair(self, number: int) -> None:
         self.panel.pair = number

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.app import marks
+from recon.app.archive import archive
 from recon.app.channels import CHANNELS, PLAIN, UNITS, Points
-from recon.app.drawing import as_source
 from recon.app.painter import Painter
 from recon.app.simulation import Sight, Simulation
-from recon.app.taking import archive
-from recon.app.widgets import card, chooser, nicegui, note, pane, testid
+from recon.app.source import as_source
+from recon.app.widgets import button, card, chooser, line, nicegui, note, pane, testid
 from recon.exports.encoding import encode_image
 from recon.figures import scales
 
@@ -23,6 +23,7 @@ REACH_PX = 6.0
 SIDES = ("left", "right")
 PLAIN_COLOUR = np.array([20, 20, 20], np.uint8)
 MARK = "#e8650a"
+HINT = "show the feature points, then click one in an eye"
 FRAMES = Path("frames")
 """Folder of exported frames, in the working directory."""
 
@@ -64,12 +65,11 @@ class EyePanes:
                         lambda event, side=side: self._toggle((side,), is_on=event.value)
                     )
                     self.boxes[side] = box
-            with ui.row().classes("w-full items-end no-wrap gap-2"):
-                chooser("channel", "channel", CHANNELS, PLAIN, self._choose)
-                button = ui.button("Export Frame", on_click=self._export)
-                button.props("dense no-caps outline no-wrap").style("flex: none")
-                testid(button, "export-frame")
-            self.info = note("point-info", "click a feature point")
+            with line():
+                chooser("channel", "colour by channel", CHANNELS, PLAIN, self._choose)
+                button("export-frame", "Export Frame", self._export)
+            self.info = note("point-info", HINT)
+            self.info.classes("recon-told")
 
     def _toggle(self, sides: tuple[str, ...], *, is_on: bool) -> None:
         for side in sides:
@@ -130,7 +130,7 @@ class EyePanes:
     def _click(self, side: str, event: Any) -> None:
         points = None if self.sight is None else self.sight.points
         if points is None:
-            self.info.set_text("show the feature points, then click one")
+            self.info.set_text(HINT)
             return
         self.picked = points.nearest(side, (event.image_x, event.image_y), REACH_PX)
         text = "no point there" if self.picked is None else points.describe(self.picked)

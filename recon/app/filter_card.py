@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from recon.app.filters import AT_LEAST, AT_MOST, Filter
-from recon.app.layers import Layer, with_unit
+from recon.app.layers import Layer
+from recon.app.looks import with_unit
 from recon.app.widgets import chooser, nicegui, note, slider, testid
 
 WHOLE = "none"
@@ -65,7 +66,7 @@ class FilterCard:
     def _add_count(self) -> None:
         counts = self.layer.counts
         top = float(np.quantile(counts, 0.995)) if len(counts) else 1.0
-        label = note(text="at least 1 point")
+        label = note(words="at least 1 point")
 
         def change(value: float) -> None:
             label.set_text(f"at least {value:.0f} {'point' if value == 1 else 'points'}")
@@ -82,7 +83,7 @@ class FilterCard:
         side = "most" if name in AT_MOST else "least"
         first = high if side == "most" else low
         called = with_unit(name, self.unit)
-        label = note(text=f"{called} at {side} {first:.4g}")
+        label = note(words=f"{called} at {side} {first:.4g}")
 
         def change(value: float) -> None:
             label.set_text(f"{called} at {side} {value:.4g}")
@@ -94,8 +95,10 @@ class FilterCard:
     def _add_slices(self) -> None:
         """Add a slice across one axis, one cell thick."""
         chooser(self.named("slice"), "slice across", (WHOLE, *"xyz"), WHOLE, self._slice_across)
-        self._slice_note = note(text="")
-        slider(self.named("slice-at"), (0.0, 1.0, 1.0 / NUM_STEPS), 0.5, self._slice_at)
+        self._slice_note = note()
+        ends = 0.0, 1.0, 1.0 / NUM_STEPS
+        self._slice_slider = slider(self.named("slice-at"), ends, 0.5, self._slice_at)
+        self._slice_slider.set_visibility(False)
 
     def _slice_across(self, axis: str) -> None:
         self._axis = axis
@@ -106,6 +109,7 @@ class FilterCard:
         self._slice()
 
     def _slice(self) -> None:
+        self._slice_slider.set_visibility(self._axis != WHOLE)
         if self._axis == WHOLE:
             self._slice_note.set_text("")
             return self._change(slab=None)
@@ -119,6 +123,8 @@ class FilterCard:
 
     def _add_clips(self) -> None:
         low, high = self.layer.box
+        self._ends: list[Any] = []
+        note(words=f"clip box [{self.unit}]" if self.unit else "clip box")
         with nicegui().element("div").classes("recon-fields"):
             self._clips = [
                 self._add_clip(axis, float(low[axis]), float(high[axis])) for axis in range(3)
@@ -127,15 +133,21 @@ class FilterCard:
     def _add_clip(self, axis: int, low: float, high: float) -> Any:
         ui = nicegui()
         with ui.column().classes("gap-0").style("padding: 0 8px"):
-            ui.label(with_unit("xyz"[axis], self.unit)).classes("recon-note")
+            self._ends.append(note())
             step = max((high - low) / NUM_STEPS, 1e-9)
             clip = ui.range(min=low, max=high, step=step, value={"min": low, "max": high})
-            testid(clip.props("label"), self.named(f"clip-{'xyz'[axis]}"))
+            testid(clip.props("dense"), self.named(f"clip-{'xyz'[axis]}"))
             clip.on_value_change(self._clip)
+        self._tell_clip(axis, low, high)
         return clip
+
+    def _tell_clip(self, axis: int, low: float, high: float) -> None:
+        self._ends[axis].set_text(f"{'xyz'[axis]} {low:.4g} to {high:.4g}")
 
     def _clip(self) -> None:
         ends = [(clip.value["min"], clip.value["max"]) for clip in self._clips]
+        for axis, (first, last) in enumerate(ends):
+            self._tell_clip(axis, first, last)
         low, high = np.array(ends, np.float64).T
         margin = 1e-6 * np.maximum(high - low, 1e-9)
         self._change(low=low - margin, high=high + margin)

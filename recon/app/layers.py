@@ -16,11 +16,8 @@ Data = PointCloud | Voxels | Mesh
 GREY = 150
 """Grey level of data without colours."""
 
-COLOUR = "colour"
 HIDDEN = {"red", "green", "blue", "cell_size", "index_x", "index_y", "index_z"}
 MAX_COLUMNS = 40
-LENGTHS = {"x", "y", "z", "sigma", "depth", "height"}
-"""Columns that are lengths."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,11 +92,6 @@ class Layer:
         red, green, blue = (int(channel) for channel in self.colours[row])
         numbers = {name: float(column[row]) for name, column in self.columns.items()}
         return numbers | {"red": red, "green": green, "blue": blue}
-
-
-def with_unit(name: str, unit: str) -> str:
-    """A column's name with the unit of its values, if known."""
-    return f"{name} [{unit}]" if unit and name in LENGTHS else name
 
 
 def layer_of(data: Data, more: Mapping[str, NDArray[np.float64]] | None = None) -> Layer:

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.app import marks
+from recon.app.looks import name_of, top_of
+from recon.records import FoundObject
 from recon.settings import WorldSettings
 
 Array = NDArray[np.float64]
@@ -14,6 +16,8 @@ GRAB_PX = 22.0
 """Distance at which the mouse grabs a symbol."""
 CAMERA, TARGET, WAY = "#e8650a", "#0072b2", "#ffffff"
 SKY = (198, 213, 228)
+FONT = 12.0
+"""Pixels of a name's letters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +88,20 @@ class MapPane:
         at = self.to_pixels(np.array([ends[0], position, ends[1]])).tolist()
         points = " ".join(f"{u:.1f},{v:.1f}" for u, v in at)
         return f'<polygon points="{points}" fill="{CAMERA}" fill-opacity=".18"/>'
+
+    def names(self, objects: tuple[FoundObject, ...], selected: int | None) -> str:
+        """The objects that are found, by name; a ring round the one that is selected."""
+        return "".join(self._name(found, found.id == selected) for found in objects)
+
+    def _name(self, found: FoundObject, is_selected: bool) -> str:
+        place = top_of(found) if self.is_upward else found.centre - 0.5 * found.size
+        place[0] = found.centre[0]
+        ((u, v),) = self.to_pixels(place[None]).tolist()
+        name = marks.text(u, v - 4.0, name_of(found), FONT)
+        if not is_selected:
+            return name
+        ((u, v),) = self.to_pixels(found.centre[None]).tolist()
+        return name + marks.ring(u, v, 0.6 * float(found.size.max()) / self.unit, CAMERA)
 
     def way(self, positions: list[Array]) -> str:
         """The path so far."""

@@ -1,24 +1,26 @@
 """The top and front views, with draggable camera and target, and the growing map."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.app import marks
-from recon.app.drawing import as_source
 from recon.app.map_panes import MapPane, front_pane, top_pane
+from recon.app.objects_table import WHILE_EXPLORED, ObjectsTable
 from recon.app.painter import Painter
 from recon.app.simulation import MAP_PX
-from recon.app.widgets import pane
+from recon.app.source import as_source
+from recon.app.widgets import card, nicegui, pane
 from recon.errors import InputError
 
 if TYPE_CHECKING:
     from recon.app.visit import Visit
 
 EVENTS = ("mousedown", "mousemove", "mouseup")
-FRONT_HEIGHT = 288
+FRONT_HEIGHT = 192
 """Height of the front view in pixels; above the world there is sky."""
 
 Drawn = list[tuple[MapPane, NDArray[np.uint8]]]
@@ -36,13 +38,23 @@ class MapViews:
         self.painter: Painter[Drawn] = Painter(self._draw, self._show, complain)
         self._bases: tuple[Any, Drawn] | None = None
         self._grabbed: str | None = None
+        self._selected: int | None = None
         self.panes: dict[str, MapPane] = {}
-        self.images = {
-            name: pane(
-                f"pane-{name}", size, lambda event, name=name: self._on_mouse(name, event), EVENTS
-            )
-            for name, size in (("top", (MAP_PX, MAP_PX)), ("front", (MAP_PX, FRONT_HEIGHT)))
-        }
+        self.images = {"top": self._pane("top", MAP_PX)}
+        ui = nicegui()
+        with ui.element("div").classes("recon-cell"):
+            self.images["front"] = self._pane("front", FRONT_HEIGHT)
+            with ui.element("div").classes("recon-rest"), card("Objects"):
+                self.table = ObjectsTable(
+                    "objects", self.simulation.objects, self._select, WHILE_EXPLORED
+                )
+
+    def _pane(self, name: str, height: int) -> Any:
+        return pane(f"pane-{name}", (MAP_PX, height), partial(self._on_mouse, name), EVENTS)
+
+    def _select(self, number: int | None) -> None:
+        self._selected = number
+        self.mark()
 
     def mark(self) -> None:
         """Place the symbols of camera and target."""
@@ -55,7 +67,8 @@ class MapViews:
             )
             frame = marks.caption(f"{name} view", shown.size)
             frame += marks.length_bar(1.0 / shown.unit, shown.size)
-            self.images[name].set_content(way + frame + symbols)
+            names = shown.names(simulation.objects, self._selected)
+            self.images[name].set_content(way + frame + symbols + names)
 
     def _base(self) -> Drawn:
         """The panes without a map, drawn once per world."""

@@ -1,4 +1,4 @@
-"""SVG overlays of an image: scales, names, the path, the clicked point."""
+"""SVG overlays of an image."""
 
 from html import escape
 from typing import Any
@@ -6,51 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.app.drawing import Look, View
-from recon.app.layers import COLOUR, Layer, with_unit
 from recon.figures import scales
-from recon.records import UNKNOWN, FoundObject, Trajectory
-from recon.world.raster import Lens
 
 Array = NDArray[np.float64]
-Names = tuple[FoundObject, ...]
 
 BAR = (1.1, 14.0)
 """Width and height of a scale, relative to its font size."""
-SCENE_FONT, EYE_FONT = 13.0, 8.5
-"""Font size of a scale in pixels, in a 3D view and in a camera's pane."""
+EYE_FONT = 8.5
+"""Font size of a scale in pixels, in a camera's pane."""
 STEPS = 32
-ACCENT = "#e8650a"
-FRUSTUM_SHARE = 0.04
-"""Size of a camera's symbol, relative to its distance."""
-
-
-def of_view(view: View, layer: Layer, look: Look, names: Names) -> str:
-    """The colour scale, and the names of objects."""
-    return _scale(layer, look) + "".join(_name(view.lens, found) for found in names)
-
-
-def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:
-    """The path of the cameras, and the camera of one pair."""
-    if trajectory is None or not len(trajectory):
-        return ""
-    way = polyline(lens.project(trajectory.positions), "#56b4e9", 1.5)
-    T = trajectory.T_world_left[min(pair, len(trajectory) - 1)]
-    (depth,) = lens.project(T[None, :3, 3])[:, 2]
-    size = FRUSTUM_SHARE * max(float(depth), 1e-9)
-    corners = np.array([[-1, -0.75, 1.4], [1, -0.75, 1.4], [1, 0.75, 1.4], [-1, 0.75, 1.4]]) * size
-    world = corners @ T[:3, :3].T + T[:3, 3]
-    eye = T[:3, 3]
-    rays = "".join(polyline(lens.project(np.array([eye, one])), ACCENT, 1.5) for one in world)
-    return way + rays + polyline(lens.project(np.vstack([world, world[:1]])), ACCENT, 1.5)
-
-
-def of_row(lens: Lens, layer: Layer, row: int | None) -> str:
-    """A ring around the clicked point."""
-    if row is None or row >= len(layer):
-        return ""
-    u, v, depth = lens.project(layer.places[row : row + 1])[0]
-    return ring(u, v, 8.0, ACCENT) if depth > 0 else ""
 
 
 def ring(u: float, v: float, radius: float, colour: str, more: str = "") -> str:
@@ -100,21 +64,6 @@ def length_bar(unit_px: float, size: tuple[int, int]) -> str:
     return polyline(line, "#16191d", 4.0) + polyline(line, "#ffffff", 2.0) + words
 
 
-def _name(lens: Lens, found: FoundObject) -> str:
-    top = found.centre + np.array([0.0, 0.55 * found.size[1], 0.0])
-    u, v, depth = lens.project(top[None])[0]
-    # Many objects of a recording have no name: the table lists them by id.
-    words = f"#{found.id}" if found.label == UNKNOWN else found.label
-    return text(u, v, words) if depth > 0 else ""
-
-
-def _scale(layer: Layer, look: Look) -> str:
-    if look.colour_by == COLOUR or look.colour_by not in layer.columns:
-        return ""
-    label = with_unit(look.colour_by, look.unit)
-    return scale(layer.columns[look.colour_by], label, scales.COUNT, SCENE_FONT)
-
-
 def scale(values: Array, label: str, colours: Any, font: float = EYE_FONT) -> str:
     """The colour scale of values (N,), with its ends and its middle."""
     mapped = scales.coloured(values, colours)
@@ -127,8 +76,14 @@ def scale(values: Array, label: str, colours: Any, font: float = EYE_FONT) -> st
         f'height="{height + 0.6:.1f}" fill="rgb({red},{green},{blue})"/>'
         for number, (red, green, blue) in enumerate(rows)
     ]
+    is_whole = bool(np.all(values[np.isfinite(values)] % 1.0 == 0.0))
+    ends = ((0.0, high), (0.5, (low + high) / 2.0), (1.0, low))
     words = [
-        text(1.6 * font + width, 2.8 * font + share * tall, f"{value:.3g}", font, "start")
-        for share, value in ((0.0, high), (0.5, (low + high) / 2.0), (1.0, low))
+        text(1.6 * font + width, 2.8 * font + share * tall, _number(value, is_whole), font, "start")
+        for share, value in ends
     ]
     return "".join([*blocks, *words, text(font, 1.4 * font, label, font, "start")])
+
+
+def _number(value: float, is_whole: bool) -> str:
+    return f"{value:.0f}" if is_whole else f"{value:.3g}"

@@ -1,13 +1,14 @@
 """The objects of a run as a table whose selection is linked with the scene."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from recon.app.exhibit import Exhibit
-from recon.app.widgets import nicegui, testid
+from recon.app.widgets import nicegui, note, testid
 from recon.records import FoundObject
 
 COLUMNS = ("id", "label", "probability", "x", "z", "height", "views")
+WHILE_EXPLORED = COLUMNS[:-1]
+"""Columns that are known before a run ends."""
 
 
 def rows_of(objects: tuple[FoundObject, ...]) -> list[dict[str, Any]]:
@@ -30,17 +31,22 @@ class ObjectsTable:
     """A table of objects; a click selects one, a second click deselects it."""
 
     def __init__(
-        self, name: str, exhibit: Exhibit | None, chosen: Callable[[int | None], Any]
+        self,
+        name: str,
+        objects: tuple[FoundObject, ...],
+        chosen: Callable[[int | None], Any],
+        columns: Sequence[str] = COLUMNS,
     ) -> None:
         ui = nicegui()
-        columns = [{"name": one, "label": one, "field": one, "align": "left"} for one in COLUMNS]
-        objects = () if exhibit is None else exhibit.objects
+        heads = [{"name": one, "label": one, "field": one, "align": "left"} for one in columns]
         with testid(ui.element("div").classes("w-full"), name):
             self.table = ui.table(
-                rows=rows_of(objects), columns=columns, row_key="id", selection="single"
+                rows=rows_of(objects), columns=heads, row_key="id", selection="single"
             )
             self.table.props("dense flat hide-bottom :rows-per-page-options=[0]")
             self.table.classes("w-full")
+            self.lack = note(words="nothing is found yet" if columns != COLUMNS else "none")
+            self.lack.set_visibility(not objects)
         self._chosen = chosen
         self.table.on("rowClick", lambda event: self._click(event.args[1]["id"]))
         self.table.on_select(lambda event: self._tell())
@@ -49,6 +55,7 @@ class ObjectsTable:
         """Show other objects."""
         self.table.rows = rows_of(objects)
         self.table.update()
+        self.lack.set_visibility(not objects)
 
     def select(self, number: int) -> None:
         """Select the row of an object."""

@@ -13,10 +13,13 @@ Array = NDArray[np.float64]
 FOV_DEG = 45.0
 MAX_ELEVATION = np.radians(89.9)
 TURN_PER_PIXEL = 0.008
+ABOVE = 0.3
+"""Elevation of a view from behind a camera, radians."""
 ZOOM = 1.15
 NEAREST, FARTHEST = 1e-4, 1e7
+DEFAULT = "default"
 VIEWS = {
-    "default": (0.5, 0.5), "front": (0.0, 0.0), "back": (np.pi, 0.0), "side": (np.pi / 2.0, 0.0),
+    DEFAULT: (0.5, 0.5), "front": (0.0, 0.0), "back": (np.pi, 0.0), "side": (np.pi / 2.0, 0.0),
     "top": (0.0, float(MAX_ELEVATION)),
 }  # fmt: skip
 """Azimuth, from +z towards +x, and elevation of the camera, radians."""
@@ -39,6 +42,12 @@ class Orbit:
         return cls(
             target=(low + high) / 2.0, distance=reach / np.sin(np.radians(FOV_DEG) / 2.0) * 0.85
         )
+
+    def behind(self, T_world_cam: Array) -> "Orbit":
+        """Turned to look as a camera looks, from somewhat above it."""
+        away = -T_world_cam[:3, 2]
+        azimuth = float(np.arctan2(away[0], away[2]))
+        return replace(self, azimuth=azimuth, elevation=ABOVE)
 
     @property
     def position(self) -> Array:
@@ -76,6 +85,10 @@ class Orbit:
         """The orbit zoomed, nearer for positive steps."""
         distance = float(np.clip(self.distance * ZOOM**-steps, NEAREST, FARTHEST))
         return replace(self, distance=distance)
+
+    def facing(self, other: "Orbit") -> "Orbit":
+        """Turned as another one is."""
+        return replace(self, azimuth=other.azimuth, elevation=other.elevation)
 
     def seen_from(self, view: str) -> "Orbit":
         """The orbit from one of VIEWS."""

@@ -1,16 +1,20 @@
 """Drawing in the background: in a thread, only the latest request."""
 
+import asyncio
 import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Generic, TypeVar
 
 from recon.app.threads import in_thread
 from recon.errors import ReconError
-from recon.libraries import load_extra
+from recon.libraries import listening_to_compiler, load_extra
 
 log = logging.getLogger(__name__)
 
 Drawn = TypeVar("Drawn")
+
+COMPILING = "compiling what draws; that is done once and takes about a minute"
 
 
 class Painter(Generic[Drawn]):
@@ -37,6 +41,7 @@ class Painter(Generic[Drawn]):
         self.complain = complain
         self._is_wanted = False
         self._is_at_work = False
+        self._has_compiled = False
 
     def ask(self) -> None:
         """Request a redraw."""
@@ -54,8 +59,14 @@ class Painter(Generic[Drawn]):
             self._is_at_work = False
 
     async def _paint_once(self) -> None:
+        loop = asyncio.get_running_loop()
+
+        def draw() -> Drawn:
+            with listening_to_compiler(lambda: _tell(loop, self._compile), _done):
+                return self.draw()
+
         try:
-            drawn = await in_thread(self.draw)
+            drawn = await in_thread(draw)
         except (ReconError, OSError) as error:
             self.complain(str(error))
         # A plug-in or a damaged file may raise anything; the page stays.
@@ -63,4 +74,21 @@ class Painter(Generic[Drawn]):
             log.exception("drawing failed")
             self.complain(f"{type(error).__name__}: {error}")
         else:
+            if self._has_compiled:
+                self._has_compiled = False
+                self.complain("")
             self.show(drawn)
+
+    def _compile(self) -> None:
+        self._has_compiled = True
+        self.complain(COMPILING)
+
+
+def _tell(loop: asyncio.AbstractEventLoop, what: Callable[[], None]) -> None:
+    """Call something in the page's own thread, where there still is a page."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(what)
+
+
+def _done() -> None:
+    """What was compiled is said no more when all is drawn."""

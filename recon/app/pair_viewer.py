@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.app import marks
-from recon.app.drawing import as_source
 from recon.app.exhibit import Exhibit
 from recon.app.painter import Painter
 from recon.app.pairs import SHOWN, SPARSE, Pairs, SeenPair
+from recon.app.source import as_source
 from recon.app.widgets import chooser, nicegui, note, slider, testid
 from recon.figures import scales
 
@@ -32,7 +32,7 @@ class PairViewer:
         self.shown = SPARSE
         self.count = 0 if exhibit.trajectory is None else len(exhibit.trajectory)
         self._chosen, self._complain = chosen, complain
-        self.label = note(text=self._text())
+        self.label = note(words=self._text())
         slider(f"trajectory-slider{suffix}", (0, max(self.count - 1, 1), 1), 0, self._choose)
         chooser(f"pair-shown{suffix}", "shown in it", SHOWN, SPARSE, self._show_other)
         with ui.element("div").classes("recon-stack w-full recon-seen"):
@@ -41,13 +41,20 @@ class PairViewer:
                 for name in (f"pair-left{suffix}", f"pair-disparity{suffix}")
             )
         self.painter: Painter[SeenPair] = Painter(self._take, self._show, self._fail)
-        if exhibit.is_run:
-            self._ask()
-        else:
+        self._is_begun = not exhibit.is_run
+        if not exhibit.is_run:
             self.label.set_text("a file holds no pairs")
 
+    def begin(self) -> None:
+        """Show the first pair, where that is not done yet."""
+        if not self._is_begun:
+            self._is_begun = True
+            self._ask()
+
     def _text(self) -> str:
-        return f"pair {self.number} of {self.count}" if self.count else "no trajectory"
+        if self.count < 2:
+            return f"pair {self.number}, the only one" if self.count else "no trajectory"
+        return f"pair {self.number} (0 to {self.count - 1})"
 
     def _choose(self, value: float) -> None:
         self.number = min(round(value), max(self.count - 1, 0))
@@ -59,7 +66,7 @@ class PairViewer:
         self._ask()
 
     def _ask(self) -> None:
-        self.label.set_text(f"{self._text()}: matching {self.shown} ...")
+        self.label.set_text(f"{self._text()}: finding {self.shown} ...")
         self.painter.ask()
 
     def _take(self) -> SeenPair:

@@ -1,15 +1,15 @@
 """The controller and its exploration: step, run, pause, stop; its messages and results."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from recon.app.objects_table import ObjectsTable
+from recon.app.painter import Painter
 from recon.app.walk import Walk
-from recon.app.widgets import card, chooser, nicegui, note, testid
+from recon.app.widgets import button, card, chooser, line, nicegui, note, testid
 from recon.errors import InputError, ReconError
 from recon.exploration.controllers import CONTROLLERS, make_controller
-from recon.records import FoundObject
 from recon.settings import updated
 
 if TYPE_CHECKING:
@@ -31,23 +31,26 @@ class RunCard:
         first = visit.simulation.settings.exploration.controller
         with card("Exploration"):
             chooser("controller", "controller", CONTROLLERS.names(), first, self._choose)
-            with ui.row().classes("gap-2"):
+            with ui.element("div").classes("recon-buttons"):
                 for name in BUTTONS:
-                    button = ui.button(name, on_click=lambda name=name: self._press(name))
-                    testid(button.props("dense no-caps outline"), name)
+                    button(name, name, partial(self._press, name))
             self.info = note("controller-info", "")
             self.result = note("controller-result", "no run yet")
-            with ui.row().classes("w-full items-end no-wrap gap-2"):
-                self.name = testid(ui.input("name", value=visit.simulation.scene.stem), "run-name")
+            with line():
+                self.name = testid(
+                    ui.input("name of the saved run", value=visit.simulation.scene.stem), "run-name"
+                )
                 self.name.props("dense")
-                button = ui.button("save run", on_click=self._save)
-                testid(button.props("dense no-caps outline"), "save-run")
-        with card("Objects"):
-            self.table = ObjectsTable("objects", None, lambda number: None)
-        self._introduce(first)
+                button("save-run", "save run", self._save)
+        self._chosen = first
+        self._words: Painter[str] = Painter(self._introduced, self.info.set_text, self._unknown)
         if visit.walk is not None:
             self.show()
-            self.show_objects(visit.walk.objects)
+
+    def introduce(self) -> None:
+        """Show the strategy of the controller that is chosen, where that is not done yet."""
+        if not self.info.text:
+            self._words.ask()
 
     def show(self) -> None:
         """Show the progress of the exploration."""
@@ -60,24 +63,20 @@ class RunCard:
             text += f" ({_stage(walk)})"
         self.result.set_text("\n".join(line for line in (text, *_said(walk)) if line))
 
-    def show_objects(self, objects: tuple[FoundObject, ...]) -> None:
-        """Show the objects found."""
-        self.table.show(objects)
-
     def _choose(self, name: str) -> None:
         simulation = self.visit.simulation
         try:
             simulation.change_settings({"exploration": {"controller": name}})
-            self._introduce(name)
+            self._chosen = name
+            self._words.ask()
         except ReconError as error:
             self._complain(str(error))
 
-    def _introduce(self, name: str) -> None:
-        try:
-            self.info.set_text(str(make_controller(name).info()))
-        # A plug-in may raise anything.
-        except Exception as error:
-            self.info.set_text(f"{name}: {error}")
+    def _introduced(self) -> str:
+        return str(make_controller(self._chosen).info())
+
+    def _unknown(self, fault: str) -> None:
+        self.info.set_text(f"{self._chosen}: {fault}")
 
     def _press(self, name: str) -> None:
         walk = self.visit.walk

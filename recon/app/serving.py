@@ -9,7 +9,7 @@ from typing import Any
 
 from recon.app.guard import Guard, is_loopback
 from recon.errors import InputError
-from recon.libraries import check_extra, load_extra
+from recon.libraries import check_extra, load_extra, share_arenas
 
 DEFAULT_PORT = 8600
 NUM_TRIED = 20
@@ -84,6 +84,7 @@ def serve(
     # A browser takes a while to open; the socket already listens, and answers when loaded.
     check_extra("nicegui", "app")
     announce()
+    share_arenas()
     nicegui = load_extra("nicegui", "app")
     fastapi = load_extra("fastapi", "app")
     uvicorn = load_extra("uvicorn", "app")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from recon.app.simulation import Simulation
-from recon.app.widgets import card, chooser, nicegui, number_field, testid
+from recon.app.widgets import button, card, chooser, nicegui, number_field, testid
 from recon.errors import InputError, ReconError
 from recon.settings import to_toml
 from recon.world.renderers import RENDERERS
@@ -38,12 +38,11 @@ class SettingsCard:
             chooser("renderer", "renderer", names, render.renderer,
                     lambda name: self._change({"render": {"renderer": name}}))  # fmt: skip
         with card("Settings"):
-            self.text = ui.textarea(value=to_toml(simulation.settings)).classes("w-full")
-            testid(self.text.props("dense autogrow input-style='font: 12px monospace'"), "settings")
-            with ui.row().classes("gap-2"):
-                for name, press in (("apply", self._apply), ("save as TOML", self._save)):
-                    button = ui.button(name, on_click=press).props("dense no-caps outline")
-                    testid(button, f"settings-{name.split()[0]}")
+            with ui.element("div").classes("recon-buttons"):
+                button("settings-apply", "apply", self._apply)
+                button("settings-save", "save as TOML", self._save)
+            self.text = ui.textarea(value=to_toml(simulation.settings))
+            testid(self.text.classes("w-full recon-settings").props("dense outlined"), "settings")
 
     def _apply(self) -> None:
         try:

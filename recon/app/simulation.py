@@ -3,7 +3,7 @@
 import threading
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,10 @@ from recon.app.channels import Points, points_of
 from recon.errors import InputError
 from recon.records import FoundObject, StereoPair, View
 from recon.settings import EXPLORER_BASE, Settings, updated
-from recon.world.world import World
+from recon.world.start import first_view
+
+if TYPE_CHECKING:
+    from recon.world.world import World
 
 Array = NDArray[np.float64]
 
@@ -39,11 +42,19 @@ class Simulation:
     def __init__(self, scene: Path, settings: Settings | None = None) -> None:
         self.scene = scene
         self.settings = settings or updated(Settings(), EXPLORER_BASE)
-        self.world = World.from_file(scene, self.settings)
-        start = self.world.start()
+        start = first_view(self.settings.eyes)
         self.position, self.target = start.position, start.target
         self.objects: tuple[FoundObject, ...] = ()
-        self._lock = threading.Lock()
+        self._world: World | None = None
+        self._lock = threading.RLock()
+
+    @property
+    def world(self) -> "World":
+        """The world; it is made when it is first looked at, so that the page stands before."""
+        with self._lock:
+            if self._world is None:
+                self._world = self._made(self.settings)
+            return self._world
 
     @property
     def view(self) -> View:
@@ -114,9 +125,9 @@ class Simulation:
         """
         chosen = updated(self.settings, changes)
         if _makes_anew(self.settings, chosen):
-            world = World.from_file(self.scene, chosen)
+            world = self._made(chosen)
             with self._lock:
-                self.world = world
+                self._world = world
         self.settings = chosen
 
     def look(self, *, with_points: bool) -> Sight:
@@ -139,9 +150,15 @@ class Simulation:
         with self._lock:
             return self.world.top_view(MAP_PX), self.world.front_view(MAP_PX)
 
+    def _made(self, settings: Settings) -> "World":
+        # Late: it loads what renders.
+        from recon.world.world import World
+
+        return World.from_file(self.scene, settings)
+
 
 def _makes_anew(old: Settings, new: Settings) -> bool:
-    sizes = ("width", "height", "eye_height")
+    sizes = ("width", "height", "eye_height", "gaze")
     eyes = any(getattr(old.eyes, name) != getattr(new.eyes, name) for name in sizes)
     render = any(
         getattr(old.render, one.name) != getattr(new.render, one.name) for one in fields(old.render)

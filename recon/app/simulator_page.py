@@ -7,7 +7,7 @@ from recon.app.run_card import RunCard
 from recon.app.settings_card import SettingsCard
 from recon.app.visit import Visit
 from recon.app.walk import Walk
-from recon.app.widgets import header, nicegui, note
+from recon.app.widgets import header, nicegui, note, side
 from recon.errors import ReconError
 
 POLL_S = 0.4
@@ -28,7 +28,7 @@ class SimulatorPage:
                     self.eyes = EyePanes(self.simulation, self.say)
                     self.maps = MapViews(visit, self.moved, self.say)
                 self.message = note("message", "", "recon-message")
-            with ui.element("div").classes("recon-side"):
+            with side():
                 self.camera = CameraCard(self.simulation, self.moved, self.say)
                 self.eyes.add_card()
                 self.run = RunCard(visit, self.say)
@@ -54,6 +54,9 @@ class SimulatorPage:
         self.moved()
 
     def _poll(self) -> None:
+        if self.eyes.sight is not None:
+            # Late: the images come first.
+            self.run.introduce()
         walk = self.visit.walk
         if walk is None:
             return
@@ -68,7 +71,7 @@ class SimulatorPage:
         simulation = self.simulation
         if simulation.objects != walk.objects:
             simulation.objects = walk.objects
-            self.run.show_objects(walk.objects)
+            self.maps.table.show(walk.objects)
         if walk.last is not None and not walk.is_over:
             try:
                 simulation.move(walk.last.view.position, walk.last.view.target)

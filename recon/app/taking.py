@@ -1,10 +1,9 @@
 """Export of the shown rows as a file of any format."""
 
-import io
 import tempfile
-import zipfile
 from pathlib import Path
 
+from recon.app.archive import archive
 from recon.app.layers import Data
 from recon.exports.formats import FORMATS, write
 
@@ -28,12 +27,3 @@ def packed(data: Data, stem: str, ending: str) -> tuple[str, bytes]:
         return f"{stem}{ending}.zip", archive({
             path.relative_to(folder).as_posix(): path.read_bytes() for path in files
         })  # fmt: skip
-
-
-def archive(files: dict[str, bytes]) -> bytes:
-    """Files by name as one archive; the same files yield the same bytes."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as zipped:
-        for name, content in files.items():
-            zipped.writestr(zipfile.ZipInfo(name), content)
-    return stream.getvalue()

@@ -6,12 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from recon.app import drawing, marks
-from recon.app.drawing import Look, View, draw
+from recon.app import drawing, view_marks
+from recon.app.drawing import View, draw
 from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, Shown, shown
 from recon.app.layers import Layer
-from recon.app.orbit import VIEWS, Orbit
+from recon.app.looks import Look
+from recon.app.orbit import DEFAULT, VIEWS, Orbit
 from recon.app.painter import Painter
+from recon.app.source import as_source
 from recon.app.widgets import nicegui, pane
 from recon.records import Trajectory
 
@@ -54,10 +56,10 @@ class ViewPanel:
         self.layer = layer
         self.filter = Filter()
         self.look = Look()
-        self.orbit = Orbit.round(*layer.box)
+        self.orbit = self._home = Orbit.round(*layer.box)
         self.trajectory: Trajectory | None = None
         self.pair = 0
-        self.names: marks.Names = ()
+        self.names: view_marks.Names = ()
         self.picked: int | None = None
         self.view: View | None = None
         self.followers: list[ViewPanel] = []
@@ -72,6 +74,11 @@ class ViewPanel:
         self.image.on("wheel.prevent", self._on_wheel, ["deltaY"], throttle=0.05)
         self.image.on("keydown", self._on_key, ["key"])
         self._rest = nicegui().timer(REST_S, self._stand_still, active=False, once=False)
+
+    def begin(self, orbit: Orbit) -> None:
+        """Show from a place, which is also the default one."""
+        self.orbit = self._home = orbit
+        self.painter.ask()
 
     def change_layer(self, layer: Layer) -> None:
         """Show another layer from the same viewpoint."""
@@ -93,7 +100,8 @@ class ViewPanel:
 
     def look_from(self, view: str) -> None:
         """Turn to one of VIEWS."""
-        self._turn(self.orbit.seen_from(view), is_moving=False)
+        orbit = self.orbit.facing(self._home) if view == DEFAULT else self.orbit.seen_from(view)
+        self._turn(orbit, is_moving=False)
 
     def _draw(self) -> View:
         most = MOST_MOVING if self._is_moving else MOST_AT_REST
@@ -104,11 +112,11 @@ class ViewPanel:
 
     def _show(self, view: View) -> None:
         self.view = view
-        self.image.set_source(drawing.as_source(view.image, ".jpg"))
+        self.image.set_source(as_source(view.image, ".jpg"))
         self.image.set_content(
-            marks.of_view(view, self.layer, self.look, self.names)
-            + marks.of_trajectory(view.lens, self.trajectory, self.pair)
-            + marks.of_row(view.lens, self.layer, self.picked)
+            view_marks.of_view(view, self.layer, self.look, self.names)
+            + view_marks.of_trajectory(view.lens, self.trajectory, self.pair)
+            + view_marks.of_row(view.lens, self.layer, self.picked)
         )
         self._drawn(view)
 
@@ -131,7 +139,7 @@ class ViewPanel:
         if event.type == "mousedown":
             self._pressed = (*at, 0.0)
         elif event.type == "dblclick":
-            self._turn(Orbit.round(*self.layer.box), is_moving=False)
+            self._turn(Orbit.round(*self.layer.box).facing(self._home), is_moving=False)
         elif self._pressed is not None and event.type == "mousemove" and event.buttons:
             self._drag(at, moves=event.shift or event.buttons != 1)
         elif self._pressed is not None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, ReconError
+from recon.libraries import return_memory
 from recon.records import FoundObject
 from recon.runs.job import Job
 from recon.runs.report import Report
@@ -161,6 +162,7 @@ class Walk:
             if not self._is_left_behind:
                 self.objects = report.objects
                 self.report = report
+        return_memory()
 
     def _fail(self, text: str) -> None:
         if not self._is_left_behind:

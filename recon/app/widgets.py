@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from recon.app.marks import text
 from recon.libraries import load_extra
 
 HEAD = """
@@ -10,6 +11,10 @@ HEAD = """
   body { font-feature-settings: "tnum"; }
   .body--dark { --q-primary: #56b4e9 !important; }
   .w-full { width: 100%; } .gap-0 { gap: 0; } .gap-2 { gap: 8px; } .gap-3 { gap: 12px; }
+  .recon-line { display: flex; align-items: flex-end; gap: 10px; width: 100%; }
+  .recon-line > :first-child { flex: 1 1 0; min-width: 0; }
+  .recon-buttons { display: flex; flex-wrap: wrap; align-items: center; gap: 8px; }
+  .recon-page .q-btn--outline { padding: 2px 12px; font-size: 13px; flex: none; }
   .recon-page .q-table th, .recon-page .q-table td { padding: 2px 5px; }
   .recon-word { fill: #16191d; stroke: #fff; paint-order: stroke; font-family: sans-serif;
                 pointer-events: none; }
@@ -20,23 +25,34 @@ HEAD = """
   .recon-page { display: flex; flex-wrap: nowrap; width: 100%; gap: 10px;
                 height: calc(100vh - 40px); padding: 4px 10px 8px; box-sizing: border-box; }
   .recon-side { flex: 0 0 430px; overflow-y: auto; padding-right: 4px; }
+  .recon-columns { columns: 1; column-gap: 10px; }
+  .recon-columns > .recon-card { break-inside: avoid; }
   .recon-main { flex: 1 1 auto; min-width: 0; overflow-y: auto; }
   .recon-panes { display: grid; grid-template-columns: 1fr 1fr; gap: 8px; }
   .recon-card { padding: 8px 12px; width: 100%; gap: 4px; margin-bottom: 8px; box-shadow: none;
                 border: 1px solid rgba(128, 128, 128, .35); border-radius: 6px; }
   .recon-title { font-size: 13px; font-weight: 600; }
   .recon-note { font-size: 12px; opacity: .8; white-space: pre-line; overflow-wrap: anywhere; }
+  .recon-told { columns: 180px auto; width: 100%; }
+  .recon-settings textarea { font: 12px monospace; height: 300px; resize: vertical; }
   .recon-fields { display: grid; grid-template-columns: repeat(3, 1fr); width: 100%;
                   gap: 2px 10px; }
-  .recon-main > .recon-pane { max-width: calc((100vh - 110px) * 4 / 3); margin: 0 auto; }
+  .recon-main > .recon-pane { max-width: calc((100vh - 190px) * 4 / 3); margin: 0 auto; }
   .recon-stack { display: grid; gap: 8px;
                  grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); }
+  .recon-stack .recon-pane { min-height: 60px; }
   .recon-four { max-width: calc(100vh - 90px); margin: 0 auto; }
+  .recon-cell { display: flex; flex-direction: column; gap: 8px; min-width: 0; }
+  .recon-rest { flex: 1 1 130px; position: relative; }
+  .recon-rest > .recon-card { position: absolute; inset: 0; margin: 0; overflow-y: auto;
+                              flex-wrap: nowrap; }
   .recon-range { width: 100%; accent-color: #0072b2; }
   .recon-pane { border: 1px solid rgba(128, 128, 128, .35); border-radius: 4px; overflow: hidden;
                 touch-action: none; user-select: none; outline-offset: -2px; }
   .recon-message { min-height: 20px; font-size: 13px; color: #d55e00; overflow-wrap: anywhere; }
   .recon-bar { height: 10px; width: 100%; border-radius: 3px; }
+  @media (min-width: 1800px) { .recon-wide { flex-basis: 850px; }
+                               .recon-wide > .recon-columns { columns: 2; } }
   @media (max-width: 1000px) { .recon-page { flex-wrap: wrap; height: auto; }
                                .recon-side { flex: 1 0 100%; } }
 </style>
@@ -62,9 +78,9 @@ def card(title: str) -> Any:
     return frame
 
 
-def note(name: str = "", text: str = "", kind: str = "recon-note") -> Any:
+def note(name: str = "", words: str = "", kind: str = "recon-note") -> Any:
     """A line of changeable text."""
-    label = nicegui().label(text).classes(kind)
+    label = nicegui().label(words).classes(kind)
     return testid(label, name) if name else label
 
 
@@ -75,6 +91,24 @@ def number_field(name: str, label: str, value: float, change: Callable[[Any], An
     field.on("change", change)
     field.on("keydown.enter", change)
     return field
+
+
+def line() -> Any:
+    """A field and the buttons that belong to it, to be entered with `with`."""
+    return nicegui().element("div").classes("recon-line")
+
+
+def button(name: str, words: str, press: Callable[[], Any]) -> Any:
+    """A button with a frame."""
+    made = nicegui().button(words, on_click=press).props("dense no-caps outline no-wrap")
+    return testid(made, name)
+
+
+def side() -> Any:
+    """The cards beside the panes, in two columns where there is room; to be entered with `with`."""
+    ui = nicegui()
+    with ui.element("div").classes("recon-side recon-wide"):
+        return ui.element("div").classes("recon-columns")
 
 
 def slider(name: str, ends: tuple[float, float, float], value: float, change: Any) -> Any:
@@ -119,4 +153,5 @@ def pane(name: str, size: tuple[int, int], on_mouse: Any, events: Sequence[str])
         size=size, on_mouse=on_mouse, events=list(events), sanitize=False
     )
     image.classes("recon-pane w-full").props("tabindex=0")
+    image.set_content(text(size[0] / 2.0, size[1] / 2.0, "drawing ...", 0.03 * size[0]))
     return testid(image, name)

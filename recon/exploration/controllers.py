@@ -2,12 +2,14 @@
 
 import logging
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from recon.errors import InputError, check_finite
-from recon.exploration.state import State, Walk
 from recon.plugins import Registry
 from recon.records import View
+
+if TYPE_CHECKING:
+    from recon.exploration.state import State
 
 log = logging.getLogger(__name__)
 
@@ -19,7 +21,7 @@ class Controller(Protocol):
     pair, and again if its path would run into something, which `state.floor.touched` then contains.
     """
 
-    def next_view(self, state: State) -> View | None:
+    def next_view(self, state: "State") -> View | None:
         """The next position and point to look at; None when it is done.
 
         The agent walks to a plain `View` in a straight line, to a `Walk` along its path.
@@ -69,6 +71,9 @@ def check_view(view: View) -> None:
         raise InputError(f"next_view returned {view!r}, but a View or None is needed")
     for name, value in (("position", view.position), ("target", view.target)):
         check_finite(name, value)
+    # Late: names of controllers are listed without what they are told.
+    from recon.exploration.state import Walk
+
     if isinstance(view, Walk):
         check_finite("via", view.via)
 

@@ -43,15 +43,20 @@ def reliability(
     """Share of correct labels over their assigned probability, with the number of objects."""
     sheet = sheet or Sheet.of(SIZE)
     axes = sheet.axes("Reliability of the probabilities", "probability", "share correct")
-    axes.plot([0, 1], [0, 1], color=FAINT, lw=1)
+    axes.plot([0, 1], [0, 1], color=FAINT, lw=1, label="share correct = probability")
     bins = np.minimum((probability * NUM_BINS).astype(int), NUM_BINS - 1)
     for number in np.unique(bins):
         here = bins == number
         place = probability[here].mean(), is_right[here].mean()
         axes.plot(*place, "o", color=ACCENT, ms=8)
+        count = int(here.sum())
+        # Inside the axes: to the left of what lies on the right.
+        side = -1 if place[0] > 0.5 else 1
         axes.annotate(
-            f"{here.sum()} objects", place, xytext=(8, -4), textcoords="offset points", color=INK,
-            fontsize=0.9 * sheet.font_size, annotation_clip=False,
+            f"{count} object{'' if count == 1 else 's'}", place, xytext=(9 * side, 0),
+            textcoords="offset points", color=INK, fontsize=0.9 * sheet.font_size, va="center",
+            ha="right" if side < 0 else "left",
         )  # fmt: skip
-    axes.set(xlim=(-0.02, 1.05), ylim=(-0.02, 1.05), aspect="equal")
+    axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03), aspect="equal")
+    axes.legend(frameon=False, loc="upper left", fontsize=0.9 * sheet.font_size)
     return sheet.figure

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures import scales
-from recon.figures.canvas import ACCENT, Sheet, Size
+from recon.figures.canvas import FAINT, SERIES, Sheet, Size
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.matching import MAX_ERROR_PX
 from recon.figures.photo import add_bar, photo
@@ -16,7 +16,6 @@ from recon.records import DisparityMap
 SIZE: Size = (1500, 460)
 _NUM_BINS = 12
 _ONE_SIGMA = 0.683
-_LOWEST_PX, _HIGHEST_PX = 0.03, 8.0
 
 
 def kept_dense(
@@ -57,14 +56,19 @@ def _sigmas(subject: Subject, sheet: Sheet) -> Any:
     truth = subject.arrays["truth_px"]
     law = sheet.axes("Errors of pixels of equal sigma", "sigma [px]", "68 % of errors [px]", 121)
     cut = sheet.axes("Accuracy over coverage", "covered [%]", "correct, of the covered [%]", 122)
+    for axes in (law, cut):
+        axes.set_prop_cycle(color=SERIES)
     for name, (disparity, sigma) in _maps(subject.arrays).items():
         covered = np.isfinite(truth) & np.isfinite(disparity)
         if covered.any():
             error = np.abs(disparity - truth)[covered]
             _add_curve(cut, name, error, sigma[covered], int(np.isfinite(truth).sum()))
             _add_law(law, name, error, sigma[covered])
-    ends = [_LOWEST_PX, _HIGHEST_PX]
-    law.loglog(ends, ends, color=ACCENT, linewidth=1, label="calibrated")
+    drawn = np.concatenate([np.empty(0), *(np.ravel(line.get_data()) for line in law.get_lines())])
+    if len(drawn):
+        law.loglog(*2 * [[drawn.min(), drawn.max()]], color=FAINT, zorder=0, label="calibrated")
+        for axis in (law.xaxis, law.yaxis):
+            scales.number_plainly(axis, (drawn.min(), drawn.max()))
     for axes in (law, cut):
         axes.legend(frameon=False, fontsize=0.9 * sheet.font_size)
     return sheet.figure

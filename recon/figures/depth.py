@@ -39,7 +39,7 @@ def depth_image(
             np.ma.masked_where(~known, depth), cmap=scales.disparity().reversed(),
             norm=LogNorm(low, high), interpolation="none",
         )  # fmt: skip
-        add_bar(sheet, axes, shown, f"depth [{unit}]", depth[known])
+        scales.plain_numbers(add_bar(sheet, axes, shown, f"depth [{unit}]", depth[known]))
     return sheet.figure
 
 

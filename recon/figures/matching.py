@@ -61,7 +61,7 @@ def error_map(
     title = f"Error: {wrong:.2%} of {judged.sum():,} are over 1 px"
     axes = photo(sheet, left, title, (1, 2, 2))
     dots = points(
-        sheet, axes, at[judged], error[judged], cmap=scales.ERROR, vmin=0.0, vmax=MAX_ERROR_PX
+        sheet, axes, at[judged], error[judged], cmap=scales.error(), vmin=0.0, vmax=MAX_ERROR_PX
     )
     add_bar(sheet, axes, dots, "|error| [px]", error[judged])
     return sheet.figure

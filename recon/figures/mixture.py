@@ -45,9 +45,24 @@ def mixture(
     panels = zip(densities, measured_rad, titles, strict=True)
     for number, (curves, measured, title) in enumerate(panels, start=1):
         axes = sheet.axes(title, "phase difference [rad]", "density", (1, len(titles), number))
-        axes.hist(measured, bins=edges, density=bool(len(measured)), color=FAINT)
+        axes.hist(
+            measured, bins=edges, density=bool(len(measured)), color=FAINT, label="right pairs"
+        )
         for place, curve in enumerate(curves):
             share = (place + 1) / len(curves)
-            axes.plot(phases_rad, curve, color=ACCENT, alpha=0.15 + 0.85 * share, lw=1.2)
-        axes.axhline(1.0 / (2.0 * np.pi), color=INK, lw=0.6, ls=":")
+            label = "model: like (dark) to unlike magnitudes" if share == 1.0 else None
+            axes.plot(
+                phases_rad, curve, color=ACCENT, alpha=0.15 + 0.85 * share, lw=1.2, label=label
+            )
+        axes.axhline(1.0 / (2.0 * np.pi), color=INK, lw=0.8, ls=":", label="chance")
+    _add_legend(sheet, axes)
     return sheet.figure
+
+
+def _add_legend(sheet: Sheet, axes: Any) -> None:
+    """Say below all panels what the lines are."""
+    drawn, words = axes.get_legend_handles_labels()
+    sheet.figure.legend(
+        drawn, words, loc="outside lower center", ncols=len(words), frameon=False,
+        fontsize=0.9 * sheet.font_size,
+    )  # fmt: skip

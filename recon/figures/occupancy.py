@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures import floor, footprints, names, scales
-from recon.figures.canvas import ACCENT, FAINT, INK, Sheet, Size
+from recon.figures.canvas import ACCENT, FAINT, INK, SERIES, Sheet, Size
 from recon.figures.cover import Cover
 from recon.figures.map3d import UNITS
 from recon.figures.partition import cells_of
@@ -17,8 +17,6 @@ from recon.voxelmap import ground
 Array = NDArray[np.float64]
 SIZE: Size = (1000, 860)
 
-# Okabe and Ito's colours, distinguishable with any colour vision.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 STATES = {ground.UNKNOWN: "#dfe3e6", ground.FREE: "#ffffff", ground.OCCUPIED: "#4a4f55"}
 WAY = "#9aa1a8"
 OCCUPIED = STATES[ground.OCCUPIED]
@@ -141,7 +139,7 @@ def _draw_footprints(
     from matplotlib.patches import Polygon
 
     kinds = sorted({found.label for found in objects} - {UNKNOWN})
-    colours = {kind: COLOURS[number % len(COLOURS)] for number, kind in enumerate(kinds)}
+    colours = {kind: SERIES[number % len(SERIES)] for number, kind in enumerate(kinds)}
     for found, outline in zip(objects, outlines, strict=True):
         colour = colours.get(found.label, INK)
         is_known = found.label in colours

@@ -46,7 +46,7 @@ def points(sheet: Sheet, axes: Any, at: Array, values: Array, **look: Any) -> An
     return axes.scatter(at[:, 0], at[:, 1], c=values, s=size, linewidths=0, **span)
 
 
-def add_bar(sheet: Sheet, axes: Any, drawn: Any, label: str, values: Array) -> None:
+def add_bar(sheet: Sheet, axes: Any, drawn: Any, label: str, values: Array) -> Any:
     """Add a colour bar, with arrows if values lie beyond it."""
     extend = scales.beyond(values, *drawn.get_clim())
-    sheet.colour_bar(drawn, axes, label, extend=extend)
+    return sheet.colour_bar(drawn, axes, label, extend=extend)

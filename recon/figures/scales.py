@@ -17,17 +17,29 @@ ORDER = "plasma"
 STRAY_PERCENT = 0.5
 """Percentage of values at either end that may exceed a scale: wrong matches are rare but far
 out."""
-DARKEST_SHARE = 0.22
-"""Share of viridis left out because it would vanish in a dimmed image."""
+DECADE = 10.0
+FEW, MANY = (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+"""Digits on a logarithmic scale of more than a decade, and of less."""
+DARKEST_SHARE = {"viridis": 0.22, "plasma": 0.35}
+"""Share of a scale left out because it would vanish in a dimmed image."""
+
+
+def disparity() -> Any:
+    """The scale of disparities, all of it visible on a dimmed image."""
+    return _bright("viridis")
+
+
+def error() -> Any:
+    """The scale of errors of single points, all of it visible on a dimmed image."""
+    return _bright(ERROR)
 
 
 @functools.cache
-def disparity() -> Any:
-    """The scale of disparities, all of it visible on a dimmed image."""
+def _bright(name: str) -> Any:
     from matplotlib import colormaps
     from matplotlib.colors import ListedColormap
 
-    return ListedColormap(colormaps["viridis"](np.linspace(DARKEST_SHARE, 1.0, 256)))
+    return ListedColormap(colormaps[name](np.linspace(DARKEST_SHARE[name], 1.0, 256)))
 
 
 def ends(values: Array) -> tuple[float, float]:
@@ -68,8 +80,14 @@ def beyond(values: Array, low: float, high: float) -> str:
 
 def plain_numbers(bar: Any) -> None:
     """Number a logarithmic colour bar 1, 2, 5, 10, ..."""
+    number_plainly(bar.ax.yaxis, bar.mappable.get_clim())
+
+
+def number_plainly(axis: Any, ends: tuple[float, float]) -> None:
+    """Number a logarithmic axis 1, 2, 5, 10, ...; more densely if it is short."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-    bar.ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    bar.ax.yaxis.set_minor_locator(NullLocator())
+    low, high = ends
+    axis.set_major_locator(LogLocator(subs=FEW if high / low > DECADE else MANY))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())

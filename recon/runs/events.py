@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from recon.mapping.mapper import Step
+if TYPE_CHECKING:
+    from recon.mapping.mapper import Step
 
 
 class Cancelled(KeyboardInterrupt):
@@ -22,7 +24,7 @@ def _never() -> bool:
 class Events:
     """Callbacks of a running job, called from its thread."""
 
-    on_step: Callable[[Step], None] = _unheard
+    on_step: Callable[["Step"], None] = _unheard
     """Called when one more pair is in the map."""
     on_stage: Callable[[str], None] = _unheard
     """Called when another stage starts: compiling, reading, stereo, map, recognise, figures, write,

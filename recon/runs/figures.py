@@ -18,15 +18,13 @@ from recon.figures.table import KINDS
 from recon.files import atomic_path
 from recon.mapping.mapper import Step
 from recon.records import Mesh, Reconstruction
-from recon.runfolder import MANIFEST, read_manifest
+from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
 from recon.runs.maps import map_path
-from recon.runs.reading import read_reconstruction
+from recon.runs.reading import is_recorded, read_reconstruction
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
 """Figures that every run with a map writes by default."""
-RECORDED = ("reconstruct", "merge")
-"""Commands with real recordings, in metres."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
@@ -153,18 +151,9 @@ def _read(run_path: Path) -> Reconstruction[Any]:
 
 
 def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "default") -> Subject:
-    is_recorded = _is_recorded(run_path)
-    unit = "m" if is_recorded else "world units"
-    return Subject(run=run, unit=unit, is_recorded=is_recorded, asked_view=view)
-
-
-def _is_recorded(run_path: Path) -> bool:
-    """True if a run, or the run whose mesh it is, used a real recording."""
-    manifest = read_manifest(run_path)
-    sources = [Path(path) for path in manifest.get("input_paths", [])]
-    if manifest["command"] == "mesh" and sources and (sources[0] / MANIFEST).exists():
-        return _is_recorded(sources[0])
-    return bool(manifest["command"] in RECORDED)
+    is_real = is_recorded(run_path)
+    unit = "m" if is_real else "world units"
+    return Subject(run=run, unit=unit, is_recorded=is_real, asked_view=view)
 
 
 def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) -> list[Path]:

@@ -1,19 +1,21 @@
 """The map of a run: one file, or a folder of partitions if built in chunks."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from recon.errors import InputError
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
 from recon.exports.partitions.writing import merge_partitions, write_partitions
-from recon.mapping.mapper import Mapper
 from recon.notices import notify
 from recon.records import Voxels
-from recon.runs.work import Work
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.occupancy import occupied
+
+if TYPE_CHECKING:
+    from recon.mapping.mapper import Mapper
+    from recon.runs.work import Work
 
 WHOLE, PARTITIONED = "map.npz", "map.parquet"
 MAX_CELLS = 4_000_000
@@ -31,13 +33,13 @@ class ChunkedMap:
         Pairs per chunk; if None, all pairs in one file.
     """
 
-    def __init__(self, settings: MapSettings, work: Work, chunk: int | None) -> None:
+    def __init__(self, settings: MapSettings, work: "Work", chunk: int | None) -> None:
         self.settings = settings
         self.work = work
         self.chunk = chunk
         self._parts: list[PartitionedMap] = []
 
-    def take(self, mapper: Mapper) -> None:
+    def take(self, mapper: "Mapper") -> None:
         """Save the map if a chunk is complete."""
         if self.chunk is not None and mapper.num_pairs % self.chunk == 0:
             self._put_aside(mapper)
@@ -46,7 +48,7 @@ class ChunkedMap:
         """Discard the saved parts: the map contains all points again."""
         self._parts = []
 
-    def finish(self, mapper: Mapper) -> Map:
+    def finish(self, mapper: "Mapper") -> Map:
         """The map of all pairs; a partitioned map is then on disk."""
         if self.chunk is None:
             return mapper.voxel_map
@@ -54,7 +56,7 @@ class ChunkedMap:
         with self.work.stage("write"):
             return merge_partitions(self._parts, self.work.run.path / PARTITIONED)
 
-    def _put_aside(self, mapper: Mapper) -> None:
+    def _put_aside(self, mapper: "Mapper") -> None:
         with self.work.stage("write"):
             place = self.work.run.partial / f"{len(self._parts):06d}.parquet"
             part = write_partitions(mapper.release(), place, self.settings.partition_size)

@@ -7,9 +7,13 @@ from recon.files.documents import read_text
 from recon.notices import notify
 from recon.records import Reconstruction, Trajectory
 from recon.records.objects import from_json
+from recon.runfolder import MANIFEST, read_manifest
 from recon.runs.maps import read_map, shown
 from recon.runs.report import read_json
 from recon.settings import Settings, read_toml, tolerated, updated
+
+RECORDED = ("reconstruct", "merge")
+"""Commands with real recordings, in metres."""
 
 
 def read_settings(run_path: Path) -> Settings:
@@ -46,3 +50,12 @@ def read_trajectory(run_path: Path) -> Trajectory:
     """The poses of a run."""
     path = run_path / "trajectory.txt"
     return Trajectory.from_tum(read_text(path), str(path))
+
+
+def is_recorded(run_path: Path) -> bool:
+    """True if a run, or the run whose mesh it is, used a real recording."""
+    manifest = read_manifest(run_path)
+    sources = [Path(path) for path in manifest.get("input_paths", [])]
+    if manifest["command"] == "mesh" and sources and (sources[0] / MANIFEST).exists():
+        return is_recorded(sources[0])
+    return bool(manifest["command"] in RECORDED)

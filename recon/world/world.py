@@ -31,11 +31,9 @@ from recon.world.renderers import RENDERERS, Renderer
 from recon.world.scene import read_scene
 from recon.world.sensor import exposed
 from recon.world.solids import contains
+from recon.world.start import first_view
 from recon.world.surfaces import build_raycaster, lids, visual_triangles
 from recon.world.visuals import MeshVisual, PolygonVisual, Scene
-
-START_DISTANCE = 2.0
-"""Distance of the first target, in eye heights."""
 
 MAX_GROUND_CELLS = 100_000_000
 
@@ -104,11 +102,7 @@ class World:
 
     def start(self) -> View:
         """The first view: the middle of the floor, looking along -z."""
-        height = self.eyes.eye_height
-        return View(
-            position=np.array([0.0, height, 0.0]),
-            target=np.array([0.0, height, -START_DISTANCE * height]),
-        )
+        return first_view(self.eyes)
 
     def take(self, view: View) -> StereoPair:
         """The images of both cameras, rectified; the same view gives the same bytes.

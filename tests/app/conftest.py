@@ -1,15 +1,15 @@
 """A real browser, and pages of recon served to it."""
 
+import base64
 import os
 import shutil
 import subprocess
 import sys
-import time
-import urllib.error
-import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 
 from recon.cli import main
@@ -67,24 +67,13 @@ def served(*argv, folder, path=()):
     try:
         url = process.stdout.readline().strip()
         assert url.startswith("http://"), url
-        wait_for(url)
+        # The socket listens already; who asks is answered when the page is loaded.
         yield url
     finally:
         # How the program ends is not asked here, and a loaded machine takes long over it.
         process.kill()
         process.wait()
         process.stdout.close()
-
-
-def wait_for(url):
-    end = time.monotonic() + PATIENCE_S
-    while time.monotonic() < end:
-        try:
-            with urllib.request.urlopen(url, timeout=PATIENCE_S):
-                return
-        except (urllib.error.URLError, ConnectionError):
-            time.sleep(0.2)
-    raise AssertionError(f"{url} does not answer")
 
 
 def explored(folder):
@@ -113,6 +102,20 @@ def page_of(browser, url, first):
 
 def source(page, name):
     return page.get_by_test_id(name).locator("img").get_attribute("src")
+
+
+def pixels(source):
+    """The image (H, W, 3) that a source holds."""
+    data = base64.b64decode(source.partition(",")[2])
+    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+
+
+def click(page, name, at):
+    """Click a pixel (u, v) of an image as wide as its source."""
+    box = page.get_by_test_id(name).bounding_box()
+    width = pixels(source(page, name)).shape[1]
+    u, v = (np.asarray(at) + 0.5) * box["width"] / width
+    page.mouse.click(box["x"] + u, box["y"] + v)
 
 
 def drawn(page, name, before=None):

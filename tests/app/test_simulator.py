@@ -9,7 +9,17 @@ import numpy as np
 import pytest
 
 from recon.runfolder import read_manifest
-from tests.app.conftest import PATIENCE_S, choose, drawn, page_of, says, served, source
+from tests.app.conftest import (
+    PATIENCE_S,
+    choose,
+    click,
+    drawn,
+    page_of,
+    pixels,
+    says,
+    served,
+    source,
+)
 
 PANES = ("pane-left", "pane-right", "pane-top", "pane-front")
 
@@ -154,18 +164,14 @@ def test_points_are_coloured_and_a_click_marks_the_partner(page):
     page.wait_for_function("() => document.querySelector('[data-testid=field-z]').value == 8")
     before = source(page, "pane-left")
     page.get_by_test_id("toggle-features").click()
-    plain = drawn(page, "pane-left", before)
+    dotted = drawn(page, "pane-left", before)
     choose(page, "channel", "disparity")
-    drawn(page, "pane-left", plain)
-    left = page.get_by_test_id("pane-left")
-    left.locator("svg text", has_text="disparity").wait_for()
-    box = left.bounding_box()
+    coloured = drawn(page, "pane-left", dotted)
+    page.get_by_test_id("pane-left").locator("svg text", has_text="disparity").wait_for()
+    v, u = np.nonzero((pixels(dotted) != pixels(coloured)).any(axis=2))
+    click(page, "pane-left", (u[0], v[0]))
+    says(page, "point-info", "disparity")
     info = page.get_by_test_id("point-info")
-    for share in np.linspace(0.05, 0.95, 40):
-        page.mouse.click(box["x"] + share * box["width"], box["y"] + 0.45 * box["height"])
-        page.wait_for_timeout(150)
-        if "disparity" in info.inner_text():
-            break
     for channel in ("x:", "depth:", "sigma:", "orientation:", "score:", "label:"):
         assert channel in info.inner_text()
     for side in ("left", "right"):
@@ -237,7 +243,7 @@ def test_a_controller_that_never_returns_is_left_behind(page):
     page.get_by_test_id("stop").click()
     # The page answers meanwhile, and refuses what cannot be.
     kept = value(page, "target-y")
-    pull(page, "pane-front", "target-symbol", 0, -160)
+    pull(page, "pane-front", "target-symbol", 0, -100)
     says(page, "message", "the world ends there")
     page.mouse.up()
     assert value(page, "target-y") == kept

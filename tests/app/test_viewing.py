@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from recon.app.drawing import Look, draw
+from recon.app.archive import archive
+from recon.app.drawing import draw
 from recon.app.filters import Filter, shown
 from recon.app.layers import layer_of
+from recon.app.looks import Look
 from recon.app.orbit import Orbit
-from recon.app.taking import archive, packed
+from recon.app.taking import packed
 from recon.exports.formats import read
 from recon.records import Mesh, PointCloud
 from recon.voxelmap import VoxelMap

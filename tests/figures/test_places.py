@@ -169,11 +169,12 @@ def luminance(colours):
     return linear @ [0.2126, 0.7152, 0.0722]
 
 
-@pytest.mark.parametrize("name", [scales.COUNT, scales.ERROR, scales.ORDER, "disparity"])
+@pytest.mark.parametrize("name", [scales.COUNT, scales.ERROR, scales.ORDER, "disparity", "error"])
 def test_scales_rise_in_lightness(name):
     from matplotlib import colormaps
 
-    scale = scales.disparity() if name == "disparity" else colormaps[name]
+    own = {"disparity": scales.disparity, "error": scales.error}
+    scale = own[name]() if name in own else colormaps[name]
     assert (np.diff(luminance(scale(np.linspace(0, 1, 64))[:, :3])) > 0).all()
 
 
