@@ -107,7 +107,7 @@ class Belief:
         for detection in self._things(sight, model):
             self._note(detection, sight)
         self.graph.solve()
-        self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map.cell_size))
+        self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map))
         self._link()
         return _motion(meant, self.graph.poses[-1], sight)
 

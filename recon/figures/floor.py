@@ -118,11 +118,11 @@ def _halo() -> dict[str, Any]:
     return {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.75}
 
 
-def add_legend(sheet: Sheet, handles: list[Any]) -> None:
-    """Add the legend to the right of the sheet."""
-    sheet.figure.legend(
-        handles=handles, loc="outside right upper", frameon=False, fontsize=0.9 * sheet.font_size,
-        labelcolor=INK, borderaxespad=0.3, handlelength=1.6,
+def add_legend(sheet: Sheet, axes: Any, handles: list[Any]) -> None:
+    """Add the legend to the right of the axes, however narrow they are."""
+    axes.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False,
+        fontsize=0.9 * sheet.font_size, labelcolor=INK, borderaxespad=0.6, handlelength=1.6,
     )  # fmt: skip
 
 

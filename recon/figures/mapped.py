@@ -52,6 +52,12 @@ def sigma_cells(voxels: Voxels) -> NDArray[np.float64]:
     return sigma
 
 
+def _no_names(subject: Subject) -> str | None:
+    if not parts.largest_of_each(subject.mapped.objects):
+        return "no object has a name, so there are no parts to show"
+    return None
+
+
 def _no_weights(subject: Subject) -> str | None:
     if subject.mapped.voxels.weights is None:
         return 'the map keeps no weights; create it with map.occupancy = ["weight"]'
@@ -144,6 +150,7 @@ PARTS = Kind(
     ),
     data=_objects,
     size=parts.SIZE,
+    lack=_no_names,
 )
 SLICES = Kind(
     draw=lambda subject, sheet: slices.slices(

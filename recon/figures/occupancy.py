@@ -91,7 +91,7 @@ def labels(
     if trajectory is not None and len(trajectory):
         handles.append(floor.line("N: ahead of the\nfirst camera", marker="^", color=INK, lw=0))
     if with_legend:
-        floor.add_legend(sheet, handles)
+        floor.add_legend(sheet, axes, handles)
     sheet.fit(axes)
     cover, reserved = _cover(axes, voxels), []
     if trajectory is not None and len(trajectory):

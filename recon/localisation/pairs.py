@@ -14,6 +14,7 @@ from recon.localisation.surfels import Surfels
 from recon.records import PointCloud, StereoPair
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import Place, meet, see
+from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
 Array = NDArray[np.float64]
@@ -41,10 +42,10 @@ class Shown:
     T_level_left: Array
     """(4, 4) tilt of the camera, which is at the origin with azimuth 0."""
     points: Points
-    cell_size: float
+    map: MapSettings
 
     @classmethod
-    def of(cls, pair: StereoPair, cloud: PointCloud, cell_size: float) -> "Shown":
+    def of(cls, pair: StereoPair, cloud: PointCloud, settings: MapSettings) -> "Shown":
         """The surface of a pair whose cloud is in the world frame."""
         assert pair.T_world_left is not None
         azimuth = float(planar(pair.T_world_left)[2])
@@ -54,8 +55,8 @@ class Shown:
             place=see(pair),
             cloud=in_left,
             T_level_left=T_level_left,
-            points=points_of(in_left, pair.rig, cell_size),
-            cell_size=cell_size,
+            points=points_of(in_left, pair.rig, settings.cell_size),
+            map=settings,
         )
 
     def at(self, place: Array) -> Array:
@@ -65,11 +66,11 @@ class Shown:
 
     @cached_property
     def surfels(self) -> Surfels:
-        """Surfels of the reliable points, in the frame of the camera."""
-        voxel_map = VoxelMap(self.cell_size)
-        sigma = self.cloud.sigma
-        assert sigma is not None
-        voxel_map.insert(self.cloud.select(sigma < 1.4 * self.cell_size))
+        """Surfels of the points that a map would take, in the frame of the camera."""
+        voxel_map, cloud = VoxelMap(self.map.cell_size), self.cloud
+        if self.map.max_sigma is not None and cloud.sigma is not None:
+            cloud = cloud.select(cloud.sigma <= self.map.max_sigma * self.map.cell_size)
+        voxel_map.insert(cloud)
         return Surfels.of(voxel_map.occupied(3))
 
 
@@ -145,5 +146,6 @@ def _known(information: Array, shown: Shown, cells: float, degrees: float) -> Ar
     """Information (3, 3) of x, z, azimuth for known height and tilt, with a minimum covariance."""
     sign = np.diag([1.0, 1.0, -1.0])
     planar = sign @ information[np.ix_(PLANAR, PLANAR)] @ sign
-    least = np.array([cells * shown.cell_size, cells * shown.cell_size, np.radians(degrees)])
+    length = cells * shown.map.cell_size
+    least = np.array([length, length, np.radians(degrees)])
     return inverse(inverse(planar + 1e-6 * np.eye(3)) + np.diag(least**2))
