@@ -144,11 +144,15 @@ class Floor:
 
     def disc(self, centre_xz: Array, radius: float) -> Mask:
         """Mask (X, Z) of the cells whose centre is in a disc."""
+        low = self.cells(centre_xz - radius).clip(0, self.shape)
+        high = (self.cells(centre_xz + radius) + 1).clip(0, self.shape)
         x, z = (
-            (np.arange(n) + 0.5) * self.cell_size + low
-            for n, low in zip(self.shape, self.corner, strict=True)
+            (np.arange(first, end) + 0.5) * self.cell_size + corner
+            for first, end, corner in zip(low, high, self.corner, strict=True)
         )
-        near: Mask = np.hypot(x[:, None] - centre_xz[0], z - centre_xz[1]) <= radius
+        near = np.zeros(self.shape, dtype=bool)
+        box = tuple(map(slice, low, high))
+        near[box] = np.hypot(x[:, None] - centre_xz[0], z - centre_xz[1]) <= radius
         return near
 
     def lines(self, places_xz: ArrayLike, azimuths_rad: Array, radii: Array) -> Lines:

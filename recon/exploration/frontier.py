@@ -64,13 +64,14 @@ class FrontierController:
 
     def _plan(self, state: State) -> View | None:
         """Plan a round and return its first view."""
-        paths, unknown = plan(state), unexplored(state.floor, state.obstacles)
+        unknown = unexplored(state.floor, state.obstacles)
+        paths = plan(state, unknown)
         wanted = sorted(wanted_of(state), key=lambda one: math.dist(one.centre, state.place))
         wanted = wanted[:MAX_WANTED]
         vantage = vantage_points(paths, unknown, state.scales)
         places = np.vstack([state.place, vantage, viewpoints_round(paths, wanted, state)])
         field_rad, reach = field_of_view(state.pair), state.settings.exploration.sight_range
-        visibility = Visibility.over(state.floor, places, field_rad, reach)
+        visibility = Visibility.over(state.floor, places, field_rad, reach, unknown)
         visibility = visibility.without(self.taken, state.scales.same_place)
         sides = Sides.of(wanted, places, state.floor, field_rad, state.sure_range, self.looks)
         stop = first_stop(paths.length(places), visibility, sides, unknown, state.scales)

@@ -1,11 +1,12 @@
 """Ground that views would show, from many positions at once."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from recon.exploration import sight
 from recon.exploration.floor import RAY_SPACING, ROUNDING, Array, Floor, Mask
@@ -34,14 +35,16 @@ class Visibility:
     """Distance up to which a view recognises free ground, world units."""
     barred: Mask
     """(C, NUM_RAYS) views similar to earlier ones, which would show nothing new."""
-    _cell: NDArray[np.int32]
-    """(C, NUM_RAYS, R) cell under each visible sample of the rays."""
+    _rays: tuple[sight.Cells, sight.Cells, sight.Cells]
+    """Unknown cells along each of NUM_RAYS rays, as `sight.cast` gives them."""
     _area: Array
     """(R,) area that each sample represents, square world units."""
 
     @classmethod
-    def over(cls, floor: Floor, places: Array, field_rad: float, reach: float) -> "Visibility":
-        """The view from every position (C, 2) as far as the mapped obstacles allow."""
+    def over(
+        cls, floor: Floor, places: Array, field_rad: float, reach: float, unknown: Mask
+    ) -> "Visibility":
+        """The view from every position (C, 2) of unknown cells (X, Z), up to the obstacles."""
         number = math.ceil(reach / (SAMPLE * floor.cell_size) - 0.5 - ROUNDING)
         radii: Array = SAMPLE * (np.arange(number, dtype=np.float64) + 0.5)
         blocking = floor.occupied | floor.barred
@@ -52,26 +55,29 @@ class Visibility:
             field_rad=field_rad,
             reach=reach,
             barred=np.zeros((len(places), NUM_RAYS), dtype=bool),
-            _cell=sight.cast(blocking, floor.in_cells(places), AZIMUTHS_RAD, radii),
+            _rays=sight.cast(
+                blocking, unknown.ravel(), floor.in_cells(places), AZIMUTHS_RAD, radii
+            ),
             _area=radii * SAMPLE * SPACING_RAD * floor.cell_size**2,
         )
 
-    def without(self, views: Iterable[tuple[Array, float]], same_place: float) -> "Visibility":
+    def without(self, views: Sequence[tuple[Array, float]], same_place: float) -> "Visibility":
         """The same, without views similar to those from positions (2,) along azimuths."""
         barred = self.barred.copy()
-        for place, azimuth in views:
-            is_near = np.hypot(*(self.places - place).T) <= same_place * (1.0 + ROUNDING)
-            barred |= is_near[:, None] & (turn(AZIMUTHS_RAD, np.array(azimuth)) <= SAME_GAZE_RAD)
+        apart = cdist(self.places, np.array([place for place, _ in views]).reshape(-1, 2))
+        near, view = np.nonzero(apart <= same_place * (1.0 + ROUNDING))
+        azimuths = np.array([azimuth for _, azimuth in views], dtype=np.float64)[view]
+        np.logical_or.at(barred, near, turn(AZIMUTHS_RAD, azimuths[:, None]) <= SAME_GAZE_RAD)
         return replace(self, barred=barred)
 
     def area(self, unknown: Mask, rows: NDArray[np.intp] | None = None) -> Array:
-        """Unknown area (C, NUM_RAYS) that a view along each azimuth would show.
+        """Area (C, NUM_RAYS) that a view along each azimuth would show of what is still unknown.
 
         If `rows` is given, only for these positions; zero for others.
         """
         half = round(self.field_rad / SPACING_RAD / 2.0)
         places = np.arange(len(self.places)) if rows is None else rows
-        area = sight.fields(self._cell, places, unknown.ravel(), self._area, half)
+        area = sight.fields(self._rays, places, unknown.ravel(), self._area, half)
         return np.where(self.barred, 0.0, area)
 
     def left(self, unknown: Mask, place: Array, azimuth_rad: float) -> Mask:

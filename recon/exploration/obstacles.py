@@ -1,11 +1,12 @@
 """Obstacles of the map: patches of occupied floor, the views that saw them, and their names."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
+from scipy.spatial import ConvexHull
 
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
@@ -23,6 +24,8 @@ class Obstacle:
 
     cells: NDArray[np.intp]
     """(N, 2) floor cells under it."""
+    covered: NDArray[np.intp]
+    """(M, 2) floor cells whose centre is in the convex hull of those."""
     centre: Array
     """(2,) x, z of the centre of its box."""
     radius: float
@@ -72,11 +75,14 @@ class Observations:
         obstacle_of_cell : (X, Z) int
             Number of the obstacle on each cell; -1 = none.
         """
-        lookup = np.append(obstacle_of_cell.ravel(), -1)
-        points = [lookup[cell] for cell in self.cell]
-        return np.array(
-            [np.bincount(p[p >= 0], minlength=num_obstacles) for p in points], dtype=np.intp
-        ).reshape(len(points), num_obstacles)
+        num_pairs = len(self.cell)
+        if not num_pairs:
+            return np.zeros((0, num_obstacles), dtype=np.intp)
+        pair = np.repeat(np.arange(num_pairs), [len(cell) for cell in self.cell])
+        obstacle = np.append(obstacle_of_cell.ravel(), -1)[np.concatenate(self.cell)]
+        both = (pair * num_obstacles + obstacle)[obstacle >= 0]
+        seen = np.bincount(both, minlength=num_pairs * num_obstacles)
+        return seen.reshape(num_pairs, num_obstacles)
 
 
 def columns(voxels: Voxels, spacing: float) -> Array:
@@ -95,11 +101,16 @@ def patches(occupied: Mask) -> NDArray[np.intp]:
 
 
 def find_obstacles(
-    voxels: Voxels, floor: Floor, observations: Observations, min_voxels: int
+    voxels: Voxels,
+    floor: Floor,
+    observations: Observations,
+    min_voxels: int,
+    before: Sequence[Obstacle] = (),
 ) -> tuple[Obstacle, ...]:
     """Split the occupied cells above the ground into obstacles, in the order of their floor cells.
 
-    Fewer than `min_voxels` connected cells are not an obstacle.
+    Fewer than `min_voxels` connected cells are not an obstacle. Obstacles that have not changed
+    since `before` are kept.
     """
     patch = patches(floor.mask(columns(voxels, floor.cell_size)))
     of_voxel = np.append(patch.ravel(), -1)[floor.flat(floor.cells(voxels.centres[:, [0, 2]]))]
@@ -108,28 +119,61 @@ def find_obstacles(
     obstacle_of_cell, obstacle_of_voxel = number[patch], number[of_voxel]
     num_obstacles = int(number.max(initial=-1)) + 1
     seen = observations.seen(obstacle_of_cell, num_obstacles) >= MIN_POINTS_OF_VIEW
-    return tuple(
-        _obstacle(
-            floor,
-            np.argwhere(obstacle_of_cell == i),
-            voxels.select(obstacle_of_voxel == i),
-            [observations.places[pair] for pair in np.flatnonzero(seen[:, i])],
-        )
-        for i in range(num_obstacles)
-    )
+    known = {one.cells.tobytes(): one for one in before}
+    places = np.array(observations.places).reshape(-1, 2)
+    cells = np.column_stack(np.unravel_index(np.arange(obstacle_of_cell.size), floor.shape))
+    found = []
+    for cells_of, voxels_of, seen_by in zip(
+        _groups(obstacle_of_cell.ravel(), num_obstacles),
+        _groups(obstacle_of_voxel, num_obstacles),
+        seen.T,
+        strict=True,
+    ):
+        own = cells[cells_of]
+        old = known.get(own.tobytes())
+        if old is None or not _are_of(old, voxels, voxels_of):
+            old = _obstacle(floor, own, voxels.select(voxels_of), old)
+        offsets = places[seen_by] - old.centre
+        found.append(replace(old, bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0])))
+    return tuple(found)
+
+
+def _are_of(obstacle: Obstacle, voxels: Voxels, rows: NDArray[np.intp]) -> bool:
+    """Tell whether some voxels are those of an obstacle, without a new point in them."""
+    own = obstacle.voxels
+    is_same = np.array_equal(own.index, voxels.index[rows])
+    return is_same and np.array_equal(own.counts, voxels.counts[rows])
+
+
+def _groups(number: NDArray[np.intp], num_groups: int) -> list[NDArray[np.intp]]:
+    """Rows of each group, in order; rows with number -1 are in none."""
+    order = np.argsort(number, kind="stable")
+    return np.split(order, np.searchsorted(number[order], np.arange(num_groups + 1)))[1:-1]
+
+
+def covered_by(cells: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Cells (M, 2) whose centre is in the convex hull of some cells (N, 2)."""
+    square = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+    hull = ConvexHull((cells[:, None] + square).reshape(-1, 2))
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
+    box = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1)
+    signed = (box + 0.5) @ hull.equations[:, :2].T + hull.equations[:, 2]
+    covered: NDArray[np.intp] = box[(signed <= 1e-9).all(axis=-1)]
+    return covered
 
 
 def _obstacle(
-    floor: Floor, cells: NDArray[np.intp], voxels: Voxels, places: Sequence[Array]
+    floor: Floor, cells: NDArray[np.intp], voxels: Voxels, old: Obstacle | None
 ) -> Obstacle:
+    """The obstacle on some cells, which may be those of an old one."""
     points_xz = floor.centres(cells)
     centre = (points_xz.min(axis=0) + points_xz.max(axis=0)) / 2.0
-    offsets = np.array(places).reshape(-1, 2) - centre
     return Obstacle(
         cells=cells,
+        covered=covered_by(cells) if old is None else old.covered,
         centre=centre,
         radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size,
         top=float(voxels.means[:, 1].max()),
         voxels=voxels,
-        bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),
+        bearings_rad=np.empty(0),
     )

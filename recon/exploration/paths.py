@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label
-from scipy.spatial import ConvexHull
 
 from recon.exploration.floor import NEIGHBOURS, RAY_SPACING, Array, Floor, Mask
 from recon.exploration.obstacles import Obstacle
@@ -35,11 +34,11 @@ class ShortestPaths:
     """(X, Z, 2) the previous cell of each cell on its path."""
 
     def reaches(self, points_xz: Array) -> Mask:
-        """Mask (N,) of the reachable points (N, 2)."""
+        """Mask (...,) of the reachable points (..., 2)."""
         return np.isfinite(self.length(points_xz))
 
     def length(self, points_xz: Array) -> Array:
-        """Length (N,) of the path to each point; infinite if there is none."""
+        """Length (...,) of the path to each point (..., 2); infinite if there is none."""
         lengths = np.append(self.distance.ravel(), np.inf)
         return lengths[self.floor.flat(self.floor.cells(points_xz))]
 
@@ -85,12 +84,13 @@ def is_clear(floor: Floor, walkable: Mask, start_xz: Array, end_xz: Array) -> bo
     return bool(np.append(walkable.ravel(), False)[floor.flat(cells)].all())
 
 
-def plan(state: State, *, through_unknown: bool = False) -> ShortestPaths:
+def plan(state: State, unknown: Mask | None) -> ShortestPaths:
     """Find the paths from the agent's position to all cells at once.
 
-    With `through_unknown`, ground that has not been seen is treated as free.
+    Paths stay away from the cells `unknown` (X, Z), which are the `unexplored` ones; with None,
+    ground that has not been seen is treated as free.
     """
-    return paths_over(state.floor, _walkable(state, through_unknown), state.place)
+    return paths_over(state.floor, _walkable(state, unknown), state.place)
 
 
 def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
@@ -106,7 +106,7 @@ def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
     )
 
 
-def _walkable(state: State, through_unknown: bool) -> Mask:
+def _walkable(state: State, unknown: Mask | None) -> Mask:
     """Free cells with enough clearance.
 
     If the agent itself is too close to something, it may stay that close while it moves away.
@@ -117,8 +117,7 @@ def _walkable(state: State, through_unknown: bool) -> Mask:
     for detection in state.detections:
         obstacles |= floor.disc(detection.centre, detection.radius)
     walkable = ~obstacles & _away_from(obstacles, scales.cells(scales.walk_clearance), here)
-    if not through_unknown:
-        unknown = unexplored(floor, state.obstacles)
+    if unknown is not None:
         clearance = scales.cells(scales.unknown_clearance)
         walkable &= floor.known_free & _away_from(unknown | floor.barred, clearance, here)
     walkable[here] = True
@@ -129,7 +128,9 @@ def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
     """Mask (X, Z) of cells with a clearance (in cells), near `here` at most the clearance there."""
     if not cells.any():
         return np.ones_like(cells)
-    room = distance_transform_edt(~cells)
+    room: Array = distance_transform_edt(~cells)
+    if room[here] >= clearance:
+        return room >= clearance
     offset = np.indices(cells.shape) - np.reshape(here, (2, 1, 1))
     close = np.hypot(*offset) <= 2.0 * clearance
     away: Mask = room >= np.where(close, min(clearance, float(room[here])), clearance)
@@ -140,20 +141,8 @@ def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
     """Mask (X, Z) of unknown cells worth a look: no insides of obstacles, no small gaps."""
     unknown = ~floor.known_free & ~floor.occupied & ~floor.touched
     for obstacle in obstacles:
-        unknown &= ~_inside(floor, obstacle.cells)
+        unknown[tuple(obstacle.covered.T)] = False
     number, _ = label(unknown, NEIGHBOURS)
     large = np.bincount(number.ravel()) >= MIN_POCKET
     large[0] = False
     return large[number]
-
-
-def _inside(floor: Floor, cells: NDArray[np.intp]) -> Mask:
-    """Mask (X, Z) of cells whose centre is in the convex hull of some cells."""
-    square = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
-    hull = ConvexHull((cells[:, None] + square).reshape(-1, 2))
-    low, high = cells.min(axis=0), cells.max(axis=0) + 1
-    box = np.stack(np.meshgrid(*map(np.arange, low, high), indexing="ij"), axis=-1)
-    inside = np.zeros(floor.shape, dtype=bool)
-    signed = (box + 0.5) @ hull.equations[:, :2].T + hull.equations[:, 2]
-    inside[low[0] : high[0], low[1] : high[1]] = (signed <= 1e-9).all(axis=-1)
-    return inside

@@ -12,7 +12,7 @@ from recon.exploration.floor import Array, Floor, Mask
 from recon.exploration.gains import AZIMUTHS_RAD, SPACING_RAD, turn
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
-from recon.exploration.sight import is_open
+from recon.exploration.sight import are_open
 
 OPEN_SURE_RAD, OPEN_RAD = math.radians(145.0), math.radians(110.0)
 """An obstacle is known if no gap between its views is wider, with and without a sure label: three
@@ -60,6 +60,10 @@ class Sides:
     """(O,) half the arc of bearings that one view covers."""
     missing: Mask
     """(O, BEARINGS) bearings that no view covers."""
+    shown: Array
+    """Share (O, C) of a side of each obstacle that would become known."""
+    worth: Array
+    """Number (C, NUM_RAYS) of sides that a view along each azimuth would cover."""
 
     @classmethod
     def of(
@@ -79,40 +83,42 @@ class Sides:
             azimuth[row], apart = np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(*offset.T)
             own = obstacle.radius + floor.cell_size
             near = np.flatnonzero((apart - obstacle.radius <= reach) & (apart > 0.0))
-            seen = near[_open(floor, places[near], obstacle.centre, own)]
+            starts, end = floor.in_cells(places[near]), floor.in_cells(obstacle.centre)
+            seen = near[are_open(floor.occupied, starts, end, own / floor.cell_size)]
             half_width = np.arcsin(np.minimum(obstacle.radius / apart[seen], 1.0))
             slack[row, seen] = np.maximum(field_rad / 2.0 - half_width, SPACING_RAD)
         arc = np.array([(_planned_gap(one) - MARGIN_RAD) / 2.0 for one in wanted])
-        missing = [_missing(one, half, looks) for one, half in zip(wanted, arc, strict=True)]
+        looked = np.array([(*look.centre, *look.place) for look in looks]).reshape(-1, 2, 2)
+        of_each = [_missing(one, half, looked) for one, half in zip(wanted, arc, strict=True)]
+        missing = np.array(of_each, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD))
+        shown = _shown(azimuth, slack, missing, arc)
+        worth = np.zeros((len(places), len(AZIMUTHS_RAD)))
+        _add_up(worth, np.arange(len(places)), shown, azimuth, slack)
         return cls(
             obstacles=wanted,
             places=places,
             azimuth=azimuth,
             slack=slack,
             arc=arc,
-            missing=np.array(missing, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD)),
+            missing=missing,
+            shown=shown,
+            worth=worth,
         )
-
-    def shown(self) -> Array:
-        """Share (O, C) of a side of each obstacle that would become known."""
-        shown: Array = _shown(self.azimuth, self.slack, self.missing, self.arc)
-        return shown
-
-    def worth(self) -> Array:
-        """Number (C, NUM_RAYS) of sides that a view along each azimuth would cover."""
-        worth: Array = _worth(self.shown(), self.azimuth, self.slack)
-        return worth
 
     def after(self, place: int, azimuth_rad: float) -> "Sides":
         """The sides that are left after a view from a position."""
-        missing = self.missing.copy()
-        for row in self._in_view(place, azimuth_rad):
+        missing, shown, worth = self.missing.copy(), self.shown.copy(), self.worth.copy()
+        rows = self._in_view(place, azimuth_rad)
+        for row in rows:
             missing[row] &= ~self._within(row, place)
-        return replace(self, missing=missing)
+        shown[rows] = _shown(self.azimuth[rows], self.slack[rows], missing[rows], self.arc[rows])
+        changed = np.flatnonzero((shown[rows] != self.shown[rows]).any(axis=0))
+        _add_up(worth, changed, shown, self.azimuth, self.slack)
+        return replace(self, missing=missing, shown=shown, worth=worth)
 
     def looks(self, place: int, azimuth_rad: float) -> list[Look]:
         """The looks at obstacles of which a view from a position would show something new."""
-        shown = self.shown()[:, place]
+        shown = self.shown[:, place]
         return [
             Look(place=self.places[place], centre=self.obstacles[row].centre)
             for row in self._in_view(place, azimuth_rad)
@@ -121,7 +127,7 @@ class Sides:
 
     def target(self, place: int, azimuth_rad: float) -> Obstacle | Detection | None:
         """The obstacle in the centre of a view that would show something new of it."""
-        shown = self.shown()[:, place]
+        shown = self.shown[:, place]
         ahead = turn(self.azimuth[:, place], np.array(azimuth_rad)) <= 0.75 * SPACING_RAD
         rows = np.flatnonzero(ahead & (shown > 0.0))
         return self.obstacles[rows[shown[rows].argmax()]] if len(rows) else None
@@ -157,23 +163,22 @@ def _planned_gap(obstacle: Obstacle | Detection) -> float:
     return OPEN_RAD if is_doubted else OPEN_SURE_RAD
 
 
-def _missing(obstacle: Obstacle | Detection, arc: float, looks: Sequence[Look]) -> Mask:
-    """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain."""
+def _missing(obstacle: Obstacle | Detection, arc: float, looks: Array) -> Mask:
+    """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain.
+
+    Parameters
+    ----------
+    looks : (L, 2, 2)
+        Centre and position of each look so far.
+    """
     seen = obstacle.bearings_rad if isinstance(obstacle, Obstacle) else np.empty(0)
-    reach = obstacle.radius
-    of_it = [one.place for one in looks if np.hypot(*(one.centre - obstacle.centre)) <= reach]
-    looked = np.array([math.atan2(*(place - obstacle.centre)[::-1]) for place in of_it])
+    offsets = looks - obstacle.centre
+    x, z = offsets[np.hypot(*offsets[:, 0].T) <= obstacle.radius, 1].T
+    looked = np.arctan2(z, x)
     is_seen = turn(BEARINGS_RAD[:, None], seen) <= arc
     num_looks = (turn(BEARINGS_RAD[:, None], looked) <= arc).sum(axis=1)
     missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= MAX_LOOKS))
     return missing
-
-
-def _open(floor: Floor, places: Array, centre: Array, own: float) -> NDArray[np.bool_]:
-    """Mask (C,) of the positions with a free line of sight to an obstacle."""
-    end, own_cells = floor.in_cells(centre), own / floor.cell_size
-    starts = floor.in_cells(places)
-    return np.array([is_open(floor.occupied, start, end, own_cells) for start in starts], bool)
 
 
 @njit(cache=True)
@@ -216,20 +221,24 @@ def _share(new: int, total: int, side: float) -> float:
 
 
 @njit(cache=True)
-def _worth(shown: Array, azimuth: Array, slack: Array) -> Array:
-    """Sum (C, NUM_RAYS) of what is shown (O, C), along the azimuths with it in the field."""
-    worth = np.zeros((shown.shape[1], len(AZIMUTHS_RAD)))
-    for row in range(shown.shape[0]):
-        for c in range(shown.shape[1]):
+def _add_up(
+    worth: Array, places: NDArray[np.intp], shown: Array, azimuth: Array, slack: Array
+) -> None:
+    """Sum what is shown (O, C) from some positions along the rays (C, NUM_RAYS) with it in view."""
+    for c in places:
+        worth[c] = 0.0
+        for row in range(shown.shape[0]):
             if shown[row, c] > 0.0:
                 _add(worth[c], shown[row, c], azimuth[row, c], slack[row, c])
-    return worth
 
 
 @njit(cache=True)
 def _add(worth: Array, shown: float, azimuth: float, slack: float) -> None:
     """Add what is shown of one obstacle to the rays (NUM_RAYS,) with it in the field."""
-    for ray in range(len(AZIMUTHS_RAD)):
+    half = int(slack / SPACING_RAD) + 1
+    first = math.floor(azimuth / SPACING_RAD) - half
+    for number in range(first, first + min(2 * half + 2, len(AZIMUTHS_RAD))):
+        ray = number % len(AZIMUTHS_RAD)
         miss = _apart(azimuth, AZIMUTHS_RAD[ray]) / slack
         if miss <= 1.0:
             worth[ray] += shown * (1.0 - CENTRED * miss**2)

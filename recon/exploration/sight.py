@@ -37,46 +37,93 @@ def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cel
 
 
 @njit(cache=True)
-def cast(blocking: Mask, places: Array, azimuths: Array, radii: Array) -> Cells:
-    """Flat index (C, A, R) of the cell under each sample of each ray; HIDDEN if not seen."""
-    cell = np.empty((len(places), len(azimuths), len(radii)), np.int32)
+def cast(
+    blocking: Mask, unknown: Mask, places: Array, azimuths: Array, radii: Array
+) -> tuple[Cells, Cells, Cells]:
+    """Unknown cells (X * Z,) that are visible along rays from some positions.
+
+    Returns
+    -------
+    cell, sample : (C, A, R) int32
+        Flat indices of the unknown cells on each ray, and the samples in them.
+    number : (C, A) int32
+        Their number on each ray; the values after them are undefined.
+    """
+    shape = (len(places), len(azimuths), len(radii))
+    cell, sample = np.empty(shape, np.int32), np.empty(shape, np.int32)
+    number = np.zeros(shape[:2], np.int32)
+    seen = np.empty(len(radii), np.int32)
     for c in range(len(places)):
         for a in range(len(azimuths)):
-            _march(blocking, places[c], azimuths[a], radii, cell[c, a])
-    return cell
+            _march(blocking, places[c], azimuths[a], radii, seen)
+            number[c, a] = _pick(seen, unknown, cell[c, a], sample[c, a])
+    return cell, sample, number
 
 
 @njit(cache=True)
-def _along(cell: Cells, unknown: Mask, area: Array) -> float:
-    """Unknown area along one ray, whose samples (R,) each represent an area."""
+def _pick(seen: Cells, unknown: Mask, cell: Cells, sample: Cells) -> int:
+    """Put the unknown ones of the visible cells (R,) into `cell` and `sample`; their number."""
+    number = 0
+    for r in range(len(seen)):
+        if seen[r] != HIDDEN and unknown[seen[r]]:
+            cell[number], sample[number] = seen[r], r
+            number += 1
+    return number
+
+
+@njit(cache=True)
+def _along(cell: Cells, sample: Cells, unknown: Mask, area: Array) -> float:
+    """Unknown area along one ray, whose samples each represent an area (R,)."""
     total = 0.0
-    for r in range(len(cell)):
-        if cell[r] != HIDDEN and unknown[cell[r]]:
-            total += area[r]
+    for k in range(len(cell)):
+        if unknown[cell[k]]:
+            total += area[sample[k]]
     return total
 
 
 @njit(cache=True)
-def fields(cell: Cells, places: NDArray[np.intp], unknown: Mask, area: Array, half: int) -> Array:
+def _sweep(along: Array, half: int, field: Array) -> None:
+    """Add to each ray's `field` (A,) the areas along it and along `half` rays on both sides."""
+    number = len(along)
+    for turn in range(-half, half + 1):
+        first = turn % number
+        for a in range(number - first):
+            field[a] += along[a + first]
+        for a in range(number - first, number):
+            field[a] += along[a + first - number]
+
+
+@njit(cache=True)
+def fields(
+    rays: tuple[Cells, Cells, Cells],
+    places: NDArray[np.intp],
+    unknown: Mask,
+    area: Array,
+    half: int,
+) -> Array:
     """Unknown area (C, A) in the field of a view along each ray: `half` rays on both sides.
 
     Parameters
     ----------
+    rays : (cell, sample, number)
+        As `cast` gives them.
     places : (P,) int
         Rows of the positions to compute; others are zero.
     unknown : (X * Z,) bool
+        Cells still unknown, of those that the rays were cast for.
     area : (R,) float64
         Area that each sample represents.
     """
-    num_places, num_rays, _ = cell.shape
-    field = np.zeros((num_places, num_rays))
-    along = np.empty(num_rays)
+    cell, sample, number = rays
+    field = np.zeros(number.shape)
+    along = np.empty(number.shape[1])
     for c in places:
-        for a in range(num_rays):
-            along[a] = _along(cell[c, a], unknown, area)
-        for a in range(num_rays):
-            for turn in range(-half, half + 1):
-                field[c, a] += along[(a + turn) % num_rays]
+        if number[c].max() == 0:
+            continue
+        for a in range(number.shape[1]):
+            own = slice(0, number[c, a])
+            along[a] = _along(cell[c, a, own], sample[c, a, own], unknown, area)
+        _sweep(along, half, field[c])
     return field
 
 
@@ -89,6 +136,15 @@ def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, radii: Arr
         for number in cell:
             if number != HIDDEN:
                 unknown[number] = False
+
+
+@njit(cache=True)
+def are_open(occupied: Mask, starts: Array, end: Array, own: float) -> Mask:
+    """Mask (C,) of the positions (C, 2) with a free line of sight to another."""
+    is_seen = np.empty(len(starts), np.bool_)
+    for c in range(len(starts)):
+        is_seen[c] = is_open(occupied, starts[c], end, own)
+    return is_seen
 
 
 @njit(cache=True)

@@ -66,8 +66,8 @@ class State:
 
 def _inside(obstacle: Obstacle, floor: Floor, shift: NDArray[np.intp]) -> Obstacle:
     """An obstacle with its cells on a part of the floor, shifted (2,) to that part."""
-    cells = obstacle.cells + shift
-    return replace(obstacle, cells=cells[floor.holds(cells)])
+    cells, covered = obstacle.cells + shift, obstacle.covered + shift
+    return replace(obstacle, cells=cells[floor.holds(cells)], covered=covered[floor.holds(covered)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

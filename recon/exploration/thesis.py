@@ -54,7 +54,7 @@ class ThesisController:
 
     def next_view(self, state: State) -> View | None:
         """The view of the first activity that has something to do (figures 25 and 26)."""
-        paths = plan(state, through_unknown=True)
+        paths = plan(state, None)
         for activity in (self._circle, self._meet, self._turn, self._head):
             view = activity(state, paths)
             if view is not None:

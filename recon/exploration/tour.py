@@ -3,10 +3,11 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from recon.exploration.floor import Array, Mask, first_best
+from recon.exploration.floor import ROUNDING, Array, Mask, first_best
 from recon.exploration.gains import AZIMUTHS_RAD, Visibility
 from recon.exploration.oracle import improved
 from recon.exploration.scales import Scales
@@ -42,13 +43,12 @@ class Tour:
         """
         if not self.stops:
             return self.lengths, np.zeros(len(self.lengths), dtype=np.intp)
-        numbers = [place for place, _ in self.stops]
-        legs = np.column_stack([self.lengths, cdist(self.places, self.places[numbers])])
-        points = self.places[numbers]
-        along = np.append(self.lengths[numbers[0]], np.hypot(*np.diff(points, axis=0).T))
-        between = early * (legs[:, :-1] + legs[:, 1:] - along)
-        detour = np.column_stack([np.maximum(between, 0.0), legs[:, -1]])
-        return detour.min(axis=1), first_best(-detour, axis=1)
+        points = self.places[[place for place, _ in self.stops]]
+        along = np.append(self.lengths[self.stops[0][0]], np.hypot(*np.diff(points, axis=0).T))
+        found: tuple[Array, NDArray[np.intp]] = _detours(
+            self.lengths, cdist(self.places, points), along, early
+        )
+        return found
 
     def shorten(self) -> None:
         """Improve the order of the stops (2-opt)."""
@@ -58,6 +58,31 @@ class Tour:
         legs[1:, 1:] = cdist(self.places[numbers], self.places[numbers])
         order = improved(list(range(len(legs))), legs)
         self.stops = [self.stops[number - 1] for number in order[1:]]
+
+
+@njit(cache=True)
+def _detours(
+    lengths: Array, legs: Array, along: Array, early: float
+) -> tuple[Array, NDArray[np.intp]]:
+    """Smallest detour (C,) and its position (C,) on a path with S stops.
+
+    Parameters
+    ----------
+    lengths, legs : (C,), (C, S)
+        Distances of the positions from the start of the path and from its stops.
+    along : (S,)
+        Distance of each stop from the one before it.
+    """
+    num_places, num_stops = legs.shape
+    detour, position = legs[:, num_stops - 1].copy(), np.full(num_places, num_stops)
+    for c in range(num_places):
+        for stop in range(num_stops - 1, -1, -1):
+            before = lengths[c] if stop == 0 else legs[c, stop - 1]
+            between = max(early * (before + legs[c, stop] - along[stop]), 0.0)
+            # Of detours equal up to rounding, the first is taken.
+            if between <= detour[c] + ROUNDING * lengths[c]:
+                detour[c], position[c] = min(between, detour[c]), stop
+    return detour, position
 
 
 def first_stop(
@@ -94,10 +119,10 @@ def add_objects(
     """Insert views of new sides of obstacles into a round; ground in these views counts too."""
     if not sides.missing.any():
         return
-    area = visibility.area(unknown, np.flatnonzero(sides.shown().any(axis=0)))
+    area = visibility.area(unknown, np.flatnonzero(sides.shown.any(axis=0)))
     ground = scales.much_area * area / (area + scales.much_area)
     for _ in range(MAX_OBJECT_STOPS):
-        worth = np.where(visibility.barred, 0.0, scales.side_area * sides.worth())
+        worth = np.where(visibility.barred, 0.0, scales.side_area * sides.worth)
         worth += np.where(worth > 0.0, ground, 0.0)
         ray = first_best(worth, axis=1)
         detour, position = tour.detours()

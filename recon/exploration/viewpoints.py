@@ -91,18 +91,31 @@ def viewpoint(
 
     If something is in the way, the distance is first reduced, then increased.
     """
-    direction = np.array([math.cos(bearing_rad), math.sin(bearing_rad)])
-    places = obstacle.centre + np.outer(obstacle.radius + clearance * np.array(CLOSER), direction)
-    reached = np.flatnonzero(paths.reaches(places))
-    place: Array | None = places[reached[0]] if len(reached) else None
-    return place
+    places = _viewpoints(paths, [obstacle], np.array([bearing_rad]), clearance)
+    return places[0] if len(places) else None
 
 
 def viewpoints_round(
     paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], state: State
 ) -> Array:
     """Reachable positions (N, 2) around obstacles, on some bearings of each."""
-    bearings = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
-    clearance = state.scales.clearance
-    tried = [viewpoint(paths, one, float(b), clearance) for one in wanted for b in bearings]
-    return np.array([place for place in tried if place is not None]).reshape(-1, 2)
+    bearings_rad = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
+    return _viewpoints(paths, wanted, bearings_rad, state.scales.clearance)
+
+
+def _viewpoints(
+    paths: ShortestPaths,
+    wanted: Sequence[Obstacle | Detection],
+    bearings_rad: Array,
+    clearance: float,
+) -> Array:
+    """Positions (N, 2) to look at obstacles from, one per bearing (B,) with a reachable one."""
+    directions = np.column_stack([np.cos(bearings_rad), np.sin(bearings_rad)])
+    centres = np.array([one.centre for one in wanted]).reshape(-1, 1, 1, 2)
+    radii = np.array([one.radius for one in wanted]).reshape(-1, 1, 1, 1)
+    away = radii + clearance * np.array(CLOSER)[:, None]
+    places = centres + away * directions[:, None]
+    reached = paths.reaches(places)
+    some = reached.any(axis=-1)
+    nearest: Array = places[some, reached[some].argmax(axis=-1)]
+    return nearest

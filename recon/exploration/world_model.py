@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.ndimage import binary_closing
+from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.exploration.obstacles import Observations, Obstacle, columns, find_obstacles
@@ -100,7 +101,7 @@ class WorldModel:
     def remember(self, before: "WorldModel") -> None:
         """Take over the names and the touched cells of a model whose map was corrected."""
         named = [one for one in before.obstacles if one.found is not None]
-        self.obstacles = tuple(_with_name(one, named) for one in self.obstacles)
+        self.obstacles = with_names(self.obstacles, named)
         self.timeline = before.timeline
         self.floor.touched |= before.floor.touched
 
@@ -112,8 +113,8 @@ class WorldModel:
         self.floor.occupied = binary_closing(under, NEIGHBOURS)
         min_voxels = self.settings.recognition.min_voxels
         before = [one for one in self.obstacles if one.found is not None]
-        found = find_obstacles(voxels, self.floor, self.observations, min_voxels)
-        self.obstacles = tuple(_with_name(one, before) for one in found)
+        found = find_obstacles(voxels, self.floor, self.observations, min_voxels, self.obstacles)
+        self.obstacles = with_names(found, before)
 
     def _named(self, obstacle: Obstacle) -> Obstacle:
         objects = recognise(obstacle.voxels, self.settings.recognition).objects
@@ -140,10 +141,10 @@ class WorldModel:
 
     def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
         """Mask (N,) of the points that belong, within their errors, to a mapped obstacle."""
-        mapped = np.zeros(len(points_xz), dtype=bool)
-        for one in self.obstacles:
-            reach = one.radius + self.scales.same_obstacle + sigma
-            mapped |= np.hypot(*(points_xz - one.centre).T) <= reach
+        centres = np.array([one.centre for one in self.obstacles]).reshape(-1, 2)
+        reach = np.array([one.radius for one in self.obstacles]) + self.scales.same_obstacle
+        is_near = cdist(points_xz, centres) - reach <= np.reshape(sigma, (-1, 1))
+        mapped: Mask = np.logical_or.reduce(is_near, axis=1)
         return mapped
 
     def _note(self, new: Detection) -> None:
@@ -164,10 +165,14 @@ def _is_due(obstacle: Obstacle) -> bool:
     return has_grown and len(obstacle.bearings_rad) >= NUM_VIEWS
 
 
-def _with_name(obstacle: Obstacle, named: list[Obstacle]) -> Obstacle:
-    """An obstacle with its previous name, if it had one."""
-    inside = [other for other in named if obstacle.holds(other.centre[None])[0]]
-    if not inside:
-        return obstacle
-    same = min(inside, key=lambda other: float(np.hypot(*(other.centre - obstacle.centre))))
-    return replace(obstacle, found=same.found, num_named=same.num_named)
+def with_names(obstacles: tuple[Obstacle, ...], named: list[Obstacle]) -> tuple[Obstacle, ...]:
+    """The obstacles with their previous names, if they had one."""
+    if not obstacles or not named:
+        return tuple(replace(one, found=None, num_named=0) for one in obstacles)
+    apart = cdist([one.centre for one in obstacles], [one.centre for one in named])
+    nearest = [named[number] for number in apart.argmin(axis=1)]
+    is_same = apart.min(axis=1) <= [one.radius for one in obstacles]
+    return tuple(
+        replace(one, found=old.found if same else None, num_named=old.num_named if same else 0)
+        for one, old, same in zip(obstacles, nearest, is_same, strict=True)
+    )

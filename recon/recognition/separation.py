@@ -9,7 +9,7 @@ from recon.recognition.connectivity import neighbours, overhanging
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
-from recon.recognition.segments.convexity import convex_pieces
+from recon.recognition.segments.convexity import fewest_pieces
 from recon.records import UNKNOWN, FitFailure, Voxels
 from recon.settings import RecognitionSettings
 
@@ -23,6 +23,9 @@ EXPLAINED = 1.0
 """Deviance per cell below that of a formless object from which one object is enough."""
 LONG = 2.0
 """Length over width of a footprint, in standard deviations, above which it may be two objects."""
+SHEET = 1.0
+"""Standard deviation across a footprint, in cells, below which it is a sheet, such as a wall or a
+fence: every cut through a sheet touches little, so that no cut is a waist."""
 TOGETHER = 0.5
 """Maximum increase of the deviance per cell for one object instead of several."""
 WAIST, WIDE_WAIST = 1.6, 2.4
@@ -114,7 +117,7 @@ def cut_at_creases(
         return [whole]
     cells = voxels.select(rows)
     smallest = max(min_voxels, int(SMALLEST_PIECE * len(rows)))
-    piece = convex_pieces(cells, None if eyes is None else eyes.mean(axis=0), smallest)
+    piece = fewest_pieces(cells, eyes, smallest)
     piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
     shares = [_explained(cells.select(part)) for part in parts] if len(parts) > 1 else []
@@ -150,20 +153,21 @@ def _in_one_place(first: Naming, second: Naming) -> bool:
 def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
-    floor = voxels.means[rows][:, ::2]
-    if naming.deviance < -EXPLAINED * len(rows) and _elongation(floor) < LONG:
+    across, along = _spread(voxels.means[rows][:, ::2])
+    if naming.deviance < -EXPLAINED * len(rows) and along < LONG * across:
         return []
+    waist = 0.0 if across < SHEET * voxels.cell_size else WAIST
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
     for second, touch in _cuts(voxels.select(rows), min_voxels):
         halves = [(name(part), part) for part in (rows[~second], rows[second])]
         deviance = sum(half.deviance for half, _ in halves)
-        if deviance < least and _are_objects(naming, [half for half, _ in halves], touch):
+        if deviance < least and _are_objects(naming, [half for half, _ in halves], touch < waist):
             best, least = halves, deviance
     return best
 
 
-def _are_objects(whole: Naming, halves: list[Naming], touch: float) -> bool:
+def _are_objects(whole: Naming, halves: list[Naming], has_waist: bool) -> bool:
     """True if both sides are objects: with names, or with solids and a waist.
 
     A named whole is not split into unnamed objects.
@@ -171,12 +175,13 @@ def _are_objects(whole: Naming, halves: list[Naming], touch: float) -> bool:
     if all(half.label != UNKNOWN for half in halves):
         return True
     is_known = whole.label != UNKNOWN
-    return not is_known and touch < WAIST and all(half.parts for half in halves)
+    return not is_known and has_waist and all(half.parts for half in halves)
 
 
-def _elongation(floor: Array) -> float:
-    values = np.linalg.eigvalsh(np.cov(floor.T))
-    return float(np.sqrt(values[1] / max(values[0], 1e-12)))
+def _spread(floor: Array) -> tuple[float, float]:
+    """Standard deviations of a footprint (N, 2) across and along."""
+    across, along = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(floor.T)), 1e-12))
+    return float(across), float(along)
 
 
 def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float]]:

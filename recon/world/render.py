@@ -77,7 +77,8 @@ class Raycaster:
         # One longer than the triangles, so that index -1, the sky, maps to -1.
         self._visual = np.append(np.repeat(np.arange(len(parts)), counts), -1).astype(np.int32)
         self._texture = np.repeat(np.array([look.texture for look in looks], np.int32), counts)
-        self._one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
+        one_sided = np.repeat(np.array([look.one_sided for look in looks], bool), counts)
+        self._one_sided = np.flatnonzero(one_sided)
         self._facets = np.concatenate([np.empty((0, 26)), *(_facets(part) for part in parts)])
         self._scene = RayScene(parts)
         atlas = build_atlas(images, settings.mipmaps)
@@ -118,10 +119,10 @@ class Raycaster:
 
     def _turned_away(self, camera: Camera) -> NDArray[np.bool_]:
         """Triangles (T,) that are not drawn because they are seen from behind."""
-        turned = self._one_sided.copy()
-        corner, normal = self._facets[turned, :3], self._facets[turned, 3:6]
+        corner, normal = np.split(self._facets[self._one_sided, :6], 2, axis=1)
         towards = camera.frame[1] if camera.is_parallel else corner - camera.frame[0]
-        turned[turned] = (normal * towards).sum(axis=1) > 0
+        turned = np.zeros(len(self._facets), dtype=bool)
+        turned[self._one_sided] = (normal * towards).sum(axis=1) > 0
         return turned
 
     def _shade(

@@ -23,7 +23,8 @@ def floor():
 
 
 def visibility_from(floor, *places, reach=40.0):
-    return Visibility.over(floor, np.array(places, dtype=np.float64), FIELD, reach)
+    places = np.array(places, dtype=np.float64)
+    return Visibility.over(floor, places, FIELD, reach, np.ones(floor.shape, dtype=bool))
 
 
 def test_a_view_of_unknown_ground_shows_its_field(floor):
@@ -58,7 +59,7 @@ def sides_from(floor, *places, looks=()):
 
 def test_a_thing_shows_a_new_side_to_who_is_near_looks_and_sees_it(floor):
     floor.occupied |= floor.disc(np.array([0.0, 8.0]), 2.0)
-    worth = sides_from(floor, (13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0)).worth()
+    worth = sides_from(floor, (13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0)).worth
     west, east = ray_of(np.array([np.pi, 0.0]))
     assert worth[[0, 3], [west, east]] == pytest.approx(1.0, abs=0.05)
     assert not worth[[0, 3], [east, west]].any()
@@ -70,9 +71,10 @@ def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
     sides = sides_from(floor, *ALL_ROUND)
     shown = []
     for place in range(3):
-        shown.append(sides.shown()[0, place])
+        shown.append(sides.shown[0, place])
         sides = sides.after(place, sides.azimuth[0, place])
-        assert sides.shown()[0, place] == 0.0
+        assert sides.shown[0, place] == 0.0
+        assert sides.worth.max(axis=1) == pytest.approx(sides.shown[0], abs=0.01)
     assert not sides.missing.any()
     assert shown[0] == pytest.approx(1.0, abs=0.05)
     assert 0.7 < shown[1] < 1.0
@@ -92,8 +94,8 @@ def test_a_side_that_was_looked_at_in_vain_is_given_up(floor):
     for looks in ([look] * (MAX_LOOKS - 1), [elsewhere] * MAX_LOOKS):
         assert sides_from(floor, *ALL_ROUND, looks=looks).missing.all()
     given_up = sides_from(floor, *ALL_ROUND, looks=[look] * MAX_LOOKS)
-    assert given_up.shown()[0, 0] == 0.0
-    assert (given_up.shown()[0, 1:] > 0.0).all()
+    assert given_up.shown[0, 0] == 0.0
+    assert (given_up.shown[0, 1:] > 0.0).all()
 
 
 @settings(deadline=None, max_examples=40)

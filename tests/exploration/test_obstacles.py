@@ -72,6 +72,19 @@ def test_bearings_are_of_the_places_that_saw_enough():
     assert len(obstacle.bearings_rad) == 0
 
 
+def test_only_what_has_changed_is_worked_out_anew():
+    voxel_map, floor, observations = VoxelMap(1.0), Floor(size_x=100, size_z=100), Observations()
+    voxel_map.insert(cloud(np.vstack([pillar(10, 5), pillar(-20, -7)])))
+    before = find_obstacles(voxel_map.occupied(1), floor, observations, 12)
+    voxel_map.insert(cloud(pillar(10, 5)[:1]))
+    observations.add(np.array([-20.0, 20.0]), cloud(pillar(-20, -7)), floor)
+    kept, grown = find_obstacles(voxel_map.occupied(1), floor, observations, 12, before)
+    assert kept.voxels is before[0].voxels
+    assert kept.bearings_rad == pytest.approx([np.arctan2(26.5, -0.5)])
+    assert grown.voxels is not before[1].voxels
+    assert grown.voxels.counts.sum() == before[1].voxels.counts.sum() + 1
+
+
 @pytest.mark.parametrize("cell_size", [0.5, 1.0, 2.5])
 def test_cells_of_any_size_cover_their_floor(cell_size):
     voxel_map = VoxelMap(cell_size)

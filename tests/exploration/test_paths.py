@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.exploration.floor import Floor
-from recon.exploration.obstacles import Obstacle
+from recon.exploration.obstacles import Obstacle, covered_by
 from recon.exploration.paths import ShortestPaths, plan, unexplored
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
@@ -45,6 +45,10 @@ def floor():
     return floor
 
 
+def planned(state):
+    return plan(state, unexplored(state.floor, state.obstacles))
+
+
 def length_of(paths: ShortestPaths, end):
     corners = np.vstack([paths.place, paths.corners(end), end])
     return np.linalg.norm(np.diff(corners, axis=0), axis=1).sum(), corners
@@ -55,6 +59,7 @@ def obstacle_at(x, z, radius, floor):
     none = np.empty((0, 3))
     return Obstacle(
         cells=cells,
+        covered=covered_by(cells),
         centre=np.array([x, z]),
         radius=radius,
         top=8.0,
@@ -68,7 +73,7 @@ def obstacle_at(x, z, radius, floor):
 
 def test_a_way_goes_round_a_wall_at_a_distance(floor):
     end = np.array([20.0, 0.0])
-    length, corners = length_of(plan(state_on(floor)), end)
+    length, corners = length_of(planned(state_on(floor)), end)
     around = 2 * np.hypot(10.5, 20.0)
     assert around < length < 1.25 * around
     wall = floor.centres(np.argwhere(floor.occupied))
@@ -107,7 +112,7 @@ def searched(walkable, start):
 
 
 def test_a_way_over_open_ground_is_straight(floor):
-    paths = plan(state_on(floor))
+    paths = planned(state_on(floor))
     end = np.array([-31.3, 17.2])
     length, corners = length_of(paths, end)
     assert len(corners) == 2
@@ -118,7 +123,7 @@ def test_a_way_over_open_ground_is_straight(floor):
 def test_what_is_walled_in_is_not_reached(floor):
     floor.occupied |= floor.disc(np.array([-20.0, 0.0]), 12.0)
     floor.occupied &= ~floor.disc(np.array([-20.0, 0.0]), 10.0)
-    paths = plan(state_on(floor))
+    paths = planned(state_on(floor))
     assert not paths.reaches(np.array([[-20.0, 0.0], [90.0, 0.0]])).any()
     assert paths.reaches(np.array([[-20.0, 30.0]])).all()
 
@@ -126,20 +131,20 @@ def test_what_is_walled_in_is_not_reached(floor):
 def test_unknown_ground_is_walked_on_only_when_asked(floor):
     floor.seen_from[:30] = np.inf
     end = np.array([[-20.0, 0.0]])
-    assert not plan(state_on(floor)).reaches(end)[0]
-    assert plan(state_on(floor), through_unknown=True).reaches(end)[0]
+    assert not planned(state_on(floor)).reaches(end)[0]
+    assert plan(state_on(floor), None).reaches(end)[0]
 
 
 def test_sightings_bar_the_way(floor):
     ghost = Detection(centre=np.array([-20.0, 0.0]), radius=4.0, distance=20.0, sigma=1.0)
-    assert plan(state_on(floor)).is_clear(np.zeros(2), np.array([-30.0, 0.0]))
-    paths = plan(state_on(floor, detections=[ghost]))
+    assert planned(state_on(floor)).is_clear(np.zeros(2), np.array([-30.0, 0.0]))
+    paths = planned(state_on(floor, detections=[ghost]))
     assert not paths.is_clear(np.zeros(2), np.array([-30.0, 0.0]))
     assert paths.reaches(np.array([[-30.0, 0.0]]))[0]
 
 
 def test_who_stands_too_near_can_get_away(floor):
-    paths = plan(state_on(floor, place=(9.0, 0.0)))
+    paths = planned(state_on(floor, place=(9.0, 0.0)))
     assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
 
 
@@ -162,17 +167,18 @@ def lower_right(floor):
 
 def test_a_blocked_place_round_a_thing_is_moved_not_dropped(floor):
     tree = obstacle_at(-5.0, 0.0, 3.0, floor)
-    free = viewpoint(plan(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
+    free = viewpoint(planned(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
     assert np.allclose(free, [-18.0, 0.0])
-    blocked = viewpoint(plan(state_on(floor, (-5.0, 25.0))), tree, 0.0, 10.0)
+    blocked = viewpoint(planned(state_on(floor, (-5.0, 25.0))), tree, 0.0, 10.0)
     assert blocked is not None
     assert 0.0 < blocked[0] < 10.5 - CLEARANCE + 1.0
-    assert viewpoint(plan(state_on(floor)), obstacle_at(36.0, 0.0, 3.9, floor), 0.0, 10.0) is None
+    barred = obstacle_at(36.0, 0.0, 3.9, floor)
+    assert viewpoint(planned(state_on(floor)), barred, 0.0, 10.0) is None
 
 
 def test_lookouts_can_be_reached_and_reach_the_frontier(floor):
     floor.seen_from[60:] = np.inf
-    paths, unknown = plan(state_on(floor)), unexplored(floor, [])
+    paths, unknown = planned(state_on(floor)), unexplored(floor, [])
     places = vantage_points(paths, unknown, Scales.of(Settings()))
     assert paths.reaches(places).all()
     assert places[:, 0].max() > 15.0

@@ -8,7 +8,7 @@ from recon.recognition import recognise, recognise_cloud
 from recon.recognition.cells import gather
 from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.surface_points import surface
-from recon.recognition.segments.convexity import convex_pieces
+from recon.recognition.segments.convexity import convex_pieces, fewest_pieces
 from recon.recognition.segments.focus import find_focus
 from recon.records import Box, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
@@ -115,6 +115,25 @@ def test_a_box_on_a_box_is_two_pieces_and_a_ball_is_one():
     )
     ball = gather(cloud_of(seen(Sphere(centre=np.zeros(3), radius=0.8))), 0.06)
     assert convex_pieces(ball, eye, 12).max() == 0
+
+
+def ring_of_views(radius, beside):
+    """Views from all round the origin, and as many from one side."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False)
+    ring = radius * np.column_stack([np.cos(turn), np.full(6, 0.3), np.sin(turn)])
+    return np.concatenate([ring, ring + beside, ring + beside])
+
+
+def test_a_box_and_a_thin_wall_that_were_seen_from_all_round_are_one_piece_each():
+    rng = np.random.default_rng(0)
+    views = ring_of_views(14.0, [50.0, 0.0, 10.0])
+    whole = surface([box([0.0, 3.0, 0.0], [6.0, 6.0, 8.0])], 720, rng)
+    is_seen = (np.abs(whole.normals[:, 1]) < 0.5) & (whole.normals[:, 0] < 0.5)
+    faces = gather(cloud_of((whole.points + rng.normal(0, 0.2, (720, 3)))[is_seen]), 1.0)
+    wall = gather(cloud_of(rng.uniform([-12, 0, -0.9], [12, 5, 0.9], (900, 3))), 1.0)
+    for cells in (faces, wall):
+        assert fewest_pieces(cells, views, 12).max() == 0
+    assert convex_pieces(faces, views.mean(axis=0), 12).max() > 0
 
 
 def test_a_crown_overhangs_its_trunk_and_a_box_on_a_box_does_not():

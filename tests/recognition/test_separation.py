@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from recon.recognition import components, recognise
+from recon.recognition import components, recognise, separation
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings
@@ -61,3 +61,19 @@ def test_two_halves_of_a_crown_are_one_tree():
     found = recognise(voxels, SETTINGS).objects
     assert [one.label for one in found] == ["pine tree"]
     assert found[0].centre[::2] == pytest.approx(tree.axis, abs=0.3)
+
+
+def test_a_fence_is_never_parted(monkeypatch):
+    rng = np.random.default_rng(1)
+    pales = [
+        np.array([x, 0.0, 0.0])
+        + rng.uniform([-0.4, 1.0, -0.4], [0.4, 6.0, 0.4], (60, 3))
+        + rng.normal(0.0, 0.25, (60, 3))
+        for x in np.arange(-10.0, 11.0, 2.5)
+    ]
+    points = np.concatenate(pales)
+    points = points[points[:, 1] > 0.0]
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
+    assert [one.label for one in recognise(voxels, SETTINGS).objects] == ["unknown"]
+    monkeypatch.setattr(separation, "SHEET", 0.0)
+    assert len(recognise(voxels, SETTINGS).objects) == 2

@@ -1,4 +1,4 @@
-"""The explorer where worlds are less than perfect: noise, grain, sky, shading, another unit, touch.
+"""The explorer where worlds are less than perfect: noise, sky, another unit, touch, foreign things.
 
 Every condition is explored in three generated worlds of six objects, whose seeds are the module's
 own; `--quick` takes the first world only. The clean worlds beside them give the pairs. Some rows
@@ -15,9 +15,11 @@ from typing import Any
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from benchmarks import Measurement
+from benchmarks.foreign import foreign_scene
 from recon.exploration.agent import Exploration, explore
 from recon.records import UNKNOWN
 from recon.settings import EXPLORER_BASE, Settings, merged, updated, with_quality
@@ -49,6 +51,8 @@ class Condition:
     """Of every length."""
     gap: float = 8.0
     """Least free ground between two objects, before lengths are scaled."""
+    foreign: bool = False
+    """True where no catalogue knows what stands there."""
 
 
 CLEAN = "clean"
@@ -65,7 +69,26 @@ CONDITIONS = {
     "tenfold": Condition(scale=10.0),
     "gap_1": Condition(gap=1.0),
     "touching": Condition(gap=0.0),
+    "foreign": Condition(foreign=True),
 }
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Thing:
+    """One of what stands in a world."""
+
+    label: str
+    centre_xz: NDArray[np.float64]
+    reach: float
+    """Distance from the centre within which it is found."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """What stands in a world, and its exploration."""
+
+    things: Sequence[Thing]
+    done: Exploration
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,12 +126,29 @@ def settings_with(changes: dict[str, Any]) -> Settings:
     return updated(with_quality(Settings(), "fast"), merged(EXPLORER_BASE, changes))
 
 
-def explored(seed: int, condition: Condition) -> tuple[World, Exploration]:
-    """A generated world, and its exploration."""
-    scene = scaled(random_scene(np.random.default_rng(seed), NUM_OBJECTS, condition.gap), condition)
+def explored(seed: int, condition: Condition) -> Run:
+    """The exploration of a generated world."""
+    rng = np.random.default_rng(seed)
     settings = in_units(settings_with({"render": condition.render}), condition.scale)
+    if condition.foreign:
+        scene, places = foreign_scene(rng, NUM_OBJECTS, condition.gap)
+        things = [
+            Thing(label=UNKNOWN, centre_xz=np.array([x, z]), reach=reach)
+            for x, z, reach in places.found_within
+        ]
+        world = World(scene, settings.eyes, settings.render, settings.world)
+        return Run(things=things, done=explore(world, settings))
+    scene = scaled(random_scene(rng, NUM_OBJECTS, condition.gap), condition)
     world = World(scene, settings.eyes, settings.render, settings.world)
-    return world, explore(world, settings)
+    return Run(things=things_of(world), done=explore(world, settings))
+
+
+def things_of(world: World) -> list[Thing]:
+    """The objects of a world."""
+    return [
+        Thing(label=one.label, centre_xz=one.centre[[0, 2]], reach=max(one.size[[0, 2]]) / 2.0)
+        for one in world.objects
+    ]
 
 
 def in_units(settings: Settings, scale: float) -> Settings:
@@ -153,29 +193,29 @@ def _scaled(visual: Any, scale: float) -> Any:
     )
 
 
-def row_of(runs: list[tuple[World, Exploration]]) -> Row:
+def row_of(runs: list[Run]) -> Row:
     """Count what was found in some worlds."""
-    named = [labels_of(world, done) for world, done in runs]
-    metrics = [done.metrics for _, done in runs]
+    named = [labels_of(run) for run in runs]
+    metrics = [run.done.metrics for run in runs]
     return Row(
         right=sum(right for right, _ in named),
         false=sum(false for _, false in named),
         extra=sum(max(0, one["num_objects"] - NUM_OBJECTS) for one in metrics),
         pairs=sum(one["num_pairs"] for one in metrics),
-        ended=sum(done.stop_reason == "all known" for _, done in runs),
+        ended=sum(run.done.stop_reason == "all known" for run in runs),
         clearance=min(one["min_clearance"] for one in metrics),
         path_share=float(np.mean([one["path_length"] / one["oracle_path"] for one in metrics])),
     )
 
 
-def labels_of(world: World, done: Exploration) -> tuple[int, int]:
-    """Number of objects that are named rightly, and of names that nothing there deserves."""
-    objects = done.recognition.objects
+def labels_of(run: Run) -> tuple[int, int]:
+    """Number of things that are named rightly, and of names that nothing there deserves."""
+    objects = run.done.recognition.objects
     right, deserved = 0, set()
-    for true in world.objects:
-        apart = [float(np.hypot(*(one.centre - true.centre)[[0, 2]])) for one in objects]
+    for true in run.things:
+        apart = [float(np.hypot(*(one.centre[[0, 2]] - true.centre_xz))) for one in objects]
         nearest = int(np.argmin(apart)) if apart else -1
-        is_near = nearest >= 0 and apart[nearest] <= max(true.size[[0, 2]]) / 2.0
+        is_near = nearest >= 0 and apart[nearest] <= true.reach
         if is_near and objects[nearest].label == true.label:
             right += 1
             deserved.add(nearest)

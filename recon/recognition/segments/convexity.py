@@ -38,41 +38,57 @@ class _Patches:
     normals: Array
 
 
-def convex_pieces(cells: Voxels, eye: Array | None, smallest: int) -> Labels:
+def convex_pieces(cells: Voxels, eyes: Array | None, smallest: int) -> Labels:
     """Convex piece (K,) of each cell, numbered by descending size.
 
     Parameters
     ----------
     cells : Voxels
         Cells of one component.
-    eye : (3,) float64, optional
-        A position that sees the outer side of most of the surface; if None, outside is away from
-        the centre.
+    eyes : (3,) or (K, 3) float64, optional
+        A position that sees the outer side of most of the surface, or of each cell; if None,
+        outside is away from the centre.
     smallest : int
         Pieces with fewer cells join the nearest larger one.
     """
     if len(cells) > MOST_CELLS:
-        coarse, cell = _coarser(cells)
-        return convex_pieces(coarse, eye, smallest * len(coarse) // len(cells))[cell]
-    patches = _patches(cells, eye)
+        coarse, first, cell = _coarser(cells)
+        eyes = eyes[first] if eyes is not None and eyes.ndim == 2 else eyes
+        return convex_pieces(coarse, eyes, smallest * len(coarse) // len(cells))[cell]
+    patches = _patches(cells, eyes)
     touching = _touching(cells, patches)
     convex = touching[_is_convex(patches, touching)]
     piece = joined(_twice_held(convex, len(patches.middles)), len(patches.middles))[patches.label]
     return _by_size(_absorbed(cells, piece, smallest))
 
 
-def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp]]:
-    """Fewer, larger cells, and the index (K,) of the one that contains each cell."""
+def fewest_pieces(cells: Voxels, views: Array | None, smallest: int) -> Labels:
+    """Convex pieces (K,), with outside towards the middle of the views or the nearest of them.
+
+    The middle of the views (V, 3) is behind some faces of an object seen from all around, and the
+    nearest view on either side of a thin sheet. Either breaks single objects, so the one that gives
+    fewer pieces is taken.
+    """
+    if views is None:
+        return convex_pieces(cells, None, smallest)
+    nearest = views[cKDTree(views).query(cells.means)[1]]
+    readings = [convex_pieces(cells, eyes, smallest) for eyes in (views.mean(axis=0), nearest)]
+    return min(readings, key=np.max)
+
+
+def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp], NDArray[np.intp]]:
+    """Fewer, larger cells (C,), a cell (C,) in each, and the index (K,) of the one around each."""
     side = cells.cell_size * float(np.sqrt(len(cells) / COARSE_CELLS))
     index = np.floor(cells.means / side).astype(np.int64)
     _, first, cell = np.unique(index, axis=0, return_index=True, return_inverse=True)
     coarse = cells.select(first)
-    return replace(coarse, means=_means(cells.means, cell.ravel()), cell_size=side), cell.ravel()
+    cell = cell.ravel()
+    return replace(coarse, means=_means(cells.means, cell), cell_size=side), first, cell
 
 
-def _patches(cells: Voxels, eye: Array | None) -> _Patches:
+def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
     reach = PATCH_CELLS * cells.cell_size
-    normals = _normals(cells.means, eye)
+    normals = _normals(cells.means, eyes)
     # Positions in units of a patch, with normals: a patch ends where its surface bends.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
@@ -89,13 +105,13 @@ def _patches(cells: Voxels, eye: Array | None) -> _Patches:
     )
 
 
-def _normals(points: Array, eye: Array | None) -> Array:
+def _normals(points: Array, eyes: Array | None) -> Array:
     _, near = cKDTree(points).query(points, k=min(NUM_NEIGHBOURS, len(points)))
     patches = points[near.reshape(len(points), -1)]
     patches = patches - patches.mean(axis=1, keepdims=True)
     _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
     normals = vectors[:, :, 0]
-    outwards = points - points.mean(axis=0) if eye is None else eye - points
+    outwards = points - points.mean(axis=0) if eyes is None else eyes - points
     towards = np.einsum("ij,ij->i", normals, outwards)
     oriented: Array = np.where(towards < 0, -1.0, 1.0)[:, None] * normals
     return oriented
