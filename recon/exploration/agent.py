@@ -84,8 +84,7 @@ class Agent:
     def __init__(
         self, source: Explorable, settings: Settings, take: Take, stopwatch: Stopwatch
     ) -> None:
-        self.settings = settings
-        self.take = take
+        self.settings, self.take = settings, take
         self.referee = referee_of(source, settings)
         self.slip = slip_of(self.referee, settings)
         self.belief = belief_of(settings)
@@ -96,8 +95,7 @@ class Agent:
         self.views: list[View] = []
         self.path_length = 0.0
         self.curve: list[tuple[int, float, float | None]] = []
-        self.stop_reason = ""
-        self.message = ""
+        self.stop_reason, self.message = "", ""
 
     def _begin(self) -> None:
         """Start with an empty map and model."""
@@ -117,8 +115,13 @@ class Agent:
             yield step
             if len(self.views) >= self.settings.exploration.max_pairs:
                 return self.stop("limit", f"{len(self.views)} pairs are taken")
-            view = self._ask(controller, step)
+            view = self._glance(step) or self._ask(controller, step)
         return None
+
+    def _glance(self, step: Step) -> View | None:
+        """A look for the sake of the agent's own place, turned to; None where it needs none."""
+        view = None if self.belief is None else self.belief.glance()
+        return view if view and self._walk(step.view, view) is None else None
 
     def _taken(self, view: View) -> StereoPair:
         """The pair of a view from the agent's true pose, with its believed pose."""
@@ -237,12 +240,9 @@ class Agent:
 
     def _stop_before(self, view: View, contact: Array) -> None:
         """Stop because the controller walks into a known obstacle."""
-        (x, _, z), (touched_x, touched_z) = view.position, contact
-        self.stop(
-            "controller failed",
-            f"the path to x {x:.2f}, z {z:.2f} runs into an object at x {touched_x:.2f}, "
-            f"z {touched_z:.2f}, as the previous path did",
-        )
+        (x, z), (by_x, by_z) = view.position[[0, 2]], contact
+        way = f"the path to x {x:.2f}, z {z:.2f} runs into an object at x {by_x:.2f}, z {by_z:.2f}"
+        self.stop("controller failed", f"{way}, as the previous path did")
 
     def _state(self, step: Step) -> State:
         return State(

@@ -10,30 +10,24 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from recon.exploration.floor import Array
-from recon.exploration.scan import Detection, detections, field_of_view
+from recon.exploration.glances import SURE_CELLS, Field, glance, turned
+from recon.exploration.landmarks import NEW, Sighter
+from recon.exploration.outlines import Outline, outlines
+from recon.exploration.scales import Scales
+from recon.exploration.scan import field_of_view
 from recon.exploration.world_model import WorldModel
 from recon.geometry import invert, pose, rotation_about_y, transform, without_drift, wrapped
-from recon.localisation.graph import FRONT_SHARE, Bearing, Graph, Link, planar, step_between
+from recon.localisation.graph import Graph, Link, planar, step_between
 from recon.localisation.pairs import Shown, linked
 from recon.mapping.pair import PairResult
 from recon.records import PointCloud, StereoPair, View
 from recon.settings import Settings, updated
 
-AZIMUTH_SIGMA_RAD = math.radians(0.15)
-MIDDLE_SHARE = 0.04
-"""Standard deviation of the centre of an object's visible part, as a share of its radius."""
-DISTANCE_SHARE = 0.06
-"""The same for the distance to its front."""
-EDGE_RAD = math.radians(1.0)
-"""An object this close to the image border is cut off, so its centre is elsewhere."""
-HIDDEN_SHARE = 0.5
-"""Maximum offset of the visible part's centre from the object's, as a share of the hidden part."""
-GATE, FAR_GATE = 3.0, 4.0
-"""Standard deviations within which an object is a known one, and beyond which it is new."""
-NEW, UNCLEAR = -1, -2
 NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
 """Earlier pairs that a pair is registered to: those that see an object from less than 100 degrees
 off."""
+MAX_GLANCES = 3
+"""At one place."""
 NUM_SIGMAS, MAX_CAUTION = 2.0, 1 / 3
 """Standard deviations of the position added to the distance from obstacles; at most this share of
 the clearance."""
@@ -82,6 +76,8 @@ class Belief:
     """All pairs, with their poses in the map."""
     graph: Graph | None = None
     _shown: list[Shown] = field(default_factory=list)
+    _num_glances: int = 0
+    """Since the agent stands where it stands."""
 
     @property
     def sigma(self) -> float:
@@ -104,8 +100,7 @@ class Belief:
             self.graph = Graph.at(meant, self._step_sigma)
         else:
             self.graph.walk(step_between(self.sights[-1].planar, meant))
-        for detection in self._things(sight, model):
-            self._note(detection, sight)
+        self._note(sight, model)
         self.graph.solve()
         self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map))
         self._link()
@@ -175,76 +170,66 @@ class Belief:
             max(math.radians(motion.heading_noise_deg), least),
         )
 
-    def _things(self, sight: Sight, model: WorldModel) -> list[Detection]:
-        """The objects in front of the cameras."""
-        place = sight.view.position[[0, 2]]
-        standing = model.standing(place, sight.cloud)
-        return detections(standing, place, model.scales) if len(standing) else []
+    def _note(self, sight: Sight, model: WorldModel) -> None:
+        """Add the sightings of what stands before the cameras, which are known things or new ones.
 
-    def _note(self, seen: Detection, sight: Sight) -> None:
-        """Add the sighting of an object, known or new."""
+        What is not clear is looked at once more when the clear ones have corrected the pose.
+        """
         assert self.graph is not None
-        x, z, azimuth = sight.planar
-        offset = seen.centre - [x, z]
-        distance = float(np.hypot(*offset))
-        bearing = float(wrapped(math.atan2(offset[1], offset[0]) - azimuth))
-        half = math.atan2(seen.radius, distance)
-        is_cut = abs(bearing) + half > field_of_view(sight.pair) / 2.0 - EDGE_RAD
-        landmark = self._known(seen, bearing, distance)
-        if landmark == NEW and (is_cut or seen.sigma > seen.radius):
-            return
-        if landmark == NEW:
-            place, ahead = self._towards(bearing)
-            middle = place + (distance + FRONT_SHARE * seen.radius) * ahead
-            landmark = self.graph.add(middle, seen.radius)
-        if landmark == UNCLEAR:
-            return
-        radius = float(self.graph.radii[landmark])
-        hidden = max(0.0, radius - seen.radius) + (HIDDEN_SHARE * radius if is_cut else 0.0)
-        self.graph.bearings.append(
-            Bearing(
-                pose=len(self.graph.poses) - 1,
-                landmark=landmark,
-                azimuth_rad=bearing,
-                distance=distance,
-                azimuth_sigma=math.hypot(
-                    AZIMUTH_SIGMA_RAD, math.hypot(MIDDLE_SHARE * radius, hidden) / distance
-                ),
-                distance_sigma=math.hypot(
-                    seen.sigma, DISTANCE_SHARE * radius + HIDDEN_SHARE * hidden
-                ),
+        standing = model.standing(sight.view.position[[0, 2]], sight.cloud)
+        half_field = field_of_view(sight.pair) / 2.0
+        seen = outlines(standing, sight.planar, half_field, model.scales)
+        left = self._noted([one for one in seen if one.is_free.any()], sight)
+        self.graph.solve()
+        left = self._noted(left, sight)
+        sighter = self._sighter(sight)
+        for one in [one for one in left if one.is_free.all() and sighter.known(one) == NEW]:
+            sighter.add(one)
+
+    def _noted(self, seen: list[Outline], sight: Sight) -> list[Outline]:
+        """Add the sightings of known things; those that are left."""
+        assert self.graph is not None
+        sighter, left = self._sighter(sight), []
+        for one in seen:
+            landmark = sighter.known(one)
+            if landmark < 0:
+                left.append(one)
+            else:
+                self.graph.bearings.append(sighter.bearing(one, landmark))
+        return left
+
+    def _sighter(self, sight: Sight) -> Sighter:
+        assert self.graph is not None
+        return Sighter.of(self.graph, sight.pair.rig.focal_px)
+
+    def glance(self) -> View | None:
+        """The next look for the sake of the agent's own place; None where it needs none.
+
+        It looks all round where it starts, so that everything in sight is tied to the first pose,
+        and later at what it knows, as long as it is not sure of its place.
+        """
+        assert self.graph is not None
+        last, scales = self.sights[-1], Scales.of(self.settings)
+        turn = self.settings.exploration.robot_turn_deg
+        if len(self.sights) < round(360.0 / turn):
+            return turned(
+                last.view, float(self.graph.poses[-1, 2]) + math.radians(turn), scales.gaze
             )
+        if self._num_glances >= MAX_GLANCES:
+            self._num_glances = 0
+            return None
+        heading = glance(
+            self._sighter(last),
+            self._step_sigma,
+            Field(
+                half_rad=field_of_view(last.pair) / 2.0,
+                reach=self.settings.exploration.sight_range,
+            ),
+            SURE_CELLS * scales.cell,
+            scales.viewing_distance,
         )
-
-    def _towards(self, bearing: float) -> tuple[Array, Array]:
-        """The last position (2,), and the direction (2,) of a bearing from there."""
-        assert self.graph is not None
-        x, z, heading = self.graph.poses[-1]
-        azimuth = heading + bearing
-        return np.array([x, z]), np.array([math.cos(azimuth), math.sin(azimuth)])
-
-    def _known(self, seen: Detection, bearing: float, distance: float) -> int:
-        """The landmark of a sighting, NEW, or UNCLEAR."""
-        assert self.graph is not None
-        if not len(self.graph.radii):
-            return NEW
-        place, ahead = self._towards(bearing)
-        offset = self.graph.landmarks[:, :2] - place
-        spread = self.graph.covariance()
-        turned = math.sqrt(spread[2, 2]) * distance
-        own = math.hypot(turned, math.sqrt(spread[:2, :2].trace()))
-        hidden = np.maximum(self.graph.radii - seen.radius, 0.0)
-        aside = np.abs(offset @ [-ahead[1], ahead[0]])
-        along = np.abs(offset @ ahead - self.graph.landmarks[:, 2] - distance)
-        reach = np.sqrt(own**2 + (0.1 * self.graph.radii) ** 2 + hidden**2)
-        depth = np.sqrt(own**2 + (0.3 * self.graph.radii) ** 2 + seen.sigma**2 + hidden**2)
-        off = np.hypot(aside / reach, along / depth)
-        off[offset @ ahead <= 0.0] = np.inf
-        order = np.argsort(off, kind="stable")[:2]
-        if off[order[0]] > FAR_GATE:
-            return NEW
-        is_alone = len(order) < 2 or off[order[1]] > FAR_GATE
-        return int(order[0]) if off[order[0]] < GATE and is_alone else UNCLEAR
+        self._num_glances = 0 if heading is None else self._num_glances + 1
+        return None if heading is None else turned(last.view, heading, scales.gaze)
 
 
 def _motion(old: Array, new: Array, sight: Sight) -> Array:

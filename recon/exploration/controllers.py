@@ -18,7 +18,8 @@ class Controller(Protocol):
     """The part that guides the agent (thesis 4.3; its Appendix C calls it a camera controller).
 
     A new one is created, without arguments, for every exploration. It is asked once after every
-    pair, and again if its path would run into something, which `state.floor.touched` then contains.
+    pair, except those that an agent with motion noise takes to localise itself, and again if its
+    path would run into something, which `state.floor.touched` then contains.
     """
 
     def next_view(self, state: "State") -> View | None:

@@ -130,7 +130,7 @@ def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detectio
     """Obstacles in a cloud: groups of points that are large enough."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
     side, ahead = _sideways(azimuth)
-    sigma, group = sigma_of(cloud), _groups(side, distance / scales.cell)
+    sigma, group = sigma_of(cloud), groups(side, distance / scales.cell)
     reach = MIN_POINTS_DISTANCE * scales.viewing_distance
     found = []
     for number in range(group.max(initial=-1) + 1):
@@ -145,7 +145,7 @@ def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detectio
 def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud:
     """The points without isolated ones: an obstacle has many points, more when it is closer."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
-    group = _groups(_sideways(azimuth)[0], distance / scales.cell)
+    group = groups(_sideways(azimuth)[0], distance / scales.cell)
     size = np.bincount(group)[group]
     reach = COMPANY_DISTANCE * scales.viewing_distance
     return cloud.select(size >= np.clip((reach / distance) ** 2, *COMPANY))
@@ -157,8 +157,8 @@ def _sideways(azimuth: Array) -> tuple[Array, float]:
     return wrapped(azimuth - ahead), ahead
 
 
-def _groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:
-    """Group number of each point; groups are connected in direction and distance.
+def groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:
+    """Number of the group of each point: those that touch in direction and distance.
 
     The logarithm of the distance is used, in which the stereo error grows slowest.
     """

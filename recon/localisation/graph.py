@@ -13,6 +13,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from recon.geometry import wrapped
+from recon.localisation.blocks import Block
 
 Array = NDArray[np.float64]
 
@@ -22,6 +23,13 @@ ROBUST = 3.0
 SMALL_CHANGE = 1e-5
 FIRST_SIGMA = 1e-5
 """Standard deviation of the first pose, which anchors the world; radians and world units."""
+WIDTH_QUANTILE, WHOLE_SHARE = 0.6, 0.8
+"""Of the widths that a thing was seen in, the one that counts; and the share of it, or it of what
+is seen, from which on the thing is taken to be seen whole."""
+SHAPE_SHARE, NUM_SHAPE = 0.03, 2.0
+"""Standard deviation of the middle between the edges of a thing as a share of its radius, before
+it was seen, and so many sightings that counts as: a tree looks the same from all sides, a house
+does not."""
 FRONT_SHARE = 0.7
 """Typical distance of an object's front from its centre, as a share of its radius ..."""
 FRONT_SIGMA = 0.35
@@ -40,7 +48,10 @@ class Bearing:
     distance: float
     """To its front, world units."""
     azimuth_sigma: float
+    """Of the edges; the shape of the thing adds to it."""
     distance_sigma: float
+    half_rad: float = np.nan
+    """Half the angle between its edges; not a number where one of them is hidden."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,6 +73,16 @@ class Link:
         return cls(
             first=numbers[0], second=numbers[1], step=step_between(*poses), information=information
         )
+
+
+def hidden_rad(half_rad: Array, radius: Array, away: Array) -> Array:
+    """Angles (N,) by which things are seen too narrow or too wide: so far may be off their middle.
+
+    A part of what is too narrow is hidden; what is too wide has something else beside it.
+    """
+    half = np.arcsin(np.minimum(radius / away, 1.0))
+    is_whole = (half_rad > WHOLE_SHARE * half) & (WHOLE_SHARE * half_rad < half)
+    return np.where(is_whole | np.isnan(half_rad), 0.0, np.abs(half_rad - half))
 
 
 def planar(T_world_left: Array) -> Array:
@@ -97,7 +118,9 @@ class Graph:
     landmarks: Array = field(default_factory=lambda: np.zeros((0, 3)))
     """(M, 3) x, z of the centre, and the distance of the front from it."""
     radii: Array = field(default_factory=lambda: np.zeros(0))
-    """(M,) half the width of each, as first seen."""
+    """(M,) half the width of each."""
+    shapes: Array = field(default_factory=lambda: np.zeros(0))
+    """(M,) how far the middle between the edges is off, as a share of that half width."""
     bearings: list[Bearing] = field(default_factory=list)
 
     @classmethod
@@ -120,6 +143,7 @@ class Graph:
         """Add a landmark at x, z; returns its number."""
         self.landmarks = np.vstack([self.landmarks, [*place, FRONT_SHARE * radius]])
         self.radii = np.append(self.radii, radius)
+        self.shapes = np.append(self.shapes, SHAPE_SHARE)
         return len(self.radii) - 1
 
     def solve(self) -> None:
@@ -133,10 +157,42 @@ class Graph:
             self.landmarks = self.landmarks + change[num:].reshape(-1, 3)
             if np.abs(change).max() < SMALL_CHANGE:
                 break
+        self._resize()
+
+    def _resize(self) -> None:
+        """Widths and shapes of landmarks by the angles that they were seen under."""
+        seen = [bearing for bearing in self.bearings if not np.isnan(bearing.half_rad)]
+        mark = np.array([bearing.landmark for bearing in seen], np.intp)
+        pose = self.poses[[bearing.pose for bearing in seen]]
+        offset = self.landmarks[mark, :2] - pose[:, :2]
+        away = np.hypot(*offset.T)
+        half = np.array([bearing.half_rad for bearing in seen])
+        azimuth = np.array([bearing.azimuth_rad for bearing in seen])
+        off = np.abs(wrapped(np.arctan2(offset[:, 1], offset[:, 0]) - pose[:, 2] - azimuth)) * away
+        for landmark in np.unique(mark):
+            rows = mark == landmark
+            radius = np.quantile(away[rows] * np.sin(half[rows]), WIDTH_QUANTILE)
+            usual, known = np.median(off[rows]) / radius / 0.6745, rows.sum()
+            self.radii[landmark] = radius
+            self.shapes[landmark] = np.sqrt(
+                (NUM_SHAPE * SHAPE_SHARE**2 + known * usual**2) / (NUM_SHAPE + known)
+            )
+
+    def off_middle_rad(self, mark: NDArray[np.intp], half_rad: Array, away: Array) -> Array:
+        """Standard deviation (N,) of the middle of what is seen of landmarks from their own."""
+        radius = self.radii[mark]
+        shape = self.shapes[mark] * radius / away
+        return np.hypot(shape, hidden_rad(half_rad, radius, away))
+
+    def joint_covariance(self) -> Array:
+        """(3 + 3 M) square, of the last pose and of the landmarks."""
+        return self._spread(
+            np.arange(3 * len(self.poses) - 3, 3 * len(self.poses) + self.landmarks.size)
+        )
 
     def covariance(self) -> Array:
-        """Covariance (3, 3) of the last pose."""
-        return self._spread(np.arange(3)[None] + 3 * (len(self.poses) - 1))
+        """(3, 3) of the last pose."""
+        return self._spread(np.arange(3) + 3 * (len(self.poses) - 1))
 
     def spread_between(self, number: int) -> Array:
         """Covariance (3, 3) of the difference between the last pose and an earlier one."""
@@ -164,11 +220,11 @@ class Graph:
         shape = (len(residual), 3 * (len(self.poses) + len(self.landmarks)))
         return csc_array((values, (rows, columns)), shape=shape), residual
 
-    def _anchor(self) -> "Block":
+    def _anchor(self) -> Block:
         return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
 
-    def _of_links(self) -> "Block":
-        """Residuals of the links along the path."""
+    def _of_links(self) -> Block:
+        """Residuals of the links along the way."""
         number = len(self.links)
         rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
         first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
@@ -192,8 +248,8 @@ class Graph:
             columns.repeat(3, axis=0),
         )
 
-    def _of_bearings(self) -> "Block":
-        """Residuals of the sightings: measured minus expected positions of objects."""
+    def _of_bearings(self) -> Block:
+        """Residuals of the sightings: seen minus expected places of things."""
         seen = self.bearings
         pose = np.array([bearing.pose for bearing in seen], np.intp)
         mark = np.array([bearing.landmark for bearing in seen], np.intp)
@@ -203,6 +259,8 @@ class Graph:
         distance = np.sqrt(range_sq)
         measured = np.array([(b.azimuth_rad, b.distance) for b in seen]).reshape(-1, 2)
         sigma = np.array([(b.azimuth_sigma, b.distance_sigma) for b in seen]).reshape(-1, 2)
+        half = np.array([bearing.half_rad for bearing in seen])
+        sigma[:, 0] = np.hypot(sigma[:, 0], self.off_middle_rad(mark, half, distance))
         azimuth = np.arctan2(offset[:, 1], offset[:, 0]) - at[:, 2]
         aside, ahead = azimuth - measured[:, 0], distance - of[:, 2] - measured[:, 1]
         off = np.column_stack([wrapped(aside), ahead])
@@ -226,29 +284,10 @@ class Graph:
             (residual * weight[:, None]).ravel(), scaled.reshape(-1, 6), columns.repeat(2, axis=0)
         )
 
-    def _of_fronts(self) -> "Block":
-        """Prior for the front of an object."""
+    def _of_fronts(self) -> Block:
+        """Prior knowledge of the front of a thing."""
         number = len(self.radii)
         sigma = np.maximum(FRONT_SIGMA * self.radii, 1e-3)
         columns = 3 * (len(self.poses) + np.arange(number)) + 2
         off = self.landmarks[:, 2] - FRONT_SHARE * self.radii
         return Block.of(off / sigma, 1.0 / sigma[:, None], columns[:, None])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Block:
-    """Some residuals and their derivatives, by row, column and value."""
-
-    residual: Array
-    rows: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    values: Array
-
-    @classmethod
-    def of(cls, residual: Array, derivative: Array, columns: NDArray[np.intp]) -> "Block":
-        """Residuals (R,) with derivatives (R, K) by the unknowns of columns (R, K)."""
-        rows = np.broadcast_to(np.arange(len(residual))[:, None], derivative.shape)
-        return cls(
-            residual=residual, rows=rows.ravel(), columns=columns.ravel(),
-            values=derivative.ravel(),
-        )  # fmt: skip

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
@@ -12,6 +13,7 @@ from recon.localisation.outlook import Outlook
 from recon.localisation.registration import Points, Prior, inverse
 from recon.localisation.shapes import guesses
 from recon.localisation.surfels import Surfels
+from recon.localisation.trust import MIN_AGREEING, trust_in
 from recon.mapping.pair import match_points
 from recon.records import FitFailure, PointCloud, PoseEstimate, StereoPair, Voxels
 from recon.sequences.odometry.motion import linearise
@@ -23,8 +25,8 @@ Array = NDArray[np.float64]
 NUM_CANDIDATES = 40
 """Number of most similar places that are compared with the pair point by point."""
 NUM_HYPOTHESES = 12
-MIN_AGREEING = 24
-"""Minimum number of points that agree with those of a place for it to be the same."""
+TRUSTED_AGREEING = 2 * MIN_AGREEING
+"""Points in agreement that are worth what features are trusted for."""
 NUM_SHAPES = 24
 """Number of guesses by shape that are refined."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
@@ -52,13 +54,23 @@ class Hypothesis:
     num_same: int
     """Tiles of the image that agree with the map."""
     num_different: int
-    is_known: bool = True
-    """True if a known place was recognised there; a guess by shape only shows an alternative."""
+    num_agreeing: int = MIN_AGREEING
+    """Points that agree with those of a place; 0 for a guess by shape, which only shows what else
+    it may be."""
+
+    @property
+    def is_known(self) -> bool:
+        """True where a place was known again there."""
+        return self.num_agreeing > 0
 
     @property
     def evidence(self) -> float:
         """Log likelihood ratio of the image against chance."""
         return (self.num_same - self.num_different - MIN_TILES) / TILES_PER_E
+
+    def trusted(self, trust: float) -> float:
+        """The evidence, that of features included as far as they are trusted."""
+        return self.evidence + trust * self.num_agreeing / TRUSTED_AGREEING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,6 +84,8 @@ class KnownWorld:
     """(P, W) summaries of the atlas's places."""
     depths: Array
     """(P,) median depths of the atlas's places, world units."""
+    trust: float
+    """Logarithm of how often places that look alike are one place, over how often they are not."""
     settings: Settings
 
     @classmethod
@@ -83,25 +97,26 @@ class KnownWorld:
             atlas=atlas,
             summaries=atlas.summaries,
             depths=atlas.depths,
+            trust=trust_in(atlas),
             settings=settings,
         )
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
-        return choose(self.hypotheses(pair))
+        return choose(self.hypotheses(pair), self.trust)
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
         """The distinct possible poses of a pair, the most likely first."""
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         points = points_of(cloud, pair.rig, self.voxels.cell_size)
         outlook = Outlook.of(cloud, pair.rig)
-        known = [self._judged(one, outlook) for one in self._by_places(pair, points)]
-        guessed = [self._judged(one, outlook) for one in self._by_shape(cloud, points, outlook)]
-        found = [*known, *(replace(one, is_known=False) for one in guessed)]
+        known = self._by_places(pair, points)
+        guessed = [(one, 0) for one in self._by_shape(cloud, points, outlook)]
+        found = [self._judged(one, number, outlook) for one, number in [*known, *guessed]]
         return distinct(found, self.voxels.cell_size)
 
-    def _by_places(self, pair: StereoPair, points: Points) -> list[PoseEstimate]:
-        """Poses from similar places, those with the most points in common first."""
+    def _by_places(self, pair: StereoPair, points: Points) -> list[tuple[PoseEstimate, int]]:
+        """Poses by the places that look alike, with the number of points that agree, most first."""
         if not len(self.atlas):
             return []
         query = see(pair, STRETCHES)
@@ -116,7 +131,7 @@ class KnownWorld:
             located = locate_points(points, self.surfels, prior)
             if isinstance(located, FitFailure):
                 located = _by_points(prior, meeting)
-            found.append(located)
+            found.append((located, meeting.num_agreeing))
         return found
 
     def _by_shape(self, cloud: PointCloud, points: Points, outlook: Outlook) -> list[PoseEstimate]:
@@ -163,9 +178,11 @@ class KnownWorld:
         whole = turn @ covariance @ turn.T + np.diag(own**2)
         return Prior(T_world_left=T_world_left, information=inverse(whole))
 
-    def _judged(self, estimate: PoseEstimate, outlook: Outlook) -> Hypothesis:
+    def _judged(self, estimate: PoseEstimate, num_agreeing: int, outlook: Outlook) -> Hypothesis:
         same, different = outlook.agreement(self.voxels, estimate.T_world_left)
-        return Hypothesis(estimate=estimate, num_same=same, num_different=different)
+        return Hypothesis(
+            estimate=estimate, num_same=same, num_different=different, num_agreeing=num_agreeing
+        )
 
 
 def _by_points(prior: Prior, meeting: Meeting) -> PoseEstimate:
@@ -195,14 +212,21 @@ def _is_same(a: PoseEstimate, b: PoseEstimate, cell_size: float) -> bool:
     return bool(np.linalg.norm(off[:3, 3]) < reach and np.trace(off[:3, :3]) > 1.0 + 2.0 * 0.98)
 
 
-def choose(found: list[Hypothesis]) -> PoseEstimate | FitFailure:
-    """The first of distinct hypotheses, most likely first, if no other is nearly as likely."""
+def choose(found: list[Hypothesis], trust: float = 0.0) -> PoseEstimate | FitFailure:
+    """The likeliest of distinct hypotheses, likeliest first, where no other comes near it.
+
+    Guesses by shape count as one, which is the less likely the more features are trusted: it is
+    somewhere that nobody saw, and looks like a known place.
+    """
     if not found:
         return FitFailure("no place looks like it")
-    best = found[0]
-    evidence = np.array([one.evidence for one in found])
-    # Chance is one more hypothesis, with evidence 0.
-    probability = float(1.0 / (np.exp(evidence - evidence[0]).sum() + np.exp(-evidence[0])))
+    known = [one for one in found if one.is_known]
+    known.sort(key=lambda one: -one.trusted(trust))
+    best = known[0] if known else found[0]
+    guessed = [one for one in found if not one.is_known][:1]
+    # Chance is one more hypothesis, of evidence 0.
+    evidence = np.array([*(one.trusted(trust) for one in [*known, *guessed]), 0.0])
+    probability = float(np.exp(best.trusted(trust) - logsumexp(evidence)))
     if best.num_same < MIN_SHARE * (best.num_same + best.num_different):
         return FitFailure("the map shows other things there")
     if probability < MIN_PROBABILITY or not best.is_known:

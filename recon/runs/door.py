@@ -17,6 +17,7 @@ from recon.recognition import recognise_cloud
 from recon.recognition.clouds import Up
 from recon.records import PointCloud, Recognition, Reconstruction, Voxels
 from recon.runs.job import Job
+from recon.runs.loops import DriveInMemory
 from recon.runs.maps import shown
 from recon.sequences import open_sequence as open_pairs
 from recon.sequences.calibration.files import read_calibration
@@ -82,10 +83,12 @@ def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
     """
     given = Settings.of(**settings)
     job = Job(kind="reconstruct", inputs=(checked_path(path),), settings=given).resolved()
-    mapper = Mapper(job.settings)
+    mapper, drive = Mapper(job.settings), DriveInMemory()
     for pair in open_pairs(job.inputs[0], job.settings.sequence):
-        mapper.process(pair)
-    mapper.finish()
+        steps = mapper.process(pair)
+        if job.settings.sequence.poses == "estimated":
+            drive.add(pair, steps, mapper)
+    drive.close(mapper, mapper.finish())
     return mapper.reconstruction()
 
 

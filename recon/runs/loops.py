@@ -1,9 +1,13 @@
 """Loop closure of a recorded drive: corrects its poses, its points on disk and its map."""
 
+from dataclasses import dataclass, field
+
+import numpy as np
+
 from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.loops import close_loops
-from recon.mapping.mapper import Mapper
-from recon.records import PairSource, Trajectory
+from recon.mapping.mapper import Mapper, Step
+from recon.records import PairSource, StereoPair, Trajectory
 from recon.runs.job import Numbers
 from recon.runs.outputs import clouds_of, move_cloud
 from recon.runs.work import Work
@@ -46,6 +50,38 @@ def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: W
         before_percent = estimated.drift_percent_of(list(before.T_world_left))
         numbers |= {"drift_percent": drift, "drift_percent_before": before_percent}
     return numbers
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class DriveInMemory:
+    """What a drive with estimated poses saw, without a run folder; its loops are closed at last."""
+
+    places: PlaceKeeper = field(default_factory=PlaceKeeper)
+    steps: list[Step] = field(default_factory=list)
+    numbers: set[int] = field(default_factory=set)
+    """Of the pairs in the map."""
+
+    def add(self, pair: StereoPair, steps: list[Step], mapper: Mapper) -> None:
+        """Take a pair, and the steps that the mapper is done with."""
+        number = mapper.num_pairs - 1
+        if number not in self.numbers:  # else it only confirms
+            self.numbers.add(number)
+            self.places.add(pair, number)
+        self.steps += steps
+
+    def close(self, mapper: Mapper, last: list[Step]) -> None:
+        """Correct poses and map by the loops that the drive has."""
+        if not self.numbers:
+            return
+        before = mapper.trajectory
+        closed = close_loops(before.T_world_left, self.places.atlas(before))
+        if closed is None:
+            return
+        moved = closed.poses @ np.linalg.inv(before.T_world_left)
+        steps = [*self.steps, *last]
+        mapper.repose(
+            closed.poses, ((s.cloud.transformed(moved[s.number]), s.number) for s in steps)
+        )
 
 
 def _estimated_in(source: PairSource) -> EstimatedPoses | None:

@@ -12,7 +12,10 @@ from recon.runs.outputs import move_cloud
 from recon.settings import Settings, updated
 from recon.world.world import World
 
-NOISE = {"motion": {"position_noise": 0.2, "heading_noise_deg": 2.0, "noise_seed": 2}}
+NOISE = {
+    "motion": {"position_noise": 0.2, "heading_noise_deg": 2.0, "noise_seed": 2},
+    "exploration": {"robot_turn_deg": 90.0},
+}
 
 
 class Round:
@@ -47,10 +50,13 @@ def off(believed, true):
 
 
 def test_an_agent_knows_where_it_is_better_than_its_steps_tell(monkeypatch):
-    _, believed, true = walked()
+    done, believed, true = walked()
     corrected = off(believed, true)
+    headings = np.unwrap([planar(T)[2] for T in true[:4]])
+    assert np.degrees(headings[-1] - headings[0]) == pytest.approx(270.0, abs=25.0)
     monkeypatch.setattr(Belief, "correct", lambda self, sight, model: np.eye(4))
     monkeypatch.setattr(Belief, "outdated", lambda self: None)
+    monkeypatch.setattr(Belief, "glance", lambda self: None)
     done, believed, true = walked()
     assert corrected < 0.5 * off(believed, true)
     assert done.metrics["pose_error_end"] > 0.0

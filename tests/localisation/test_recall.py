@@ -1,11 +1,14 @@
 """The kidnapped robot: pairs found again in a map, or said to be nowhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from recon.errors import InputError
 from recon.localisation.atlas import Atlas
 from recon.localisation.recall import Hypothesis, KnownWorld, choose
+from recon.localisation.trust import trust_in
 from recon.records import FitFailure, PoseEstimate, StereoPair
 from tests.localisation.recorded import SETTINGS, village
 
@@ -44,7 +47,10 @@ def at(x, same, different, is_known=True):
         T_world_left=T, covariance=1e-4 * np.eye(6), probability=0.0, residual=1.0,
         inlier_share=1.0, num_cells=9,
     )  # fmt: skip
-    return Hypothesis(estimate=estimate, num_same=same, num_different=different, is_known=is_known)
+    return Hypothesis(
+        estimate=estimate, num_same=same, num_different=different,
+        num_agreeing=30 if is_known else 0,
+    )  # fmt: skip
 
 
 def test_of_places_that_look_alike_none_is_chosen():
@@ -55,6 +61,23 @@ def test_of_places_that_look_alike_none_is_chosen():
     assert choose([at(0, 40, 30)]).reason == "the map shows other things there"
     assert choose([at(0, 5, 0)]).reason == "too little is seen"
     assert choose([]).reason == "no place looks like it"
+
+
+def test_features_decide_as_far_as_they_are_trusted():
+    both = [at(0, 40, 1), at(9, 40, 1, is_known=False)]
+    assert choose(both, trust=0.0).reason.startswith("several")
+    assert choose(both, trust=8.0).T_world_left[0, 3] == 0
+    assert choose([at(9, 40, 0, is_known=False)], trust=8.0).reason == "too little is seen"
+
+
+def test_places_that_look_alike_and_are_not_take_the_trust_away():
+    atlas = village().atlas
+    trust = trust_in(atlas)
+    assert trust > 0.0
+    moved = atlas.T_world_left.copy()
+    moved[1::2, 0, 3] += 50.0
+    assert trust_in(replace(atlas, T_world_left=moved)) < 0.5 * trust
+    assert trust_in(Atlas(places=[], numbers=[], T_world_left=np.zeros((0, 4, 4)))) == 0.0
 
 
 def test_an_atlas_comes_back_from_its_file_and_damage_is_said(tmp_path):

@@ -1,0 +1,103 @@
+"""Glances: an agent that is not sure of its place turns to what it knows."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from recon.exploration.floor import Array
+from recon.exploration.landmarks import DISTANCE_SHARE, Expected, Sighter
+from recon.exploration.outlines import GAP_RAD
+from recon.records import View
+
+NUM_HEADINGS = 24
+SURE_CELLS = 0.15
+"""Standard deviation of a place that is known well enough, the heading's share included."""
+GAIN = 0.9
+"""A glance that leaves more of the standard deviation is not worth a pair."""
+MARGIN_RAD = 2.0 * GAP_RAD
+"""Between an edge that is looked for and the border of the image."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Field:
+    """The part of the world that the cameras take in."""
+
+    half_rad: float
+    """Half its width."""
+    reach: float
+    """Distance up to which things are seen, world units."""
+
+    def takes_in(self, landmark: int, expected: Expected) -> bool:
+        """True where both edges of a landmark are in sight, and nothing nearer is before them."""
+        azimuth, half = expected.azimuth_rad, expected.half_rad
+        if abs(azimuth[landmark]) + half[landmark] > self.half_rad - MARGIN_RAD:
+            return False
+        nearer = expected.range < expected.range[landmark]
+        gap = np.abs(azimuth - azimuth[landmark]) - half - half[landmark]
+        return bool(expected.front[landmark] < self.reach and not (nearer & (gap < GAP_RAD)).any())
+
+
+def glance(
+    sighter: Sighter, step_sigma: tuple[float, float], field: Field, sure: float, arm: float
+) -> float | None:
+    """The heading (radians) from which most is learnt of a pose; None where it is sure, or none is.
+
+    Parameters
+    ----------
+    sighter : Sighter
+        Of the last pose.
+    step_sigma : (float, float)
+        Errors of turning on the spot: of position, world units, and heading, radians.
+    field : Field
+    sure : float
+        Standard deviation of the place that is enough, world units.
+    arm : float
+        Way that an error of the heading is counted at, world units.
+    """
+    now = _cost(sighter.joint, arm)
+    if now < sure or not len(sighter.graph.radii):
+        return None
+    headings = np.linspace(0.0, 2.0 * np.pi, NUM_HEADINGS, endpoint=False)
+    costs = [_cost(_after(sighter, float(one), step_sigma, field), arm) for one in headings]
+    best = int(np.argmin(costs))
+    return float(headings[best]) if costs[best] < GAIN * now else None
+
+
+def _cost(joint: Array, arm: float) -> float:
+    """Standard deviation of the place, with what the heading makes of it over a way."""
+    return math.sqrt(float(joint[0, 0] + joint[1, 1] + arm**2 * joint[2, 2]))
+
+
+def _after(
+    sighter: Sighter, heading: float, step_sigma: tuple[float, float], field: Field
+) -> Array:
+    """(3, 3) covariance of the pose after a look at what is there (Kalman's update)."""
+    x, z, _ = sighter.graph.poses[-1]
+    expected = Expected.of(sighter.graph, np.array([x, z, heading]))
+    spread = sighter.joint.copy()
+    spread[[0, 1, 2], [0, 1, 2]] += np.array([step_sigma[0], step_sigma[0], step_sigma[1]]) ** 2
+    seen = [m for m in range(len(expected.range)) if field.takes_in(m, expected)]
+    rows = np.zeros((2 * len(seen), len(spread)))
+    noise, growth = np.zeros(2 * len(seen)), sighter.growth
+    for at, landmark in enumerate(seen):
+        rows[2 * at : 2 * at + 2, :3] = expected.derivative[landmark, :, :3]
+        own = slice(3 + 3 * landmark, 6 + 3 * landmark)
+        rows[2 * at : 2 * at + 2, own] = expected.derivative[landmark, :, 3:]
+        radius = sighter.graph.radii[landmark]
+        noise[2 * at] = math.hypot(
+            sighter.edge_sigma, sighter.graph.shapes[landmark] * radius / expected.range[landmark]
+        )
+        noise[2 * at + 1] = math.hypot(
+            DISTANCE_SHARE * radius, growth * expected.range[landmark] ** 2
+        )
+    innovation = rows @ spread @ rows.T + np.diag(noise**2)
+    gain = np.linalg.solve(innovation, rows @ spread)
+    after: Array = (spread - spread @ rows.T @ gain)[:3, :3]
+    return after
+
+
+def turned(view: View, heading: float, gaze: float) -> View:
+    """A view from the same place in another direction."""
+    ahead = np.array([math.cos(heading), 0.0, math.sin(heading)])
+    return View(position=view.position, target=view.position + gaze * ahead)

@@ -1,0 +1,175 @@
+"""Landmarks: the things of a belief's graph as they are expected before the cameras.
+
+A thing that is seen is a known one where it is within the error of the belief, pose and landmark
+together, and no other landmark is; where that does not tell, it is left out.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.exploration.floor import Array
+from recon.exploration.outlines import Outline
+from recon.geometry import wrapped
+from recon.localisation.graph import FRONT_SHARE, Bearing, Graph
+
+EDGE_SIGMA_PX = 0.3
+"""Standard deviation of an edge."""
+HIDDEN_SHARE = 0.1
+"""Standard deviation of the middle of a thing by one of its edges, as a share of its radius."""
+NEAR = 0.5
+"""Times the cube of radius over distance, that the middle is off besides, radians: of what is near
+only some sides show points."""
+DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5
+"""The same of the distance of its front: of a whole thing, and of what is seen of one."""
+GATE, FAR_GATE = 3.0, 4.0
+"""Standard deviations within which a thing is a known one, and beyond which it is another."""
+SAME_DISTANCE = 1.5
+"""Two things in one direction differ in distance by more than this factor."""
+NEW, UNCLEAR = -1, -2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Expected:
+    """All landmarks as they are expected from a pose."""
+
+    azimuth_rad: Array
+    """(M,) of their middles, from straight ahead."""
+    range: Array
+    """(M,) distance of their middles, world units."""
+    front: Array
+    """(M,) distance of their fronts, world units."""
+    half_rad: Array
+    """(M,) half the angle between their edges."""
+    derivative: Array
+    """(M, 2, 6) of azimuth and front, by the pose and by the landmark."""
+
+    @classmethod
+    def of(cls, graph: Graph, pose: Array) -> "Expected":
+        """The landmarks of a graph from a pose (3,)."""
+        offset = graph.landmarks[:, :2] - pose[:2]
+        away = np.maximum(np.hypot(*offset.T), 1e-6)
+        across = np.column_stack([-offset[:, 1], offset[:, 0]]) / away[:, None] ** 2
+        along, one = offset / away[:, None], np.ones((len(away), 1))
+        derivative = np.stack(
+            [
+                np.column_stack([-across, -one, across, 0 * one]),
+                np.column_stack([-along, 0 * one, along, -one]),
+            ],
+            axis=1,
+        )
+        return cls(
+            azimuth_rad=wrapped(np.arctan2(offset[:, 1], offset[:, 0]) - pose[2]),
+            range=away,
+            front=away - graph.landmarks[:, 2],
+            half_rad=np.arcsin(np.minimum(graph.radii / away, 1.0)),
+            derivative=derivative,
+        )
+
+    def spread(self, landmark: int, joint: Array) -> Array:
+        """(2, 2) covariance of azimuth and front, of that (3 + 3 M) of the pose and landmarks."""
+        own = np.r_[0:3, 3 + 3 * landmark : 6 + 3 * landmark]
+        by_both = self.derivative[landmark]
+        spread: Array = by_both @ joint[np.ix_(own, own)] @ by_both.T
+        return spread
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sighter:
+    """The pose that things are seen from, what is expected there, and how unsure that is."""
+
+    graph: Graph
+    expected: Expected
+    joint: Array
+    """(3 + 3 M) covariance of the pose and the landmarks."""
+    edge_sigma: float
+    """Radians."""
+
+    @classmethod
+    def of(cls, graph: Graph, focal_px: float) -> "Sighter":
+        """The sighter at the last pose of a graph."""
+        return cls(
+            graph=graph,
+            expected=Expected.of(graph, graph.poses[-1]),
+            joint=graph.joint_covariance(),
+            edge_sigma=EDGE_SIGMA_PX / focal_px,
+        )
+
+    def bearing(self, seen: Outline, landmark: int) -> Bearing:
+        """The sighting of a landmark, which shows at least one of its edges."""
+        radius, away = self.graph.radii[landmark], self.expected.range[landmark]
+        return self._bearing(seen, landmark, float(radius), float(away))
+
+    def _bearing(self, seen: Outline, landmark: int, radius: float, away: float) -> Bearing:
+        half, is_whole = math.asin(min(radius / away, 1.0)), bool(seen.is_free.all())
+        azimuth, edge, share = seen.middle_rad, self.edge_sigma / math.sqrt(2.0), 0.0
+        hidden = HIDDEN_DISTANCE_SHARE * max(0.0, 1.0 - seen.half_rad / half)
+        if not is_whole:
+            azimuth = float(
+                np.where(seen.is_free, seen.edges_rad + np.array([half, -half]), 0.0).sum()
+            )
+            edge, share = self.edge_sigma, HIDDEN_SHARE
+        return Bearing(
+            pose=len(self.graph.poses) - 1,
+            landmark=landmark,
+            azimuth_rad=azimuth,
+            distance=seen.distance,
+            azimuth_sigma=math.hypot(edge, share * radius / away, NEAR * (radius / away) ** 3),
+            distance_sigma=math.hypot(seen.sigma, (DISTANCE_SHARE + hidden) * radius),
+            half_rad=max(seen.half_rad, self.edge_sigma) if is_whole else math.nan,
+        )
+
+    def known(self, seen: Outline) -> int:
+        """The landmark that a sighting is of, NEW, or UNCLEAR."""
+        number = len(self.graph.radii)
+        if not number:
+            return NEW
+        off = np.array([self._off(seen, landmark) for landmark in range(number)])
+        both = np.hypot(*off.T)
+        order = np.argsort(both, kind="stable")[:2]
+        if both[order[0]] < GATE and (number == 1 or both[order[1]] > FAR_GATE):
+            return int(order[0])
+        return NEW if all(self._is_other(seen, m, off[m]) for m in range(number)) else UNCLEAR
+
+    def _is_other(self, seen: Outline, landmark: int, off: Array) -> bool:
+        """True where a thing is beside a landmark, or clearly before or behind it."""
+        ratio = seen.distance / max(float(self.expected.front[landmark]), 1e-6)
+        if float(np.hypot(*off)) > FAR_GATE and abs(math.log(ratio)) > math.log(SAME_DISTANCE):
+            return True
+        spread = float(self.expected.spread(landmark, self.joint)[0, 0])
+        reach = seen.half_rad + self.expected.half_rad[landmark] + FAR_GATE * math.sqrt(spread)
+        apart = wrapped(seen.middle_rad - self.expected.azimuth_rad[landmark])
+        return bool(abs(apart) > reach)
+
+    @property
+    def growth(self) -> float:
+        """Standard deviation of a distance over its square."""
+        return float(np.median([b.distance_sigma / b.distance**2 for b in self.graph.bearings]))
+
+    def _off(self, seen: Outline, landmark: int) -> NDArray[np.float64]:
+        """(2,) standard deviations in azimuth and, besides, in distance, between both."""
+        bearing = self.bearing(seen, landmark)
+        spread = self.expected.spread(landmark, self.joint)
+        mark, away = np.array([landmark]), self.expected.range[[landmark]]
+        (middle,) = self.graph.off_middle_rad(mark, np.array([bearing.half_rad]), away)
+        spread += np.diag([bearing.azimuth_sigma**2 + middle**2, bearing.distance_sigma**2])
+        off = np.array(
+            [
+                wrapped(bearing.azimuth_rad - self.expected.azimuth_rad[landmark]),
+                bearing.distance - self.expected.front[landmark],
+            ]
+        )
+        found: NDArray[np.float64] = np.linalg.solve(np.linalg.cholesky(spread), off)
+        return found
+
+    def add(self, seen: Outline) -> None:
+        """Make a landmark of a whole thing that was not known."""
+        x, z, heading = self.graph.poses[-1]
+        azimuth = heading + seen.middle_rad
+        radius = seen.distance * math.tan(min(max(seen.half_rad, self.edge_sigma), 1.0))
+        away = seen.distance + FRONT_SHARE * radius
+        ahead = np.array([math.cos(azimuth), math.sin(azimuth)])
+        landmark = self.graph.add(np.array([x, z]) + away * ahead, radius)
+        self.graph.bearings.append(self._bearing(seen, landmark, radius, away))

@@ -1,0 +1,62 @@
+"""Outlines of things: their edges, what hides them, and the parts that are one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from recon.exploration.outlines import outlines
+from recon.exploration.scales import Scales
+from recon.records import PointCloud
+from recon.runs.door import explorers
+from recon.settings import Settings
+
+SCALES = Scales.of(explorers(Settings()))
+POSE = np.array([3.0, -2.0, 0.7])
+HALF_FIELD = math.radians(40.0)
+
+
+def thing(azimuth_deg, half_deg, distance, number=400, sigma=0.1):
+    """Points of a thing, on a part of a circle round the camera."""
+    side = np.radians(np.linspace(azimuth_deg - half_deg, azimuth_deg + half_deg, number))
+    x, z = (f(side + POSE[2]) * distance + at for f, at in ((np.cos, POSE[0]), (np.sin, POSE[1])))
+    points = np.column_stack([x, np.full(number, 4.0), z])
+    return PointCloud(points=points, sigma=np.full(number, sigma))
+
+
+def seen(*things):
+    points = np.vstack([one.points for one in things])
+    sigma = np.concatenate([one.sigma for one in things])
+    return outlines(PointCloud(points=points, sigma=sigma), POSE, HALF_FIELD, SCALES)
+
+
+def test_things_apart_have_both_their_edges():
+    near, far = seen(thing(20.0, 4.0, 60.0, sigma=2.0), thing(-15.0, 8.0, 20.0))
+    assert math.degrees(near.middle_rad) == pytest.approx(-15.0, abs=0.1)
+    assert math.degrees(near.half_rad) == pytest.approx(8.0, abs=0.2)
+    assert near.distance == pytest.approx(20.0)
+    assert math.degrees(far.middle_rad) == pytest.approx(20.0, abs=0.1)
+    assert far.sigma == pytest.approx(1.0)
+    assert near.is_free.all()
+    assert far.is_free.all()
+
+
+def test_the_border_of_the_image_hides_an_edge():
+    (one,) = seen(thing(35.0, 5.0, 20.0))
+    assert one.is_free.tolist() == [True, False]
+
+
+def test_a_nearer_thing_hides_an_edge_and_keeps_its_own():
+    near, far = seen(thing(0.0, 4.0, 10.0), thing(7.0, 4.0, 50.0))
+    assert near.is_free.all()
+    assert far.is_free.tolist() == [False, True]
+
+
+def test_parts_beside_one_another_are_one_thing():
+    (one,) = seen(thing(-4.0, 3.0, 12.0), thing(4.0, 3.0, 12.5))
+    assert np.degrees(one.edges_rad) == pytest.approx([-7.0, 7.0], abs=0.2)
+    assert len(seen(thing(-14.0, 3.0, 12.0), thing(14.0, 3.0, 12.5))) == 2
+
+
+def test_a_few_points_are_nothing():
+    assert seen(thing(0.0, 1.0, 20.0, number=5)) == []

@@ -1,0 +1,60 @@
+"""`recon localise`: pairs of a drive come back to its map, others are nowhere."""
+
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from recon.cli import main
+from tests.recordings import render_drive
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    return render_drive(tmp_path_factory.mktemp("drive"), 6)
+
+
+@pytest.fixture(scope="module")
+def run(drive, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run") / "run"
+    given = ["map.places=true", "map.cell_size=0.2", "map.min_count=1"]
+    options = [word for one in given for word in ("--set", one)]
+    made = ["reconstruct", str(drive), "-o", str(folder), "--quality", "fast"]
+    assert main([*made, *options]) == 0
+    return folder
+
+
+def answers(capsys, run, pairs):
+    capsys.readouterr()
+    assert main(["localise", str(run), str(pairs), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_pairs_of_a_drive_are_found_in_its_map(drive, run, capsys):
+    said = answers(capsys, run, drive)
+    true = np.loadtxt(run / "trajectory.txt")[:, 1:4]
+    found = [one["T_world_left"] for one in said["poses"]]
+    assert len(found) == len(true)
+    assert said["num_found"] >= 2
+    for T_world_left, place in zip(found, true, strict=True):
+        if T_world_left is not None:
+            assert np.linalg.norm(np.array(T_world_left)[:3, 3] - place) < 0.05
+
+
+def test_pairs_of_elsewhere_are_nowhere(drive, run, capsys, tmp_path):
+    for path in drive.rglob("*"):
+        copy = tmp_path / "elsewhere" / path.relative_to(drive)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix == ".png":
+            Image.open(path).transpose(Image.Transpose.FLIP_TOP_BOTTOM).save(copy)
+        elif path.is_file():
+            copy.write_bytes(path.read_bytes())
+    said = answers(capsys, run, tmp_path / "elsewhere")
+    assert said["num_found"] == 0
+    assert all(one["T_world_left"] is None and one["reason"] for one in said["poses"])
+
+
+def test_what_is_no_run_is_said(drive, tmp_path, capsys):
+    assert main(["localise", str(tmp_path), str(drive)]) != 0
+    assert "map.npz" in capsys.readouterr().err
