@@ -17,10 +17,9 @@ from recon.cli.jobs import counted
 from recon.notices import notify
 from recon.runs import disparity, evaluate
 from recon.runs.job import KINDS
-from recon.settings.keywords import by_keyword
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
-FAST = by_keyword(quality="fast", keep=500)
+FAST = recon.Settings.of(quality="fast", keep=500)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +47,7 @@ def matching(**changes):
         {"inputs": (PAIR / "right.png", PAIR / "left.png")},
         {"arguments": {"truth_scale": 2.0}},
         {"arguments": {"truth": PAIR / "disp_left.pfm"}},
-        {"settings": by_keyword(quality="fast", keep=501)},
+        {"settings": recon.Settings.of(quality="fast", keep=501)},
         {"seed": 1},
     ],
 )
@@ -61,7 +60,7 @@ def test_everything_that_decides_is_part_of_the_identity(changes):
 def test_the_content_of_a_catalogue_or_model_is_part_of_the_identity(tmp_path):
     catalogue = tmp_path / "kinds.toml"
     catalogue.write_text("a = 1")
-    job = matching(settings=by_keyword(catalogue=str(catalogue)))
+    job = matching(settings=recon.Settings.of(catalogue=str(catalogue)))
     before = job.identity()
     catalogue.write_text("a = 2")
     assert job.identity() != before
