@@ -7,7 +7,9 @@ from scipy.spatial import cKDTree
 from recon.recognition.unions import joined_roots, linked_roots, numbered
 
 NUM_LINKS = 24
-"""Neighbours a point may be linked to: the number within reach on a surface."""
+"""Neighbours that a point may be linked to: as many as lie within the reach on a surface."""
+FEW_LINKS = 8
+"""Neighbours that are enough for the points of the largest component: others look further."""
 SPACING_RANK = 6
 """The spacing at a point is the distance to this neighbour, in the outermost ring on a surface."""
 LINK_SPACINGS = 2.0
@@ -51,14 +53,36 @@ def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     label : (K,) int32
         0, 1, ... in the order of the components' first points.
     """
-    count = min(NUM_LINKS, len(points))
-    if count < 2:
-        return np.arange(len(points), dtype=np.int32)
-    distances, near = map(np.asarray, cKDTree(points).query(points, k=count))
-    # The denser side decides, so a distant speck is not linked to anything.
-    reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, count - 1)]
-    label: NDArray[np.int32] = numbered(linked_roots(distances, near, reach, least))
+    roots = np.arange(len(points))
+    if len(points) < 2:
+        return roots.astype(np.int32)
+    tree, rows, reach = cKDTree(points), roots, np.empty(0)
+    for count in FEW_LINKS, NUM_LINKS:
+        if not len(rows):
+            break
+        distances, near = map(np.asarray, tree.query(points[rows], k=min(count, len(points))))
+        if not len(reach):
+            # The denser side decides: a speck far off joins nothing.
+            reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, len(points) - 1)]
+        roots = linked_roots(roots, rows, distances, near, reach, least)
+        rows = _unsettled(points, roots, reach, least)
+    label: NDArray[np.int32] = numbered(roots)
     return label
+
+
+def _unsettled(
+    points: NDArray[np.float64],
+    roots: NDArray[np.int64],
+    reach: NDArray[np.float64],
+    least: float,
+) -> NDArray[np.intp]:
+    """Points that may yet be linked to another component: none deep in the largest one."""
+    inside = roots == np.argmax(np.bincount(roots))
+    if inside.all():
+        return np.empty(0, dtype=np.intp)
+    bound = max(least, float(reach[~inside].max()))
+    away, _ = cKDTree(points[~inside]).query(points, distance_upper_bound=bound)
+    return np.flatnonzero(np.isfinite(away))
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:

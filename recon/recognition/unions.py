@@ -19,21 +19,28 @@ def joined_roots(pairs: Numbers, num_nodes: int) -> Numbers:
 
 
 @njit(cache=True)
-def linked_roots(distances: Array, near: Numbers, reach: Array, least: float) -> Numbers:
-    """Root (N,) of each point after joining it with its neighbours within reach.
+def linked_roots(
+    roots: Numbers, rows: Numbers, distances: Array, near: Numbers, reach: Array, least: float
+) -> Numbers:
+    """Root (N,) of each point after some were joined with those of their neighbours within reach.
 
     Parameters
     ----------
-    distances, near : (N, K)
-        Distances of each point to its neighbours, and their indices.
+    roots : (N,)
+        Of each point so far.
+    rows : (M,)
+        Points whose neighbours are known.
+    distances, near : (M, K)
+        Of each of these to its neighbours, and the neighbours.
     reach : (N,)
         Reach of each point; the smaller of two counts, but at least `least`.
     """
-    parent = np.arange(len(near))
-    for i in range(len(near)):
+    parent = roots.copy()
+    for m in range(len(rows)):
+        i = rows[m]
         for k in range(near.shape[1]):
-            j = near[i, k]
-            if distances[i, k] <= max(min(reach[i], reach[j]), least):
+            j = near[m, k]
+            if distances[m, k] <= max(min(reach[i], reach[j]), least):
                 _join(parent, i, j)
     _settle(parent)
     return parent

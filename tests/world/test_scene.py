@@ -109,7 +109,7 @@ def test_appendix_b_is_read_as_it_stands():
     assert ground.vertices[2].uv == (3, 3)
 
 
-@pytest.mark.parametrize("name", ["village", "three_kinds", "three_apples"])
+@pytest.mark.parametrize("name", ["village", "three_kinds", "three_apples", "square"])
 def test_a_scene_is_written_without_loss(name, tmp_path):
     scene = read_scene(SCENES / f"{name}.scene")
     write_scene(scene, tmp_path / "again.scene")

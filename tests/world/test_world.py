@@ -61,6 +61,7 @@ def test_the_village_has_its_six_objects(village):
     [
         ("three_kinds", ["apple tree", "pine tree", "cottage"]),
         ("three_apples", ["apple tree", "apple tree", "apple tree"]),
+        ("square", ["house", "table", "bench", "lamp post", "lamp post", "apple tree"]),
     ],
 )
 def test_the_other_scenes(name, labels):

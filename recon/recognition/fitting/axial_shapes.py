@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.fitting import descent
 from recon.recognition.fitting.axes import across_axis
 from recon.records import Cone, Cylinder, FitFailure, Solid, TruncatedCone
 
@@ -37,7 +38,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AxialModel:
-    """Distances to an infinite cylinder or cone; steps: point, axis (2 each), offset, angle."""
+    """Points on a cylinder or cone without ends."""
 
     points: Array
     normals: Array
@@ -48,52 +49,50 @@ class AxialModel:
         """Number of parameters of the surface."""
         return 6 if self.is_cone else 5
 
+    @property
+    def surface(self) -> int:
+        """Number of the surface in `descent`."""
+        return descent.CONE if self.is_cone else descent.CYLINDER
+
     def starts(self) -> list[Line]:
         """Algebraic fits around the most promising axes."""
         fits = [self._algebraic(axis) for axis in _axes(self.points, self.normals)]
-        fits.sort(key=lambda line: float(np.median(np.abs(self.residuals(line)[0]))))
-        return fits[:NUM_STARTS]
+        fits.sort(key=lambda fit: fit[1])
+        return [line for line, _ in fits[:NUM_STARTS]]
 
-    def _algebraic(self, axis: Array) -> Line:
-        """``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` around a given axis is linear."""
+    def _algebraic(self, axis: Array) -> tuple[Line, float]:
+        """A line round a given axis, and the median distance of the points to it.
+
+        ``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` is linear.
+        """
         across = across_axis(axis)
         middle = self.points.mean(axis=0)
         local = (self.points - middle) @ np.column_stack([across.T, axis])
         xy, t = local[:, :2], local[:, 2]
         columns = [2.0 * xy, np.ones_like(t)] + ([t, t * t] if self.is_cone else [])
         solution = np.linalg.lstsq(np.column_stack(columns), (xy**2).sum(axis=1), rcond=None)[0]
-        point = middle + solution[:2] @ across
-        rho = np.hypot(*(xy - solution[:2]).T)
-        if not self.is_cone:
-            return Line(point=point, axis=axis, offset=float(np.median(rho)), angle=0.0)
-        _, vectors = np.linalg.eigh(np.cov(t, rho))
-        angle = float(np.arctan(vectors[1, 1] / (vectors[0, 1] or 1e-12)))
-        offset = float(np.median(np.cos(angle) * rho - np.sin(angle) * t))
-        return Line(point=point, axis=axis, offset=offset, angle=angle)
-
-    def residuals(self, state: Line) -> tuple[Array, Array]:
-        """Signed distances (N,) and derivatives (N, 5 or 6)."""
-        across = across_axis(state.axis)
-        local = self.points - state.point
-        t = local @ state.axis
-        xy = local @ across.T
-        rho = np.maximum(np.hypot(xy[:, 0], xy[:, 1]), 1e-300)
-        c, s = np.cos(state.angle), np.sin(state.angle)
-        radial = xy / rho[:, None]
-        turn = -(c * t + s * rho)[:, None] * radial
-        columns = [-c * radial, turn, -np.ones(len(t))]
+        rho, angle = np.hypot(*(xy - solution[:2]).T), 0.0
         if self.is_cone:
-            columns.append(-s * rho - c * t)
-        return c * rho - s * t - state.offset, np.column_stack(columns)
+            _, vectors = np.linalg.eigh(np.cov(t, rho))
+            angle = float(np.arctan(vectors[1, 1] / (vectors[0, 1] or 1e-12)))
+        level = np.cos(angle) * rho - np.sin(angle) * t
+        offset = float(np.median(level))
+        point = middle + solution[:2] @ across
+        line = Line(point=point, axis=axis, offset=offset, angle=angle)
+        return line, float(np.median(np.abs(level - offset)))
 
-    def transformed(self, state: Line, step: Array) -> Line:
-        """The line after a step."""
-        across = across_axis(state.axis)
-        axis = state.axis + step[2:4] @ across
-        axis = axis / np.linalg.norm(axis)
-        angle = state.angle + (float(step[5]) if self.is_cone else 0.0)
-        point = state.point + step[:2] @ across
-        return Line(point=point, axis=axis, offset=state.offset + float(step[4]), angle=angle)
+    def packed(self, state: Line) -> Array:
+        """The numbers (8,) of a line."""
+        return np.concatenate([state.point, state.axis, [state.offset, state.angle]])
+
+    def unpacked(self, numbers: Array) -> Line:
+        """The line of its numbers."""
+        return Line(
+            point=numbers[:3],
+            axis=numbers[3:6],
+            offset=float(numbers[6]),
+            angle=float(numbers[7]),
+        )
 
     def solid(self, state: Line, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The solid, bounded by the ends of the points on it."""

@@ -5,10 +5,12 @@ segmentation is needed before the fit.
 """
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.fitting import descent
 from recon.recognition.fitting.least_squares import Estimate, minimise
 from recon.recognition.fitting.profiles import NUM_RADII, OUTLINES, to_parts
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
@@ -16,7 +18,9 @@ from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCon
 Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
-"""Initial heights of the boundary of two parts, as shares of the total height."""
+"""Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+START_RADII: tuple[tuple[float, ...], ...] = ((), (1.0,), (1.3, 0.5))
+"""Radii of a part with none, one and two of them at first, over those of its points."""
 ROUGH_POINTS, ROUGH_STEPS = 150, 6
 """Points and steps used to choose the most promising start."""
 BELOW_CELLS = 0.3
@@ -70,46 +74,45 @@ class Composite:
         areas: Array = np.pi * slants * np.array([a + b for a, b in rims])
         return areas
 
+    @property
+    def layout(self) -> NDArray[np.int64]:
+        """(2, parts) outlines, and counts of radii."""
+        return _layout(self.shapes)
+
+    def nearest(self, points: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Signed distances (N,) of points (N, 3) to the nearest part, and its number (N,)."""
+        outlines, counts = self.layout
+        signed, _, nearest = to_parts(
+            points, self.axis, self.heights, outlines, np.concatenate(self.radii), counts
+        )
+        return signed, nearest
+
+
+def _layout(shapes: tuple[str, ...]) -> NDArray[np.int64]:
+    return np.array([[table[shape] for shape in shapes] for table in (OUTLINES, NUM_RADII)])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompositeModel:
-    """Distances of points to the nearest part of a composite."""
+    """Points on the parts of a composite."""
 
     points: Array
+    shapes: tuple[str, ...]
+    surface = descent.COMPOSITE
 
-    def residuals(self, composite: Composite) -> tuple[Array, Array]:
-        """Signed distances and their derivatives with respect to axis, heights and radii."""
-        distances, gradient, _ = self.nearest(composite)
-        return distances, gradient
+    def packed(self, state: Composite) -> Array:
+        """The numbers of a composite: axis, heights, radii."""
+        return np.concatenate([state.axis, state.heights, *state.radii])
 
-    def nearest(self, composite: Composite) -> tuple[Array, Array, NDArray[np.intp]]:
-        """Signed distances (N,), derivatives (N, P), and the nearest part (N,)."""
-        radii = np.zeros((len(composite.shapes), 2))
-        for row, own in zip(radii, composite.radii, strict=True):
-            row[: len(own)] = own
-        signed, gradient, nearest = to_parts(
-            self.points,
-            composite.axis,
-            composite.heights,
-            np.array([OUTLINES[shape] for shape in composite.shapes]),
-            radii,
-            np.array([len(own) for own in composite.radii]),
-        )
-        return signed, gradient, nearest
-
-    def transformed(self, composite: Composite, step: Array) -> Composite:
-        """The composite after a step; sizes stay positive and ends in order."""
-        num_parts = len(composite.shapes)
-        heights = composite.heights.copy()
-        heights[1:] += step[2 : 2 + num_parts]
-        heights = np.maximum.accumulate(heights)
-        borders = np.cumsum([2 + num_parts, *map(len, composite.radii)])
-        radii = tuple(
-            np.abs(radii + step[low:high])
-            for radii, low, high in zip(composite.radii, borders[:-1], borders[1:], strict=True)
-        )
+    def unpacked(self, numbers: Array) -> Composite:
+        """The composite of its numbers."""
+        ends = 3 + len(self.shapes)
+        borders = ends + np.cumsum([NUM_RADII[shape] for shape in self.shapes])
         return Composite(
-            shapes=composite.shapes, axis=composite.axis + step[:2], heights=heights, radii=radii
+            shapes=self.shapes,
+            axis=numbers[:2],
+            heights=numbers[2:ends],
+            radii=tuple(np.split(numbers[ends:], borders[:-1] - ends)),
         )
 
 
@@ -129,31 +132,38 @@ def fit_composite(
     weights : (N,) float64
         Weight of each point.
     """
-    model, floor = CompositeModel(points), NOISE_FLOOR * cell_size
-    starts = [_start(shapes, points, ground, splits) for splits in _splits(len(shapes))]
+    model, floor = CompositeModel(points, shapes), NOISE_FLOOR * cell_size
+    starts = _starts(shapes, points, ground)
     some = slice(None, None, -(-len(points) // ROUGH_POINTS))
-    few = CompositeModel(points[some])
+    few, layout = CompositeModel(points[some], shapes), _layout(shapes)
     rough = [
-        minimise(few, start, floor=floor, weights=weights[some], max_steps=ROUGH_STEPS)
+        minimise(
+            few,
+            start,
+            floor=floor,
+            weights=weights[some],
+            layout=layout,
+            max_steps=ROUGH_STEPS,
+        )
         for start in starts
     ]
     best = min(rough, key=lambda estimate: estimate.deviance)
-    fit = minimise(model, best.state, floor=floor, weights=weights)
-    return replace(fit, state=_trimmed(fit, model, cell_size))
+    fit = minimise(model, best.state, floor=floor, weights=weights, layout=layout)
+    return replace(fit, state=_trimmed(fit, points, cell_size))
 
 
-def _trimmed(fit: Estimate[Composite], model: CompositeModel, cell_size: float) -> Composite:
-    """Cut the last part where its points end: excess length costs a fit nothing."""
+def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:
+    """The composite, its last part cut where its points end: a longer one costs a fit nothing."""
     composite = fit.state
     if composite.shapes[-1] in ("sphere", "ellipsoid"):
         return composite
-    _, _, nearest = model.nearest(composite)
+    _, nearest = composite.nearest(points)
     own = (nearest == len(composite.shapes) - 1) & (
         np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma
     )
     if not own.any():
         return composite
-    ends = np.quantile(model.points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
+    ends = np.quantile(points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
     ends = np.clip(ends, *composite.heights[-2:])
     if len(composite.shapes) == 1:
         ends[0] = composite.heights[0]
@@ -182,23 +192,28 @@ def _splits(num_parts: int) -> list[tuple[float, ...]]:
     return [tuple(np.linspace(0.0, 1.0, num_parts + 1)[1:-1])]
 
 
-def _start(
-    shapes: tuple[str, ...], points: Array, ground: float, splits: tuple[float, ...]
-) -> Composite:
+def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Composite]:
+    """Composites round the middle of the bulk, their boundaries at several heights."""
     low, high = np.quantile(points, BULK, axis=0)
     axis = (low + high)[::2] / 2.0
-    top = float(points[:, 1].max())
-    heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
-    rho = np.hypot(*(points[:, ::2] - axis).T)
-    radii = []
-    for shape, low, high in zip(shapes, heights[:-1], heights[1:], strict=True):
-        inside = rho[(points[:, 1] >= low) & (points[:, 1] <= high)]
-        middle = float(np.median(inside)) if len(inside) else float(np.median(rho))
-        radii.append(
-            middle
-            * np.array([1.3, 0.5] if shape == "truncated cone" else [1.0])[: NUM_RADII[shape]]
+    rho, top = np.hypot(*(points[:, ::2] - axis).T), float(points[:, 1].max())
+    found = []
+    for splits in _splits(len(shapes)):
+        heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
+        ends = pairwise(heights)
+        middles = [_middle(rho, points[:, 1], low, high) for low, high in ends]
+        radii = tuple(
+            middle * np.array(START_RADII[NUM_RADII[shape]])
+            for shape, middle in zip(shapes, middles, strict=True)
         )
-    return Composite(shapes=shapes, axis=axis, heights=heights, radii=tuple(radii))
+        found.append(Composite(shapes=shapes, axis=axis, heights=heights, radii=radii))
+    return found
+
+
+def _middle(rho: Array, y: Array, low: float, high: float) -> float:
+    """Median distance from the axis of the points between two heights, else of all."""
+    inside = rho[(y >= low) & (y <= high)]
+    return float(np.median(inside if len(inside) else rho))
 
 
 def solids(composite: Composite) -> list[Solid]:

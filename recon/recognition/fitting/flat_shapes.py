@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.axes import across_axis
-from recon.recognition.fitting.faces import to_box
+from recon.recognition.fitting import descent
 from recon.records import Box, FitFailure, Plane, Solid
 
 Array = NDArray[np.float64]
@@ -27,10 +26,11 @@ ALIKE, ACROSS = 0.98, 0.9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneModel:
-    """Distances of points to a plane; steps are a shift and two rotations."""
+    """Points on a plane."""
 
     points: Array
     normals: Array
+    surface = descent.PLANE
     num_parameters = 3
 
     def starts(self) -> list[Plane]:
@@ -39,18 +39,13 @@ class PlaneModel:
         vectors = np.linalg.eigh(np.cov((self.points - middle).T))[1]
         return [Plane(point=middle, normal=vectors[:, 0])]
 
-    def residuals(self, state: Plane) -> tuple[Array, Array]:
-        """Signed distances (N,) and derivatives (N, 3)."""
-        local = self.points - state.point
-        across = across_axis(state.normal)
-        return local @ state.normal, np.column_stack([-np.ones(len(local)), local @ across.T])
+    def packed(self, state: Plane) -> Array:
+        """The numbers (6,) of a plane."""
+        return np.concatenate([state.point, state.normal])
 
-    def transformed(self, state: Plane, step: Array) -> Plane:
-        """The plane after a step."""
-        across = across_axis(state.normal)
-        normal = state.normal + step[1:] @ across
-        point = state.point + step[0] * state.normal
-        return Plane(point=point, normal=normal / np.linalg.norm(normal))
+    def unpacked(self, numbers: Array) -> Plane:
+        """The plane of its numbers."""
+        return Plane(point=numbers[:3], normal=numbers[3:])
 
     def solid(self, state: Plane, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The plane with its point in the middle of the points."""
@@ -61,10 +56,11 @@ class PlaneModel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxModel:
-    """Distances of points to a box; steps are centre, rotation, half edges."""
+    """Points on a box."""
 
     points: Array
     normals: Array
+    surface = descent.BOX
     num_parameters = 9
 
     def starts(self) -> list[Box]:
@@ -77,18 +73,13 @@ class BoxModel:
         low, high = np.quantile(local, [0.01, 0.99], axis=0)
         return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
 
-    def residuals(self, state: Box) -> tuple[Array, Array]:
-        """Signed distances (N,), negative inside, and derivatives (N, 9)."""
-        signed, jacobian = to_box(self.points, state.centre, state.axes, state.sizes / 2.0)
-        return signed, jacobian
+    def packed(self, state: Box) -> Array:
+        """The numbers (15,) of a box."""
+        return np.concatenate([state.centre, state.axes.ravel(), state.sizes])
 
-    def transformed(self, state: Box, step: Array) -> Box:
-        """The box after a step."""
-        x, y, z = step[3:6]
-        turn = np.array([[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]])
-        axes = _orthonormal(turn @ state.axes)
-        sizes = np.maximum(state.sizes + 2.0 * step[6:], 0.0)
-        return replace(state, centre=state.centre + step[:3], axes=axes, sizes=sizes)
+    def unpacked(self, numbers: Array) -> Box:
+        """The box of its numbers."""
+        return Box(centre=numbers[:3], axes=numbers[3:12].reshape(3, 3), sizes=numbers[12:])
 
     def solid(self, state: Box, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The box, with faces that have no points moved to the nearest points."""
@@ -113,15 +104,6 @@ class BoxModel:
         if np.sort(np.bincount(face, minlength=3))[1] < SECOND_FACE * len(face):
             return "the points lie on one face of a box"
         return ""
-
-
-def _orthonormal(rows: Array) -> Array:
-    """Orthonormalise three rows one after the other (Gram-Schmidt)."""
-    first = rows[0] / np.sqrt(rows[0] @ rows[0])
-    second = rows[1] - (rows[1] @ first) * first
-    second = second / np.sqrt(second @ second)
-    third = rows[2] - (rows[2] @ first) * first - (rows[2] @ second) * second
-    return np.stack([first, second, third / np.sqrt(third @ third)])
 
 
 def _commonest(normals: Array) -> Array:

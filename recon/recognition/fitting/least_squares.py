@@ -10,34 +10,35 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.student import (
-    damped_step,
-    deviance,
-    normal_equations,
-    rescaled,
-)
+from recon.recognition.fitting.descent import NUM_RESCALINGS, descend
+from recon.recognition.fitting.student import DEGREES_OF_FREEDOM, deviance, rescaled
 
 Array = NDArray[np.float64]
 State = TypeVar("State")
 
-DEGREES_OF_FREEDOM = 3.0
-"""Degrees of freedom of the Student-t noise: low enough that 10 % gross outliers do not affect a
-fit."""
-CONVERGED = 1e-2
-"""The fit has converged when a step lowers -2 log likelihood by less than this."""
-NUM_RESCALINGS = 3
-MAX_DAMPING = 1e3
+NO_PARTS: NDArray[np.int64] = np.empty((2, 0), dtype=np.int64)
+"""Layout of a surface that is no composite."""
 
 
 class Model(Protocol[State]):
-    """A model to fit: the residuals of points, and the update of parameters by a step."""
+    """The surface that is fitted to points, and its state as numbers."""
 
-    def residuals(self, state: State) -> tuple[Array, Array]:
-        """Signed distances (N,) and their derivatives (N, P) with respect to a step."""
+    @property
+    def points(self) -> Array:
+        """(N, 3)"""
         ...
 
-    def transformed(self, state: State, step: Array) -> State:
-        """The state after a step (P,)."""
+    @property
+    def surface(self) -> int:
+        """Number of the surface in `descent`."""
+        ...
+
+    def packed(self, state: State) -> Array:
+        """The numbers of a state."""
+        ...
+
+    def unpacked(self, numbers: Array) -> State:
+        """The state of numbers."""
         ...
 
 
@@ -70,7 +71,8 @@ def student_deviance(residuals: Array, floor: float) -> float:
     """Deviance of distances (N,) at their most likely scale, which is at least `floor`."""
     share = np.ones(len(residuals))
     start = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
-    return _deviance(residuals, _rescaled(residuals, start, share, floor), share)
+    sigma = rescaled(residuals, start, share, floor, DEGREES_OF_FREEDOM, NUM_RESCALINGS)
+    return float(deviance(residuals, sigma, share, DEGREES_OF_FREEDOM))
 
 
 def deviance_a_residual(residuals: Array, sigma: float) -> Array:
@@ -79,21 +81,13 @@ def deviance_a_residual(residuals: Array, sigma: float) -> Array:
     return (DEGREES_OF_FREEDOM + 1.0) * tails + 2.0 * float(np.log(sigma))
 
 
-def _deviance(residuals: Array, sigma: float, share: Array) -> float:
-    return float(deviance(residuals, sigma, share, DEGREES_OF_FREEDOM))
-
-
-def _rescaled(residuals: Array, sigma: float, share: Array, floor: float) -> float:
-    """The scale after a few rounds of expectation maximisation."""
-    return float(rescaled(residuals, sigma, share, floor, DEGREES_OF_FREEDOM, NUM_RESCALINGS))
-
-
 def minimise(
     model: Model[State],
     start: State,
     *,
     floor: float,
     weights: Array | None = None,
+    layout: NDArray[np.int64] = NO_PARTS,
     max_steps: int = 30,
 ) -> Estimate[State]:
     """Fit `model` from `start`.
@@ -103,42 +97,21 @@ def minimise(
     floor : float
         Minimum noise, in the unit of the residuals; > 0.
     weights : (N,) float64, optional
-        Relative weights of the residuals; equal by default.
+        How much each residual counts, whatever their scale; by default alike.
+    layout : (2, parts) int64, optional
+        Of a composite.
     max_steps : int
         Maximum number of steps.
     """
-    state, damping = start, 1e-3
-    residuals, jacobian = model.residuals(state)
-    share = np.ones(len(residuals)) if weights is None else weights / weights.mean()
-    sigma = max(floor, 1.4826 * float(np.median(np.abs(residuals))))
-    lowest = _deviance(residuals, sigma, share)
-    for _ in range(max_steps):
-        step = damped_step(*_equations(residuals, jacobian, sigma, share), damping)
-        moved = model.transformed(state, step)
-        moved_residuals, moved_jacobian = model.residuals(moved)
-        if _deviance(moved_residuals, sigma, share) < lowest:
-            state, residuals, jacobian = moved, moved_residuals, moved_jacobian
-            sigma = _rescaled(residuals, sigma, share, floor)
-            before, lowest = lowest, _deviance(residuals, sigma, share)
-            damping = max(damping / 5.0, 1e-9)
-            if before - lowest < CONVERGED:
-                break
-        else:
-            damping *= 10.0
-            if damping > MAX_DAMPING:
-                break
-    information, _ = _equations(residuals, jacobian, sigma, share)
+    points = np.ascontiguousarray(model.points)
+    share = np.ones(len(points)) if weights is None else weights / weights.mean()
+    numbers, residuals, sigma, normal, lowest = descend(
+        model.surface, points, model.packed(start), layout, share, floor, max_steps
+    )
     return Estimate(
-        state=state,
+        state=model.unpacked(numbers),
         residuals=residuals,
         sigma=sigma,
-        information=information / sigma**2,
+        information=normal / sigma**2,
         deviance=lowest,
     )
-
-
-def _equations(
-    residuals: Array, jacobian: Array, sigma: float, share: Array
-) -> tuple[Array, Array]:
-    normal, right = normal_equations(residuals, jacobian, sigma, share, DEGREES_OF_FREEDOM)
-    return normal, right

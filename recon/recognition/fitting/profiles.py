@@ -32,8 +32,8 @@ def to_parts(
     axis : (2,) x and z
     heights : (parts + 1,) of the ends
     outlines : (parts,) `SEGMENT` or `ARC`
-    radii : (parts, 2) radii of each part; unused entries are not read
-    counts : (parts,) number of radii of each part
+    radii : (sum(counts),) those of each part, one part after the other
+    counts : (parts,) how many each part has
 
     Returns
     -------
@@ -42,17 +42,17 @@ def to_parts(
         With respect to the axis, the heights above the ground, and the radii.
     nearest : (N,) number of the part
     """
-    num_parts = len(outlines)
+    num_parts, first = len(outlines), 2 + len(outlines)
     signed = np.full(len(points), np.inf)
     nearest = np.zeros(len(points), dtype=np.int64)
-    gradient = np.zeros((len(points), 2 + num_parts + counts.sum()))
+    gradient = np.zeros((len(points), first + counts.sum()))
     numbers = np.empty(7)
     for i in range(len(points)):
         x, z = points[i, 0] - axis[0], points[i, 2] - axis[1]
         profile = max(np.hypot(x, z), 1e-12), points[i, 1]
-        column = 2 + num_parts
+        column = first
         for part in range(num_parts):
-            own = radii[part, : counts[part]]
+            own = radii[column - first : column - first + counts[part]]
             _to_part(profile, heights[part : part + 2], outlines[part], own, numbers)
             if abs(numbers[0]) < abs(signed[i]):
                 signed[i], nearest[i] = numbers[0], part

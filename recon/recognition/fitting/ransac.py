@@ -5,7 +5,6 @@ neighbouring points with their normals gives a plane, sphere, cylinder or cone; 
 best of these are fitted again, and BIC chooses among all solids.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +13,10 @@ from scipy.spatial import cKDTree
 
 from recon.errors import check_finite, check_shape
 from recon.recognition.connectivity import joined
+from recon.recognition.fitting.draws import drawn, solid, votes
 from recon.recognition.fitting.normals import NUM_NEIGHBOURS, estimate_normals
 from recon.recognition.fitting.shapes import candidates
-from recon.records import Cone, Cylinder, FitFailure, Plane, Solid, Sphere
+from recon.records import FitFailure, Solid
 
 Array = NDArray[np.float64]
 
@@ -105,25 +105,36 @@ def _scene(points: Array) -> _Scene:
 def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     """The solid with the most points on it, refined on these."""
     voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
-    best, most = None, 0
-    for solid in _draws(scene, rng):
-        votes = int((solid.distances(voters) < scene.tolerance).sum())
-        if votes > most:
-            best, most = solid, votes
-    return None if best is None else _refined(scene, best)
+    size = float(np.ptp(scene.points, axis=0).max())
+    rows = np.array([_neighbours(scene, rng) for _ in range(NUM_DRAWS)])
+    found = drawn(*map(np.ascontiguousarray, (scene.points[rows], scene.normals[rows])), size)
+    counts = votes(voters, *found, scene.tolerance)
+    best = np.unravel_index(int(np.argmax(counts)), counts.shape)
+    if not counts[best]:
+        return None
+    place, axis, number = (values[best] for values in found)
+    return _refined(scene, solid(int(best[1]), place, axis, float(number), size))
 
 
-def _refined(scene: _Scene, drawn: Solid) -> FoundSolid | None:
-    rows = _connected(scene, np.flatnonzero(drawn.distances(scene.points) < scene.tolerance))
+def _neighbours(scene: _Scene, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Rows (3,) of neighbouring points, in neighbourhoods of all sizes: a hole or the whole."""
+    first = int(rng.integers(len(scene.points)))
+    count = int(min(len(scene.points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
+    _, near = scene.tree.query(scene.points[first], k=count)
+    return np.append(rng.choice(near, 2), first)
+
+
+def _refined(scene: _Scene, rough: Solid) -> FoundSolid | None:
+    rows = _connected(scene, np.flatnonzero(rough.distances(scene.points) < scene.tolerance))
     ranked = candidates(scene.points[rows])
     if isinstance(ranked, FitFailure):
         return None
-    solid = ranked[0].solid
-    away = solid.distances(scene.points)
+    best = ranked[0].solid
+    away = best.distances(scene.points)
     rows = _connected(scene, np.flatnonzero(away < scene.tolerance))
     if not len(rows):
         return None
-    return FoundSolid(solid=solid, rows=rows, rms=float(np.sqrt(np.mean(away[rows] ** 2))))
+    return FoundSolid(solid=best, rows=rows, rms=float(np.sqrt(np.mean(away[rows] ** 2))))
 
 
 def _connected(scene: _Scene, rows: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -139,57 +150,3 @@ def _connected(scene: _Scene, rows: NDArray[np.intp]) -> NDArray[np.intp]:
     label = joined(np.column_stack([first, near[first, slot]]), len(rows))
     largest: NDArray[np.intp] = rows[label == np.argmax(np.bincount(label))]
     return largest
-
-
-def _draws(scene: _Scene, rng: np.random.Generator) -> Iterator[Solid]:
-    """Solids through a few neighbouring points each."""
-    size = float(np.ptp(scene.points, axis=0).max())
-    for _ in range(NUM_DRAWS):
-        first = int(rng.integers(len(scene.points)))
-        # Neighbourhoods of all sizes, since a solid may be a small detail or the whole scene.
-        count = int(min(len(scene.points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
-        _, near = scene.tree.query(scene.points[first], k=count)
-        rows = np.append(rng.choice(near, 2), first)
-        points, normals = scene.points[rows], scene.normals[rows]
-        yield Plane(point=points[2], normal=normals[2])
-        yield from _round(points, normals, size)
-        yield from _cone(points, normals, size)
-
-
-def _round(points: Array, normals: Array, size: float) -> Iterator[Solid]:
-    """The sphere and the cylinder defined by two surface normals."""
-    axis = np.cross(normals[0], normals[1])
-    sine = float(np.linalg.norm(axis))
-    if sine < 1e-2:
-        return
-    axis /= sine
-    # Feet of the common perpendicular of the two normal lines.
-    offset = points[1] - points[0]
-    first = points[0] + np.cross(offset, normals[1]) @ axis / sine * normals[0]
-    second = points[1] + np.cross(offset, normals[0]) @ axis / sine * normals[1]
-    centre = (first + second) / 2.0
-    radius = float(np.linalg.norm(points[:2] - centre, axis=1).mean())
-    if radius < size:
-        yield Sphere(centre=centre, radius=radius)
-    radius = float(np.linalg.norm(points[0] - first))
-    if radius < size:
-        yield Cylinder(point=first - 2.0 * size * axis, axis=axis, radius=radius, height=4.0 * size)
-
-
-def _cone(points: Array, normals: Array, size: float) -> Iterator[Solid]:
-    """The cone defined by three tangent planes."""
-    if abs(np.linalg.det(normals)) < 1e-3:
-        return
-    apex = np.linalg.solve(normals, np.einsum("ij,ij->i", normals, points))
-    rays = points - apex
-    length = np.linalg.norm(rays, axis=1)
-    if length.min() < 1e-9 * size or length.max() > 4.0 * size:
-        return
-    ends = rays / length[:, None]
-    axis = np.cross(ends[1] - ends[0], ends[2] - ends[0])
-    norm = float(np.linalg.norm(axis))
-    if norm < 1e-9:
-        return
-    axis *= np.sign(axis @ ends[0]) / norm
-    angle = float(np.arccos(np.clip(ends @ axis, -1.0, 1.0)).mean())
-    yield Cone(apex=apex, axis=axis, half_angle_rad=angle, height=4.0 * size)

@@ -1,10 +1,11 @@
 """Sphere and ellipsoid: fitted by their (first-order) geometric distance."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.fitting import descent
 from recon.records import Ellipsoid, FitFailure, Solid, Sphere
 
 Array = NDArray[np.float64]
@@ -19,10 +20,11 @@ sheet."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SphereModel:
-    """Distances of points to a sphere; steps are centre, radius."""
+    """Points on a sphere."""
 
     points: Array
     normals: Array
+    surface = descent.SPHERE
     num_parameters = 4
 
     def starts(self) -> list[Sphere]:
@@ -34,16 +36,13 @@ class SphereModel:
         radius_sq = max(float(solution[3] + solution[:3] @ solution[:3]), 1e-300)
         return [Sphere(centre=middle + solution[:3], radius=float(np.sqrt(radius_sq)))]
 
-    def residuals(self, state: Sphere) -> tuple[Array, Array]:
-        """Signed distances (N,) and derivatives (N, 4)."""
-        offset = self.points - state.centre
-        length = np.maximum(np.linalg.norm(offset, axis=1), 1e-300)
-        jacobian = np.column_stack([-offset / length[:, None], -np.ones(len(length))])
-        return length - state.radius, jacobian
+    def packed(self, state: Sphere) -> Array:
+        """The numbers (4,) of a sphere."""
+        return np.append(state.centre, state.radius)
 
-    def transformed(self, state: Sphere, step: Array) -> Sphere:
-        """The sphere after a step."""
-        return Sphere(centre=state.centre + step[:3], radius=abs(state.radius + float(step[3])))
+    def unpacked(self, numbers: Array) -> Sphere:
+        """The sphere of its numbers."""
+        return Sphere(centre=numbers[:3], radius=float(numbers[3]))
 
     def solid(self, state: Sphere, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The sphere itself, unless the points are too flat to show one."""
@@ -61,15 +60,13 @@ class Stretch:
     matrix: Array
 
 
-_ROWS, _COLUMNS = np.triu_indices(3)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class EllipsoidModel:
-    """Distances of points to an ellipsoid; steps are the centre, then the six matrix entries."""
+    """Points on an ellipsoid."""
 
     points: Array
     normals: Array
+    surface = descent.ELLIPSOID
     num_parameters = 9
 
     def starts(self) -> list[Stretch]:
@@ -81,23 +78,13 @@ class EllipsoidModel:
         ball = SphereModel(self.points, self.normals).starts()[0]
         return [moments, Stretch(centre=ball.centre, matrix=np.eye(3) / ball.radius)]
 
-    def residuals(self, state: Stretch) -> tuple[Array, Array]:
-        """Signed first-order distances (N,) and derivatives (N, 9)."""
-        offset = self.points - state.centre
-        image = offset @ state.matrix
-        level = np.maximum(np.linalg.norm(image, axis=1), 1e-12)
-        slope = image @ state.matrix / level[:, None]
-        scale = 1.0 / np.maximum(np.linalg.norm(slope, axis=1), 1e-300)
-        twice = np.where(_ROWS == _COLUMNS, 0.5, 1.0)
-        by_matrix = image[:, _ROWS] * offset[:, _COLUMNS] + image[:, _COLUMNS] * offset[:, _ROWS]
-        jacobian = np.column_stack([-slope, by_matrix * twice / level[:, None]])
-        return (level - 1.0) * scale, jacobian * scale[:, None]
+    def packed(self, state: Stretch) -> Array:
+        """The numbers (12,) of an ellipsoid."""
+        return np.concatenate([state.centre, state.matrix.ravel()])
 
-    def transformed(self, state: Stretch, step: Array) -> Stretch:
-        """The ellipsoid after a step."""
-        change = np.zeros((3, 3))
-        change[_ROWS, _COLUMNS] = change[_COLUMNS, _ROWS] = step[3:]
-        return replace(state, centre=state.centre + step[:3], matrix=state.matrix + change)
+    def unpacked(self, numbers: Array) -> Stretch:
+        """The ellipsoid of its numbers."""
+        return Stretch(centre=numbers[:3], matrix=numbers[3:].reshape(3, 3))
 
     def solid(self, state: Stretch, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The ellipsoid, radii descending, unless it is too large or too thin for the points."""

@@ -6,6 +6,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+DEGREES_OF_FREEDOM = 3.0
+"""Of the Student-t noise: low enough that a tenth of gross outliers does not move a fit."""
+
 
 @njit(cache=True)
 def deviance(residuals: Array, sigma: float, share: Array, freedom: float) -> float:

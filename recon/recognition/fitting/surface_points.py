@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,15 +26,15 @@ class Surface:
 
 def area(solid: Solid) -> float:
     """Area of a bounded solid's surface."""
-    return sum(patch.area for patch in _patches(solid))
+    return float(_patches(solid).areas.sum())
 
 
 def surface(parts: Sequence[Solid], num_points: int, rng: np.random.Generator) -> Surface:
     """Points spread evenly over solids."""
     patches = [_patches(solid) for solid in parts]
-    areas = np.array([sum(patch.area for patch in own) for own in patches])
+    areas = np.array([own.areas.sum() for own in patches])
     pieces = [
-        _spread(own, int(num_points * share), rng)
+        own.draw(rng.multinomial(int(num_points * share), own.areas / own.areas.sum()), rng)
         for own, share in zip(patches, areas / areas.sum(), strict=True)
     ]
     return Surface(
@@ -47,75 +46,69 @@ def surface(parts: Sequence[Solid], num_points: int, rng: np.random.Generator) -
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Band:
-    """A strip of a surface of revolution, between two circles."""
+class _Bands:
+    """Strips of a surface of revolution, each between two circles."""
 
     origin: Array
     axis: Array
-    start: Array
-    """(2,) position along the axis, radius."""
-    end: Array
+    outline: Array
+    """(B + 1, 2) place along the axis and radius of the circles."""
 
     @property
-    def area(self) -> float:
-        slant = float(np.hypot(*(self.end - self.start)))
-        return float(np.pi * slant * (self.start[1] + self.end[1]))
+    def areas(self) -> Array:
+        """(B,)"""
+        slants = np.hypot(*np.diff(self.outline, axis=0).T)
+        radii = self.outline[:, 1]
+        areas: Array = np.pi * slants * (radii[:-1] + radii[1:])
+        return areas
 
-    def draw(self, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        # Area grows with the radius: the position along a band is drawn by the inverse of its
-        # cumulative area.
-        low, high = self.start[1], self.end[1]
-        share = rng.uniform(size=count)
-        if abs(high - low) > 1e-9 * (high + low):
-            share = (np.sqrt(low**2 + share * (high**2 - low**2)) - low) / (high - low)
-        t, rho = self.start[:, None] + (self.end - self.start)[:, None] * share
-        turn = rng.uniform(0.0, 2.0 * np.pi, count)
-        across = across_axis(self.axis)
-        radial = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
+    def draw(self, counts: NDArray[np.integer], rng: np.random.Generator) -> tuple[Array, Array]:
+        """So many points on each band, and their normals."""
+        band = np.repeat(np.arange(len(counts)), counts)
+        start, run = self.outline[band], np.diff(self.outline, axis=0)[band]
+        # Area grows with the radius: the share along a band is drawn by the inverse of its
+        # cumulated area.
+        low, high = start[:, 1], self.outline[band + 1, 1]
+        share = rng.uniform(size=len(band))
+        slope = np.where(np.abs(high - low) > 1e-9 * (high + low), high - low, np.inf)
+        inverse = (np.sqrt(low**2 + share * (high**2 - low**2)) - low) / slope
+        share = np.where(np.isfinite(slope), inverse, share)
+        t, rho = (start + share[:, None] * run).T
+        turn = rng.uniform(0.0, 2.0 * np.pi, len(band))
+        radial = np.column_stack([np.cos(turn), np.sin(turn)]) @ across_axis(self.axis)
+        along, out = (run / np.hypot(*run.T)[:, None]).T
         points = self.origin + t[:, None] * self.axis + rho[:, None] * radial
-        rise, run = (self.end - self.start) / np.hypot(*(self.end - self.start))
-        return points, rise * radial - run * self.axis
+        return points, along[:, None] * radial - out[:, None] * self.axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Face:
-    """A parallelogram centred at `centre` with edges `first` and `second`."""
+class _Faces:
+    """The six faces of a box."""
 
-    centre: Array
-    first: Array
-    second: Array
-    normal: Array
+    box: Box
 
     @property
-    def area(self) -> float:
-        return float(np.linalg.norm(np.cross(self.first, self.second)))
+    def areas(self) -> Array:
+        """(6,) two for each axis."""
+        x, y, z = self.box.sizes
+        return np.repeat([y * z, z * x, x * y], 2)
 
-    def draw(self, count: int, rng: np.random.Generator) -> tuple[Array, Array]:
-        share = rng.uniform(-0.5, 0.5, (count, 2))
-        points = self.centre + share @ np.stack([self.first, self.second])
-        return points, np.broadcast_to(self.normal, points.shape)
+    def draw(self, counts: NDArray[np.integer], rng: np.random.Generator) -> tuple[Array, Array]:
+        """So many points on each face, and their normals."""
+        face = np.repeat(np.arange(6), counts)
+        local = rng.uniform(-0.5, 0.5, (len(face), 3))
+        side = np.where(face % 2, -1.0, 1.0)
+        local[np.arange(len(face)), face // 2] = side / 2.0
+        points = self.box.centre + local * self.box.sizes @ self.box.axes
+        return points, side[:, None] * self.box.axes[face // 2]
 
 
-def _patches(solid: Solid) -> list[_Band | _Face]:
-    """The pieces of a surface to draw points on; an ellipsoid must be one of revolution."""
+def _patches(solid: Solid) -> _Bands | _Faces:
+    """The pieces of a surface that points are drawn on; of an ellipsoid one of revolution."""
     if isinstance(solid, Box):
-        return _faces(solid)
+        return _Faces(box=solid)
     origin, axis, outline = _outline(solid)
-    return [_Band(origin=origin, axis=axis, start=a, end=b) for a, b in pairwise(outline)]
-
-
-def _faces(box: Box) -> list[_Band | _Face]:
-    edges = box.axes * box.sizes[:, None]
-    return [
-        _Face(
-            centre=box.centre + side * edges[k] / 2.0,
-            first=edges[k - 2],
-            second=edges[k - 1],
-            normal=side * box.axes[k],
-        )
-        for k in range(3)
-        for side in (1.0, -1.0)
-    ]
+    return _Bands(origin=origin, axis=axis, outline=outline)
 
 
 def _outline(solid: Solid) -> tuple[Array, Array, Array]:
@@ -138,13 +131,4 @@ def _outline(solid: Solid) -> tuple[Array, Array, Array]:
             else [solid.radius_bottom, solid.radius_top]
         )
         return solid.point, solid.axis, np.column_stack([[0.0, solid.height], radii])
-    raise InputError(f"a {solid.kind} is unbounded, but a bounded solid is needed")
-
-
-def _spread(
-    patches: Sequence[_Band | _Face], count: int, rng: np.random.Generator
-) -> tuple[Array, Array]:
-    areas = np.array([patch.area for patch in patches])
-    counts = rng.multinomial(count, areas / areas.sum())
-    drawn = [patch.draw(int(own), rng) for patch, own in zip(patches, counts, strict=True)]
-    return np.concatenate([p for p, _ in drawn]), np.concatenate([n for _, n in drawn])
+    raise InputError(f"a {solid.kind} has no end, but a bounded solid is needed")

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule, Range
+from recon.recognition.naming.limits import box_sizes, solid_sizes
 from recon.recognition.naming.probability import EXPLAINED, SHOWN
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Plane, Solid, Voxels
@@ -31,9 +32,24 @@ class Assembly:
     explained: float
     """Probability that enough cells are on its pieces, and on each required piece."""
     seen: float
-    """Share of the cells on its pieces."""
-    solids: tuple[Solid, ...]
-    roles: tuple[str, ...]
+    """Share of the cells that lie on its pieces."""
+    pieces: tuple[FlatPiece, ...]
+    rules: tuple[PartRule, ...]
+    """What each of them must be."""
+
+    @property
+    def solids(self) -> tuple[Solid, ...]:
+        """Planes and bars."""
+        return tuple(one.solid for one in self.pieces)
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """Of the solids."""
+        return tuple(rule.role for rule in self.rules)
+
+    def sizes(self, cells: Voxels) -> list[dict[str, float]]:
+        """Height, width, depth and radius of each piece."""
+        return [box_sizes(cells.means[one.rows]) | solid_sizes(one.solid) for one in self.pieces]
 
 
 def assemblies(cells: Voxels, ways: Sequence[list[FlatPiece]], kind: Kind) -> list[Assembly]:
@@ -45,15 +61,19 @@ def assemblies(cells: Voxels, ways: Sequence[list[FlatPiece]], kind: Kind) -> li
 def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly | None:
     """The kind assembled from the pieces; None if a part is missing."""
     waiting, before, shown = list(pieces), list[FlatPiece](), 1.0
-    parts: list[tuple[str, FlatPiece]] = []
+    parts: list[tuple[PartRule, FlatPiece]] = []
+    touch = TOUCH_CELLS * cells.cell_size
     for rule in kind.parts:
-        fitting = [one for one in waiting if _fits(rule, one, before, cells)]
+        near = [
+            one for one in waiting if not parts or _touches(one, [own for _, own in parts], touch)
+        ]
+        fitting = [one for one in near if _fits(rule, one, before)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
         if len(before) < rule.count[0] or not _is_share(rule, before, cells):
             return None
         waiting = [one for one in waiting if not any(one is taken for taken in before)]
-        parts += [(rule.role, one) for one in before]
+        parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
     share = sum(_num_explained(one, cells) for one in own) / len(cells)
@@ -62,8 +82,8 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
         bic=_bic(cells, own),
         explained=float(EXPLAINED.chance(share)) * shown,
         seen=share,
-        solids=tuple(one.solid for one in own),
-        roles=tuple(role for role, _ in parts),
+        pieces=tuple(own),
+        rules=tuple(rule for rule, _ in parts),
     )
 
 
@@ -79,14 +99,20 @@ def _shown(needed: list[FlatPiece]) -> float:
     return float(SHOWN.chance(np.log(counts)).prod()) if counts else 1.0
 
 
-def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
-    """True if a piece has the shape and position of a part."""
+def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
+    """True where a piece has the shape and the place of a part."""
     if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
         return False
     tilt = piece.tilt_deg
     if tilt is not None and not (_is_within(rule.tilt_deg, tilt) and _has_form(rule, piece)):
         return False
-    return not before or _is_placed(rule, piece, before, TOUCH_CELLS * cells.cell_size)
+    return not before or _is_placed(rule, piece, before)
+
+
+def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:
+    """True where a piece is near one of the parts found so far."""
+    gaps = [np.maximum(piece.low - one.high, one.low - piece.high).max() for one in others]
+    return bool(min(gaps) <= touch)
 
 
 def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
@@ -99,13 +125,10 @@ def _is_within(bounds: Range | None, value: float) -> bool:
     return bounds is None or bounds[0] <= value <= bounds[1]
 
 
-def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], touch: float) -> bool:
-    """True if a piece is on, beside or under the previous part, and close to it."""
+def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
+    """True where a piece lies on, beside or under the part before it."""
     low = np.min([one.low for one in before], axis=0)
     high = np.max([one.high for one in before], axis=0)
-    gap = np.maximum(piece.low - high, low - piece.high)
-    if gap.max() > touch:
-        return False
     above = float((piece.low + piece.high)[1] - (low + high)[1])
     return {"on": above > 0, "under": above < 0, "beside": True}[rule.place]
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.shapes import Candidate, candidates
-from recon.recognition.naming.visibility import coverage
+from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
 from recon.recognition.segments.flat_pieces import FlatPiece, Step, flat_pieces
-from recon.records import FitFailure, Plane, Voxels
+from recon.records import Box, FitFailure, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
 
@@ -21,10 +21,18 @@ MOST_CELLS, MOST_FOR_SOLIDS = 600, 300
 """Maximum number of cells for a composite fit and for a single solid: more do not change the
 fits."""
 INDEPENDENT_CELLS = 60.0
-"""Errors of an object's cells are correlated: all of them weigh no more than this number of
-independent cells. Chosen so that the probabilities are calibrated on simulated orbits."""
-WAYS: tuple[tuple[Step, ...], ...] = (("any",), ("board", "upright"), ("upright", "any"))
-"""Orders in which planes are extracted from an object."""
+"""Cells of an object err together: all of them weigh no more than so many that do not. Set where
+probabilities come true over simulated orbits."""
+ON_SURFACE_CELLS = 0.75
+"""Only a cell nearer than this shows a place on the face of a box: a table is open at its sides,
+whose rims are near to its board and its legs."""
+WAYS: tuple[tuple[Step, ...], ...] = (
+    ("any",),
+    ("board", "upright"),
+    ("upright", "any"),
+    ("board",),
+)
+"""Orders in which planes are taken out of an object; under a board alone all are bars."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +77,15 @@ class Case:
         best = self.alone[0] if self.alone else None
         if best is None or isinstance(best.solid, Plane):
             return 0.0 if best is None else self.lone_criterion(best)
-        return float(coverage([best.solid], self.cells)[0]) * self.lone_criterion(best)
+        near_cells = ON_SURFACE_CELLS if isinstance(best.solid, Box) else NEAR_CELLS
+        seen = float(coverage([best.solid], self.cells, near_cells)[0])
+        return seen * self.lone_criterion(best)
+
+    def filled(self, solid: Solid) -> float:
+        """Share of the seen faces of a box that is closed; 1 of other solids."""
+        if not isinstance(solid, Box):
+            return 1.0
+        return filled_faces(solid, self.cells, ON_SURFACE_CELLS)
 
     def evidence(self, criterion: float) -> float:
         """Log likelihood of a fit, limited to the number of independent cells."""

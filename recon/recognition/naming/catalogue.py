@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -61,10 +62,17 @@ def read_catalogue(path: Path) -> tuple[Kind, ...]:
     """
     try:
         text = read_text(path, MAX_SETTINGS_BYTES)
-        document = parse_toml(text, path)
-        kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(document).object
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}, but a catalogue is needed") from error
+    return _kinds(text, path)
+
+
+@lru_cache(maxsize=16)
+def _kinds(text: str, path: Path) -> tuple[Kind, ...]:
+    """The kinds that a text holds, worked out once while it stays the same."""
+    try:
+        document = parse_toml(text, path)
+        kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(document).object
     except ValidationError as error:
         fault = error.errors()[0]
         place = ".".join(map(str, fault["loc"])) or "catalogue"

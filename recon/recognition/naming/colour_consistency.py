@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from recon.recognition.fitting.composite import Composite, CompositeModel
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.segments.segmentation import split_colours
 from recon.records import FitFailure, Voxels
 
@@ -21,7 +21,6 @@ def colour_opinions(composites: list[Composite], voxels: Voxels) -> list[float]:
     segments = split_colours(voxels)
     if isinstance(segments, FitFailure) or not composites:
         return [0.0] * len(composites)
-    model = CompositeModel(voxels.means)
-    above = [model.nearest(composite)[2] > 0 for composite in composites]
+    above = [composite.nearest(voxels.means)[1] > 0 for composite in composites]
     shares = [float(np.mean(upper == (segments.label == 1))) for upper in above]
     return [WEIGHT * float(np.log((0.1 + share) / (0.1 + max(shares)))) for share in shares]

@@ -14,17 +14,24 @@ from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.lead import lead_of_parts
-from recon.recognition.naming.limits import RATIO_SPREAD, log_within, size_chance
-from recon.recognition.naming.probability import FORM, NEARNESS, ORDERED, Evidence
+from recon.recognition.naming.limits import (
+    RATIO_SPREAD,
+    hue_chance,
+    log_within,
+    size_chance,
+    solid_sizes,
+)
+from recon.recognition.naming.probability import FILLED, FORM, NEARNESS, ORDERED, Evidence
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
 from recon.records import Solid, Voxels
 
 Array = NDArray[np.float64]
 
 LOG_NO_KIND = -4.0
-"""Log prior of a composite of no kind, relative to one of the catalogue."""
-LARGEST_TO_EXTENT = 2.0
-"""A fit larger than this multiple of the extent of its cells is rejected."""
+"""Log of how much rarer a composite of no kind is than one of the catalogue."""
+LARGEST_TO_EXTENT = 1.4
+"""A fit larger than so many times the extent of its cells is none: even one view shows a quarter of
+a round thing, whose chord is 0.7 of its width."""
 CLEAR = 0.9
 """Probability of a fit on one axis above which planes and bars are not tried."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}
@@ -130,14 +137,16 @@ def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Arra
 def _rated(
     case: Case, found: Hypothesis, kind: Kind, chance: float, evidence: Evidence
 ) -> Hypothesis:
-    """A fit rated as a kind, by its sizes and visible share."""
-    sizes = size_chance(kind, found.solids, case.cells) if case.is_metric else 1.0
+    """A fit as one of a kind: as likely as its sizes, its hues and what is seen allow."""
+    looks = hue_chance(kind.parts, found.solids, case.cells)
+    if case.is_metric:
+        looks *= size_chance(kind, kind.parts, list(map(solid_sizes, found.solids)), case.cells)
     seen = float(evidence.seen.mean())
-    whole = evidence.probability * sizes if seen >= kind.min_seen else 0.0
+    whole = evidence.probability * looks if seen >= kind.min_seen else 0.0
     return replace(
         found,
         kind=kind,
-        evidence=found.evidence + chance + float(np.log(max(sizes, 1e-9))),
+        evidence=found.evidence + chance + float(np.log(max(looks, 1e-9))),
         whole=whole,
         seen=seen,
     )
@@ -185,13 +194,15 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
                 widths=np.array([width]),
                 num_cells=len(case.cells),
             )
+            filled = case.filled(one.solid)
             found = Hypothesis(
                 kind=None,
-                evidence=case.evidence(criterion),
+                evidence=case.evidence(filled * criterion),
                 criterion=criterion,
                 solids=(one.solid,),
             )
-            yield _rated(case, found, kind, 0.0, evidence)
+            rated = _rated(case, found, kind, 0.0, evidence)
+            yield replace(rated, whole=rated.whole * float(FILLED.chance(filled)))
 
 
 def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
@@ -212,12 +223,14 @@ def _ordered(case: Case, one: Assembly) -> Hypothesis:
     criterion = case.criterion(one.bic)
     lead = case.seen_criterion - criterion
     chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
-    sizes = size_chance(one.kind, one.solids, case.cells) if case.is_metric else 1.0
+    looks = hue_chance(one.rules, one.solids, case.cells)
+    if case.is_metric:
+        looks *= size_chance(one.kind, one.rules, one.sizes(case.cells), case.cells)
     return Hypothesis(
         kind=one.kind,
-        evidence=case.evidence(criterion) + float(np.log(max(sizes, 1e-9))),
+        evidence=case.evidence(criterion) + float(np.log(max(looks, 1e-9))),
         criterion=criterion,
-        whole=chance * sizes if one.seen >= one.kind.min_seen else 0.0,
+        whole=chance * looks if one.seen >= one.kind.min_seen else 0.0,
         seen=one.seen,
         solids=one.solids,
         roles=one.roles,

@@ -71,7 +71,8 @@ class PartRule:
     """Limits of its cells as a share of the object's cells."""
     size: Sizes = Sizes()
     hue_deg: tuple[float, float] | None = None
-    """Limits of its hue, around the circle: 350 to 20 is red."""
+    """Bounds of its hue, round the circle: from 350 to 20 is red. Of another hue a part speaks
+    against the kind, and does not rule it out."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

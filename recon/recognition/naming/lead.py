@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.composite import Composite, CompositeModel
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.least_squares import Estimate, deviance_a_residual
 from recon.recognition.fitting.shapes import Candidate
 from recon.records import Voxels
@@ -24,7 +24,7 @@ def lead_of_parts(fit: Estimate[Composite], cells: Voxels, rivals: Sequence[Cand
     A single cylinder fits the walls of a cottage as well, but not its roof, which therefore decides
     even if it has few cells.
     """
-    signed, _, part = CompositeModel(cells.means).nearest(fit.state)
+    signed, part = fit.state.nearest(cells.means)
     own = deviance_a_residual(signed, fit.sigma)
     others = [deviance_a_residual(one.solid.distances(cells.means), one.sigma) for one in rivals]
     counts = np.bincount(part)

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.fitting.composite import Composite, CompositeModel
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.surface_points import area, surface
-from recon.records import Solid, Voxels
+from recon.records import Box, Solid, Voxels
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,9 @@ hovers higher is supported by something unseen."""
 NEAR_CELLS = 1.25
 """Maximum distance, in cells, of a cell that covers a surface point."""
 NUM_PLACES = 200
-"""Sampled surface points per part: its share is accurate to 0.035."""
+"""Places of a part that are looked at: its share is right to 0.035."""
+HIDDEN = 0.05
+"""A face of which less than this share has cells on it is hidden, not open."""
 TRUNK = 0.3
 """Radius of an unseen body, as a share of its crown's."""
 
@@ -33,8 +35,8 @@ def is_hovering(cells: Voxels, ground: float) -> bool:
 
 
 def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
-    """Mask (parts,) of parts with nearly no cells for their surface."""
-    _, _, nearest = CompositeModel(cells.means).nearest(composite)
+    """(parts,) which parts have next to no cells for their surface."""
+    _, nearest = composite.nearest(cells.means)
     counts = np.bincount(nearest, minlength=len(composite.shapes))
     density = counts / np.maximum(composite.areas, cells.cell_size**2)
     unseen: NDArray[np.bool_] = density < UNSEEN * density.max()
@@ -49,10 +51,10 @@ def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
     return replace(composite, radii=(radius, *composite.radii[1:]))
 
 
-def coverage(parts: Sequence[Solid], cells: Voxels) -> Array:
-    """Share (parts,) of the surface of each solid with a cell nearby."""
+def coverage(parts: Sequence[Solid], cells: Voxels, near_cells: float = NEAR_CELLS) -> Array:
+    """Share (parts,) of the surface of each solid that has a cell near it."""
     tree = cKDTree(cells.means)
-    reach = NEAR_CELLS * cells.cell_size
+    reach = near_cells * cells.cell_size
     shares = []
     for part in parts:
         if area(part) <= 0.0:
@@ -62,3 +64,20 @@ def coverage(parts: Sequence[Solid], cells: Voxels) -> Array:
         distances, _ = tree.query(places, distance_upper_bound=reach)
         shares.append(float(np.isfinite(distances).mean()))
     return np.array(shares)
+
+
+def filled_faces(box: Box, cells: Voxels, near_cells: float) -> float:
+    """Share of the faces of a box that has a cell on it, of those that are seen at all.
+
+    The sides of a table hold its legs, and are open between them; those of a box are filled, or
+    hidden.
+    """
+    places = surface([box], 6 * NUM_PLACES, np.random.default_rng(0)).points
+    reach = near_cells * cells.cell_size
+    is_near = np.isfinite(cKDTree(cells.means).query(places, distance_upper_bound=reach)[0])
+    local = (places - box.centre) @ box.axes.T / box.sizes
+    side = np.argmax(np.abs(local), axis=1)
+    face = 2 * side + (local[np.arange(len(local)), side] > 0)
+    shares = np.bincount(face, is_near, 6) / np.maximum(np.bincount(face, minlength=6), 1)
+    seen = (shares > HIDDEN)[face]
+    return float(is_near[seen].mean()) if seen.any() else 0.0

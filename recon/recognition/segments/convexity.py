@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from recon.recognition.cells import distinct
 from recon.recognition.connectivity import in_order_of_appearance, joined
 from recon.records import Voxels
 
@@ -80,9 +81,10 @@ def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp], NDArray[np.intp]]
     """Fewer, larger cells (C,), a cell (C,) in each, and the index (K,) of the one around each."""
     side = cells.cell_size * float(np.sqrt(len(cells) / COARSE_CELLS))
     index = np.floor(cells.means / side).astype(np.int64)
-    _, first, cell = np.unique(index, axis=0, return_index=True, return_inverse=True)
+    rows, cell = distinct(index)
+    first = np.empty(len(rows), dtype=np.intp)
+    first[cell[::-1]] = np.arange(len(cell))[::-1]
     coarse = cells.select(first)
-    cell = cell.ravel()
     return replace(coarse, means=_means(cells.means, cell), cell_size=side), first, cell
 
 
@@ -92,7 +94,7 @@ def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
     # Positions in units of a patch, with normals: a patch ends where its surface bends.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
-    label: NDArray[np.integer] = np.unique(seeds, axis=0, return_inverse=True)[1].ravel()
+    label: NDArray[np.integer] = distinct(seeds)[1]
     for _ in range(NUM_ROUNDS):
         middles = _means(places, label)
         label = in_order_of_appearance(np.asarray(cKDTree(middles).query(places)[1]))

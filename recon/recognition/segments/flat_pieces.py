@@ -191,13 +191,18 @@ def _least(offsets: Array) -> Array:
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
-    """Upright bars in the remainder, one per connected group of cells."""
-    if not len(rest):
+    """Upright bars in what is left, each the cells that hang together.
+
+    Only the fuller half of the cells links: those of few points are noise between two bars, and
+    belong to the nearest of them.
+    """
+    full = rest[cells.counts[rest] >= np.median(cells.counts[rest])] if len(rest) else rest
+    if not len(full):
         return []
-    pairs = cKDTree(cells.means[rest]).query_pairs(
-        LINK_CELLS * cells.cell_size, output_type="ndarray"
-    )
-    label = joined(pairs, len(rest))
+    tree, reach = cKDTree(cells.means[full]), LINK_CELLS * cells.cell_size
+    label = joined(tree.query_pairs(reach, output_type="ndarray"), len(full))
+    _, nearest = tree.query(cells.means[rest], distance_upper_bound=reach)
+    label = np.append(label, np.int32(-1))[nearest]
     groups = [rest[label == number] for number in range(int(label.max()) + 1)]
     return [_piece(cells, rows, _bar(cells, rows)) for rows in groups if len(rows) >= LEAST_BAR]
 
