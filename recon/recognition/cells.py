@@ -1,6 +1,7 @@
 """Binning of a cloud into cells, as in a map."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,22 @@ Numbers = NDArray[np.int64]
 
 LARGEST_KEY = 2**62
 """Cells of a box that one number tells apart."""
+BLOCK = 1_000_000
+"""Points that are gathered at a time: their temporaries are many times as large as they."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Gathered:
+    """The cells of a cloud, and where its points went."""
+
+    voxels: Voxels
+    cell: Numbers
+    """(N,) row of each point's cell."""
+
+    def of_points(self, label: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Labels (N,) of points by those (K,) of their cells."""
+        labels: NDArray[np.int32] = label[self.cell]
+        return labels
 
 
 def distinct(index: Numbers) -> tuple[Numbers, NDArray[np.intp]]:
@@ -32,26 +49,43 @@ def distinct(index: Numbers) -> tuple[Numbers, NDArray[np.intp]]:
 
 def gather(cloud: PointCloud, cell_size: float, min_count: int = 1) -> Voxels:
     """The cells of a cloud that hold at least `min_count` points."""
-    index = np.floor(cloud.points / cell_size).astype(np.int64)
-    cells, inverse = distinct(index)
-    counts = np.bincount(inverse, minlength=len(cells))
+    voxels = gather_points(cloud, cell_size).voxels
+    return voxels.select(voxels.counts >= min_count)
 
-    def mean(values: Array) -> Array:
-        sums = [np.bincount(inverse, column, len(cells)) for column in values.T]
-        means: Array = np.column_stack(sums) / counts[:, None]
-        return means
 
-    # Offsets from the cell keep the precision of points far from the origin.
-    means = mean(cloud.points - index * cell_size) + cells * cell_size
-    colours = cloud.colours
-    if colours is not None:
-        colours = np.rint(mean(colours.astype(np.float64))).astype(np.uint8)
-    kept = counts >= min_count
-    return Voxels(
-        index=cells[kept],
-        centres=(cells[kept].astype(np.float64) + 0.5) * cell_size,
-        means=means[kept],
-        counts=counts[kept],
-        colours=None if colours is None else colours[kept],
+def gather_points(cloud: PointCloud, cell_size: float) -> Gathered:
+    """All cells of a cloud, and the cell of each point."""
+    blocks = [slice(first, first + BLOCK) for first in range(0, max(len(cloud), 1), BLOCK)]
+    own = [distinct(_cells_of(cloud.points[block], cell_size)) for block in blocks]
+    cells, row = distinct(np.concatenate([rows for rows, _ in own]))
+    borders = np.cumsum([0, *(len(rows) for rows, _ in own)])
+    cell = np.concatenate(
+        [row[low : low + len(rows)][at] for low, (rows, at) in zip(borders, own, strict=False)]
+    )
+    counts = np.bincount(cell, minlength=len(cells))
+    sums = np.zeros((2, len(cells), 3))
+    for block in blocks:
+        # Offsets from the cell keep the precision of points far from the origin.
+        offsets = cloud.points[block] - cells[cell[block]] * cell_size
+        sums[0] += _sums(offsets, cell[block], len(cells))
+        if cloud.colours is not None:
+            sums[1] += _sums(cloud.colours[block], cell[block], len(cells))
+    offsets, colours = sums / counts[:, None]
+    voxels = Voxels(
+        index=cells,
+        centres=(cells.astype(np.float64) + 0.5) * cell_size,
+        means=offsets + cells * cell_size,
+        counts=counts,
+        colours=None if cloud.colours is None else np.rint(colours).astype(np.uint8),
         cell_size=cell_size,
     )
+    return Gathered(voxels=voxels, cell=cell)
+
+
+def _cells_of(points: Array, cell_size: float) -> Numbers:
+    return np.floor(points / cell_size).astype(np.int64)
+
+
+def _sums(values: NDArray[np.generic], cell: Numbers, count: int) -> Array:
+    """Sums (count, 3) of rows (N, 3) by their cells."""
+    return np.column_stack([np.bincount(cell, column, count) for column in values.T])

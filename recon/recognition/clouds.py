@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from recon.errors import InputError
 from recon.geometry import invert, pose
-from recon.recognition.cells import gather
+from recon.recognition.cells import distinct, gather_points
 from recon.recognition.frames import moved, moved_object
 from recon.recognition.recognition import recognise
 from recon.recognition.segments.ground import extent
@@ -31,6 +31,8 @@ T_LEVEL_CLOUD: Mapping[str, Array] = {
 NEIGHBOURS_IN_CELL = 8
 """A cell is as wide as the distance of a point to this neighbour."""
 NUM_PROBES = 2000
+MOST_PROBED = 200_000
+"""Points that tell how densely a cloud lies."""
 MOST_CELLS = 20_000
 """Approximate maximum number of cells of a cloud: dense clouds get larger cells."""
 FULL_CELL = 0.25
@@ -77,10 +79,13 @@ def recognise_cloud(
         return Recognition(objects=(), label=label, failures=reason)
     T_up_cloud = T_LEVEL_CLOUD[up]
     views = np.eye(4)[None] if T_cloud_left is None else T_cloud_left
-    upright = cloud.select(finite).transformed(T_up_cloud)
-    voxels = gathered(upright)
-    found = recognise(voxels, replace(settings, ground=None), T_up_cloud @ views)
-    label[finite] = _of_points(found.label, voxels, upright.points)
+    upright = (cloud if len(finite) == len(cloud) else cloud.select(finite)).transformed(T_up_cloud)
+    cells = gather_points(upright, cell_size(upright.points))
+    full = _is_full(cells.voxels)
+    found = recognise(cells.voxels.select(full), replace(settings, ground=None), T_up_cloud @ views)
+    own = np.full(len(full), -1, dtype=np.int32)
+    own[full] = found.label
+    label[finite] = cells.of_points(own)
     T_cloud_up = invert(T_up_cloud)
     return Recognition(
         objects=tuple(moved_object(one, T_cloud_up) for one in found.objects),
@@ -91,24 +96,31 @@ def recognise_cloud(
 
 
 def gathered(cloud: PointCloud) -> Voxels:
-    """Bin a cloud into cells as small as its density allows."""
-    side = _cell_size(cloud.points)
-    voxels = gather(cloud, side)
-    if len(voxels) > MOST_CELLS:
-        voxels = gather(cloud, side * float(np.sqrt(len(voxels) / MOST_CELLS)))
+    """The cells of a cloud, as small as its density allows."""
+    voxels = gather_points(cloud, cell_size(cloud.points)).voxels
+    return voxels.select(_is_full(voxels))
+
+
+def _is_full(voxels: Voxels) -> NDArray[np.bool_]:
+    """(K,) which cells hold enough points to be believed."""
     enough = np.clip(round(FULL_CELL * float(np.median(voxels.counts))), 1, MIN_COUNT)
-    return voxels.select(voxels.counts >= enough)
+    full: NDArray[np.bool_] = voxels.counts >= enough
+    return full
 
 
-def _of_points(label: NDArray[np.int32], voxels: Voxels, points: Array) -> NDArray[np.int32]:
-    """Labels (N,) of points from the labels (K,) of their cells."""
-    reach = 0.51 * voxels.cell_size
-    cell = cKDTree(voxels.centres).query(points, p=np.inf, distance_upper_bound=reach)[1]
-    return np.append(label, np.int32(-1))[cell]
+def cell_size(points: Array) -> float:
+    """Side of cells that hold a few neighbours each, and of which there are not too many.
+
+    Of a large cloud a part tells it: on a surface that lies less densely by the root of its share.
+    """
+    few = points[:: max(1, -(-len(points) // MOST_PROBED))]
+    side = _spacing(few) * float(np.sqrt(len(few) / len(points)))
+    count = len(distinct(np.floor(few / side).astype(np.int64))[0])
+    return side * max(1.0, float(np.sqrt(count / MOST_CELLS)))
 
 
-def _cell_size(points: Array) -> float:
-    """Side of a cell that holds a few neighbours; 1 if all points coincide."""
+def _spacing(points: Array) -> float:
+    """Distance of a point to the last of a few neighbours; 1 where all points are one."""
     probes = points[:: max(1, len(points) // NUM_PROBES)]
     count = min(NEIGHBOURS_IN_CELL + 1, len(points))
     reach = np.asarray(cKDTree(points).query(probes, k=count)[0]).reshape(len(probes), -1)[:, -1]

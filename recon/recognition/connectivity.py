@@ -80,9 +80,8 @@ def _unsettled(
     inside = roots == np.argmax(np.bincount(roots))
     if inside.all():
         return np.empty(0, dtype=np.intp)
-    bound = max(least, float(reach[~inside].max()))
-    away, _ = cKDTree(points[~inside]).query(points, distance_upper_bound=bound)
-    return np.flatnonzero(np.isfinite(away))
+    away, _ = cKDTree(points[~inside]).query(points)
+    return np.flatnonzero(away <= np.maximum(reach, least))
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:

@@ -9,18 +9,20 @@ import numpy as np
 from benchmarks import Measurement
 from recon.exploration.agent import explore
 from recon.exploration.outcome import Exploration
+from recon.runs.worlds import namings
 from recon.settings import Settings, updated, with_quality
 from recon.world.generator import random_scene
 from recon.world.world import World
 
-VILLAGE = Path(__file__).parents[2] / "scenes" / "village.scene"
+SCENES = Path(__file__).parents[2] / "scenes"
+VILLAGE, SQUARE = SCENES / "village.scene", SCENES / "square.scene"
 COUNTS = (3, 4, 5, 6, 8, 9, 10, 12)
 GAPS = (22.0, 4.0, 12.0, 6.0, 16.0, 4.0, 8.0, 5.0, 10.0, 14.0, 4.0)
 
 
 def measure(quick: bool) -> list[Measurement]:
     """What the frontier controller needs beside the thesis's, and that nothing is lost."""
-    return [*village(), *random_worlds(2 if quick else 20)]
+    return [*village(), square(), *random_worlds(2 if quick else 20)]
 
 
 def settings_for(controller: str) -> Settings:
@@ -44,6 +46,15 @@ def village() -> Iterator[Measurement]:
     for name, bar, better in (("coverage", "0.95", "higher"), ("path_length", "0.7", "lower")):
         share = frontier[name] / thesis[name]
         yield number(f"village_{name}_share", share, f"of the thesis's (bar {bar})", better)
+
+
+def square() -> Measurement:
+    """Objects of the scene of houses, benches and lamp posts that come out with their names."""
+    settings = settings_for("frontier")
+    world = World.from_file(SQUARE, settings)
+    done = explore(world, settings)
+    right = sum(one.true == one.found for one in namings(world.objects, done.recognition.objects))
+    return number("square_right", right, f"of {len(world.objects)} objects", "higher")
 
 
 def random_worlds(count: int) -> Iterator[Measurement]:

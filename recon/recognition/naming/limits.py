@@ -53,7 +53,7 @@ def hue_chance(rules: Sequence[PartRule], parts: Sequence[Solid], cells: Voxels)
         return 1.0
     nearest = np.argmin([solid.distances(cells.means) for solid in parts], axis=0)
     chances = [
-        _of_hue(rule.hue_deg, mean_hue_deg(cells.colours[nearest == number]))
+        _of_hue(rule.hue_deg, mean_hue_deg(cells.shown_colours[nearest == number]))
         for number, rule in enumerate(rules)
         if rule.hue_deg is not None
     ]
