@@ -104,8 +104,12 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
-    unit = job.settings.recognition.unit or "world units"
-    surface = SurfaceWork(job.settings, work, unit, waits=may_close(source))
+    surface = SurfaceWork(
+        job.settings,
+        work,
+        unit=job.settings.recognition.unit or "world units",
+        waits=may_close(source),
+    )
     places = PlaceKeeper()
     seen: list[SeenCamera] = []
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
