@@ -49,8 +49,8 @@ _one_at_a_time = threading.Lock()
 
 @contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Let no other thread take over: Open3D walks through `sys.modules` when it is loaded, and
-    fails where another thread imports something meanwhile.
+    """Keep other threads from running: Open3D iterates over `sys.modules` during its import, and
+    fails if another thread imports something meanwhile.
     """
     with _one_at_a_time:
         interval = sys.getswitchinterval()
@@ -62,11 +62,11 @@ def _undisturbed() -> Iterator[None]:
 
 
 _LATE = "open3d.visualization.draw_plotly"
-"""The part of Open3D that plots in notebooks: it takes a web framework along, 40 % of the time."""
+"""The part of Open3D that plots in notebooks; its web framework takes 40 % of the import."""
 
 
 def _late_plots() -> ModuleType:
-    """A module in its place, whose functions load it when they are called."""
+    """A module in its place whose functions load it when called."""
     module = ModuleType(_LATE)
 
     def late(name: str) -> Callable[..., object]:
@@ -196,7 +196,7 @@ def limit_threads(number: int) -> None:
 
 
 _M_ARENA_MAX = -8
-"""Of glibc's `mallopt`."""
+"""Parameter of glibc's `mallopt`."""
 
 
 def share_arenas(number: int = 2) -> None:
@@ -210,7 +210,7 @@ def share_arenas(number: int = 2) -> None:
 
 
 def return_memory() -> None:
-    """Give free memory back to the system, where the C library can."""
+    """Return free memory to the system, if the C library can."""
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)
 

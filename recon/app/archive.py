@@ -1,4 +1,4 @@
-"""Several files as one, to be taken along."""
+"""An archive of several files."""
 
 import io
 import zipfile

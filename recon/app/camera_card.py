@@ -16,7 +16,7 @@ FIELDS = {
 }  # fmt: skip
 NAMES = {"fov_deg": "fov"}
 GAZES = ("shift", "toe-in")
-"""Both cameras look at the target by shifted sensors, or by turning inwards."""
+"""Both cameras look at the target by shifted sensors or by turning inwards."""
 
 
 class CameraCard:

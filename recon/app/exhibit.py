@@ -37,7 +37,7 @@ class Exhibit:
     trajectory: Trajectory | None = None
     is_run: bool = False
     is_recorded: bool = False
-    """True of a run that saw the real world."""
+    """True for a run of a real recording."""
     unit: str = ""
     """Unit of lengths, if known."""
     notices: tuple[str, ...] = ()

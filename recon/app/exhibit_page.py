@@ -64,7 +64,7 @@ class ExhibitPage:
         self.message.set_text(text)
 
     def _first_orbit(self) -> Orbit:
-        """A recording is seen as its first camera saw it."""
+        """The view of the first camera of a recording; else from outside, obliquely."""
         orbit = Orbit.round(*self.layer.box)
         trajectory = self.exhibit.trajectory
         if not self.exhibit.is_recorded or trajectory is None or not len(trajectory):

@@ -17,7 +17,7 @@ GRAB_PX = 22.0
 CAMERA, TARGET, WAY = "#e8650a", "#0072b2", "#ffffff"
 SKY = (198, 213, 228)
 FONT = 12.0
-"""Pixels of a name's letters."""
+"""Font size of a name in pixels."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -90,7 +90,7 @@ class MapPane:
         return f'<polygon points="{points}" fill="{CAMERA}" fill-opacity=".18"/>'
 
     def names(self, objects: tuple[FoundObject, ...], selected: int | None) -> str:
-        """The objects that are found, by name; a ring round the one that is selected."""
+        """The names of the found objects, with a ring around the selected one."""
         return "".join(self._name(found, found.id == selected) for found in objects)
 
     def _name(self, found: FoundObject, is_selected: bool) -> str:

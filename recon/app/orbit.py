@@ -44,7 +44,7 @@ class Orbit:
         )
 
     def behind(self, T_world_cam: Array) -> "Orbit":
-        """Turned to look as a camera looks, from somewhat above it."""
+        """Turned to the direction of a camera, from slightly above."""
         away = -T_world_cam[:3, 2]
         azimuth = float(np.arctan2(away[0], away[2]))
         return replace(self, azimuth=azimuth, elevation=ABOVE)
@@ -87,7 +87,7 @@ class Orbit:
         return replace(self, distance=distance)
 
     def facing(self, other: "Orbit") -> "Orbit":
-        """Turned as another one is."""
+        """Turned to the direction of another one."""
         return replace(self, azimuth=other.azimuth, elevation=other.elevation)
 
     def seen_from(self, view: str) -> "Orbit":

@@ -85,10 +85,10 @@ class Painter(Generic[Drawn]):
 
 
 def _tell(loop: asyncio.AbstractEventLoop, what: Callable[[], None]) -> None:
-    """Call something in the page's own thread, where there still is a page."""
+    """Call something in the page's own thread, if the page still exists."""
     with suppress(RuntimeError):
         loop.call_soon_threadsafe(what)
 
 
 def _done() -> None:
-    """What was compiled is said no more when all is drawn."""
+    """Do nothing: the message goes when everything is drawn."""

@@ -46,7 +46,7 @@ class PairViewer:
             self.label.set_text("a file holds no pairs")
 
     def begin(self) -> None:
-        """Show the first pair, where that is not done yet."""
+        """Show the first pair, if not done yet."""
         if not self._is_begun:
             self._is_begun = True
             self._ask()

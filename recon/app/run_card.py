@@ -48,7 +48,7 @@ class RunCard:
             self.show()
 
     def introduce(self) -> None:
-        """Show the strategy of the controller that is chosen, where that is not done yet."""
+        """Show the strategy of the chosen controller, if not done yet."""
         if not self.info.text:
             self._words.ask()
 

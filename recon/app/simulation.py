@@ -50,7 +50,7 @@ class Simulation:
 
     @property
     def world(self) -> "World":
-        """The world; it is made when it is first looked at, so that the page stands before."""
+        """The world, created when first looked at, so that the page does not wait for it."""
         with self._lock:
             if self._world is None:
                 self._world = self._made(self.settings)

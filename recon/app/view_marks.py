@@ -1,4 +1,4 @@
-"""Marks over a view in space: the scale, names, the way of the cameras, what was clicked."""
+"""SVG overlays of a 3D view: the scale, names, the path of the cameras, the clicked point."""
 
 import numpy as np
 

@@ -76,7 +76,7 @@ class ViewPanel:
         self._rest = nicegui().timer(REST_S, self._stand_still, active=False, once=False)
 
     def begin(self, orbit: Orbit) -> None:
-        """Show from a place, which is also the default one."""
+        """Show from a viewpoint, which becomes the default."""
         self.orbit = self._home = orbit
         self.painter.ask()
 

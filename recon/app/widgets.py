@@ -94,18 +94,18 @@ def number_field(name: str, label: str, value: float, change: Callable[[Any], An
 
 
 def line() -> Any:
-    """A field and the buttons that belong to it, to be entered with `with`."""
+    """A row of a field and its buttons, to be entered with `with`."""
     return nicegui().element("div").classes("recon-line")
 
 
 def button(name: str, words: str, press: Callable[[], Any]) -> Any:
-    """A button with a frame."""
+    """An outlined button."""
     made = nicegui().button(words, on_click=press).props("dense no-caps outline no-wrap")
     return testid(made, name)
 
 
 def side() -> Any:
-    """The cards beside the panes, in two columns where there is room; to be entered with `with`."""
+    """The cards beside the panes, in two columns on wide screens; to be entered with `with`."""
     ui = nicegui()
     with ui.element("div").classes("recon-side recon-wide"):
         return ui.element("div").classes("recon-columns")

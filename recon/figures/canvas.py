@@ -21,7 +21,7 @@ QUIET = "#6f767d"
 FAINT = "#c3c8cd"
 ACCENT = "#b3391f"
 SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Okabe and Ito's colours, which any colour vision tells apart."""
+"""Okabe and Ito's colours, distinguishable with any colour vision."""
 FORMATS = ("png", "pdf", "svg")
 
 FONT_SHARE = 0.0135

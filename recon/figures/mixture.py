@@ -60,7 +60,7 @@ def mixture(
 
 
 def _add_legend(sheet: Sheet, axes: Any) -> None:
-    """Say below all panels what the lines are."""
+    """Add one legend below all panels."""
     drawn, words = axes.get_legend_handles_labels()
     sheet.figure.legend(
         drawn, words, loc="outside lower center", ncols=len(words), frameon=False,

@@ -1,4 +1,4 @@
-"""The place where an agent stands first."""
+"""The first view of an agent."""
 
 import numpy as np
 
