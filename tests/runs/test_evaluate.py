@@ -39,7 +39,7 @@ def test_a_pair_without_truth_is_one_line(tmp_path, capsys):
 
 def test_pairs_of_one_name_are_refused(capsys):
     assert main(["evaluate", str(PAIR), str(PAIR)]) == 2
-    assert "called motorcycle" in capsys.readouterr().err
+    assert "named motorcycle" in capsys.readouterr().err
 
 
 def test_a_range_that_was_given_wins_over_that_of_the_pair(capsys):
