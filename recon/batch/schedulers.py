@@ -15,6 +15,7 @@ from recon.batch.worker import Outcome, Progress, hear_with, unheard
 from recon.errors import InputError
 from recon.files import Limits
 from recon.libraries import THREAD_VARIABLES, load_extra
+from recon.threads import num_processors
 
 Call = Callable[[], Outcome]
 """Runs one job."""
@@ -40,7 +41,8 @@ class Processes:
     Parameters
     ----------
     num_workers : int
-        If there are fewer jobs, each gets the threads of several workers.
+        If there are fewer jobs, each gets the threads of several workers, as far as there are
+        processors for them.
     progress : callable
         Called with the progress of each job.
     """
@@ -56,7 +58,8 @@ class Processes:
         self._idle: queue.SimpleQueue[ProcessPoolExecutor] = queue.SimpleQueue()
         self._pools: list[ProcessPoolExecutor] = []
         num_pools = min(self._num_workers, len(calls))
-        self._num_threads = self._num_workers // max(num_pools, 1)
+        allowed = min(self._num_workers, num_processors())
+        self._num_threads = max(1, allowed // max(num_pools, 1))
         for _ in range(num_pools):
             self._idle.put(self._new_pool())
         threads = ThreadPoolExecutor(self._num_workers)
