@@ -32,7 +32,7 @@ NEIGHBOURS_IN_CELL = 8
 """A cell is as wide as the distance of a point to this neighbour."""
 NUM_PROBES = 2000
 MOST_PROBED = 200_000
-"""Points that tell how densely a cloud lies."""
+"""Points from which the density of a large cloud is estimated."""
 MOST_CELLS = 20_000
 """Approximate maximum number of cells of a cloud: dense clouds get larger cells."""
 FULL_CELL = 0.25
@@ -96,7 +96,7 @@ def recognise_cloud(
 
 
 def gathered(cloud: PointCloud) -> Voxels:
-    """The cells of a cloud, as small as its density allows."""
+    """Bin a cloud into cells as small as its density allows."""
     voxels = gather_points(cloud, cell_size(cloud.points)).voxels
     return voxels.select(_is_full(voxels))
 

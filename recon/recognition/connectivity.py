@@ -7,9 +7,9 @@ from scipy.spatial import cKDTree
 from recon.recognition.unions import joined_roots, linked_roots, numbered
 
 NUM_LINKS = 24
-"""Neighbours that a point may be linked to: as many as lie within the reach on a surface."""
+"""Neighbours a point may be linked to: the number within reach on a surface."""
 FEW_LINKS = 8
-"""Neighbours that are enough for the points of the largest component: others look further."""
+"""Neighbours that suffice for points deep inside the largest component."""
 SPACING_RANK = 6
 """The spacing at a point is the distance to this neighbour, in the outermost ring on a surface."""
 LINK_SPACINGS = 2.0

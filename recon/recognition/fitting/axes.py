@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 @njit(cache=True)
 def across_axis(axis: Array) -> Array:
-    """(2, 3) unit rows across an axis (Duff et al. 2017, no branch near a pole)."""
+    """(2, 3) unit rows perpendicular to an axis (Duff et al. 2017, no branch near a pole)."""
     x, y, z = axis[0], axis[1], axis[2]
     sign = 1.0 if z >= 0 else -1.0
     a = -1.0 / (sign + z)

@@ -18,7 +18,7 @@ from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCon
 Array = NDArray[np.float64]
 
 SPLITS = (0.2, 0.4, 0.6, 0.8)
-"""Heights, as shares of the whole, at which a boundary of two parts is first looked for."""
+"""Initial heights of the boundary of two parts, as shares of the total height."""
 START_RADII: tuple[tuple[float, ...], ...] = ((), (1.0,), (1.3, 0.5))
 """Radii of a part with none, one and two of them at first, over those of its points."""
 ROUGH_POINTS, ROUGH_STEPS = 150, 6
@@ -153,7 +153,7 @@ def fit_composite(
 
 
 def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:
-    """The composite, its last part cut where its points end: a longer one costs a fit nothing."""
+    """Cut the last part where its points end: excess length costs a fit nothing."""
     composite = fit.state
     if composite.shapes[-1] in ("sphere", "ellipsoid"):
         return composite

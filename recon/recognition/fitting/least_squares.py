@@ -97,7 +97,7 @@ def minimise(
     floor : float
         Minimum noise, in the unit of the residuals; > 0.
     weights : (N,) float64, optional
-        How much each residual counts, whatever their scale; by default alike.
+        Relative weights of the residuals; equal by default.
     layout : (2, parts) int64, optional
         Of a composite.
     max_steps : int

@@ -33,7 +33,7 @@ def to_parts(
     heights : (parts + 1,) of the ends
     outlines : (parts,) `SEGMENT` or `ARC`
     radii : (sum(counts),) those of each part, one part after the other
-    counts : (parts,) how many each part has
+    counts : (parts,) number of radii of each part
 
     Returns
     -------

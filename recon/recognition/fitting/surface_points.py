@@ -66,8 +66,8 @@ class _Bands:
         """So many points on each band, and their normals."""
         band = np.repeat(np.arange(len(counts)), counts)
         start, run = self.outline[band], np.diff(self.outline, axis=0)[band]
-        # Area grows with the radius: the share along a band is drawn by the inverse of its
-        # cumulated area.
+        # Area grows with the radius: the position along a band is drawn by the inverse of its
+        # cumulative area.
         low, high = start[:, 1], self.outline[band + 1, 1]
         share = rng.uniform(size=len(band))
         slope = np.where(np.abs(high - low) > 1e-9 * (high + low), high - low, np.inf)
@@ -104,7 +104,7 @@ class _Faces:
 
 
 def _patches(solid: Solid) -> _Bands | _Faces:
-    """The pieces of a surface that points are drawn on; of an ellipsoid one of revolution."""
+    """The pieces of a surface to draw points on; an ellipsoid must be one of revolution."""
     if isinstance(solid, Box):
         return _Faces(box=solid)
     origin, axis, outline = _outline(solid)
@@ -131,4 +131,4 @@ def _outline(solid: Solid) -> tuple[Array, Array, Array]:
             else [solid.radius_bottom, solid.radius_top]
         )
         return solid.point, solid.axis, np.column_stack([[0.0, solid.height], radii])
-    raise InputError(f"a {solid.kind} has no end, but a bounded solid is needed")
+    raise InputError(f"a {solid.kind} is unbounded, but a bounded solid is needed")

@@ -32,7 +32,7 @@ class Assembly:
     explained: float
     """Probability that enough cells are on its pieces, and on each required piece."""
     seen: float
-    """Share of the cells that lie on its pieces."""
+    """Share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
     rules: tuple[PartRule, ...]
     """What each of them must be."""
@@ -100,7 +100,7 @@ def _shown(needed: list[FlatPiece]) -> float:
 
 
 def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
-    """True where a piece has the shape and the place of a part."""
+    """True if a piece has the shape and position of a part."""
     if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
         return False
     tilt = piece.tilt_deg

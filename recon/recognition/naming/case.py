@@ -21,8 +21,8 @@ MOST_CELLS, MOST_FOR_SOLIDS = 600, 300
 """Maximum number of cells for a composite fit and for a single solid: more do not change the
 fits."""
 INDEPENDENT_CELLS = 60.0
-"""Cells of an object err together: all of them weigh no more than so many that do not. Set where
-probabilities come true over simulated orbits."""
+"""Errors of an object's cells are correlated: all of them weigh no more than this number of
+independent cells. Chosen so that the probabilities are calibrated on simulated orbits."""
 ON_SURFACE_CELLS = 0.75
 """Only a cell nearer than this shows a place on the face of a box: a table is open at its sides,
 whose rims are near to its board and its legs."""
@@ -32,7 +32,7 @@ WAYS: tuple[tuple[Step, ...], ...] = (
     ("upright", "any"),
     ("board",),
 )
-"""Orders in which planes are taken out of an object; under a board alone all are bars."""
+"""Orders in which planes are extracted from an object; under a board alone the rest are bars."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -28,10 +28,10 @@ from recon.records import Solid, Voxels
 Array = NDArray[np.float64]
 
 LOG_NO_KIND = -4.0
-"""Log of how much rarer a composite of no kind is than one of the catalogue."""
+"""Log prior of a composite of no kind, relative to one of the catalogue."""
 LARGEST_TO_EXTENT = 1.4
-"""A fit larger than so many times the extent of its cells is none: even one view shows a quarter of
-a round thing, whose chord is 0.7 of its width."""
+"""A fit larger than this multiple of the extent of its cells is rejected: even one view shows a
+quarter of a round object, whose chord is 0.7 of its width."""
 CLEAR = 0.9
 """Probability of a fit on one axis above which planes and bars are not tried."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 RATIO_SPREAD = 0.05
 """Standard deviation of a size ratio, by which the limits of the catalogue are blurred."""
 SIZE_SPREAD = 0.08
-"""Of the log of a size in metres: stereo sees a thing some percent too large or too small."""
+"""Standard deviation of the log of a size in metres: stereo sizes are off by some percent."""
 HUE_SPREAD_DEG = 15.0
 """Of a hue: lamps and shade turn it."""
 LEAST_OF_HUE, NO_HUE = 0.1, 0.5

@@ -21,7 +21,7 @@ hovers higher is supported by something unseen."""
 NEAR_CELLS = 1.25
 """Maximum distance, in cells, of a cell that covers a surface point."""
 NUM_PLACES = 200
-"""Places of a part that are looked at: its share is right to 0.035."""
+"""Sampled surface points per part: its share is accurate to 0.035."""
 HIDDEN = 0.05
 """A face of which less than this share has cells on it is hidden, not open."""
 TRUNK = 0.3
@@ -35,7 +35,7 @@ def is_hovering(cells: Voxels, ground: float) -> bool:
 
 
 def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
-    """(parts,) which parts have next to no cells for their surface."""
+    """Mask (parts,) of parts with nearly no cells for their surface."""
     _, nearest = composite.nearest(cells.means)
     counts = np.bincount(nearest, minlength=len(composite.shapes))
     density = counts / np.maximum(composite.areas, cells.cell_size**2)
@@ -52,7 +52,7 @@ def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
 
 
 def coverage(parts: Sequence[Solid], cells: Voxels, near_cells: float = NEAR_CELLS) -> Array:
-    """Share (parts,) of the surface of each solid that has a cell near it."""
+    """Share (parts,) of the surface of each solid with a cell nearby."""
     tree = cKDTree(cells.means)
     reach = near_cells * cells.cell_size
     shares = []
