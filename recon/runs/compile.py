@@ -1,5 +1,6 @@
 """Compilation of kernels in advance, by small jobs that together need all of them."""
 
+import logging
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -41,6 +42,8 @@ def compile_ahead(events: Events | None = None) -> None:
 
 
 def _run(jobs: Jobs) -> None:
+    # Warnings of these recordings are of no interest to the user.
+    logging.getLogger("recon").setLevel(logging.ERROR)
     for job, folder in jobs:
         execute(job, folder)
 
