@@ -132,8 +132,9 @@ class RunFolder:
     def _filled(self) -> Iterator[Self]:
         """Write the files common to all runs, before and after the block."""
         remove_temporaries(self.path)
-        self.write_text("settings.toml", self.plan.settings_toml)
+        # First: without it nobody knows the folder for a run, and goes on with it.
         self._write_manifest()
+        self.write_text("settings.toml", self.plan.settings_toml)
         began = time.perf_counter()
         yield self
         self.seconds["total"] = time.perf_counter() - began

@@ -41,4 +41,4 @@ def test_a_scheduler_that_goes_away_costs_the_jobs_that_were_not_done():
             cluster.kill()
     assert found["quick"].state == "done"
     assert found["slow"].state == "failed"
-    assert found["slow"].error == f"the scheduler at {address} went away"
+    assert found["slow"].error == f"the connection to the scheduler at {address} was lost"
