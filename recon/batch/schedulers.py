@@ -114,7 +114,8 @@ class Dask:
         self._progress = progress
         self._distributed: Any = load_extra("distributed", "cluster")
         # It logs much more than one line per fault.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", "distributed.client"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         self._address = address
         self._num_workers = num_workers
 
