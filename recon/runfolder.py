@@ -114,6 +114,8 @@ class RunFolder:
         ------
         InputError
             If another process has it open.
+        OSError
+            With the name of a file or of the folder, for instance if the disk is full.
         """
         self.path.parent.mkdir(parents=True, exist_ok=True)
         busy = f"{self.path} is being written by another process; wait for it, or give another -o"
@@ -126,13 +128,16 @@ class RunFolder:
                 yield from self._filled()
             except BaseException as error:
                 self._fail(error, is_new)
+                if isinstance(error, OSError) and error.errno and error.filename is None:
+                    # A write to a file that is open, as on a full disk, does not name it.
+                    raise OSError(error.errno, error.strerror, str(self.path)) from error
                 raise
             shutil.rmtree(self._before, ignore_errors=True)
 
     def _filled(self) -> Iterator[Self]:
         """Write the files common to all runs, before and after the block."""
         remove_temporaries(self.path)
-        # First: without it nobody knows the folder for a run, and goes on with it.
+        # First: without it, the folder is not recognised as a run that can be resumed.
         self._write_manifest()
         self.write_text("settings.toml", self.plan.settings_toml)
         began = time.perf_counter()

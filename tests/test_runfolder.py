@@ -164,6 +164,12 @@ def test_an_earlier_run_outlives_the_failure_of_the_one_that_replaces_it(tmp_pat
     assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
 
 
+def test_a_write_that_fails_without_a_name_is_reported_with_the_folder(tmp_path, plan):
+    run = prepare(tmp_path / "run", plan)
+    with pytest.raises(OSError, match=r"No space left.*run'$"), run.opened():
+        raise OSError(28, "No space left")
+
+
 def test_an_interrupted_replacement_goes_on_and_only_then_the_earlier_run_goes(tmp_path, plan):
     finish(tmp_path / "run", plan)
     ended(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())

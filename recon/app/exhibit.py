@@ -18,7 +18,7 @@ from recon.notices import collected_notices
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
 from recon.runfolder import MANIFEST
 from recon.runs.maps import map_path, shown
-from recon.runs.reading import is_recorded, read_reconstruction
+from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
@@ -91,15 +91,14 @@ def _open_run(path: Path) -> Exhibit:
     for name, file in CLOUDS.items():
         if (path / file).exists():
             layers[name] = layer_of(_read(path / file))
-    is_real = is_recorded(path)
     return Exhibit(
         path=path,
         layers=layers,
         objects=objects,
         trajectory=trajectory,
         is_run=True,
-        is_recorded=is_real,
-        unit="m" if is_real else "world units",
+        is_recorded=is_recorded(path),
+        unit=unit_of_run(path),
     )
 
 

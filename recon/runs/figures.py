@@ -21,7 +21,7 @@ from recon.records import Mesh, Reconstruction
 from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
 from recon.runs.maps import map_path
-from recon.runs.reading import is_recorded, read_reconstruction
+from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
 """Figures that every run with a map writes by default."""
@@ -151,9 +151,12 @@ def _read(run_path: Path) -> Reconstruction[Any]:
 
 
 def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "default") -> Subject:
-    is_real = is_recorded(run_path)
-    unit = "m" if is_real else "world units"
-    return Subject(run=run, unit=unit, is_recorded=is_real, asked_view=view)
+    return Subject(
+        run=run,
+        unit=unit_of_run(run_path),
+        is_recorded=is_recorded(run_path),
+        asked_view=view,
+    )
 
 
 def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) -> list[Path]:

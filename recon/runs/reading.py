@@ -13,7 +13,7 @@ from recon.runs.report import read_json
 from recon.settings import Settings, read_toml, tolerated, updated
 
 RECORDED = ("reconstruct", "merge")
-"""Commands with real recordings, in metres."""
+"""Commands with real recordings."""
 
 
 def read_settings(run_path: Path) -> Settings:
@@ -26,6 +26,11 @@ def read_settings(run_path: Path) -> Settings:
         settings, ignored = tolerated(tree)
         notify("settings-ignored", f"{path}: not known to this recon: {', '.join(ignored)}")
         return settings
+
+
+def unit_of_run(run_path: Path) -> str:
+    """The unit of a run's lengths, as figures and pages write it."""
+    return read_settings(run_path).recognition.unit or "world units"
 
 
 def read_reconstruction(run_path: Path) -> Reconstruction:

@@ -49,7 +49,7 @@ class SeenAgain:
     @property
     def unit(self) -> str:
         """Unit of lengths."""
-        return "m" if self.command == RECORDED else "world units"
+        return self.settings.recognition.unit or "world units"
 
     def __iter__(self) -> Iterator[StereoPair]:
         return self._read() if self.command == RECORDED else self._taken()
