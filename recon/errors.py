@@ -1,6 +1,7 @@
 """Errors that a user can fix, reported in one line."""
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,3 +86,13 @@ def check_finite(name: str, array: NDArray[np.floating]) -> None:
     if bad.size:
         value = array.reshape(-1)[bad[0]]
         raise InputError(f"{name} holds {value} at flat index {bad[0]}, but must be finite")
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The known name that is most similar to `name`."""
+    return difflib.get_close_matches(name, list(known), n=1, cutoff=0.0)[0]
+
+
+def unknown(said: str, name: str, known: Iterable[str]) -> str:
+    """The message about an unknown `name`, which `said` introduces."""
+    return f"{said} is unknown; the nearest known name is {nearest(name, known)}"

@@ -1,13 +1,12 @@
 """Plug-ins by name, recon's own and those of installed packages, loaded when first used."""
 
-import difflib
 import functools
 import logging
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
-from recon.errors import InputError
+from recon.errors import InputError, nearest
 
 log = logging.getLogger(__name__)
 
@@ -97,9 +96,8 @@ class Registry(Generic[Part]):
         if name not in self:
             entries = self._entries()
             known = ", ".join(sorted(entries))
-            near = difflib.get_close_matches(name, entries, n=1, cutoff=0.0)
-            nearest = f" (nearest: {near[0]})" if near else ""
-            raise InputError(f"{self.noun} is {name!r}, but one of {known} is needed{nearest}")
+            near = f" (nearest: {nearest(name, entries)})" if entries else ""
+            raise InputError(f"{self.noun} is {name!r}, but one of {known} is needed{near}")
 
     def parts(self) -> Iterator[tuple[str, Part]]:
         """Every plug-in that loads, with its name; one that does not is reported once."""

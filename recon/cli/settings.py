@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from recon.cli.options import OUTPUT, print_json, start_logging, with_options
-from recon.errors import InputError
+from recon.errors import InputError, unknown
 
 
 @click.command(epilog="Example: recon settings map.cell_size")
@@ -22,7 +22,8 @@ def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> Non
 
     chosen = [one for one in reference() if is_meant(one)]
     if not chosen:
-        raise InputError(_unknown(str(name), [one.name for one in reference()]))
+        names = [one.name for one in reference()]
+        raise InputError(unknown(f"setting {name!r}", str(name), names))
     if as_json:
         print_json({"settings": [one.as_json() for one in chosen]})
     elif not quiet:
@@ -37,10 +38,3 @@ def _as_set(value: Any) -> str:
     if value is None:
         return "none"
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def _unknown(name: str, known: list[str]) -> str:
-    import difflib
-
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
-    return f"setting {name!r} is unknown; the nearest known name is {near[0]}"

@@ -1,12 +1,11 @@
 """Arguments of a kind of job besides its inputs and settings, by name and type."""
 
-import difflib
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from recon.errors import InputError
+from recon.errors import InputError, nearest
 
 Argument = Callable[[Any], Any]
 """Converts a value for the kind; the ValueError states what is needed instead."""
@@ -96,9 +95,10 @@ def checked(kind: str, given: Mapping[str, Any], takes: Mapping[str, Argument]) 
     found = {}
     for name, value in given.items():
         if name not in takes:
-            near = difflib.get_close_matches(name, takes, n=1, cutoff=0.0)
-            known = f"; the nearest known argument is {near[0]}" if near else ", which takes none"
-            raise InputError(f"argument {name} is unknown to {kind}{known}")
+            near = (
+                f"the nearest known argument is {nearest(name, takes)}" if takes else "it has none"
+            )
+            raise InputError(f"argument {name} is unknown to {kind}; {near}")
         try:
             found[name] = takes[name](value)
         except ValueError as error:

@@ -1,6 +1,5 @@
 """Sample recordings from installed packages, without network access."""
 
-import difflib
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError, ReconError
+from recon.errors import InputError, ReconError, nearest
 from recon.files import atomic_path
 
 CALIBRATION = """\
@@ -53,10 +52,9 @@ def fetch(name: str, folder: Path) -> list[Path]:
         For an unknown name.
     """
     if name not in SAMPLES:
-        near = difflib.get_close_matches(name, SAMPLES, n=1, cutoff=0.0)
-        raise InputError(
-            f"sample is {name!r}, but one of {', '.join(SAMPLES)} is needed ({near[0]}?)"
-        )
+        known = ", ".join(SAMPLES)
+        near = nearest(name, SAMPLES)
+        raise InputError(f"sample is {name!r}, but one of {known} is needed (nearest: {near})")
     folder.mkdir(parents=True, exist_ok=True)
     return SAMPLES[name](folder)
 

@@ -1,6 +1,5 @@
 """Settings as TOML, and overrides by name."""
 
-import difflib
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
@@ -10,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 import tomli_w
 from pydantic import ValidationError
 
-from recon.errors import InputError
+from recon.errors import InputError, unknown
 from recon.files import documents
 from recon.settings.stage import first_fault, given
 from recon.settings.stages import S, Stages
@@ -106,8 +105,7 @@ def _plain(stage: str, name: str, value: Any) -> Any:
 def _check_known(name: str, known: Iterable[str], source: str) -> None:
     known = list(known)
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.0)
-        raise InputError(f"{source}: {name} is unknown; the nearest known name is {near[0]}")
+        raise InputError(unknown(f"{source}: {name}", name, known))
 
 
 def _changed(stage: str, before: dict[str, Any], changes: dict[str, Any], source: str) -> Any:

@@ -1,11 +1,10 @@
 """Settings from the keywords of a Python call."""
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
 
-from recon.errors import InputError
+from recon.errors import InputError, unknown
 from recon.settings.files import STAGES, given_tree, updated
 from recon.settings.presets import PRESETS, QUALITIES, with_preset, with_quality
 from recon.settings.stage import given
@@ -54,8 +53,7 @@ def _tree(name: str, value: Any) -> dict[str, Any]:
         known = " or ".join(f"{stage}={{...}}" for stage in homes)
         raise InputError(f"{name} is a setting of several stages; give it in {known}")
     every = [*STAGES, *(one for table in STAGES.values() for one in _names(table))]
-    near = difflib.get_close_matches(name, every, n=1, cutoff=0.0)
-    raise InputError(f"{name} is unknown; the nearest known name is {near[0]}")
+    raise InputError(unknown(name, name, every))
 
 
 def _names(table: Any) -> list[str]:

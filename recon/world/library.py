@@ -1,9 +1,8 @@
 """The scenes that ship with recon, by name."""
 
-import difflib
 from pathlib import Path
 
-from recon.errors import InputError
+from recon.errors import InputError, nearest
 from recon.world.textures import SHIPPED
 
 
@@ -27,7 +26,7 @@ def find_scene(scene: str | Path) -> Path:
     if path.name == str(path) and shipped.is_file():
         return shipped
     known = scene_names()
-    near = difflib.get_close_matches(str(scene), known, n=1, cutoff=0.0)
+    near = nearest(str(scene), known)
     raise InputError(
-        f"{scene} is neither a file nor a scene that ships ({', '.join(known)}; nearest: {near[0]})"
+        f"{scene} is neither a file nor a scene that ships ({', '.join(known)}; nearest: {near})"
     )

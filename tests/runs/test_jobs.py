@@ -162,7 +162,7 @@ def test_one_pair_is_not_some_pairs():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"matcher": "sgbm"}, "argument matcher is unknown to evaluate; the nearest .* matchers"),
+        ({"matcher": "sgbm"}, "argument matcher is unknown to evaluate; the nearest is matchers"),
         ({"matchers": 3}, "evaluate: matchers is 3, but a list of texts is needed"),
         ({"truth_scale": "much"}, "truth_scale is 'much', but a number > 0"),
         ({"truth_scale": float("nan")}, "truth_scale is nan"),
