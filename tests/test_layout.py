@@ -10,7 +10,7 @@ import pytest
 RECON = Path(__file__).parents[1] / "recon"
 
 FLOORS = {
-    "errors": 0,
+    "errors": 0, "version": 0,
     "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1, "threads": 1,
     "settings": 2, "camera": 2, "stopwatch": 2, "environment": 2,
     "records": 3,

@@ -29,6 +29,8 @@ FONT_SHARE = 0.0135
 SMALLEST_FONT = 6.5
 """Points; smaller print is illegible."""
 POINTS_PER_INCH = 72.0
+LOWEST = 0.4
+"""A sheet keeps at least this share of its height."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +54,7 @@ class Sheet:
     font_size : float
         Points.
     fits : bool
-        The sheet may shrink to its content.
+        The sheet may be lower than its size, if its content is.
     """
 
     def __init__(self, figure: Any, style: Style, font_size: float, *, fits: bool = False) -> None:
@@ -104,11 +106,12 @@ class Sheet:
             axes.apply_aspect()
 
     def fit(self, axes: Any) -> None:
-        """Remove the margins that axes of equal scale leave, if the sheet may shrink."""
+        """Remove the margins that axes of equal scale leave above and below, if allowed."""
         self.settle()
         if self.fits:
-            spare = axes.get_position(original=True).size - axes.get_position().size
-            self.figure.set_size_inches(self.figure.get_size_inches() * (1.0 - spare))
+            spare = axes.get_position(original=True).height - axes.get_position().height
+            width, height = self.figure.get_size_inches()
+            self.figure.set_size_inches(width, height * max(1.0 - spare, LOWEST))
             self.settle()
 
     def panels(

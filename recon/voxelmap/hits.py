@@ -1,11 +1,13 @@
 """Sums over the points of each cell: integers, so independent of the order."""
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.voxelmap.table import Rows, Slots, find_or_add
+from recon.voxelmap.table import CellTable, Rows, Slots, find_or_add
 
 STEPS = 1 << 20
 """Steps per cell along each axis: positions in a cell are integer numbers of steps."""
@@ -101,6 +103,39 @@ def merge(
             sums.position[a] += added.position[a]
             sums.colour[a] += added.colour[a]
     return len(other), num_rows
+
+
+class HitTable(CellTable):
+    """A table of these sums, which become wider if a cell has many points."""
+
+    def insert(
+        self, points: NDArray[np.float64], colours: NDArray[np.uint8], cell_size: float
+    ) -> NDArray[np.int64]:
+        """Add points (N, 3) with their colours (N, 3); the row of each."""
+        return self._add(insert, (points, colours, cell_size), len(points))
+
+    def merge(self, rows: Rows) -> NDArray[np.int64]:
+        """Add the sums of other cells; the row of each."""
+        if rows.dtype == WIDE and self.rows.dtype != WIDE:
+            self._widen()
+        return self._add(merge, rows, len(rows))
+
+    def _add(self, kernel: Any, added: Any, num: int) -> NDArray[np.int64]:
+        """Run a kernel over points or rows, making room where it stops; the row of each."""
+        rows = np.empty(num, np.int64)
+        stop = 0
+        while stop < num:
+            stop, self.num_rows = kernel(added, CAPACITY[self.rows.dtype], self.arrays, rows, stop)
+            if stop < num and self.is_full:
+                self.grow()
+            elif stop < num:
+                self._widen()
+        return rows
+
+    def _widen(self) -> None:
+        if self.rows.dtype == WIDE:
+            raise InputError(f"a cell contains more than {CAPACITY[WIDE]} points")
+        self.widen(WIDE)
 
 
 def means(rows: Rows) -> NDArray[np.float64]:

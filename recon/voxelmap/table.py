@@ -5,6 +5,7 @@ number + 1, 0 = empty; linear probing starts at the slot given by the hash.
 """
 
 from collections.abc import Callable
+from typing import Self
 
 import numpy as np
 from numba import njit
@@ -121,7 +122,7 @@ class CellTable:
         self.num_rows = 0
 
     @classmethod
-    def of(cls, rows: Rows) -> "CellTable":
+    def of(cls, rows: Rows) -> Self:
         """A table with rows of distinct cells, in their order."""
         table = cls(rows.dtype, len(rows) + 1)
         table.rows[: len(rows)] = rows
@@ -129,9 +130,9 @@ class CellTable:
         _refill(*table.arrays)
         return table
 
-    def __reduce__(self) -> tuple[Callable[[Rows], "CellTable"], tuple[Rows]]:
+    def __reduce__(self) -> tuple[Callable[[Rows], Self], tuple[Rows]]:
         """Pickle only the used rows: less data, and the unpickled arrays can grow."""
-        return CellTable.of, (self.used.copy(),)
+        return type(self).of, (self.used.copy(),)
 
     def find(self, index: NDArray[np.integer]) -> NDArray[np.int64]:
         """The row of each cell (K, 3), -1 if missing."""

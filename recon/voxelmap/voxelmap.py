@@ -15,7 +15,7 @@ from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan, eye_of
 from recon.voxelmap.coarse import CoarseMaps
 from recon.voxelmap.rays import Rays, Sightings
-from recon.voxelmap.table import MAX_INDEX, CellTable, Rows, in_order, order_of
+from recon.voxelmap.table import MAX_INDEX, Rows, in_order, order_of
 from recon.voxelmap.views import ViewSets
 from recon.voxelmap.weights import Weights
 
@@ -55,7 +55,7 @@ class VoxelMap:
         self.cell_size = float(cell_size)
         self.ray_margin = float(ray_margin)
         self.has_colour = True
-        self._hits = CellTable(hits.NARROW)
+        self._hits = hits.HitTable(hits.NARROW)
         self._channels = {name: self._channel(name) for name in sorted(set(channels))}
         self._coarse = CoarseMaps(self.cell_size, type(self))
 
@@ -114,9 +114,9 @@ class VoxelMap:
         scan = Scan(cloud=replace(cloud, points=points), origin=eye_of(origin), view=view)
         for channel in self._channels.values():
             channel.check(scan)
-        inside = (points, np.ascontiguousarray(cloud.shown_colours), self.cell_size)
+        colours = np.ascontiguousarray(cloud.shown_colours)
         self._note_colour(cloud.colours is not None or not len(cloud))
-        rows = self._add(hits.insert, inside, len(points))
+        rows = self._hits.insert(points, colours, self.cell_size)
         for channel in self._channels.values():
             channel.add(scan, rows)
 
@@ -281,27 +281,7 @@ class VoxelMap:
 
     def add_rows(self, rows: Rows) -> NDArray[np.int64]:
         """Add the sums of cells of a file or another map; return the row of each."""
-        if rows.dtype == hits.WIDE and self._hits.rows.dtype != hits.WIDE:
-            self._widen()
-        return self._add(hits.merge, rows, len(rows))
-
-    def _add(self, kernel: Any, things: Any, num: int) -> NDArray[np.int64]:
-        """Run a kernel over points or rows, growing the table if needed; return their rows."""
-        rows = np.empty(num, np.int64)
-        stop = 0
-        while stop < num:
-            capacity = hits.CAPACITY[self._hits.rows.dtype]
-            stop, self._hits.num_rows = kernel(things, capacity, self._hits.arrays, rows, stop)
-            if stop < num and self._hits.is_full:
-                self._hits.grow()
-            elif stop < num:
-                self._widen()
-        return rows
-
-    def _widen(self) -> None:
-        if self._hits.rows.dtype == hits.WIDE:
-            raise InputError(f"a cell contains more than {hits.CAPACITY[hits.WIDE]} points")
-        self._hits.widen(hits.WIDE)
+        return self._hits.merge(rows)
 
     def _voxels(self, order: NDArray[np.int64]) -> Voxels:
         rows = self._hits.rows[order]

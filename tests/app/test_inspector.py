@@ -105,10 +105,10 @@ def test_a_slice_is_a_cell_thick(page):
 
 def test_the_keyboard_turns_and_shows_from_the_top(page):
     before = source(page, "scene")
-    page.get_by_test_id("scene").focus()
-    page.keyboard.press("ArrowLeft")
+    scene = page.get_by_test_id("scene")
+    scene.press("ArrowLeft")
     turned = drawn(page, "scene", before)
-    page.keyboard.press("5")
+    scene.press("5")
     drawn(page, "scene", turned)
     page.get_by_role("button", name="default").click()
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import recon
 from recon.cli import main
 from recon.cli.options import build_settings
 from recon.exports.formats import write
@@ -50,7 +51,7 @@ def test_every_command_has_help_with_an_example(capsys, command):
 
 
 def test_version(capsys):
-    assert run(capsys, "--version")[:2] == (0, "recon, version 0.1.0\n")
+    assert run(capsys, "--version")[:2] == (0, f"recon, version {recon.__version__}\n")
 
 
 @pytest.mark.parametrize(

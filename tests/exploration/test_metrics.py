@@ -56,7 +56,7 @@ def test_the_start_has_a_clearance_too(referee):
 
 @pytest.mark.parametrize("x", [10.0, 7.4, 12.0])
 def test_a_start_in_or_against_an_object_is_refused(referee, x):
-    with pytest.raises(InputError, match=rf"start_position: x {x:g}, z 0 stands inside or"):
+    with pytest.raises(InputError, match=rf"start_position: x {x:g}, z 0 is inside or"):
         referee.check_start(view(x, 0))
 
 

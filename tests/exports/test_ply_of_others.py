@@ -118,7 +118,7 @@ def test_every_other_number_is_an_attribute_of_its_own_type(path):
         (f"element vertex 2\n{XYZ}", "1 2 3\n4 5\n", "has 2 values, but the first row has 3"),
         (f"element vertex 2\n{XYZ}", "1 2 3 4\n4 5 6 7\n", "a row has 4 values, but 3 are"),
         (f"element vertex 1\n{XYZ}", "1e308 0 0\n", r"x is 1e\+308, but float32"),
-        (f"element vertex 1\n{XYZ}", "1e30 0 0\n", r"a coordinate is 1e\+30, but 1e\+15"),
+        (f"element vertex 1\n{XYZ}", "1e30 0 0\n", r"a coordinate is 1e\+30, but at most 1e\+15"),
         (f"element vertex -1\n{XYZ}", "", "it claims -1 of vertex"),
         (f"element vertex 1e9\n{XYZ}", "", "not a PLY file of vertices"),
         (f"element vertex 99999999999\n{XYZ}", "1 2 3\n", "99999999999 of vertex are claimed"),

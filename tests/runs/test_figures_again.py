@@ -30,7 +30,8 @@ def test_a_pairs_figures_are_drawn_again(run, capsys):
 
 
 def test_what_a_run_does_not_tell_is_one_line(run, capsys):
-    for kind, said in (("map3d", "no map.npz"), ("errors", "has no data"), ("overview", "kept")):
+    lacks = {"map3d": "no map.npz", "errors": "has no data", "overview": "has no data"}
+    for kind, said in lacks.items():
         assert main(["figure", str(run), "--kind", kind]) == 2
         assert said in capsys.readouterr().err
 

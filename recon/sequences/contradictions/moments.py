@@ -42,6 +42,9 @@ def _partners(
     pair: StereoPair, before: Sequence[StereoPair]
 ) -> Iterator[tuple[str, tuple[Image, Image]]]:
     for number, other in enumerate(before, start=1):
+        if other.rig != pair.rig:
+            # As in a ring of views, where neighbouring pairs share one view.
+            continue
         pairs = f"{number} pair{'s' if number > 1 else ''}"
         yield f"{pairs} late", (other.left, pair.right)
         yield f"{pairs} early", (pair.left, other.right)
