@@ -20,7 +20,7 @@ def find_scene(scene: str | Path) -> Path:
         If there is neither, with the nearest shipped name.
     """
     path = Path(scene)
-    if path.exists():
+    if path.exists() and not path.is_dir():
         return path
     shipped = SHIPPED / f"{path}.scene"
     if path.name == str(path) and shipped.is_file():

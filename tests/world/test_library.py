@@ -18,6 +18,12 @@ def test_a_file_comes_before_a_shipped_scene(tmp_path, monkeypatch):
     assert find_scene("village").read_text() == "mine"
 
 
+def test_a_folder_of_that_name_is_not_a_scene(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "village").mkdir()
+    assert find_scene("village").read_text().startswith("#")
+
+
 @pytest.mark.parametrize("name", ["vilage", "no/village", "../village"])
 def test_what_is_neither_is_refused_with_the_nearest_name(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
