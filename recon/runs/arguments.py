@@ -95,10 +95,8 @@ def checked(kind: str, given: Mapping[str, Any], takes: Mapping[str, Argument]) 
     found = {}
     for name, value in given.items():
         if name not in takes:
-            near = (
-                f"the nearest known argument is {nearest(name, takes)}" if takes else "it has none"
-            )
-            raise InputError(f"argument {name} is unknown to {kind}; {near}")
+            known = f"the nearest is {nearest(name, takes)}" if takes else "it takes none"
+            raise InputError(f"argument {name} is unknown to {kind}; {known}")
         try:
             found[name] = takes[name](value)
         except ValueError as error:
