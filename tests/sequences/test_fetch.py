@@ -28,7 +28,7 @@ def test_its_calibration_is_the_committed_one(motorcycle):
 
 
 def test_an_unknown_sample_is_refused_with_the_nearest(tmp_path):
-    with pytest.raises(InputError, match=r"sample is 'motorbike', .*\(motorcycle\?\)"):
+    with pytest.raises(InputError, match=r"sample is 'motorbike', .*\(nearest: motorcycle\)"):
         fetch("motorbike", tmp_path)
 
 
