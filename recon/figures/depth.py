@@ -30,7 +30,7 @@ def depth_image(
     """Every pixel (H, W) in the colour of its depth (log scale); the image where it is unknown."""
     from matplotlib.colors import LogNorm
 
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     known = np.isfinite(depth) & (depth > 0)
     axes = photo(sheet, left, f"Depth of {known.mean():.0%} of the pixels")
     if known.any():
@@ -40,6 +40,7 @@ def depth_image(
             norm=LogNorm(low, high), interpolation="none",
         )  # fmt: skip
         scales.plain_numbers(add_bar(sheet, axes, shown, f"depth [{unit}]", depth[known]))
+    sheet.fit(axes)
     return sheet.figure
 
 

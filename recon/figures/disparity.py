@@ -18,11 +18,12 @@ def disparity(
     left: NDArray[np.uint8], points_px: Array, disparity_px: Array, *, sheet: Sheet | None = None
 ) -> Any:
     """Every matched point (M, 2) in the colour of its disparity (M,), over the left image."""
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     axes = photo(sheet, left, f"Disparity of {len(points_px):,} matched points")
     if len(points_px):
         dots = points(sheet, axes, points_px, disparity_px, cmap=scales.disparity())
         add_bar(sheet, axes, dots, LABEL, disparity_px)
+    sheet.fit(axes)
     return sheet.figure
 
 
@@ -30,7 +31,7 @@ def dense(
     left: NDArray[np.uint8], disparity_px: NDArray[np.floating], *, sheet: Sheet | None = None
 ) -> Any:
     """Every pixel (H, W) in the colour of its disparity; the left image where it is unknown."""
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = sheet or Sheet.of(SIZE, fits=True)
     known = np.isfinite(disparity_px)
     axes = photo(sheet, left, f"Disparity of {known.mean():.0%} of the pixels")
     if known.any():
@@ -40,4 +41,5 @@ def dense(
             interpolation="none",
         )  # fmt: skip
         add_bar(sheet, axes, shown, LABEL, disparity_px[known])
+    sheet.fit(axes)
     return sheet.figure
