@@ -1,4 +1,4 @@
-"""Glances: an agent that is not sure of its place turns to what it knows."""
+"""Glances: an agent uncertain of its position turns to known landmarks."""
 
 import math
 from dataclasses import dataclass
@@ -12,24 +12,24 @@ from recon.records import View
 
 NUM_HEADINGS = 24
 SURE_CELLS = 0.15
-"""Standard deviation of a place that is known well enough, the heading's share included."""
+"""Sufficient standard deviation of a position, in cells, including that due to the heading."""
 GAIN = 0.9
-"""A glance that leaves more of the standard deviation is not worth a pair."""
+"""A glance is worth a pair if it leaves less than this share of the standard deviation."""
 MARGIN_RAD = 2.0 * GAP_RAD
-"""Between an edge that is looked for and the border of the image."""
+"""Minimum angle between an edge to be seen and the image border."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
-    """The part of the world that the cameras take in."""
+    """The field of view of the cameras."""
 
     half_rad: float
-    """Half its width."""
+    """Half its width, radians."""
     reach: float
-    """Distance up to which things are seen, world units."""
+    """Distance up to which objects are seen, world units."""
 
     def takes_in(self, landmark: int, expected: Expected) -> bool:
-        """True where both edges of a landmark are in sight, and nothing nearer is before them."""
+        """True if both edges of a landmark are in view, and nothing nearer hides them."""
         azimuth, half = expected.azimuth_rad, expected.half_rad
         if abs(azimuth[landmark]) + half[landmark] > self.half_rad - MARGIN_RAD:
             return False
@@ -41,19 +41,19 @@ class Field:
 def glance(
     sighter: Sighter, step_sigma: tuple[float, float], field: Field, sure: float, arm: float
 ) -> float | None:
-    """The heading (radians) from which most is learnt of a pose; None where it is sure, or none is.
+    """The most informative heading (radians) for a pose; None if it is certain, or none helps.
 
     Parameters
     ----------
     sighter : Sighter
-        Of the last pose.
+        At the last pose.
     step_sigma : (float, float)
         Errors of turning on the spot: of position, world units, and heading, radians.
     field : Field
     sure : float
-        Standard deviation of the place that is enough, world units.
+        Sufficient standard deviation of the position, world units.
     arm : float
-        Way that an error of the heading is counted at, world units.
+        Distance at which an error of the heading is weighed, world units.
     """
     now = _cost(sighter.joint, arm)
     if now < sure or not len(sighter.graph.radii):
@@ -65,14 +65,14 @@ def glance(
 
 
 def _cost(joint: Array, arm: float) -> float:
-    """Standard deviation of the place, with what the heading makes of it over a way."""
+    """Standard deviation of the position, including that due to the heading at a distance."""
     return math.sqrt(float(joint[0, 0] + joint[1, 1] + arm**2 * joint[2, 2]))
 
 
 def _after(
     sighter: Sighter, heading: float, step_sigma: tuple[float, float], field: Field
 ) -> Array:
-    """(3, 3) covariance of the pose after a look at what is there (Kalman's update)."""
+    """(3, 3) covariance of the pose after a view in some direction (Kalman update)."""
     x, z, _ = sighter.graph.poses[-1]
     expected = Expected.of(sighter.graph, np.array([x, z, heading]))
     spread = sighter.joint.copy()
@@ -98,6 +98,6 @@ def _after(
 
 
 def turned(view: View, heading: float, gaze: float) -> View:
-    """A view from the same place in another direction."""
+    """A view from the same position in another direction."""
     ahead = np.array([math.cos(heading), 0.0, math.sin(heading)])
     return View(position=view.position, target=view.position + gaze * ahead)

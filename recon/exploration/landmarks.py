@@ -1,7 +1,7 @@
-"""Landmarks: the things of a belief's graph as they are expected before the cameras.
+"""Landmarks: the objects of a belief's graph as they are expected in view.
 
-A thing that is seen is a known one where it is within the error of the belief, pose and landmark
-together, and no other landmark is; where that does not tell, it is left out.
+An object in view is associated with a landmark if it lies within the joint uncertainty of pose and
+landmark, and no other landmark does; if this is ambiguous, it is ignored.
 """
 
 import math
@@ -16,18 +16,18 @@ from recon.geometry import wrapped
 from recon.localisation.graph import FRONT_SHARE, Bearing, Graph
 
 EDGE_SIGMA_PX = 0.3
-"""Standard deviation of an edge."""
+"""Standard deviation of an edge, pixels."""
 HIDDEN_SHARE = 0.1
-"""Standard deviation of the middle of a thing by one of its edges, as a share of its radius."""
+"""Standard deviation of an object's middle derived from one edge, as a share of its radius."""
 NEAR = 0.5
-"""Times the cube of radius over distance, that the middle is off besides, radians: of what is near
-only some sides show points."""
+"""Additional standard deviation of the middle, radians, over the cube of radius over distance: of
+near objects only some sides have points."""
 DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5
-"""The same of the distance of its front: of a whole thing, and of what is seen of one."""
+"""The same for the distance of its front: for a whole object, and for a partly hidden one."""
 GATE, FAR_GATE = 3.0, 4.0
-"""Standard deviations within which a thing is a known one, and beyond which it is another."""
+"""Standard deviations within which an object is a known one, and beyond which it is another."""
 SAME_DISTANCE = 1.5
-"""Two things in one direction differ in distance by more than this factor."""
+"""Two objects in one direction differ in distance by more than this factor."""
 NEW, UNCLEAR = -1, -2
 
 
@@ -36,7 +36,7 @@ class Expected:
     """All landmarks as they are expected from a pose."""
 
     azimuth_rad: Array
-    """(M,) of their middles, from straight ahead."""
+    """(M,) azimuths of their middles, from straight ahead."""
     range: Array
     """(M,) distance of their middles, world units."""
     front: Array
@@ -44,7 +44,7 @@ class Expected:
     half_rad: Array
     """(M,) half the angle between their edges."""
     derivative: Array
-    """(M, 2, 6) of azimuth and front, by the pose and by the landmark."""
+    """(M, 2, 6) derivative of azimuth and front by the pose and by the landmark."""
 
     @classmethod
     def of(cls, graph: Graph, pose: Array) -> "Expected":
@@ -69,7 +69,7 @@ class Expected:
         )
 
     def spread(self, landmark: int, joint: Array) -> Array:
-        """(2, 2) covariance of azimuth and front, of that (3 + 3 M) of the pose and landmarks."""
+        """(2, 2) covariance of azimuth and front, from that (3 + 3 M) of pose and landmarks."""
         own = np.r_[0:3, 3 + 3 * landmark : 6 + 3 * landmark]
         by_both = self.derivative[landmark]
         spread: Array = by_both @ joint[np.ix_(own, own)] @ by_both.T
@@ -78,14 +78,14 @@ class Expected:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sighter:
-    """The pose that things are seen from, what is expected there, and how unsure that is."""
+    """The pose from which objects are seen, what is expected there, and its covariance."""
 
     graph: Graph
     expected: Expected
     joint: Array
     """(3 + 3 M) covariance of the pose and the landmarks."""
     edge_sigma: float
-    """Radians."""
+    """Standard deviation of an edge, radians."""
 
     @classmethod
     def of(cls, graph: Graph, focal_px: float) -> "Sighter":
@@ -98,7 +98,7 @@ class Sighter:
         )
 
     def bearing(self, seen: Outline, landmark: int) -> Bearing:
-        """The sighting of a landmark, which shows at least one of its edges."""
+        """The sighting of a landmark with at least one visible edge."""
         radius, away = self.graph.radii[landmark], self.expected.range[landmark]
         return self._bearing(seen, landmark, float(radius), float(away))
 
@@ -122,7 +122,7 @@ class Sighter:
         )
 
     def known(self, seen: Outline) -> int:
-        """The landmark that a sighting is of, NEW, or UNCLEAR."""
+        """The landmark of a sighting, NEW, or UNCLEAR."""
         number = len(self.graph.radii)
         if not number:
             return NEW
@@ -134,7 +134,7 @@ class Sighter:
         return NEW if all(self._is_other(seen, m, off[m]) for m in range(number)) else UNCLEAR
 
     def _is_other(self, seen: Outline, landmark: int, off: Array) -> bool:
-        """True where a thing is beside a landmark, or clearly before or behind it."""
+        """True if an object is beside a landmark, or clearly in front of it or behind it."""
         ratio = seen.distance / max(float(self.expected.front[landmark]), 1e-6)
         if float(np.hypot(*off)) > FAR_GATE and abs(math.log(ratio)) > math.log(SAME_DISTANCE):
             return True
@@ -149,7 +149,7 @@ class Sighter:
         return float(np.median([b.distance_sigma / b.distance**2 for b in self.graph.bearings]))
 
     def _off(self, seen: Outline, landmark: int) -> NDArray[np.float64]:
-        """(2,) standard deviations in azimuth and, besides, in distance, between both."""
+        """(2,) differences in azimuth and in distance, whitened by their joint covariance."""
         bearing = self.bearing(seen, landmark)
         spread = self.expected.spread(landmark, self.joint)
         mark, away = np.array([landmark]), self.expected.range[[landmark]]
@@ -165,7 +165,7 @@ class Sighter:
         return found
 
     def add(self, seen: Outline) -> None:
-        """Make a landmark of a whole thing that was not known."""
+        """Add a new landmark for a whole object."""
         x, z, heading = self.graph.poses[-1]
         azimuth = heading + seen.middle_rad
         radius = seen.distance * math.tan(min(max(seen.half_rad, self.edge_sigma), 1.0))

@@ -1,11 +1,11 @@
-"""Outlines: the things before the cameras by the directions of their edges.
+"""Outlines: the objects in view, by the directions of their edges.
 
-The middle between the edges of a thing is where the thing is, near or far; the middle of its points
-is where its texture is.
+The middle between an object's edges is the direction of the object, near or far; the middle of its
+points is only that of its texture.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,27 +17,27 @@ from recon.geometry import wrapped
 from recon.records import PointCloud
 
 OUTERMOST = 3
-"""A point of this rank from outside is the edge: those beyond may be noise."""
+"""Rank, from outside, of the point taken as the edge: points beyond it may be noise."""
 GAP_RAD = math.radians(1.0)
-"""What comes so near to an edge, the border of the image or a nearer thing, may hide the rest."""
+"""An image border or a nearer object within this angle of an edge may hide the rest."""
 PART_CELLS = 1.5
-"""Parts of one thing are at most so far apart, sideways; two more than that behind one another."""
+"""Maximum sideways gap between parts of one object, in cells; in depth, two cells are allowed."""
 NUM_SIGMAS = 3.0
-"""Of the difference of two distances that are one."""
+"""Maximum difference, in standard deviations, of two distances that are the same."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outline:
-    """A thing as one pair sees it."""
+    """An object as seen by one pair."""
 
     edges_rad: Array
-    """(2,) azimuths of its edges, from straight ahead, growing clockwise seen from above."""
+    """(2,) azimuths of its edges from straight ahead, clockwise as seen from above."""
     is_free: NDArray[np.bool_]
-    """(2,) whether each is an edge of the thing, and not of what hides the rest."""
+    """(2,) whether each edge is its own, and not that of something that hides the rest."""
     distance: float
     """Distance of its points, world units."""
     sigma: float
-    """Standard deviation of that."""
+    """Standard deviation of the distance."""
 
     @property
     def middle_rad(self) -> float:
@@ -50,13 +50,13 @@ class Outline:
         return float(np.diff(self.edges_rad)[0]) / 2.0
 
     def overlaps(self, other: "Outline", gap: float = 0.0) -> bool:
-        """True where both are seen in one direction, or nearer to it than a gap."""
+        """True if both are in the same direction, or apart by less than a gap (radians)."""
         reach = self.half_rad + other.half_rad + gap
         return abs(self.middle_rad - other.middle_rad) < reach
 
 
 def outlines(standing: PointCloud, pose: Array, half_field: float, scales: Scales) -> list[Outline]:
-    """The outlines of what stands before a camera, the nearest first.
+    """The outlines of the objects in front of a camera, nearest first.
 
     Parameters
     ----------
@@ -85,13 +85,13 @@ def _outline(side: Array, distance: Array, sigma: Array) -> Outline:
         edges_rad=ordered[[OUTERMOST - 1, -OUTERMOST]],
         is_free=np.ones(2, np.bool_),
         distance=float(np.median(distance)),
-        # Errors of one thing's points are not independent: their mean gains less than sqrt(N).
+        # Errors of an object's points are not independent: averaging gains less than sqrt(N).
         sigma=float(np.median(sigma)) / 2.0,
     )
 
 
 def _joined(found: list[Outline], cell: float) -> list[Outline]:
-    """The outlines, parts that are one behind the other within their error taken together."""
+    """The outlines, with parts merged that lie behind each other within their errors."""
     joined: list[Outline] = []
     for one in sorted(found, key=lambda one: one.distance):
         for row, other in enumerate(joined):
@@ -107,27 +107,18 @@ def _joined(found: list[Outline], cell: float) -> list[Outline]:
 
 
 def _both(near: Outline, far: Outline) -> Outline:
-    """The nearer part tells the distance, both the edges."""
+    """Both parts as one: the distance of the nearer one, the outer edges of both."""
     edges = np.array([near.edges_rad, far.edges_rad])
-    return Outline(
-        edges_rad=np.array([edges[:, 0].min(), edges[:, 1].max()]),
-        is_free=near.is_free,
-        distance=near.distance,
-        sigma=near.sigma,
-    )
+    return replace(near, edges_rad=np.array([edges[:, 0].min(), edges[:, 1].max()]))
 
 
 def _freed(found: list[Outline], half_field: float) -> list[Outline]:
-    """The outlines with what hides their edges: the border of the image, and nearer things."""
+    """The outlines, with edges marked that the image border or nearer objects may hide."""
     freed = []
     for row, one in enumerate(found):
         is_free = np.abs(one.edges_rad) < half_field - GAP_RAD
         for nearer in found[:row]:
             off = np.abs(one.edges_rad - nearer.middle_rad)
             is_free &= off > nearer.half_rad + GAP_RAD
-        freed.append(
-            Outline(
-                edges_rad=one.edges_rad, is_free=is_free, distance=one.distance, sigma=one.sigma
-            )
-        )
+        freed.append(replace(one, is_free=is_free))
     return freed

@@ -10,7 +10,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Block:
-    """Some residuals and their derivatives, by row, column and value."""
+    """Residuals and their sparse derivatives, by row, column and value."""
 
     residual: Array
     rows: NDArray[np.intp]

@@ -1,7 +1,7 @@
-"""Trust: how far features tell places apart in a map, by the map's own places.
+"""Trust: how well features distinguish the places of a map, judged by the map's own places.
 
-Texture that repeats makes places look alike that are not; on a map of such places features alone
-say nothing, on one where all that look alike are one place they say nearly all.
+Repeating texture makes different places look alike: then features alone say nothing. If all places
+that look alike are the same place, features are nearly sufficient.
 """
 
 import math
@@ -13,15 +13,15 @@ from recon.localisation.atlas import Atlas
 from recon.sequences.odometry.places import meet
 
 MIN_AGREEING = 24
-"""Points that have to agree with those of a place, before it is taken for the same."""
+"""Minimum number of agreeing points of two places that look alike."""
 NUM_PLACES, NUM_ALIKE = 24, 5
-"""Places that are tried, and others, most like each, that they are held against."""
+"""Places that are tested, and the most similar others with which each is compared."""
 SAME_SHARE = 0.2
-"""Of its depth, that a place is off at most where it was rightly known again."""
+"""Maximum position error of a correct recognition, as a share of the place's depth."""
 
 
 def trust_in(atlas: Atlas) -> float:
-    """Logarithm of how often places that look alike are one, over how often not; at least 0."""
+    """Log odds that places that look alike are the same place; at least 0."""
     if len(atlas) < 2:
         return 0.0
     summaries, right, wrong = atlas.summaries, 0.5, 0.5
@@ -35,7 +35,7 @@ def trust_in(atlas: Atlas) -> float:
 
 
 def _is_right(atlas: Atlas, first: int, second: int) -> bool | None:
-    """True where two places look alike and are; None where they do not look alike."""
+    """True if two places that look alike are the same; None if they do not look alike."""
     met = meet(atlas.places[first], atlas.places[second])
     if met is None or met.num_agreeing < MIN_AGREEING:
         return None
