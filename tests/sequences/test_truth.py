@@ -103,3 +103,38 @@ def test_a_truth_of_another_size_is_refused(shape):
     image = np.zeros((60, 80), np.uint8)
     with pytest.raises(InputError, match="but the left image has 80 x 60"):
         check_truth(image, matches_at(np.ones((60, 80))), DisparityTruth(np.ones(shape), 0.0))
+
+
+def sheets(side):
+    """True disparity of one image of three vertical sheets at 5, 20 and 35 px."""
+    columns = np.arange(240)
+    # In the left image the sheets begin at 0, 80 and 160.
+    edges = [80, 160] if side == "left" else [60, 125]
+    return np.tile(np.array([5.0, 20.0, 35.0])[np.digitize(columns, edges)], (60, 1))
+
+
+@pytest.mark.parametrize(
+    ("truth", "words"),
+    [
+        (sheets("left"), None),
+        (sheets("right"), "the truth is the right image's"),
+        (np.full((60, 240), 20.0), None),  # of one depth: nothing tells them apart
+    ],
+)
+def test_the_truth_of_the_right_image_is_told(truth, words):
+    found = truth if words is None else sheets("left")
+    image = np.zeros(truth.shape, np.uint8)
+    matches = matches_at(found)
+    inside = matches.points_px[:, 0] >= matches.disparity_px
+    with collected_notices() as notices:
+        check_truth(image, matches.select(inside), DisparityTruth(truth, 0.0))
+    assert [words in notice.text for notice in notices] == ([True] if words else [])
+
+
+def test_truth_stored_from_the_bottom_up_is_told():
+    true = 20.0 + 15.0 * np.random.default_rng(3).random((60, 80))
+    with collected_notices() as notices:
+        check_truth(
+            np.zeros(true.shape, np.uint8), matches_at(true), DisparityTruth(true[::-1], 0.0)
+        )
+    assert ["100% do with its rows upside down" in notice.text for notice in notices] == [True]

@@ -49,6 +49,22 @@ def estimate_residual(tracks: Sequence[Tracks], rig: StereoRig) -> Residual:
     return Residual(row=row, disparity=_chosen(tracks, rig, _fit_disparity, _disparity_cost))
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Offset:
+    """One offset of all disparities, and the share of the robust cost that it saves."""
+
+    offset_px: float
+    gain: float
+
+
+def fitted_offset(tracks: Sequence[Tracks], rig: StereoRig) -> Offset:
+    """The offset with which the tracks between pairs of one rig agree best on its motions."""
+    field = _fit_disparity(tracks, rig, [0])
+    before = _disparity_cost(tracks, rig, Field())
+    gain = 1.0 - _disparity_cost(tracks, rig, field) / before if before > 0 else 0.0
+    return Offset(offset_px=float(field.coefficients[0]), gain=gain)
+
+
 def estimate_row_residual(seen: Sequence[Sightings], rig: StereoRig) -> Residual:
     """Residuals of rows from single pairs of one rig, without disparities."""
     return Residual(row=_chosen(seen, rig, _fit_row, _row_cost))

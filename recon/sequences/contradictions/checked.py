@@ -5,22 +5,25 @@ from collections.abc import Iterator
 
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
+from recon.sequences.contradictions.angles import angle_finding
+from recon.sequences.contradictions.finding import Finding
 from recon.sequences.contradictions.moments import REACH, moment_finding
-from recon.sequences.contradictions.motions import Step, pose_finding, step_between
-from recon.sequences.contradictions.pairs import Finding, findings
+from recon.sequences.contradictions.motions import pose_finding
+from recon.sequences.contradictions.pairs import findings
+from recon.sequences.contradictions.steps import Step, step_between
 from recon.sequences.frames import DerivedSource
 
 SURVEYED = (0, 4, 9)
 """Numbers of the first pairs whose images are checked."""
 STEPPED = (1, 5, 9)
-"""Numbers of the first pairs whose motion since the previous one is checked."""
+"""Numbers of the first pairs whose motion since the previous one is measured."""
 TIMED = (2, 5, 9)
 """Numbers of the pairs that are compared with the images just before."""
 NUM_LATER = 12
 """Number of pairs checked in the rest of the recording, evenly spaced."""
 LASTING_SHARE = 0.25
 """Share of the checked pairs, at least two, that must show what does not hold from the start."""
-DECIDED = ("not-simultaneous", "left-right-swapped")
+DECIDED = ("not-simultaneous", "left-right-swapped", "angle-differs")
 """Codes that explain all other findings in the images."""
 
 
@@ -44,7 +47,7 @@ class CheckedPairs(DerivedSource):
             watch.look_at(pair)
             yield pair
         watch.say_images(is_end=True)
-        watch.say_poses()
+        watch.say_motion()
         self._is_done = True
 
 
@@ -59,26 +62,26 @@ class _Watch:
         self._steps: list[Step] = []
         later = _later(num_pairs)
         self._surveyed = frozenset([*SURVEYED, *later])
-        self._stepped = frozenset([*STEPPED, *later] if has_given_poses else [])
+        self._has_given_poses = has_given_poses
+        self._stepped = frozenset([*STEPPED, *later] if has_given_poses else STEPPED)
         self._said: set[str] = set()
-        self._has_said_poses = False
+        self._has_measured_angle = False
 
     def look_at(self, pair: StereoPair) -> None:
         """Check the next pair, if it is one of the selected ones."""
         number = self._num_pairs
         if number in self._surveyed:
-            nearest = pair.rig.disparity_offset_px
-            self._looked_at.append(findings(pair.left, pair.right, nearest_px=nearest))
+            self._looked_at.append(findings(pair.left, pair.right, rig=pair.rig))
         if number in TIMED:
             found = moment_finding(pair, [*self._before])
             self._timed.append([found] if found else [])
-        if number in self._stepped and self._before and not self._has_said_poses:
+        if number in self._stepped and self._before and "poses-disagree" not in self._said:
             step = step_between(self._before[0], pair)
             self._steps += [step] if step is not None else []
         if number == SURVEYED[-1]:
             self.say_images(is_end=False)
         if number >= STEPPED[-1] and number in self._stepped:
-            self.say_poses()
+            self.say_motion()
         self._before.appendleft(pair)
         self._num_pairs += 1
 
@@ -90,15 +93,18 @@ class _Watch:
                     self._said.add(code)
                     notify(code, next(f.text for pair in pairs for f in pair if f.code == code))
 
-    def say_poses(self) -> None:
+    def say_motion(self) -> None:
         """Report contradictions of the last steps: poses may go wrong anywhere along the path."""
-        # Poses are compared with motions from stereo, which must be sound itself.
-        if self._has_said_poses or self._said:
+        # Motions from stereo must be sound themselves to be compared with poses.
+        if self._said or not self._steps:
             return
         del self._steps[: -len(STEPPED)]
-        found = pose_finding(self._steps)
+        found = None if self._has_measured_angle else angle_finding(self._steps)
+        self._has_measured_angle = True
+        if found is None and self._has_given_poses:
+            found = pose_finding([step for step in self._steps if step.is_posed])
         if found is not None:
-            self._has_said_poses = True
+            self._said.add(found.code)
             where = "" if self._num_pairs <= STEPPED[-1] + 1 else f" (near {self._steps[0].name})"
             notify(found.code, found.text + where)
 

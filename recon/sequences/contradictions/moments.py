@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from recon.records import StereoPair
-from recon.sequences.contradictions.pairs import Finding
+from recon.sequences.contradictions.finding import Finding
 from recon.sequences.contradictions.survey import survey
 from recon.sequences.depth import Image
 

@@ -1,24 +1,19 @@
 """Given poses compared with the motions in the images."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.geometry import invert, pose, transform
-from recon.records import StereoPair
-from recon.sequences.contradictions.pairs import Finding
-from recon.sequences.odometry.motion import agreeing_tracks, refine_motion
-from recon.sequences.odometry.tracking import Tracks, track
+from recon.geometry import invert, pose
+from recon.sequences.contradictions.finding import Finding
+from recon.sequences.contradictions.steps import Step, step_between
 
 Array = NDArray[np.float64]
-Motion = Callable[["Step"], Array]
+Motion = Callable[[Step], Array]
 """`T_second_first` (4, 4) of a step, by some interpretation of the poses."""
 
-MIN_FLOW_PX = 2.0
-"""Median displacement of points in the image below which a rig is at rest."""
 EXPLAINED_SHARE = 0.5
 """Maximum share of the displacement unexplained by the poses; inverse poses leave twice as much as
 the whole."""
@@ -26,77 +21,42 @@ SEEN_SHARE = 0.25
 """Share of the points agreeing on one motion that must agree on another to make it plausible."""
 FITTING_SHARE = 0.25
 """Maximum unexplained share for an interpretation of the poses to be suggested."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step:
-    """Two pairs of one rig, and point tracks between them that agree on one motion."""
-
-    first: StereoPair
-    second: StereoPair
-    tracks: Tracks
-
-    def error_px(self, T_second_first: Array) -> float:
-        """Median reprojection error of the points in the second left image under a motion."""
-        rig = self.first.rig
-        points = rig.triangulate(self.tracks.first.points_px, self.tracks.first.disparity_px)
-        moved = transform(T_second_first, points)
-        ahead = moved[:, 2] > 1e-6
-        if not ahead.any():
-            return float("inf")
-        error = rig.project_left(moved[ahead]) - self.tracks.second.points_px[ahead]
-        return float(np.median(np.linalg.norm(error, axis=1)))
-
-    @property
-    def name(self) -> str:
-        """Name of the second pair."""
-        return self.second.name
-
-    @property
-    def flow_px(self) -> float:
-        """Median displacement of the points in the left image."""
-        return self.error_px(np.eye(4))
-
-
-def step_between(
-    first: StereoPair, second: StereoPair, T_second_first: Array | None = None
-) -> Step | None:
-    """The step between two posed pairs; None if the images show none.
-
-    Parameters
-    ----------
-    first, second : StereoPair
-    T_second_first : (4, 4), optional
-        Motion used to predict the corners.
-    """
-    if first.rig != second.rig or first.T_world_left is None or second.T_world_left is None:
-        return None
-    tracks = track(first, second, T_second_first)
-    agreeing = agreeing_tracks(tracks, first.rig)
-    if agreeing is None:
-        return None
-    T_second_first, rows = agreeing
-    step = Step(first=first, second=second, tracks=tracks.select(rows))
-    refined = refine_motion(T_second_first, step.tracks, first.rig)
-    if refined is None:
-        return None
-    return step if step.flow_px > max(MIN_FLOW_PX, 2.0 * step.error_px(refined)) else None
+MAX_SCALE = 1.15
+"""Maximum ratio, either way, of lengths in the poses and in the images; a pixel of disparity that
+the rectification left makes a tenth."""
+SCALE_SPREAD = 0.3
+"""Maximum deviation of a step from the common ratio, as a share of the latter (both logarithms)."""
 
 
 def pose_finding(steps: Sequence[Step]) -> Finding | None:
     """The contradiction between poses and steps; None if they agree or nothing moved."""
     if not steps:
         return None
-    left = _unexplained(steps, _given)
-    if left <= EXPLAINED_SHARE or _are_seen(steps):
+    left, scale = _unexplained(steps, _given), _scale(steps)
+    if (left <= EXPLAINED_SHARE and scale == 1.0) or _are_seen(steps):
         return None
-    fitting = [text for text, share in _readings(steps) if share < FITTING_SHARE]
+    fitting = [text for text, share in _readings(steps, scale) if share < FITTING_SHARE]
     advice = f"they fit {', or '.join(fitting)}" if fitting else "try --poses estimated"
     return Finding(
         code="poses-disagree",
         text="poses contradict the images: of the motion in the images, the poses leave "
         f"{left:.0%} unexplained; {advice}",
     )
+
+
+def _scale(steps: Sequence[Step]) -> float:
+    """Ratio of the lengths in the images to those in the poses; 1 if nearly so, or not common."""
+    pairs = [(_length(step.T_second_first), _length(_given(step))) for step in steps]
+    if not all(seen > 0 and given > 0 for seen, given in pairs):
+        return 1.0
+    ratios = np.log([seen / given for seen, given in pairs])
+    ratio = float(np.median(ratios))
+    is_common = np.abs(ratios - ratio).max() <= SCALE_SPREAD * abs(ratio)
+    return float(np.exp(ratio)) if is_common and abs(ratio) > np.log(MAX_SCALE) else 1.0
+
+
+def _length(T: Array) -> float:
+    return float(np.linalg.norm(T[:3, 3]))
 
 
 def _are_seen(steps: Sequence[Step]) -> bool:
@@ -126,7 +86,7 @@ def _given(step: Step) -> Array:
     return T
 
 
-def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
+def _readings(steps: Sequence[Step], scale: float) -> Iterator[tuple[str, float]]:
     """Other interpretations of the poses, and the share of motion each leaves unexplained."""
     turns = [pose(R, np.zeros(3)) for R in _right_angles()]
     for text, motion in (
@@ -136,11 +96,21 @@ def _readings(steps: Sequence[Step]) -> Iterator[tuple[str, float]]:
     ):
         shares = [_unexplained(steps, _turned(motion, T)) for T in turns]
         yield text, min(shares)
+    if scale != 1.0:
+        text = (
+            f"with positions times {scale:.3g}: is their unit, the baseline or the focal length "
+            "wrong?"
+        )
+        yield text, _unexplained(steps, lambda step: _scaled(_given(step), scale))
 
 
 def _turned(motion: Motion, T_body_camera: Array) -> Motion:
     """A motion of a body as that of its camera."""
     return lambda step: invert(T_body_camera) @ motion(step) @ T_body_camera
+
+
+def _scaled(T: Array, scale: float) -> Array:
+    return pose(T[:3, :3], scale * T[:3, 3])
 
 
 def _inverse(step: Step) -> Array:
