@@ -35,32 +35,28 @@ class CheckedPairs(DerivedSource):
 
     def __init__(self, source: PairSource, *, has_given_poses: bool) -> None:
         super().__init__(source)
-        self._has_given_poses = has_given_poses
-        self._is_done = False
+        self._watch = _Watch(source, has_given_poses=has_given_poses)
 
     def __iter__(self) -> Iterator[StereoPair]:
-        if self._is_done:
-            yield from self.source
-            return
-        watch = _Watch(len(self.source), has_given_poses=self._has_given_poses)
-        for pair in self.source:
-            watch.look_at(pair)
+        for number, pair in enumerate(self.source):
+            # A pass goes on where an earlier one ended.
+            if number == self._watch.num_pairs:
+                self._watch.look_at(pair)
             yield pair
-        watch.say_images(is_end=True)
-        watch.say_motion()
-        self._is_done = True
+        self._watch.finish()
 
 
 class _Watch:
-    """Findings so far in one pass over the pairs."""
+    """Findings in the pairs so far."""
 
-    def __init__(self, num_pairs: int, *, has_given_poses: bool) -> None:
-        self._num_pairs = 0
+    def __init__(self, source: PairSource, *, has_given_poses: bool) -> None:
+        self.num_pairs = 0
+        self._is_finished = False
         self._before: deque[StereoPair] = deque(maxlen=REACH)
         self._looked_at: list[list[Finding]] = []
         self._timed: list[list[Finding]] = []
         self._steps: list[Step] = []
-        later = _later(num_pairs)
+        later = _later(len(source))
         self._surveyed = frozenset([*SURVEYED, *later])
         self._has_given_poses = has_given_poses
         self._stepped = frozenset([*STEPPED, *later] if has_given_poses else STEPPED)
@@ -69,7 +65,7 @@ class _Watch:
 
     def look_at(self, pair: StereoPair) -> None:
         """Check the next pair, if it is one of the selected ones."""
-        number = self._num_pairs
+        number = self.num_pairs
         if number in self._surveyed:
             self._looked_at.append(findings(pair.left, pair.right, rig=pair.rig))
         if number in TIMED:
@@ -79,13 +75,20 @@ class _Watch:
             step = step_between(self._before[0], pair)
             self._steps += [step] if step is not None else []
         if number == SURVEYED[-1]:
-            self.say_images(is_end=False)
+            self._say_images(is_end=False)
         if number >= STEPPED[-1] and number in self._stepped:
-            self.say_motion()
+            self._say_motion()
         self._before.appendleft(pair)
-        self._num_pairs += 1
+        self.num_pairs += 1
 
-    def say_images(self, *, is_end: bool) -> None:
+    def finish(self) -> None:
+        """Report what only the whole recording shows; once."""
+        if not self._is_finished:
+            self._is_finished = True
+            self._say_images(is_end=True)
+            self._say_motion()
+
+    def _say_images(self, *, is_end: bool) -> None:
         """Report the findings in most of the checked pairs, at the end also those in a share."""
         for pairs in (self._timed, self._looked_at):
             for code in dict.fromkeys(finding.code for pair in pairs for finding in pair):
@@ -93,7 +96,7 @@ class _Watch:
                     self._said.add(code)
                     notify(code, next(f.text for pair in pairs for f in pair if f.code == code))
 
-    def say_motion(self) -> None:
+    def _say_motion(self) -> None:
         """Report contradictions of the last steps: poses may go wrong anywhere along the path."""
         # Motions from stereo must be sound themselves to be compared with poses.
         if self._said or not self._steps:
@@ -105,7 +108,7 @@ class _Watch:
             found = pose_finding([step for step in self._steps if step.is_posed])
         if found is not None:
             self._said.add(found.code)
-            where = "" if self._num_pairs <= STEPPED[-1] + 1 else f" (near {self._steps[0].name})"
+            where = "" if self.num_pairs <= STEPPED[-1] + 1 else f" (near {self._steps[0].name})"
             notify(found.code, found.text + where)
 
 
