@@ -35,8 +35,8 @@ class Format:
     write_mesh: Callable[[Path, Mesh], None] | None = None
     has_mesh: Callable[[Path], bool] = lambda _: True
     """True if a file contains triangles, in a format that supports them."""
-    write_parts: "Callable[[Path, Iterator[Voxels], int], None] | None" = None
-    """Writes cells in chunks, given their total number; None if it needs all at once."""
+    write_parts: "Callable[[Path, Iterator[PointCloud | Voxels], int], None] | None" = None
+    """Writes points or cells in chunks, given their total number; None if it needs all at once."""
 
 
 MeshParts = tuple[
@@ -81,13 +81,13 @@ def table(
             drop_columns(["the coordinate reference system"], path)
         write(path, columns)
 
-    def write_cells(path: Path, parts: Iterator[Voxels], num: int) -> None:
+    def write_chunks(path: Path, parts: Iterator[PointCloud | Voxels], num: int) -> None:
         assert write_parts is not None
         write_parts(path, map(columns_of, parts), num)
 
     return Format(
         read=read_table,
-        write_parts=None if write_parts is None else write_cells,
+        write_parts=None if write_parts is None else write_chunks,
         write=None if write is None else write_table,
         up=up,
         options=options,

@@ -1,7 +1,7 @@
 """All formats by suffix: one table, one function to write and one to read."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -105,6 +105,20 @@ def write(
         # The format rotates it once more by the same angle.
         data = turned(_cells_of(data), R_ZUP_YUP if up == "z" else R_YUP_ZUP)
     _write_whole(data, path, form)
+
+
+def write_parts(parts: Iterable[PointCloud], num: int, path: PathLike) -> None:
+    """Write the points of one or more parts, `num` in total, one part in memory at a time.
+
+    Raises
+    ------
+    InputError
+        For an unknown suffix, or a format that needs all points at once.
+    """
+    form = format_of(path)
+    if form.write_parts is None:
+        raise InputError(f"{path}: the format needs all points at once")
+    form.write_parts(Path(path), iter(parts), num)
 
 
 def _write_whole(data: Data, path: PathLike, form: Format) -> None:

@@ -128,20 +128,32 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
     if mesh.colours is not None:
         columns |= zip(RGB, mesh.colours.T, strict=True)
     columns |= {name: v for name, v in mesh.attributes.items() if name not in columns}
-    faces = np.empty(len(mesh), [("length", "u1"), ("triangle", "<i4", 3)])
-    faces["length"], faces["triangle"] = 3, mesh.triangles
-    _write(path, columns, faces)
+    _write(path, columns, mesh.triangles)
 
 
-def _write(path: Path, columns: Columns, faces: NDArray[np.void] | None) -> None:
+def _write(path: Path, columns: Columns, triangles: NDArray[np.integer] | None) -> None:
+    """Write in chunks, since rows of one type would double the memory."""
     held = held_columns(columns, HELD, path)
     dtype = _vertex_dtype(held)
-    num_faces = None if faces is None else len(faces)
+    num_faces = None if triangles is None else len(triangles)
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         file.write(header(dtype, len(columns["x"]), num_faces))
-        file.write(as_vertices(held, dtype).tobytes())
-        if faces is not None:
-            file.write(faces.tobytes())
+        for some in _chunks(len(columns["x"])):
+            rows = {name: values[some] for name, values in held.items()}
+            file.write(as_vertices(rows, dtype).tobytes())
+        for some in _chunks(num_faces or 0):
+            assert triangles is not None
+            file.write(_as_faces(triangles[some]).tobytes())
+
+
+def _chunks(num_rows: int) -> Iterator[slice]:
+    return (slice(first, first + _CHUNK_ROWS) for first in range(0, num_rows, _CHUNK_ROWS))
+
+
+def _as_faces(triangles: NDArray[np.integer]) -> NDArray[np.void]:
+    faces = np.empty(len(triangles), [("length", "u1"), ("triangle", "<i4", 3)])
+    faces["length"], faces["triangle"] = 3, triangles
+    return faces
 
 
 def read(path: Path) -> Columns:

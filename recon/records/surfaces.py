@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from recon.errors import InputError, check_finite, check_shape
 from recon.geometry import transform
 
+_CHUNK = 1 << 17
+"""Triangles processed at once; their corners take several times their own memory."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DisparityMap:
@@ -100,10 +103,19 @@ class Mesh:
         return self.vertices[self.triangles]
 
     @property
+    def crosses(self) -> NDArray[np.float64]:
+        """(T, 3) normal of each triangle, whose length is twice the area."""
+        crosses = np.empty((len(self), 3))
+        for first in range(0, len(self), _CHUNK):
+            some = slice(first, first + _CHUNK)
+            a, b, c = np.moveaxis(self.vertices[self.triangles[some]], 1, 0)
+            crosses[some] = np.cross(b - a, c - a)
+        return crosses
+
+    @property
     def triangle_areas(self) -> NDArray[np.float64]:
         """(T,) square world units."""
-        a, b, c = np.moveaxis(self.corners, 1, 0)
-        areas: NDArray[np.float64] = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas: NDArray[np.float64] = np.linalg.norm(self.crosses, axis=1) / 2
         return areas
 
     @property

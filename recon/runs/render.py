@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from recon.camera import StereoRig
-from recon.exports.formats import write
+from recon.exports.formats import write, write_parts
 from recon.records import StereoPair
 from recon.runs.arguments import text
 from recon.runs.job import Job, Kind, Numbers, Tree
@@ -103,7 +103,7 @@ class _Recording:
             text = calibration(self._rig, self.max_disparity)
             (self.folder / "calib.txt").write_text(text)
         if self._seen is not None:
-            write(self._seen.cloud(), self.folder / "seen.ply")
+            write_parts(self._seen, len(self._seen), self.folder / "seen.ply")
 
 
 def calibration(rig: StereoRig, max_disparity: int) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.formats import write
+from recon.exports.formats import write, write_parts
 from recon.figures.depth import kept_depth
 from recon.records import StereoPair, Trajectory
 from recon.runs.figures import leave_figure, leave_mesh_figure
@@ -119,7 +119,7 @@ def suggested_for(recording: Path, settings: Settings) -> float | None:
 def write_surface(surface: Surface, work: Work) -> None:
     """Write dense.ply and mesh.ply."""
     with work.stage("write"):
-        write(surface.cloud, work.run.path / "dense.ply")
+        write_parts(surface.parts, surface.num_points, work.run.path / "dense.ply")
         if surface.mesh is not None:
             write(surface.mesh, work.run.path / "mesh.ply")
 

@@ -1,5 +1,6 @@
 """The dense cloud of many views: one point per cell, with a sigma from its views."""
 
+from collections.abc import Iterable, Iterator
 from itertools import chain, product
 from pathlib import Path
 
@@ -86,16 +87,15 @@ class CellCloud:
             most = np.maximum(table.rows["num_agreeing"][rows], other["num_agreeing"])
             table.rows["num_agreeing"][rows] = most
 
-    def cloud(self) -> PointCloud:
-        """The points (world), with sigma, and `views`: the number of views that agree on each."""
-        parts = [self._points(cells) for cells in chain([np.zeros(0, CELL)], self.pages)]
-        views = np.concatenate([part.attributes["views"] for part in parts])
-        return PointCloud(
-            points=np.concatenate([part.points for part in parts]),
-            colours=np.concatenate([part.shown_colours for part in parts]),
-            sigma=np.concatenate([part.sigma for part in parts]),
-            attributes={"views": views},
-        )
+    def __len__(self) -> int:
+        return self.pages.num_cells
+
+    def __iter__(self) -> Iterator[PointCloud]:
+        """Yield the points (world) by region, at least once.
+
+        They have a sigma, and `views`: the number of views that agree on each.
+        """
+        return map(self._points, chain([np.zeros(0, CELL)], self.pages))
 
     def _points(self, cells: Rows) -> PointCloud:
         weight = cells["weight"].astype(np.float64)[:, None]
@@ -118,6 +118,18 @@ class CellCloud:
             cells = self.pages.around(key, max(_REACHES))
             colours[chosen] = _colours(cells, places[chosen])
         return colours
+
+
+def joined(parts: Iterable[PointCloud]) -> PointCloud:
+    """The points of one or more parts of a dense cloud, in one."""
+    clouds = list(parts)
+    views = np.concatenate([part.attributes["views"] for part in clouds])
+    return PointCloud(
+        points=np.concatenate([part.points for part in clouds]),
+        colours=np.concatenate([part.shown_colours for part in clouds]),
+        sigma=np.concatenate([part.sigma for part in clouds if part.sigma is not None]),
+        attributes={"views": views},
+    )
 
 
 def _colours(cells: CellTable, places: Array) -> NDArray[np.uint8]:

@@ -15,7 +15,7 @@ from recon.files.documents import read_json
 from recon.notices import notify
 from recon.records import DisparityMap, Mesh, PointCloud, StereoPair
 from recon.settings import SurfaceSettings
-from recon.surface.cells import CellCloud
+from recon.surface.cells import CellCloud, joined
 from recon.surface.closing import thickness, watertight
 from recon.surface.confirmation import Confirmation
 from recon.surface.depth import DepthMap, depth_map
@@ -30,12 +30,19 @@ _PIXELS_TO_VOXEL = 2.0
 class Surface:
     """The surface seen by the cameras, in the world."""
 
-    cloud: PointCloud
-    """With sigma, and the attribute `views`: the number of views that agree on a point."""
+    parts: Iterable[PointCloud]
+    """The points in one or more parts, read one by one as memory may not hold all. They have a
+    sigma, and the attribute `views`: the number of views that agree on a point."""
+    num_points: int
     mesh: Mesh | None
     """None if not requested."""
     metrics: dict[str, Any]
     """Metrics by their names in metrics.json."""
+
+    @property
+    def cloud(self) -> PointCloud:
+        """All points at once."""
+        return joined(self.parts)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -126,7 +133,7 @@ class Fusion:
             fused = without_floaters(self._volume.mesh()) if self._volume else Mesh.none()
             mesh = self._closed(replace(fused, colours=cells.colours_at(fused.vertices)))
         share = self.counts.num_confirmed / max(self.counts.num_known, 1)
-        return self._surface(cells.cloud(), mesh, share)
+        return self._surface(cells, len(cells), mesh, share)
 
     def save(self, folder: Path) -> None:
         """Write the sums to a folder, for `merge`."""
@@ -188,7 +195,7 @@ class Fusion:
         mesh = None
         if self.settings.mesh:
             mesh = self._closed(without_floaters(mesh_of_pixels(view), smallest_share=1e-4))
-        return self._surface(cloud, mesh, None)
+        return self._surface([cloud], len(cloud), mesh, None)
 
     def _closed(self, mesh: Mesh) -> Mesh:
         if not self.settings.watertight or not len(mesh):
@@ -202,9 +209,11 @@ class Fusion:
             )
         return closed
 
-    def _surface(self, cloud: PointCloud, mesh: Mesh | None, share: float | None) -> Surface:
+    def _surface(
+        self, parts: Iterable[PointCloud], num: int, mesh: Mesh | None, share: float | None
+    ) -> Surface:
         metrics: dict[str, Any] = {
-            "num_dense_points": len(cloud),
+            "num_dense_points": num,
             "dense_share": self.counts.num_known / max(self.counts.num_pixels, 1),
             "dense_confirmed_share": share,
         }
@@ -215,7 +224,7 @@ class Fusion:
                 "mesh_area": mesh.area,
                 "largest_piece_share": largest_share(mesh),
             }
-        return Surface(cloud=cloud, mesh=mesh, metrics=metrics)
+        return Surface(parts=parts, num_points=num, mesh=mesh, metrics=metrics)
 
 
 def _read_counts(path: Path) -> tuple[Counts, float | None]:

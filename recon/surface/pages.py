@@ -38,12 +38,19 @@ class Pages:
         self.folder = folder
         self._held: dict[Key, CellTable] = {}
         """Pages in memory, least recently used first."""
-        self._stored: set[Key] = set()
+        self._stored: dict[Key, int] = {}
+        """Pages on disk, with their number of cells."""
 
     @property
     def keys(self) -> list[Key]:
         """The regions with a page, in order."""
         return sorted(self._held.keys() | self._stored)
+
+    @property
+    def num_cells(self) -> int:
+        """Number of cells of all regions."""
+        held = {key: table.num_rows for key, table in self._held.items()}
+        return sum((self._stored | held).values())
 
     def page(self, key: Key) -> CellTable:
         """The cells of a region; they may be changed until the next page is requested."""
@@ -89,7 +96,7 @@ class Pages:
             num_bytes -= table.nbytes
             self.folder.mkdir(parents=True, exist_ok=True)
             np.save(self.folder / _name_of(key), table.used)
-            self._stored.add(key)
+            self._stored[key] = table.num_rows
 
     def _read(self, key: Key) -> CellTable:
         assert self.folder is not None

@@ -189,9 +189,7 @@ def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:
 
 def with_normals(mesh: Mesh) -> Mesh:
     """The mesh with the area-weighted mean normal of the triangles around each vertex."""
-    a, b, c = np.moveaxis(mesh.corners, 1, 0)
-    across = np.cross(b - a, c - a)
-    normals = np.zeros_like(mesh.vertices)
+    across, normals = mesh.crosses, np.zeros_like(mesh.vertices)
     for corner in range(3):
         np.add.at(normals, mesh.triangles[:, corner], across)
     length = np.linalg.norm(normals, axis=1, keepdims=True)

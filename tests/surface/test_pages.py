@@ -6,7 +6,7 @@ from views import ball_view, wall_view
 
 from recon.errors import InputError
 from recon.surface import pages
-from recon.surface.cells import CELL, CellCloud
+from recon.surface.cells import CELL, CellCloud, joined
 from recon.surface.pages import Pages, regions_of
 from recon.surface.volume import Volume
 
@@ -30,7 +30,7 @@ def made(folder=None, chosen=slice(None)):
 
 
 def bytes_of(volume, cells):
-    mesh, cloud = volume.mesh(), cells.cloud()
+    mesh, cloud = volume.mesh(), joined(cells)
     assert len(mesh) > 3_000
     arrays = mesh.vertices, mesh.triangles, cloud.points, cloud.sigma, cloud.attributes["views"]
     return [array.tobytes() for array in (*arrays, cells.colours_at(mesh.vertices))]

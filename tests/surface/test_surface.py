@@ -11,7 +11,7 @@ from recon.geometry import transform
 from recon.notices import collected_notices
 from recon.records import DisparityMap, Mesh, StereoPair
 from recon.settings import SurfaceSettings
-from recon.surface.cells import CellCloud
+from recon.surface.cells import CellCloud, joined
 from recon.surface.closing import border_edges, capped, thickness, watertight
 from recon.surface.confirmation import Confirmation, confirmed
 from recon.surface.depth import depth_map
@@ -212,12 +212,12 @@ def test_points_of_a_cell_become_one_and_views_are_counted():
     cells = CellCloud(0.5)
     for _ in range(3):
         cells.add(wall_view(4.1, sigma=0.2))
-    cloud = cells.cloud()
+    cloud = joined(cells)
     np.testing.assert_allclose(cloud.points[:, 2], 4.1, atol=1e-6)
     np.testing.assert_allclose(cloud.sigma, 0.2 / np.sqrt(3), rtol=1e-6)
     assert (cloud.attributes["views"] == 3).all()
     assert len(np.unique(np.floor(cloud.points / 0.5), axis=0)) == len(cloud)
-    assert len(CellCloud(1.0).cloud()) == 0
+    assert len(joined(CellCloud(1.0))) == 0
 
 
 def test_a_place_has_the_colour_of_the_points_next_to_it():
