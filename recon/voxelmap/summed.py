@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.notices import notify
 from recon.voxelmap import archive, hits
 from recon.voxelmap.coarse import MAX_LEVEL, coarse_columns
-from recon.voxelmap.sums import HITS, CellSums, Index
+from recon.voxelmap.sums import COLOURS, HITS, CellSums, Index
 from recon.voxelmap.table import CellTable, Rows
 from recon.voxelmap.voxelmap import VoxelMap
 
@@ -17,20 +16,16 @@ EXTRAS = {"weight": ("weight",), "rays": ("hits", "passes"), "views": ()}
 """Names of the additional sums of each channel."""
 
 
-def names_of(channels: tuple[str, ...]) -> tuple[str, ...]:
+def names_of(channels: tuple[str, ...], *, has_colour: bool) -> tuple[str, ...]:
     """Names of the sums of a map with these channels."""
-    return HITS + tuple(name for channel in channels for name in EXTRAS[channel])
+    extras = tuple(name for channel in channels for name in EXTRAS[channel])
+    return HITS + (COLOURS if has_colour else ()) + extras
 
 
 def sums_of(voxel_map: VoxelMap) -> CellSums:
     """The sums of all cells of a map, including coarser ones."""
     columns = voxel_map.columns()
-    names = names_of(voxel_map.channels)
-    if not voxel_map.has_colour:
-        notify(
-            "colour-missing",
-            "the map has no colours: its partitions, which store colours, are grey",
-        )
+    names = names_of(voxel_map.channels, has_colour=voxel_map.has_colour)
     rows = archive.rows_of(columns)
     extra = {"weight": columns["weight"][:, 0]} if "weight" in columns else {}
     cells = _level(0, rows, names, extra)
@@ -52,7 +47,7 @@ def _level(
     level: int, rows: Rows, names: tuple[str, ...], extra: dict[str, NDArray[np.uint64]]
 ) -> CellSums:
     own = [rows["count"], *rows["position"].T, *rows["colour"].T]
-    known = dict(zip(HITS, own, strict=True)) | extra
+    known = dict(zip(HITS + COLOURS, own, strict=True)) | extra
     return _cells(
         level, rows["index"], {n: known.get(n, np.zeros(len(rows), np.uint64)) for n in names}
     )
@@ -108,7 +103,7 @@ def map_of(
         cell_size=cell_size,
         ray_margin=ray_margin,
         channels=channels,
-        has_colour=True,
+        has_colour=cells.has_colour,
         rows=archive.rows_of(columns),
         columns=columns,
     )
@@ -121,12 +116,12 @@ def _chosen(cells: CellSums, mask: NDArray[np.bool_]) -> CellSums:
 
 def _hit_columns(cells: CellSums) -> dict[str, NDArray[Any]]:
     index = cells.index[1:].view(np.uint32)
-    return {
+    columns = {
         "index": np.diff(index, axis=1, prepend=np.uint32(0)),
         "count": cells.sums["count"],
         "position": cells.values[1:4],
-        "colour": cells.values[4:7],
     }
+    return columns | ({"colour": cells.values[4:7]} if cells.has_colour else {})
 
 
 def _ray_columns(cells: CellSums) -> dict[str, NDArray[Any]]:

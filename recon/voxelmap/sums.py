@@ -4,7 +4,7 @@ Sums are integers, so the result does not depend on the order in which maps are 
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import numpy as np
@@ -19,10 +19,10 @@ Sums = Mapping[str, NDArray[np.uint64]]
 Key = tuple[int, int, int]
 """Index of a cube of space along x, y, z."""
 
-HITS = (
-    "count", "position_x", "position_y", "position_z", "colour_red", "colour_green", "colour_blue",
-)  # fmt: skip
+HITS = ("count", "position_x", "position_y", "position_z")
 """Names of the sums that every map has."""
+COLOURS = ("colour_red", "colour_green", "colour_blue")
+"""Names of the sums that follow them in a map with colours."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,6 +42,11 @@ class CellSums:
         return int(self.index.shape[1])
 
     @property
+    def has_colour(self) -> bool:
+        """True if the colours are known."""
+        return COLOURS[0] in self.names
+
+    @property
     def sums(self) -> Sums:
         """The sums (K,) by name."""
         return dict(zip(self.names, self.values, strict=True))
@@ -55,6 +60,12 @@ class CellSums:
         if total.sums["count"].max(initial=0) > hits.CAPACITY[hits.WIDE]:
             raise InputError(f"a cell contains more than {hits.CAPACITY[hits.WIDE]} points")
         return total
+
+    def without_colour(self) -> "CellSums":
+        """The same cells without their colours."""
+        kept = [row for row, name in enumerate(self.names) if name not in COLOURS]
+        names = tuple(self.names[row] for row in kept)
+        return replace(self, names=names, values=self.values[kept])
 
     def select(self, rows: NDArray[np.integer] | slice, views: NDArray[np.integer]) -> "CellSums":
         """Some of the cells and of the views, in their original order."""

@@ -28,6 +28,7 @@ class Form:
     """Cells along a side of a partition."""
     channels: tuple[str, ...]
     ray_margin: float
+    has_colour: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,6 +117,7 @@ def _form(document: dict[str, Any]) -> Form:
         partition_size=side,
         channels=tuple(channels),
         ray_margin=float(margin),
+        has_colour=bool(document.get("has_colour", True)),
     )
 
 

@@ -110,9 +110,8 @@ class PartitionedMap:
         """
         try:
             content = self._store.read(entry.file)
-            cells = from_parquet(
-                content, names_of(self.channels), keeps_views="views" in self.channels
-            )
+            names = names_of(self.channels, has_colour=self.form.has_colour)
+            cells = from_parquet(content, names, keeps_views="views" in self.channels)
         except FileNotFoundError as error:
             raise InputError(f"{self.place}: its {entry.file} is missing") from error
         except InputError as error:

@@ -10,6 +10,7 @@ from recon.exports.partitions.manifest import COARSEST, Entry, Form, Manifest
 from recon.exports.partitions.partitioned import PartitionedMap, summary
 from recon.exports.partitions.rows import to_parquet
 from recon.exports.partitions.store import MANIFEST, Place, store_of
+from recon.notices import notify
 from recon.threads import in_threads
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.summed import sums_of
@@ -44,6 +45,7 @@ def write_partitions(
         partition_size=partition_size,
         channels=voxel_map.channels,
         ray_margin=voxel_map.ray_margin,
+        has_colour=voxel_map.has_colour,
     )
     parts = split(sums_of(voxel_map), partition_size)
     return _write((_packed(key, cells, form) for key, cells in parts), form, place)
@@ -71,14 +73,8 @@ def merge_partitions(
     InputError
         If the maps are of different forms.
     """
-    for source in sources:
-        if source.form != sources[0].form:
-            raise InputError(
-                f"{source.place} has {source.form}, but {sources[0].form} is needed, as of "
-                f"{sources[0].place}"
-            )
+    form = _common_form(sources)
     first = [0] * len(sources) if first_views is None else first_views
-    form = sources[0].form
     held: dict[Key, list[_Share]] = {}
     for source, view in zip(sources, first, strict=True):
         for entry in source.partitions:
@@ -86,9 +82,25 @@ def merge_partitions(
 
     def merged(key: Key) -> Packed:
         shares = (_renumbered(one.sums(entry), view) for one, entry, view in held[key])
+        if not form.has_colour:
+            shares = (cells.without_colour() for cells in shares)
         return _packed(key, added(shares), form)
 
     return _write(in_threads(merged, sorted(held)), form, place)
+
+
+def _common_form(sources: Sequence[PartitionedMap]) -> Form:
+    """The form of all maps; without colours if one of them has none."""
+    has_colour = all(source.form.has_colour for source in sources)
+    forms = [replace(source.form, has_colour=has_colour) for source in sources]
+    for source, form in zip(sources, forms, strict=True):
+        if form != forms[0]:
+            raise InputError(
+                f"{source.place} has {form}, but {forms[0]} is needed, as of {sources[0].place}"
+            )
+    if not has_colour and any(source.form.has_colour for source in sources):
+        notify("colour-missing", "a map without colours is merged: the sum has no colours")
+    return forms[0]
 
 
 def _renumbered(cells: CellSums, first_view: int) -> CellSums:

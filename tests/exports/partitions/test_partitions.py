@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,10 @@ from recon.exports.partitions.manifest import MANIFEST
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.writing import merge_partitions, write_partitions
 from recon.files import memory_limit
-from tests.exports.maps import same
-from tests.voxelmap.test_sums import a_map, saved
+from recon.notices import collected_notices
+from recon.voxelmap import VoxelMap
+from tests.exports.maps import CHANNELS, a_cloud, same
+from tests.voxelmap.test_sums import EYE, a_map, saved
 
 BOX = ((98.0, -1.0, -45.0), (104.0, 5.0, -38.0))
 
@@ -153,3 +156,36 @@ def test_maps_of_other_forms_do_not_add_up(city, tmp_path):
     other = write_partitions(a_map(range(2), ()), tmp_path / "other.parquet", 64)
     with pytest.raises(InputError, match="channels"):
         merge_partitions([city, other], tmp_path / "both.parquet")
+
+
+def colourless(views):
+    """A map of clouds without colours."""
+    voxel_map = VoxelMap(0.5, channels=CHANNELS, ray_margin=1.5)
+    for view in views:
+        cloud = replace(a_cloud(view, num=80), colours=None)
+        voxel_map.insert(cloud, EYE, view)
+        voxel_map.insert_doubtful(cloud)
+    return voxel_map
+
+
+def test_what_has_no_colours_has_none_in_partitions_nor_in_a_sum(tmp_path):
+    with collected_notices() as notices:
+        grey = write_partitions(colourless([0, 1]), tmp_path / "grey.parquet", 64)
+    assert notices == []
+    assert grey.occupied(1).colours is None
+    assert saved(grey.whole(), tmp_path) == saved(colourless([0, 1]), tmp_path)
+    coloured = write_partitions(a_map([2, 3]), tmp_path / "coloured.parquet", 64)
+    with collected_notices() as notices:
+        merged = merge_partitions([coloured, grey], tmp_path / "all.parquet")
+    assert [notice.code for notice in notices] == ["colour-missing"]
+    assert merged.occupied(1).colours is None
+    assert saved(merged.whole(), tmp_path) == saved(colourless(range(4)), tmp_path)
+
+
+def test_partitions_written_before_colour_was_optional_have_colours(city, tmp_path):
+    copy = tmp_path / "map.parquet"
+    shutil.copytree(city.place, copy)
+    manifest = json.loads((copy / MANIFEST).read_text())
+    del manifest["has_colour"]
+    (copy / MANIFEST).write_text(json.dumps(manifest))
+    same(PartitionedMap(copy).occupied(1), city.occupied(1))
