@@ -18,7 +18,8 @@ _POINTS = ("points", "xyz", "pos", "positions", "vertices", "pc", "point_cloud",
 _COLOURS = ("colours", "colors", "rgb", "colour", "color")
 _NORMALS = ("normals", "normal")
 _MOST_COLUMNS = 16
-"""More columns than this, with only 3 or 4 rows, mean a transposed array."""
+"""More columns than this mean an image, or with only 3 or 4 rows a transposed array, unless it is
+named."""
 
 
 def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
@@ -55,11 +56,17 @@ def _points(arrays: Mapping[str, NDArray[Any]]) -> str | None:
     lower = {name.lower(): name for name in arrays}
     found = next((lower[name] for name in _POINTS if name in lower), None)
     if found is None and not set(XYZ) <= lower.keys():
-        alike = [n for n, v in arrays.items() if v.ndim == 2 and v.shape[1] >= 3]
+        alike = [n for n, v in arrays.items() if v.ndim == 2 and _may_be_points(v.shape)]
         if len(alike) != 1:
-            raise InputError(f"its arrays are {', '.join(arrays)}, but points is needed")
+            held = ", ".join(f"{name} {values.shape}" for name, values in arrays.items())
+            raise InputError(f"its arrays are {held[:200]}, but points (N, 3) is needed")
         return alike[0]
     return found
+
+
+def _may_be_points(shape: tuple[int, ...]) -> bool:
+    """True for rows of a few numbers, also transposed, which is refused later."""
+    return 3 <= shape[1] <= _MOST_COLUMNS or (shape[1] > _MOST_COLUMNS and shape[0] in (3, 4))
 
 
 def _split(name: str, values: NDArray[Any], names: tuple[str, ...]) -> Columns:

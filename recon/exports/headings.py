@@ -29,7 +29,7 @@ def heading(line: bytes) -> tuple[str, ...] | None:
     words = _WORD.findall(text) if separator is None else text.split(separator)
     names = [word.strip().strip("\"'").strip() for word in words]
     plain = [_UNIT.sub("", name).lower() for name in names]
-    called = next((places for places in _PLACES if set(places) <= set(plain)), None)
+    called = next((places for places in _PLACES if set(places) <= set(plain)), _fields(plain))
     if called is None:
         return None
     by_place = dict(zip(called, XYZ, strict=True))
@@ -37,3 +37,10 @@ def heading(line: bytes) -> tuple[str, ...] | None:
         by_place.get(word, name or f"column_{n}")
         for n, (word, name) in enumerate(zip(plain, names, strict=True))
     )
+
+
+def _fields(names: list[str]) -> tuple[str, ...] | None:
+    """Names such as `field.point.x` of the only vector among the fields of ROS messages."""
+    prefixes = [name[:-1] for name in names if name.endswith(".x")]
+    places = tuple(f"{prefixes[0]}{axis}" for axis in XYZ) if len(prefixes) == 1 else ()
+    return places if places and set(places) <= set(names) else None

@@ -2,6 +2,7 @@
 
 import io
 import logging
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,12 +15,15 @@ from recon.exports.columns import measured
 from recon.exports.format import Format
 from recon.exports.numbers import drop_columns
 from recon.files import atomic_path, check_memory
+from recon.files.documents import parse_json
 from recon.libraries import load_extra
 from recon.notices import notify
 from recon.records import Mesh, PointCloud
 
 _STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
 _COPIES = 10.0
+
+_GLUED_OFF = re.compile(rb"\A(C?N?OFF)(?=[ \t]*\d)")
 
 _EXPORTS: dict[str, dict[str, Any]] = {"off": {"digits": 17}}
 
@@ -58,7 +62,8 @@ def _parts(path: Path) -> list[Any]:
     trimesh = load_extra("trimesh", "mesh")
     # trimesh logs errors with tracebacks before it raises.
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
-    content = path.read_bytes()
+    # Files of ModelNet lack the first line's end.
+    content = _GLUED_OFF.sub(rb"\1\n", path.read_bytes(), count=1)
     check_memory(path, _COPIES * len(content))
     ending = path.suffix.lower().removeprefix(".")
     if ending in _CHECKS:
@@ -81,8 +86,8 @@ def _parts(path: Path) -> list[Any]:
 
 def _check_stl(content: bytes) -> None:
     """Check that a binary file has its claimed size, and that a text has an end."""
-    if content[:5].lower() == b"solid" and b"facet" in content[:2000]:
-        if b"endsolid" not in content[-2000:]:
+    if content[:5].lower() == b"solid" and b"facet" in content[:2000].lower():
+        if b"endsolid" not in content[-2000:].lower():
             raise InputError("not a whole STL file (its text has no end)")
         return
     count = int.from_bytes(content[80:84], "little")
@@ -95,6 +100,17 @@ def _check_glb(content: bytes) -> None:
     claimed = int.from_bytes(content[8:12], "little")
     if content[:4] != b"glTF" or claimed > len(content):
         raise InputError(f"not a whole GLB file ({claimed} bytes are claimed)")
+    length = int.from_bytes(content[12:16], "little")
+    tree = parse_json(content[20 : 20 + length].decode("utf-8", "replace"), "its JSON")
+    packed = [name for name in _required(tree) if "draco" in name or "meshopt" in name]
+    if packed:
+        raise InputError(f"its triangles are compressed ({packed[0]}): decompress it first")
+
+
+def _required(tree: object) -> list[str]:
+    """Names of the extensions without which the content cannot be read."""
+    names = tree.get("extensionsRequired", []) if isinstance(tree, dict) else []
+    return [str(name) for name in names] if isinstance(names, list) else []
 
 
 def _check_off(content: bytes) -> None:

@@ -70,7 +70,8 @@ def read_npy(path: Path) -> PointCloud:
         return measured(cloud_in(columns_in({n: array[n].reshape(-1) for n in array.dtype.names})))
     if array.ndim == 3 and array.shape[2] >= len(XYZ):
         array = array.reshape(-1, array.shape[2])
-    return measured(cloud_in(columns_in({"points": array})))
+    # Unnamed, so that an image is not a cloud.
+    return measured(cloud_in(columns_in({"array": array})))
 
 
 def write_npy(path: Path, data: PointCloud | Voxels) -> None:

@@ -1,5 +1,6 @@
 """The header of a PLY file: its elements and the properties of their rows."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -23,6 +24,7 @@ _BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": 
 
 _MAX_HEADER_BYTES = 1_000_000
 _END = b"end_header"
+_FIRST_LINE = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,15 +106,16 @@ def read_header(file: BinaryIO, path: PathLike) -> Header:
 def _header_lines(file: BinaryIO) -> list[list[str]]:
     """The words of each line; the file is then positioned at its first row."""
     content = file.read(_MAX_HEADER_BYTES)
-    if content[:3] != b"ply":
+    first = _FIRST_LINE.match(content)
+    if first is None:
         raise ValueError("its first line is not ply")
-    end = content.find(_END)
-    if end < 0:
+    # Comments may mention the end.
+    blank = rb"[ \t\r]*" if first[1] == b"\n" else rb"[ \t]*"
+    last = re.search(first[1] + _END + blank + rb"(?:" + first[1] + rb"|\Z)", content)
+    if last is None:
         raise ValueError("its header has no end")
-    newline = b"\r\n" if content[3:5] == b"\r\n" else content[3:4]
-    start = content.find(newline, end) + len(newline)
-    file.seek(start if start >= len(newline) else end + len(_END))
-    return [line.split() for line in content[:end].decode("latin-1").splitlines()]
+    file.seek(last.end())
+    return [line.split() for line in content[: last.start()].decode("latin-1").splitlines()]
 
 
 def _parsed(lines: Sequence[list[str]]) -> Header:
@@ -123,6 +126,8 @@ def _parsed(lines: Sequence[list[str]]) -> Header:
         _element(lines[start:end], _BYTE_ORDERS[form])
         for start, end in zip(starts, ends, strict=True)
     )
+    if len({one.name for one in elements}) < len(elements):
+        raise ValueError("two of its elements have the same name")
     found = Header(elements=elements, is_text=form == "ascii")
     if found.element("vertex") is None:
         raise ValueError("it has no vertices")

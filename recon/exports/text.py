@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.exports.columns import XYZ, Columns
+from recon.exports.elevation import grid_points, is_grid
 from recon.exports.format import Format, table
 from recon.exports.headings import heading
 from recon.exports.numbers import drop_columns, held_columns, leave_out, parsed
 from recon.files import atomic_path, check_memory
 
-_COMMENTS = (b"#", b"//", b"%", b"!")
+_COMMENTS = (b"#", b"//", b"%", b"!", b";", b"sep=")
+"""Beginnings of comments, and the first line of spreadsheets, which states the separator."""
 _SEPARATORS = (";", ",", "\t")
 _SKIPPED = "_"
 _HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
@@ -59,7 +61,10 @@ def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
         If a row is truncated, or contains a word that is not a number.
     """
     check_memory(path, 6.0 * path.stat().st_size)
-    found = _split(path.read_bytes())
+    content = path.read_bytes()
+    if is_grid(content):
+        return grid_points(content)
+    found = _split(content)
     if not found.rows and found.names is None:
         raise InputError("it holds no points")
     if found.claimed is not None and len(found.rows) < found.claimed:
@@ -125,9 +130,10 @@ def names_points(path: Path) -> bool:
 def _values(found: _Table, names: tuple[str, ...] | None) -> tuple[NDArray[np.float64], set[int]]:
     """The numbers (N, K), and the indices of text columns in a table with names."""
     separator = found.separator
-    if names is None or separator is None or not found.rows:
+    if names is None or not found.rows:
         return parsed(found.rows, len(names) if names else None, separator), set()
-    first = found.rows[0].split(separator.encode())
+    mark = None if separator is None else separator.encode()
+    first = found.rows[0].split(mark)
     texts = {
         n
         for n, word in enumerate(first[: len(names)])
@@ -135,10 +141,8 @@ def _values(found: _Table, names: tuple[str, ...] | None) -> tuple[NDArray[np.fl
     }
     rows: Sequence[bytes] = found.rows
     if texts:
-        cut = [row.split(separator.encode()) for row in rows]
-        rows = [
-            separator.encode().join(w for n, w in enumerate(row) if n not in texts) for row in cut
-        ]
+        cut = [row.split(mark) for row in rows]
+        rows = [(mark or b" ").join(w for n, w in enumerate(row) if n not in texts) for row in cut]
     return parsed(rows, len(names) - len(texts), separator), texts
 
 

@@ -32,6 +32,9 @@ from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
 
+MISMATCHED = {"left-right-swapped", "not-simultaneous", "images-unrelated", "same-image"}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MatchedPair:
     """Matches of two images, with statistics."""
@@ -42,6 +45,8 @@ class MatchedPair:
     seconds: float
     dense: DisparityMap | None
     """Disparity of every pixel, if enabled by the settings."""
+    is_mismatched: bool
+    """True if the images are not left and right of one moment: no truth fits them."""
 
 
 def match_files(
@@ -58,7 +63,8 @@ def match_files(
         rectify = rectifier(read_calibration(calib), (left.shape[1], left.shape[0]))
         left, right = rectify(left, right)
     matching = settings.matching
-    check_contradictions(left, right, (matching.min_disparity, matching.max_disparity))
+    search = matching.min_disparity, matching.max_disparity
+    contradictions = check_contradictions(left, right, search)
     began = time.perf_counter()
     found = match_sparse(left, right, settings, stated_range)
     seconds = time.perf_counter() - began
@@ -68,7 +74,12 @@ def match_files(
     is_dense = settings.dense.enabled
     dense = match_every_pixel(left, right, settings, stated_range) if is_dense else None
     return MatchedPair(
-        left=left, matches=found.matches, num_features=num_features, seconds=seconds, dense=dense
+        left=left,
+        matches=found.matches,
+        num_features=num_features,
+        seconds=seconds,
+        dense=dense,
+        is_mismatched=bool(contradictions & MISMATCHED),
     )
 
 
@@ -127,7 +138,8 @@ def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
         metrics["dense_coverage"] = pair.dense.coverage
     if truth is None:
         return metrics
-    check_truth(pair.left, pair.matches, truth)
+    if not pair.is_mismatched:
+        check_truth(pair.left, pair.matches, truth)
     metrics |= evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
     if pair.dense is not None:
         judged = evaluate_map(pair.dense.disparity_px, truth.disparity_px, truth.quantisation_px)

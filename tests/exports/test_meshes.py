@@ -1,6 +1,8 @@
 """Triangles of others: their vertices, points on them, and what is written."""
 
+import json
 import re
+import struct
 
 import numpy as np
 import pytest
@@ -196,3 +198,39 @@ def test_what_a_mesh_says_of_its_vertices_passes_through_ply_and_is_named_elsewh
         with collected_notices() as notices:
             write(mesh, tmp_path / f"b.{ending}")
         assert [(n.code, "quality" in n.text) for n in notices] == [("columns-dropped", True)]
+
+
+FACET = "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n".format(
+    "".join(f"vertex {x} {y} 0\n" for x, y in ((0, 0), (1, 0), (0, 1)))
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.stl", f"SOLID\n{FACET.upper()}ENDSOLID\n"),
+        ("a.stl", f"solid a\n{FACET}endsolid a\n"),
+        ("a.off", "OFF3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),  # as in ModelNet
+        ("a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+    ],
+)
+def test_spellings_of_stl_and_off(tmp_path, name, content):
+    (tmp_path / name).write_text(content)
+    mesh = read_mesh(tmp_path / name)
+    np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    assert mesh.triangles.tolist() == [[0, 1, 2]]
+
+
+def test_a_glb_with_compressed_triangles_is_refused(tmp_path):
+    """Its arrays would be read as zeros."""
+    write(Mesh(vertices=np.eye(3), triangles=np.array([[0, 1, 2]])), tmp_path / "a.glb")
+    content = (tmp_path / "a.glb").read_bytes()
+    length = int.from_bytes(content[12:16], "little")
+    tree = json.loads(content[20 : 20 + length])
+    text = json.dumps(tree | {"extensionsRequired": ["KHR_draco_mesh_compression"]}).encode()
+    text += b" " * (-len(text) % 4)
+    head = [len(content) - length + len(text), len(text)]
+    start = b"glTF" + struct.pack("<III", 2, *head) + b"JSON"
+    (tmp_path / "a.glb").write_bytes(start + text + content[20 + length :])
+    with pytest.raises(InputError, match=r"compressed \(KHR_draco_mesh_compression\)"):
+        read(tmp_path / "a.glb")

@@ -158,3 +158,17 @@ def test_a_mesh_of_mixed_faces_becomes_triangles(path):
     assert np.array_equal(again.triangles, mesh.triangles)
     assert np.array_equal(again.vertices, mesh.vertices)
     assert np.array_equal(again.colours, mesh.colours)
+
+
+def test_headers_with_blanks_and_comments_about_their_end(path):
+    head = f"comment end_header is near\nelement vertex 2\n{XYZ}".replace("\n", " \n")
+    text = f"ply \nformat ascii 1.0 \n{head}end_header \n1 2 3 \n4 5 6 \n"
+    for newline in ("\n", "\r\n", "\r"):
+        path.write_bytes(text.replace("\n", newline).encode())
+        np.testing.assert_array_equal(read(path).points, [[1, 2, 3], [4, 5, 6]])
+
+
+def test_two_tables_of_vertices_are_refused(path):
+    head = f"element vertex 1\n{XYZ}element vertex 1\n{XYZ}"
+    with pytest.raises(InputError, match="two of its elements have the same name"):
+        read(ply(path, head, "1 2 3\n4 5 6\n"))

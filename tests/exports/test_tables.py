@@ -197,7 +197,9 @@ def test_npy_of_others(tmp_path, array):
     assert set(cloud.attributes) <= {"intensity"}
 
 
-@pytest.mark.parametrize("array", [np.array([[1.0, 2]]), np.array(["a"]), np.array(3.0)])
+@pytest.mark.parametrize(
+    "array", [np.array([[1.0, 2]]), np.array(["a"]), np.array(3.0), np.zeros((48, 64))]
+)
 def test_npy_of_something_else_is_refused(tmp_path, array):
     np.save(tmp_path / "a.npy", array)
     with pytest.raises(InputError, match=r"a\.npy: "):

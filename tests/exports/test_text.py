@@ -131,3 +131,52 @@ def test_a_heading_needs_all_three_places(tmp_path):
     (tmp_path / "a.csv").write_text("easting,northing,speed\n1,2,3\n")
     with pytest.raises(InputError, match="'easting' is not a number"):
         read(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "%time,field.x,field.y,field.z\n1500000000,1,2,3\n1500000001,4,5,6\n",
+        "sep=;\nx;y;z\n1;2;3\n4;5;6\n",
+        "; scanner 7\n; 2 points\n1 2 3\n4 5 6\n",
+        "x y z label\n1 2 3 tree\n4 5 6 car\n",
+    ],
+)
+def test_other_headers_and_comments(tmp_path, text):
+    (tmp_path / "a.txt").write_text(text)
+    with collected_notices() as notices:
+        np.testing.assert_array_equal(read(tmp_path / "a.txt").points, [[1, 2, 3], [4, 5, 6]])
+    assert [notice.code for notice in notices] == ["columns-dropped"] * ("tree" in text)
+
+
+GRID = "ncols 3\nnrows 2\nxllcorner 500000\nyll{0} 10\ncellsize 2\nNODATA_value -9\n1 2 3\n4 -9 6\n"
+
+
+@pytest.mark.parametrize(("mark", "south"), [("corner", 11.0), ("center", 10.0)])
+def test_an_elevation_grid_is_points_at_its_centres(tmp_path, mark, south):
+    (tmp_path / "a.asc").write_text(GRID.format(mark))
+    np.testing.assert_array_equal(
+        read(tmp_path / "a.asc").points,
+        [[500001 + 2 * x, south + 2 * y, z] for x, y, z in
+         [(0, 1, 1), (1, 1, 2), (2, 1, 3), (0, 0, 4), (2, 0, 6)]],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("ncols 3", "ncols 4", "4 x 2 values are claimed, but 6 follow"),
+        ("ncols 3", "ncols 1e12", "memory"),
+        ("ncols 3", "ncols -3", "ncols is -3, but a positive number"),
+        ("ncols 3", "ncols three", "'three' is not a number"),
+        ("ncols 3", "ncols", "is not a name and a number"),
+        ("xllcorner 500000\n", "", "it has no xllcorner"),
+        ("cellsize 2", "cellsize nan", "cellsize is nan"),
+        ("1 2 3\n4 -9 6\n", "", "but 0 follow"),
+    ],
+)
+def test_an_elevation_grid_is_held_against_its_header(tmp_path, old, new, message):
+    (tmp_path / "a.asc").write_text(GRID.format("corner").replace(old, new))
+    with pytest.raises(InputError, match=message) as error:
+        read(tmp_path / "a.asc")
+    assert "\n" not in str(error.value)

@@ -9,6 +9,7 @@ from recon.sequences.contradictions.rows import (
     Turn,
     distortion_finding,
     fitted_turn,
+    lag_finding,
     row_finding,
     tracked_corners,
 )
@@ -29,8 +30,8 @@ SWAPPED_SHARE, OUTSIDE_SHARE = 0.7, 0.1
 
 def check_images(
     left: Image, right: Image, search: tuple[int, int], *, only: str | None = None
-) -> None:
-    """Notify of contradictions in two images to be matched.
+) -> frozenset[str]:
+    """Notify of contradictions in two images to be matched, and return their codes.
 
     Parameters
     ----------
@@ -40,9 +41,10 @@ def check_images(
     only : str, optional
         The only code to report; by default all.
     """
-    for finding in findings(left, right, search=search):
-        if only in (None, finding.code):
-            notify(finding.code, finding.text)
+    found = [one for one in findings(left, right, search=search) if only in (None, one.code)]
+    for finding in found:
+        notify(finding.code, finding.text)
+    return frozenset(finding.code for finding in found)
 
 
 def findings(
@@ -64,16 +66,16 @@ def findings(
     """
     if left.shape == right.shape and np.array_equal(left, right):
         return [Finding(code="same-image", text="left and right are the same image")]
-    made = survey(left, right)
+    made, tracked = survey(left, right), tracked_corners(left, right)
     seen = made.seen
+    lag = lag_finding(tracked)
     if len(seen) < MIN_SIGHTINGS:
-        return _unrelated(made)
+        return [lag] if lag else _unrelated(made)
     rig = _usual_rig(left) if rig is None else rig
     lowest = rig.disparity_offset_px
     lowest = lowest if search is None else min(lowest, search[0])
-    tracked = tracked_corners(left, right)
     turn = fitted_turn(tracked, rig)
-    rows = distortion_finding(tracked, left.shape)
+    rows = lag or distortion_finding(tracked, left.shape)
     if rows is None and not turn.explains_rows:
         rows = row_finding(seen)
     turned = None if rows else _turned(seen, turn, lowest, is_calibrated=search is None)
@@ -81,7 +83,7 @@ def findings(
         return [turned]
     sides = _sides(seen, lowest)
     found = [rows, sides]
-    if sides is None and search is not None:
+    if sides is None and rows is None and search is not None:
         found.append(_range(seen, search))
     return [finding for finding in found if finding is not None]
 

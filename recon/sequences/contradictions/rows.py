@@ -24,8 +24,9 @@ MAX_ROW_OFFSET_PX = 0.75
 INLIER_PX = 1.0
 LEVEL_SHARE = 0.85
 """Minimum share of points within a pixel of the fitted rows; sound pairs reach 0.94."""
-MIN_GAIN = 0.1
-"""Additional share of points that a motion between the images must explain."""
+MIN_MOTION_SHARE, MIN_GAIN = 0.7, 0.1
+"""Share of the points that a motion between the images must explain, and how much more than a lens
+explains."""
 TURNED_SHARE, TURNED_NOISE = 0.5, 2.5
 """Maximum row offset that a turn of one camera may leave, as a share of the offsets and relative to
 what a cubic leaves; distortion of one camera leaves 3.6 times the latter."""
@@ -60,11 +61,6 @@ class Fit:
     """(K,)"""
     sigmas: Array
     """(K,) standard deviations of the coefficients."""
-
-
-def row_finding(seen: Sightings) -> Finding | None:
-    """Rows that do not correspond: by a motion between the images, or by the calibration."""
-    return _moment(seen) or _rows(seen)
 
 
 def tracked_corners(left: Image, right: Image) -> Sightings:
@@ -121,7 +117,8 @@ def distortion_finding(seen: Sightings, shape: tuple[int, ...]) -> Finding | Non
     )
 
 
-def _rows(seen: Sightings) -> Finding | None:
+def row_finding(seen: Sightings) -> Finding | None:
+    """Rows that do not correspond, whatever the reason."""
     middle = float(np.median(seen.row_offset_px))
     typical = float(np.median(np.abs(seen.row_offset_px)))
     if typical <= MAX_ROW_OFFSET_PX:
@@ -133,13 +130,15 @@ def _rows(seen: Sightings) -> Finding | None:
     )
 
 
-def _moment(seen: Sightings) -> Finding | None:
+def lag_finding(seen: Sightings) -> Finding | None:
     """Row offsets that depend on depth: a camera moved between the two images."""
+    if len(seen) < MIN_TRACKED:
+        return None
     is_level = np.abs(seen.row_offset_px - _lens_rows(seen)) < INLIER_PX
     if is_level.mean() > LEVEL_SHARE or np.median(np.abs(seen.row_offset_px)) < MAX_ROW_OFFSET_PX:
         return None
     by_motion = _share_of_motion(seen)
-    if by_motion - is_level.mean() < MIN_GAIN:
+    if by_motion < max(MIN_MOTION_SHARE, is_level.mean() + MIN_GAIN):
         return None
     return Finding(
         code="not-simultaneous",
