@@ -31,7 +31,6 @@ from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
-
 MISMATCHED = {"left-right-swapped", "not-simultaneous", "images-unrelated", "same-image"}
 
 
