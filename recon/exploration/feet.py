@@ -6,8 +6,9 @@ that an edge needs, until stereo alone decides.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter
 
 from recon.exploration.floor import RAY_SPACING, Array, Floor, Mask
 from recon.geometry import invert, transform
@@ -81,11 +82,21 @@ def _pixels(pair: StereoPair, points_world: Array) -> tuple[NDArray[np.intp], Ma
 
 def _contrast(image: NDArray[np.uint8]) -> Array:
     """Largest difference (H, W) of a channel across a pixel, along its row or column."""
-    channels = image.astype(np.float64).reshape(*image.shape[:2], -1)
     contrast = np.zeros(image.shape[:2])
-    for axis in (0, 1):
-        channels = gaussian_filter1d(channels, SMOOTHING_PX, axis=axis, mode="nearest")
-    for axis in (0, 1):
-        rise = np.abs(np.gradient(channels, axis=axis)).max(axis=-1)
-        contrast = np.maximum(contrast, 2.0 * rise)
+    for channel in np.moveaxis(image.reshape(*image.shape[:2], -1), -1, 0):
+        smooth = gaussian_filter(channel.astype(np.float32), SMOOTHING_PX, mode="nearest")
+        _add_rises(smooth, contrast)
     return contrast
+
+
+@njit(cache=True)
+def _add_rises(smooth: NDArray[np.float32], contrast: Array) -> None:
+    """Raise `contrast` (H, W) to the differences across the pixels of an image (H, W)."""
+    height, width = smooth.shape
+    for y in range(height):
+        above, below = max(y - 1, 0), min(y + 1, height - 1)
+        for x in range(width):
+            before, after = max(x - 1, 0), min(x + 1, width - 1)
+            down = abs(smooth[below, x] - smooth[above, x]) / (below - above) * 2.0
+            right = abs(smooth[y, after] - smooth[y, before]) / (after - before) * 2.0
+            contrast[y, x] = max(contrast[y, x], down, right)

@@ -35,8 +35,8 @@ class Visibility:
     """Distance up to which a view recognises free ground, world units."""
     barred: Mask
     """(C, NUM_RAYS) views similar to earlier ones, which would show nothing new."""
-    _rays: tuple[sight.Cells, sight.Cells, sight.Cells]
-    """Unknown cells along each of NUM_RAYS rays, as `sight.cast` gives them."""
+    _rays: sight.Rays
+    """Unknown cells along each of NUM_RAYS rays."""
     _area: Array
     """(R,) area that each sample represents, square world units."""
 
@@ -75,10 +75,38 @@ class Visibility:
 
         If `rows` is given, only for these positions; zero for others.
         """
-        half = round(self.field_rad / SPACING_RAD / 2.0)
         places = np.arange(len(self.places)) if rows is None else rows
-        area = sight.fields(self._rays, places, unknown.ravel(), self._area, half)
+        area = sight.fields(self._rays, places, unknown.ravel(), self._area, self._half)
         return np.where(self.barred, 0.0, area)
+
+    def best(self, unknown: Mask) -> sight.Best:
+        """The view from each position that shows most of what is still unknown."""
+        best: sight.Best = sight.best_fields(
+            self._rays, unknown.ravel(), self._area, self._half, self.barred
+        )
+        return best
+
+    def best_place(
+        self, unknown: Mask, best: sight.Best, cost: Array, least: Array
+    ) -> tuple[int, int] | None:
+        """The position and ray of the view that shows most for its cost; None = not enough.
+
+        Parameters
+        ----------
+        best : sight.Best
+            The best views while more was unknown; updated in place.
+        cost, least : (C,), (C,)
+            Cost of each position, and the area that a view from it has to show.
+        """
+        place = sight.best_place(
+            self._rays, unknown.ravel(), self._area, self._half, self.barred, best, (cost, least)
+        )
+        return None if place < 0 else (int(place), int(best[1][place]))
+
+    @property
+    def _half(self) -> int:
+        """Rays on either side of the middle of a view."""
+        return round(self.field_rad / SPACING_RAD / 2.0)
 
     def left(self, unknown: Mask, place: Array, azimuth_rad: float) -> Mask:
         """The unknown cells (X, Z) that a view from a position (2,) would not show."""

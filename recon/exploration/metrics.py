@@ -54,5 +54,6 @@ def _settled(timeline: Sequence[tuple[int, Sequence[FoundObject]]], final: Found
 
 def _is_same(found: FoundObject, final: FoundObject) -> bool:
     """True if both have the same label and the axis of one passes through the other."""
-    apart = np.abs(found.centre - final.centre)[[0, 2]]
-    return found.label == final.label and bool((apart <= final.size[[0, 2]] / 2).all())
+    return found.label == final.label and all(
+        abs(found.centre[axis] - final.centre[axis]) <= final.size[axis] / 2 for axis in (0, 2)
+    )

@@ -1,13 +1,14 @@
 """Obstacles of the map: patches of occupied floor, the views that saw them, and their names."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 from scipy.spatial import ConvexHull
 
+from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
 
@@ -60,12 +61,17 @@ class Observations:
     places: list[Array] = field(default_factory=list)
     """(2,) x, z of the cameras, one per pair."""
     cell: list[NDArray[np.intp]] = field(default_factory=list)
-    """Flat indices of cells, one array per pair, one entry per point."""
+    """Flat indices of the cells with points, one array per pair."""
+    number: list[NDArray[np.intp]] = field(default_factory=list)
+    """Number of points on each of them."""
 
     def add(self, place: Array, sure: PointCloud, floor: Floor) -> None:
         """Record the cells of the points of another pair."""
+        of_points = floor.flat(floor.cells(sure.points[:, [0, 2]]))
+        cell, number = np.unique(of_points, return_counts=True)
         self.places.append(place)
-        self.cell.append(floor.flat(floor.cells(sure.points[:, [0, 2]])))
+        self.cell.append(cell)
+        self.number.append(number)
 
     def seen(self, obstacle_of_cell: NDArray[np.intp], num_obstacles: int) -> NDArray[np.intp]:
         """Number (P, T) of reliable points of each pair on each obstacle.
@@ -76,22 +82,15 @@ class Observations:
             Number of the obstacle on each cell; -1 = none.
         """
         num_pairs = len(self.cell)
-        if not num_pairs:
-            return np.zeros((0, num_obstacles), dtype=np.intp)
+        if not num_pairs or not num_obstacles:
+            return np.zeros((num_pairs, num_obstacles), dtype=np.intp)
         pair = np.repeat(np.arange(num_pairs), [len(cell) for cell in self.cell])
         obstacle = np.append(obstacle_of_cell.ravel(), -1)[np.concatenate(self.cell)]
-        both = (pair * num_obstacles + obstacle)[obstacle >= 0]
-        seen = np.bincount(both, minlength=num_pairs * num_obstacles)
-        return seen.reshape(num_pairs, num_obstacles)
-
-
-def columns(voxels: Voxels, spacing: float) -> Array:
-    """Points (N, 2) x, z, at most `spacing` apart, that cover the cells in top view."""
-    number = max(1, int(np.ceil(voxels.cell_size / spacing)))
-    steps = ((np.arange(number) + 0.5) / number - 0.5) * voxels.cell_size
-    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
-    points: Array = (voxels.centres[:, None, [0, 2]] + offsets).reshape(-1, 2)
-    return points
+        rows = np.flatnonzero(obstacle >= 0)
+        both = pair[rows] * num_obstacles + obstacle[rows]
+        number = np.concatenate(self.number)[rows]
+        seen = np.bincount(both, number, minlength=num_pairs * num_obstacles)
+        return seen.astype(np.intp).reshape(num_pairs, num_obstacles)
 
 
 def patches(occupied: Mask) -> NDArray[np.intp]:
@@ -101,52 +100,57 @@ def patches(occupied: Mask) -> NDArray[np.intp]:
 
 
 def find_obstacles(
-    voxels: Voxels,
-    floor: Floor,
+    columns: Columns,
     observations: Observations,
     min_voxels: int,
     before: Sequence[Obstacle] = (),
+    touched: Mask | None = None,
 ) -> tuple[Obstacle, ...]:
     """Split the occupied cells above the ground into obstacles, in the order of their floor cells.
 
-    Fewer than `min_voxels` connected cells are not an obstacle. Obstacles that have not changed
-    since `before` are kept.
+    Fewer than `min_voxels` connected cells are not an obstacle.
+
+    Parameters
+    ----------
+    before : sequence of Obstacle
+        Obstacles found before; those on the same floor cells, none of them touched, are kept.
+    touched : (X, Z) bool, optional
+        Floor cells above which the map may have changed since; all by default.
     """
-    patch = patches(floor.mask(columns(voxels, floor.cell_size)))
-    of_voxel = np.append(patch.ravel(), -1)[floor.flat(floor.cells(voxels.centres[:, [0, 2]]))]
-    size = np.bincount(of_voxel[of_voxel >= 0], minlength=patch.max(initial=-1) + 1)
-    number = np.append(np.where(size >= min_voxels, np.cumsum(size >= min_voxels) - 1, -1), -1)
-    obstacle_of_cell, obstacle_of_voxel = number[patch], number[of_voxel]
-    num_obstacles = int(number.max(initial=-1)) + 1
-    seen = observations.seen(obstacle_of_cell, num_obstacles) >= MIN_POINTS_OF_VIEW
+    patch = patches(columns.under)
+    cells_of = _cells_of(patch)
     known = {one.cells.tobytes(): one for one in before}
+    old = [known.get(cells.tobytes()) for cells in cells_of]
+    found = [None if one is None or _is_touched(one, touched) else one for one in old]
+    new = [number for number, one in enumerate(found) if one is None]
+    number = np.full(len(cells_of) + 1, -1, dtype=np.intp)
+    number[new] = np.arange(len(new))
+    new_of_cell = number[patch]
+    voxels = columns.over(new_of_cell >= 0)
+    rows_of = _groups(columns.number_of(voxels, new_of_cell), len(new))
+    seen = observations.seen(new_of_cell, len(new)) >= MIN_POINTS_OF_VIEW
     places = np.array(observations.places).reshape(-1, 2)
-    cells = np.column_stack(np.unravel_index(np.arange(obstacle_of_cell.size), floor.shape))
-    found = []
-    for cells_of, voxels_of, seen_by in zip(
-        _groups(obstacle_of_cell.ravel(), num_obstacles),
-        _groups(obstacle_of_voxel, num_obstacles),
-        seen.T,
-        strict=True,
-    ):
-        own = cells[cells_of]
-        old = known.get(own.tobytes())
-        if old is None or not _are_of(old, voxels, voxels_of):
-            old = _obstacle(floor, own, voxels.select(voxels_of), old)
-        offsets = places[seen_by] - old.centre
-        found.append(replace(old, bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0])))
-    return tuple(found)
+    for one, rows, seen_by in zip(new, rows_of, seen.T, strict=True):
+        if len(rows) >= min_voxels:
+            own, same = voxels.select(rows), old[one]
+            covered = covered_by(cells_of[one]) if same is None else same.covered
+            found[one] = _obstacle(columns.floor, cells_of[one], covered, own, places[seen_by])
+    return tuple(one for one in found if one is not None)
 
 
-def _are_of(obstacle: Obstacle, voxels: Voxels, rows: NDArray[np.intp]) -> bool:
-    """Tell whether some voxels are those of an obstacle, without a new point in them."""
-    own = obstacle.voxels
-    is_same = np.array_equal(own.index, voxels.index[rows])
-    return is_same and np.array_equal(own.counts, voxels.counts[rows])
+def _is_touched(obstacle: Obstacle, touched: Mask | None) -> bool:
+    return touched is None or bool(touched[tuple(obstacle.cells.T)].any())
+
+
+def _cells_of(patch: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """The floor cells (N, 2) of each patch (X, Z), row by row."""
+    cells = np.argwhere(patch >= 0)
+    number = patch[tuple(cells.T)]
+    return [cells[rows] for rows in _groups(number, int(number.max(initial=-1)) + 1)]
 
 
 def _groups(number: NDArray[np.intp], num_groups: int) -> list[NDArray[np.intp]]:
-    """Rows of each group, in order; rows with number -1 are in none."""
+    """Rows of each of the groups that the entries belong to, in order; -1 = none."""
     order = np.argsort(number, kind="stable")
     return np.split(order, np.searchsorted(number[order], np.arange(num_groups + 1)))[1:-1]
 
@@ -163,17 +167,22 @@ def covered_by(cells: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def _obstacle(
-    floor: Floor, cells: NDArray[np.intp], voxels: Voxels, old: Obstacle | None
+    floor: Floor,
+    cells: NDArray[np.intp],
+    covered: NDArray[np.intp],
+    voxels: Voxels,
+    places: Array,
 ) -> Obstacle:
-    """The obstacle on some cells, which may be those of an old one."""
+    """The obstacle on some cells, seen well from some positions (V, 2)."""
     points_xz = floor.centres(cells)
     centre = (points_xz.min(axis=0) + points_xz.max(axis=0)) / 2.0
+    offsets = places - centre
     return Obstacle(
         cells=cells,
-        covered=covered_by(cells) if old is None else old.covered,
+        covered=covered,
         centre=centre,
         radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size,
         top=float(voxels.means[:, 1].max()),
         voxels=voxels,
-        bearings_rad=np.empty(0),
+        bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),
     )

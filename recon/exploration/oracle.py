@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial.distance import cdist
 
-from recon.exploration.floor import Array, Floor, Mask, first_best
+from recon.exploration.floor import ROUNDING, Array, Floor, Mask, first_best
 from recon.exploration.metrics import length_of
 from recon.exploration.paths import is_clear, paths_over
 from recon.exploration.scales import Scales
@@ -144,22 +145,22 @@ def nearest_first(legs: Array) -> Order:
 def improved(order: Order, legs: Array) -> Order:
     """The tour with segments reversed while that shortens it (2-opt); its start is kept."""
     tour = np.array(order)
-    while (best := _best_turn(tour, legs)) is not None:
+    least = ROUNDING * legs.max(initial=0.0)
+    while (best := _best_turn(tour, legs, least))[1] > 0:
         i, j = best
         tour[i : j + 1] = tour[i : j + 1][::-1]
     return [int(number) for number in tour]
 
 
-def _best_turn(tour: NDArray[np.intp], legs: Array) -> tuple[int, int] | None:
-    """First and last index of the segment to reverse for the shortest tour; None if none helps."""
-    number = len(tour)
-    if number < 3:
-        return None
-    before, here = tour[:-1], tour[1:]
-    after = np.append(tour[2:], -1)
-    ahead = np.where(after >= 0, legs[here, after], 0.0)
-    gain = legs[before, here][:, None] + ahead
-    gain -= legs[np.ix_(before, here)] + np.where(after >= 0, legs[np.ix_(here, after)], 0.0)
-    gain = np.triu(gain, k=1)
-    i, j = np.unravel_index(int(gain.argmax()), gain.shape)
-    return (int(i) + 1, int(j) + 1) if gain[i, j] > 1e-9 * legs.max() else None
+@njit(cache=True)
+def _best_turn(tour: NDArray[np.intp], legs: Array, least: float) -> tuple[int, int]:
+    """First and last index of the segment to reverse for the shortest tour; 0, 0 if none helps."""
+    best, first, last = least, 0, 0
+    for i in range(1, len(tour)):
+        for j in range(i + 1, len(tour)):
+            gain = legs[tour[i - 1], tour[i]] - legs[tour[i - 1], tour[j]]
+            if j + 1 < len(tour):
+                gain += legs[tour[j], tour[j + 1]] - legs[tour[i], tour[j + 1]]
+            if gain > best:
+                best, first, last = gain, i, j
+    return first, last

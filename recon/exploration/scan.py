@@ -133,7 +133,7 @@ def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detectio
     sigma, group = sigma_of(cloud), groups(side, distance / scales.cell)
     reach = MIN_POINTS_DISTANCE * scales.viewing_distance
     found = []
-    for number in range(group.max(initial=-1) + 1):
+    for number in np.flatnonzero(np.bincount(group) >= MIN_POINTS):
         rows = group == number
         if rows.sum() >= max(MIN_POINTS, (reach / np.median(distance[rows])) ** 2):
             one = _detection(distance[rows], side[rows], sigma[rows], place, ahead)

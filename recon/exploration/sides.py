@@ -109,8 +109,8 @@ class Sides:
         """The sides that are left after a view from a position."""
         missing, shown, worth = self.missing.copy(), self.shown.copy(), self.worth.copy()
         rows = self._in_view(place, azimuth_rad)
-        for row in rows:
-            missing[row] &= ~self._within(row, place)
+        bearings = self.azimuth[rows, place] + math.pi
+        missing[rows] &= turn(BEARINGS_RAD, bearings[:, None]) > self.arc[rows, None]
         shown[rows] = _shown(self.azimuth[rows], self.slack[rows], missing[rows], self.arc[rows])
         changed = np.flatnonzero((shown[rows] != self.shown[rows]).any(axis=0))
         _add_up(worth, changed, shown, self.azimuth, self.slack)
@@ -137,12 +137,6 @@ class Sides:
         miss = turn(self.azimuth[:, place], np.array(azimuth_rad))
         return np.flatnonzero(miss <= self.slack[:, place])
 
-    def _within(self, row: np.intp, place: int) -> Mask:
-        """Mask (BEARINGS,) of the bearings that a view of one obstacle from a position covers."""
-        bearing = self.azimuth[row, place] + math.pi
-        within: Mask = turn(BEARINGS_RAD, np.array(bearing)) <= self.arc[row]
-        return within
-
 
 def is_known(obstacle: Obstacle) -> bool:
     """True if an obstacle was seen from enough sides for its label and its map."""
@@ -151,10 +145,11 @@ def is_known(obstacle: Obstacle) -> bool:
 
 def widest_gap(bearings_rad: Array) -> float:
     """The widest angle between neighbouring directions (V,); a full turn for one or none."""
-    if not len(bearings_rad):
+    ordered: list[float] = sorted(np.mod(bearings_rad, 2.0 * math.pi).tolist())
+    if not ordered:
         return 2.0 * math.pi
-    ordered = np.sort(np.mod(bearings_rad, 2.0 * math.pi))
-    return float(np.diff(ordered, append=ordered[0] + 2.0 * math.pi).max())
+    following = [*ordered[1:], ordered[0] + 2.0 * math.pi]
+    return max(after - before for before, after in zip(ordered, following, strict=True))
 
 
 def _planned_gap(obstacle: Obstacle | Detection) -> float:
@@ -189,26 +184,29 @@ def _apart(a_rad: float, b_rad: float) -> float:
 
 
 @njit(cache=True)
-def _new(bearing: float, missing: Mask, arc: float) -> int:
-    """Number of the missing bearings (BEARINGS,) that a view from a bearing covers."""
-    new = 0
-    for number in range(len(BEARINGS_RAD)):
-        if missing[number] and _apart(bearing, BEARINGS_RAD[number]) <= arc:
-            new += 1
-    return new
+def _before(missing: Mask) -> NDArray[np.intp]:
+    """Number of missing bearings before each one, over three turns."""
+    number = len(missing)
+    before = np.zeros(3 * number + 1, np.intp)
+    for bearing in range(3 * number):
+        before[bearing + 1] = before[bearing] + missing[bearing % number]
+    return before
 
 
 @njit(cache=True)
 def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
     """Share (O, C) of a side of each obstacle that views from each position would cover."""
-    shown = np.zeros(azimuth.shape)
+    shown, number = np.zeros(azimuth.shape), len(BEARINGS_RAD)
     for row in range(azimuth.shape[0]):
-        total = _new(0.0, missing[row], math.pi)
-        side = arc[row] * len(BEARINGS_RAD) / math.pi
+        before = _before(missing[row])
+        total, half = before[number], arc[row] * number / (2.0 * math.pi)
         for c in range(azimuth.shape[1] if total > 0 else 0):
             if slack[row, c] >= 0.0:
-                new = _new(azimuth[row, c] + math.pi, missing[row], arc[row])
-                shown[row, c] = _share(new, total, side)
+                # Bearings are half a spacing off the multiples of it; those of the middle turn.
+                middle = (azimuth[row, c] / (2.0 * math.pi) + 0.5) % 1.0 * number - 0.5 + number
+                first, last = math.ceil(middle - half), math.floor(middle + half)
+                new = before[last + 1] - before[first]
+                shown[row, c] = _share(new, total, 2.0 * half)
     return shown
 
 

@@ -13,6 +13,10 @@ from recon.exploration.floor import RAY_SPACING, ROUNDING, Array, Mask
 
 HIDDEN = -1
 Cells = NDArray[np.int32]
+Rays = tuple[Cells, Cells, Cells]
+"""Unknown cells, their samples and their number along rays, as `cast` gives them."""
+Best = tuple[Array, NDArray[np.intp]]
+"""Highest value (C,) of a view from each position, and its ray (C,)."""
 
 
 @njit(cache=True)
@@ -37,9 +41,7 @@ def _march(blocking: Mask, place: Array, azimuth: float, radii: Array, cell: Cel
 
 
 @njit(cache=True)
-def cast(
-    blocking: Mask, unknown: Mask, places: Array, azimuths: Array, radii: Array
-) -> tuple[Cells, Cells, Cells]:
+def cast(blocking: Mask, unknown: Mask, places: Array, azimuths: Array, radii: Array) -> Rays:
     """Unknown cells (X * Z,) that are visible along rays from some positions.
 
     Returns
@@ -83,24 +85,30 @@ def _along(cell: Cells, sample: Cells, unknown: Mask, area: Array) -> float:
 
 @njit(cache=True)
 def _sweep(along: Array, half: int, field: Array) -> None:
-    """Add to each ray's `field` (A,) the areas along it and along `half` rays on both sides."""
+    """Set each ray's `field` (A,) to the areas along it and along `half` rays on both sides."""
     number = len(along)
+    total = 0.0
     for turn in range(-half, half + 1):
-        first = turn % number
-        for a in range(number - first):
-            field[a] += along[a + first]
-        for a in range(number - first, number):
-            field[a] += along[a + first - number]
+        total += along[turn % number]
+    for a in range(number):
+        field[a] = total
+        total += along[(a + half + 1) % number] - along[(a - half) % number]
 
 
 @njit(cache=True)
-def fields(
-    rays: tuple[Cells, Cells, Cells],
-    places: NDArray[np.intp],
-    unknown: Mask,
-    area: Array,
-    half: int,
-) -> Array:
+def _field(rays: Rays, place: int, unknown: Mask, area: Array, half: int, field: Array) -> None:
+    """Set `field` (A,) to the unknown area of a view from one position along each ray."""
+    cell, sample, number = rays
+    along = np.zeros(len(field))
+    if number[place].max() > 0:
+        for a in range(len(field)):
+            own = slice(0, number[place, a])
+            along[a] = _along(cell[place, a, own], sample[place, a, own], unknown, area)
+    _sweep(along, half, field)
+
+
+@njit(cache=True)
+def fields(rays: Rays, places: NDArray[np.intp], unknown: Mask, area: Array, half: int) -> Array:
     """Unknown area (C, A) in the field of a view along each ray: `half` rays on both sides.
 
     Parameters
@@ -114,17 +122,92 @@ def fields(
     area : (R,) float64
         Area that each sample represents.
     """
-    cell, sample, number = rays
-    field = np.zeros(number.shape)
-    along = np.empty(number.shape[1])
+    field = np.zeros(rays[2].shape)
     for c in places:
-        if number[c].max() == 0:
-            continue
-        for a in range(number.shape[1]):
-            own = slice(0, number[c, a])
-            along[a] = _along(cell[c, a, own], sample[c, a, own], unknown, area)
-        _sweep(along, half, field[c])
+        _field(rays, c, unknown, area, half, field[c])
     return field
+
+
+@njit(cache=True)
+def _first_best(values: Array, slack: float) -> int:
+    """Index of the first value that is the maximum up to a slack."""
+    highest = values.max()
+    for number in range(len(values)):
+        if values[number] >= highest - slack:
+            return number
+    return 0
+
+
+@njit(cache=True)
+def _look_again(
+    rays: Rays, place: int, unknown: Mask, area: Array, half: int, barred: Mask, best: Best
+) -> None:
+    """Set the best view from one position, of those not `barred` (A,)."""
+    field = np.empty(len(barred))
+    _field(rays, place, unknown, area, half, field)
+    field[barred] = 0.0
+    ray = _first_best(field, ROUNDING * field.max())
+    best[0][place], best[1][place] = field[ray], ray
+
+
+@njit(cache=True)
+def best_fields(rays: Rays, unknown: Mask, area: Array, half: int, barred: Mask) -> Best:
+    """The views that show most unknown area, of those not `barred` (C, A)."""
+    number = len(barred)
+    best = (np.zeros(number), np.zeros(number, np.intp))
+    for c in range(number):
+        _look_again(rays, c, unknown, area, half, barred[c], best)
+    return best
+
+
+@njit(cache=True)
+def best_place(
+    rays: Rays,
+    unknown: Mask,
+    area: Array,
+    half: int,
+    barred: Mask,
+    best: Best,
+    costs: tuple[Array, Array],
+) -> int:
+    """Position whose view shows most unknown area for its cost; -1 if none shows enough.
+
+    What is left to see only shrinks: views are looked at again only where they decide.
+
+    Parameters
+    ----------
+    best : Best
+        The best views while more was unknown; updated where they are looked at again.
+    costs : (C,), (C,)
+        Cost of each position, and the area that a view from it has to show.
+    """
+    cost, least = costs
+    is_new = np.zeros(len(cost), np.bool_)
+    score = np.where(best[0] >= least, best[0] / cost, 0.0)
+    while True:
+        c = _first_best(score, ROUNDING * score.max())
+        if is_new[c] or score[c] == 0.0:
+            return c if score[c] > 0.0 else -1
+        _look_again(rays, c, unknown, area, half, barred[c], best)
+        score[c], is_new[c] = best[0][c] / cost[c] if best[0][c] >= least[c] else 0.0, True
+
+
+@njit(cache=True)
+def best_rays(worth: Array, barred: Mask) -> Best:
+    """The views of highest worth (C, A), of those not `barred` (C, A)."""
+    number = len(worth)
+    best = (np.zeros(number), np.zeros(number, np.intp))
+    for c in range(number):
+        for a in range(worth.shape[1]):
+            if worth[c, a] > best[0][c] and not barred[c, a]:
+                best[0][c] = worth[c, a]
+    slack = ROUNDING * best[0].max()
+    for c in range(number):
+        for a in range(worth.shape[1]):
+            if worth[c, a] >= best[0][c] - slack and not barred[c, a]:
+                best[1][c] = a
+                break
+    return best
 
 
 @njit(cache=True)

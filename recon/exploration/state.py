@@ -66,6 +66,8 @@ class State:
 
 def _inside(obstacle: Obstacle, floor: Floor, shift: NDArray[np.intp]) -> Obstacle:
     """An obstacle with its cells on a part of the floor, shifted (2,) to that part."""
+    if not shift.any() and floor.holds(floor.cells(obstacle.centre + obstacle.radius)):
+        return obstacle
     cells, covered = obstacle.cells + shift, obstacle.covered + shift
     return replace(obstacle, cells=cells[floor.holds(cells)], covered=covered[floor.holds(covered)])
 

@@ -12,6 +12,7 @@ from recon.exploration.gains import AZIMUTHS_RAD, Visibility
 from recon.exploration.oracle import improved
 from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
+from recon.exploration.sight import best_rays
 
 MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 8
 """Maximum number of stops of a round: further ones hardly change where it begins."""
@@ -122,11 +123,10 @@ def add_objects(
     area = visibility.area(unknown, np.flatnonzero(sides.shown.any(axis=0)))
     ground = scales.much_area * area / (area + scales.much_area)
     for _ in range(MAX_OBJECT_STOPS):
-        worth = np.where(visibility.barred, 0.0, scales.side_area * sides.worth)
-        worth += np.where(worth > 0.0, ground, 0.0)
-        ray = first_best(worth, axis=1)
+        worth = np.where(sides.worth > 0.0, scales.side_area * sides.worth + ground, 0.0)
+        most, ray = best_rays(worth, visibility.barred)
         detour, position = tour.detours()
-        score = worth.max(axis=1) / (detour + scales.pair_cost)
+        score = most / (detour + scales.pair_cost)
         best = int(first_best(score))
         if score[best] == 0.0:
             return
@@ -143,20 +143,14 @@ def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales
     is_little = unknown.mean() <= MAX_UNKNOWN
     least_rate = scales.min_area / scales.viewing_distance if is_little else 0.0
     early = EARLY if tour.stops else 1.0
-    rows = np.arange(len(tour.places))
+    best = visibility.best(unknown)
     for _ in range(MAX_GROUND_STOPS):
-        area = visibility.area(unknown, rows)
-        shown = area.max(axis=1)
-        # The unknown ground only shrinks along the round.
-        rows = np.flatnonzero(shown >= scales.min_area)
         detour, position = tour.detours(early)
         least = np.maximum(scales.min_area, least_rate * detour)
-        score = np.where(shown >= least, shown, 0.0) / (detour + scales.stop_cost)
-        best = int(first_best(score))
-        if score[best] == 0.0:
+        stop = visibility.best_place(unknown, best, detour + scales.stop_cost, least)
+        if stop is None:
             return
-        ray = int(first_best(area[best]))
-        tour.stops.insert(position[best], (best, ray))
-        azimuth = float(AZIMUTHS_RAD[ray])
-        unknown = visibility.left(unknown, tour.places[best], azimuth)
-        visibility = visibility.without([(tour.places[best], azimuth)], scales.same_place)
+        tour.stops.insert(position[stop[0]], stop)
+        place, azimuth = tour.places[stop[0]], float(AZIMUTHS_RAD[stop[1]])
+        unknown = visibility.left(unknown, place, azimuth)
+        visibility = visibility.without([(place, azimuth)], scales.same_place)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
@@ -78,10 +79,22 @@ def vantage_points(paths: ShortestPaths, unknown: Mask, scales: Scales) -> Array
 
 def _one_per_block(cells: NDArray[np.intp], distance: Array, block: int) -> NDArray[np.intp]:
     """The nearest of the cells (N, 2) in each square of block x block cells."""
-    number = cells // block @ np.array([1 + distance.shape[1] // block, 1])
-    nearest_first = np.lexsort((distance[tuple(cells.T)], number))
-    _, first = np.unique(number[nearest_first], return_index=True)
-    return cells[nearest_first[first]]
+    width = 1 + distance.shape[1] // block
+    number = cells // block @ np.array([width, 1])
+    first = _nearest(number, distance[tuple(cells.T)], width * (1 + distance.shape[0] // block))
+    nearest: NDArray[np.intp] = cells[first[first >= 0]]
+    return nearest
+
+
+@njit(cache=True)
+def _nearest(number: NDArray[np.intp], distance: Array, num_groups: int) -> NDArray[np.intp]:
+    """Row of the first nearest entry of each group that the entries belong to; -1 = none."""
+    nearest = np.full(num_groups, -1, np.intp)
+    for row in range(len(number)):
+        best = nearest[number[row]]
+        if best < 0 or distance[row] < distance[best]:
+            nearest[number[row]] = row
+    return nearest
 
 
 def viewpoint(

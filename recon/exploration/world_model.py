@@ -1,5 +1,6 @@
 """The agent's model of the world: the map, the floor, the obstacles and the detections."""
 
+import itertools
 import math
 from dataclasses import dataclass, field, replace
 
@@ -7,15 +8,15 @@ import numpy as np
 from scipy.ndimage import binary_closing
 from scipy.spatial.distance import cdist
 
+from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
-from recon.exploration.obstacles import Observations, Obstacle, columns, find_obstacles
+from recon.exploration.obstacles import Observations, Obstacle, find_obstacles
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
 from recon.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.occupancy import occupied
 
 SURE_SIGMA = 1.0
 """A point is reliable if its depth is known to one cell."""
@@ -33,6 +34,7 @@ class WorldModel:
     settings: Settings
     voxel_map: VoxelMap
     floor: Floor = field(init=False)
+    columns: Columns = field(init=False)
     scales: Scales = field(init=False)
     observations: Observations = field(default_factory=Observations)
     obstacles: tuple[Obstacle, ...] = ()
@@ -46,6 +48,12 @@ class WorldModel:
     def __post_init__(self) -> None:
         world, cell_size = self.settings.world, self.settings.map.cell_size
         self.floor = Floor(size_x=world.size_x, size_z=world.size_z, cell_size=cell_size)
+        self.columns = Columns(
+            voxel_map=self.voxel_map,
+            settings=self.settings.map,
+            floor=self.floor,
+            ground=self.ground,
+        )
         self.scales = Scales.of(self.settings)
 
     @property
@@ -84,7 +92,7 @@ class WorldModel:
             _, distance = polar(standing.points[:, [0, 2]], place)
             growth = np.quantile(sigma_of(standing) / distance**2, NEARLY_ALL)
             self.growth.append(float(growth))
-        self._find_obstacles()
+        self._find_obstacles(cloud)
         reach = self.settings.exploration.sight_range
         ground = (self.settings.recognition.ground or 0.0, self.settings.eyes.far)
         seen = scan(view, pair, standing, reach, ground, self.floor)
@@ -105,15 +113,13 @@ class WorldModel:
         self.timeline = before.timeline
         self.floor.touched |= before.floor.touched
 
-    def _find_obstacles(self) -> None:
-        """Update the occupied cells of the floor and the obstacles from the map."""
-        voxels = occupied(self.voxel_map, self.settings.map)
-        voxels = voxels.select(voxels.centres[:, 1] >= self.ground)
-        under = self.floor.mask(columns(voxels, self.floor.cell_size))
-        self.floor.occupied = binary_closing(under, NEIGHBOURS)
+    def _find_obstacles(self, cloud: PointCloud) -> None:
+        """Update the occupied cells of the floor and the obstacles where a pair has points."""
+        touched = self.columns.update(cloud.points)
+        self.floor.occupied = binary_closing(self.columns.under, NEIGHBOURS)
         min_voxels = self.settings.recognition.min_voxels
         before = [one for one in self.obstacles if one.found is not None]
-        found = find_obstacles(voxels, self.floor, self.observations, min_voxels, self.obstacles)
+        found = find_obstacles(self.columns, self.observations, min_voxels, self.obstacles, touched)
         self.obstacles = with_names(found, before)
 
     def _named(self, obstacle: Obstacle) -> Obstacle:
@@ -149,12 +155,13 @@ class WorldModel:
 
     def _note(self, new: Detection) -> None:
         """Keep a detection; of two that may show the same obstacle, the more reliable one."""
-        same = [old for old in self.detections if self._may_be_one(old, new)]
-        others = tuple(old for old in self.detections if not self._may_be_one(old, new))
+        is_same = [self._may_be_one(old, new) for old in self.detections]
+        others = (old for old, same in zip(self.detections, is_same, strict=True) if not same)
+        same = itertools.compress(self.detections, is_same)
         self.detections = (*others, min([*same, new], key=lambda detection: detection.sigma))
 
     def _may_be_one(self, a: Detection, b: Detection) -> bool:
-        apart = float(np.hypot(*(a.centre - b.centre)))
+        apart = math.dist(a.centre, b.centre)
         margin = self.scales.same_obstacle
         return apart <= max(margin, a.radius, b.radius, 2.0 * (a.sigma + b.sigma))
 
@@ -168,11 +175,18 @@ def _is_due(obstacle: Obstacle) -> bool:
 def with_names(obstacles: tuple[Obstacle, ...], named: list[Obstacle]) -> tuple[Obstacle, ...]:
     """The obstacles with their previous names, if they had one."""
     if not obstacles or not named:
-        return tuple(replace(one, found=None, num_named=0) for one in obstacles)
+        return tuple(_with_name(one, None, 0) for one in obstacles)
     apart = cdist([one.centre for one in obstacles], [one.centre for one in named])
     nearest = [named[number] for number in apart.argmin(axis=1)]
     is_same = apart.min(axis=1) <= [one.radius for one in obstacles]
     return tuple(
-        replace(one, found=old.found if same else None, num_named=old.num_named if same else 0)
+        _with_name(one, old.found if same else None, old.num_named if same else 0)
         for one, old, same in zip(obstacles, nearest, is_same, strict=True)
     )
+
+
+def _with_name(obstacle: Obstacle, found: FoundObject | None, num_named: int) -> Obstacle:
+    """The obstacle with a name and the number of cells that it was named by."""
+    if obstacle.found is found and obstacle.num_named == num_named:
+        return obstacle
+    return replace(obstacle, found=found, num_named=num_named)

@@ -10,6 +10,7 @@ from recon.records import Voxels
 from recon.settings import MapSettings
 from recon.settings.mapping import OccupancyRule
 from recon.voxelmap.rays import log_odds
+from recon.voxelmap.table import Choose
 from recon.voxelmap.voxelmap import VoxelMap
 
 Mask = NDArray[np.bool_]
@@ -69,8 +70,13 @@ def new_map(settings: MapSettings) -> VoxelMap:
     return VoxelMap(settings.cell_size, channels=channels, ray_margin=settings.ray_margin)
 
 
-def occupied(voxel_map: VoxelMap, settings: MapSettings) -> Voxels:
+def occupied(voxel_map: VoxelMap, settings: MapSettings, chosen: Choose | None = None) -> Voxels:
     """The cells for which every rule of the settings holds.
+
+    Parameters
+    ----------
+    chosen : Callable, optional
+        Mask (K,) of the cells to look at, by their indices (K, 3); all by default.
 
     Raises
     ------
@@ -80,7 +86,7 @@ def occupied(voxel_map: VoxelMap, settings: MapSettings) -> Voxels:
     for rule in settings.occupancy:
         voxel_map.check_channels(RULES[rule].channels)
     is_counted = "count" in settings.occupancy
-    voxels = voxel_map.occupied(min_count=settings.min_count if is_counted else 1)
+    voxels = voxel_map.occupied(settings.min_count if is_counted else 1, chosen)
     for rule in settings.occupancy:
         voxels = voxels.select(RULES[rule].holds(voxels, settings))
     return voxels

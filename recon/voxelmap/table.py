@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 Rows = NDArray[np.void]
 Slots = NDArray[np.uint32]
+Choose = Callable[[NDArray[np.integer]], NDArray[np.bool_]]
+"""A mask (K,) of cells by their indices (K, 3)."""
 
 MAX_INDEX = 2**31 - 1
 """Largest cell index along an axis, on either side of 0."""

@@ -15,7 +15,7 @@ from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan, eye_of
 from recon.voxelmap.coarse import CoarseMaps
 from recon.voxelmap.rays import Rays, Sightings
-from recon.voxelmap.table import MAX_INDEX, Rows, in_order, order_of
+from recon.voxelmap.table import MAX_INDEX, Choose, Rows, in_order, order_of
 from recon.voxelmap.views import ViewSets
 from recon.voxelmap.weights import Weights
 
@@ -160,11 +160,13 @@ class VoxelMap:
         for name, channel in self._channels.items():
             channel.merge(other._channels[name], rows)
 
-    def occupied(self, min_count: int = 5) -> Voxels:
-        """The cells with at least `min_count` points, ordered by x, then y, then z."""
+    def occupied(self, min_count: int = 5, chosen: Choose | None = None) -> Voxels:
+        """The `chosen` cells with at least `min_count` points, ordered by x, then y, then z."""
         check_number("min_count", min_count)
-        chosen = np.flatnonzero(self._hits.used["count"] >= min_count)
-        return self._voxels(chosen[order_of(self._hits.rows["index"][chosen])])
+        rows = np.flatnonzero(self._hits.used["count"] >= min_count)
+        if chosen is not None:
+            rows = rows[chosen(self._hits.rows["index"][rows])]
+        return self._voxels(rows[order_of(self._hits.rows["index"][rows])])
 
     def to_open3d(self, min_count: int = 1) -> Any:
         """An open3d PointCloud of the cells with at least `min_count` points, at their means."""
@@ -199,10 +201,8 @@ class VoxelMap:
         corners = np.asarray([low, high], dtype=np.float64)
 
         def is_inside(index: NDArray[np.integer]) -> NDArray[np.bool_]:
-            middle = (index.astype(np.float64) + 0.5) * self.cell_size
-            within = (middle >= corners[0]) & (middle <= corners[1])
-            inside: NDArray[np.bool_] = within.all(axis=1)
-            return inside
+            at = (index.astype(np.float64) + 0.5) * self.cell_size
+            return np.asarray(((at >= corners[0]) & (at <= corners[1])).all(axis=1), np.bool_)
 
         part = VoxelMap(self.cell_size, channels=self.channels, ray_margin=self.ray_margin)
         part.has_colour = self.has_colour

@@ -25,10 +25,9 @@ def explore_discs(monkeypatch) -> Callable[..., Exploration]:
         observe=None,
         take=None,
         led_by=None,
-        size: float = 120.0,
+        size: float = 100.0,
         scale: float = 1.0,
         glass: Discs = (),
-        again: bool = False,
         **exploration,
     ) -> Exploration:
         changes = {
@@ -40,7 +39,7 @@ def explore_discs(monkeypatch) -> Callable[..., Exploration]:
             discs=scale * np.array(discs).reshape(-1, 4), settings=settings, glass=glass
         )
         key = (tuple(discs), tuple(glass), repr(settings))
-        is_alone = not (observe or take or led_by or again)
+        is_alone = not (observe or take or led_by)
         if is_alone and key in DONE:
             return DONE[key]
         monkeypatch.setattr(mapper, "match_points", world.match_points)

@@ -1,7 +1,7 @@
 """A world of upright cylinders, and a stereo that samples them: explorers without images."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -122,8 +122,7 @@ class Flatland:
         cloud = PointCloud(
             points=noisy, colours=np.full((len(noisy), 3), 90, dtype=np.uint8), sigma=sigma
         )
-        none = cloud.select(slice(0))
-        return PairResult(matches=no_matches(), cloud=cloud, doubtful=none, image_noise=(0.0, 0.0))
+        return replace(nothing(), cloud=cloud)
 
     def _visible(self, pair, rng):
         """Pixels of the left eye that are edges (one in ten), and where they lie in the world."""
@@ -149,6 +148,14 @@ def _hit(eye, rays, disc):
     t = (-b - np.sqrt(np.maximum(root, 0))) / a
     y = eye[1] + t * rays[:, 1]
     return np.where((root > 0) & (t > 0) & (y > 0) & (y < height), t, np.inf)
+
+
+def nothing():
+    """The result of a pair that shows nothing."""
+    none = PointCloud(
+        points=np.empty((0, 3)), colours=np.empty((0, 3), dtype=np.uint8), sigma=np.empty(0)
+    )
+    return PairResult(matches=no_matches(), cloud=none, doubtful=none, image_noise=(0.0, 0.0))
 
 
 def no_matches():

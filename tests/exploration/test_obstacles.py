@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
+from recon.exploration.columns import Columns
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import (
     MIN_POINTS_OF_VIEW,
     Observations,
-    columns,
     find_obstacles,
     patches,
 )
 from recon.records import PointCloud
-from recon.voxelmap import VoxelMap
+from recon.settings import MapSettings
+from recon.voxelmap.occupancy import new_map
 
 
 def cloud(points):
@@ -26,13 +27,25 @@ def pillar(x, z, height=12):
     return cells.reshape(-1, 3) + np.array([x + 0.5, 0.5, z + 0.5])
 
 
-def obstacles_of(points, places=(), min_voxels=12, cell_size=1.0):
-    voxel_map = VoxelMap(cell_size)
-    voxel_map.insert(cloud(points))
-    floor, observations = Floor(size_x=100, size_z=100), Observations()
+def columns_of(points, cell_size=1.0, **settings):
+    chosen = MapSettings(cell_size=cell_size, min_count=1, **settings)
+    floor = Floor(size_x=100, size_z=100, cell_size=cell_size)
+    columns = Columns(voxel_map=new_map(chosen), settings=chosen, floor=floor, ground=0.0)
+    added(columns, points)
+    return columns
+
+
+def added(columns, points):
+    """Put points into the map of some columns; the cells that may have changed."""
+    columns.voxel_map.insert(cloud(points), origin=(0.0, 40.0, 0.0))
+    return columns.update(points)
+
+
+def obstacles_of(points, places=(), min_voxels=12):
+    columns, observations = columns_of(points), Observations()
     for place in places:
-        observations.add(np.array(place), cloud(points), floor)
-    return find_obstacles(voxel_map.occupied(1), floor, observations, min_voxels)
+        observations.add(np.array(place), cloud(points), columns.floor)
+    return find_obstacles(columns, observations, min_voxels)
 
 
 @pytest.mark.parametrize(("gap", "number"), [(1, 1), (2, 2)])
@@ -64,33 +77,45 @@ def test_bearings_are_of_the_places_that_saw_enough():
     assert len(pillar(10, 5)) >= MIN_POINTS_OF_VIEW
     (obstacle,) = obstacles_of(pillar(10, 5), places=[(30.5, 5.5), (10.5, -20.0)])
     assert obstacle.bearings_rad == pytest.approx([0.0, -np.pi / 2])
-    floor, observations = Floor(size_x=100, size_z=100), Observations()
-    observations.add(np.array([30.5, 5.5]), cloud(pillar(10, 5)[: MIN_POINTS_OF_VIEW - 1]), floor)
-    voxel_map = VoxelMap(1.0)
-    voxel_map.insert(cloud(pillar(10, 5)))
-    (obstacle,) = find_obstacles(voxel_map.occupied(1), floor, observations, 12)
+    columns, observations = columns_of(pillar(10, 5)), Observations()
+    few = cloud(pillar(10, 5)[: MIN_POINTS_OF_VIEW - 1])
+    observations.add(np.array([30.5, 5.5]), few, columns.floor)
+    (obstacle,) = find_obstacles(columns, observations, 12)
     assert len(obstacle.bearings_rad) == 0
 
 
 def test_only_what_has_changed_is_worked_out_anew():
-    voxel_map, floor, observations = VoxelMap(1.0), Floor(size_x=100, size_z=100), Observations()
-    voxel_map.insert(cloud(np.vstack([pillar(10, 5), pillar(-20, -7)])))
-    before = find_obstacles(voxel_map.occupied(1), floor, observations, 12)
-    voxel_map.insert(cloud(pillar(10, 5)[:1]))
-    observations.add(np.array([-20.0, 20.0]), cloud(pillar(-20, -7)), floor)
-    kept, grown = find_obstacles(voxel_map.occupied(1), floor, observations, 12, before)
-    assert kept.voxels is before[0].voxels
-    assert kept.bearings_rad == pytest.approx([np.arctan2(26.5, -0.5)])
-    assert grown.voxels is not before[1].voxels
+    columns, observations = columns_of(np.vstack([pillar(10, 5), pillar(-20, -7)])), Observations()
+    before = find_obstacles(columns, observations, 12)
+    observations.add(np.array([10.5, 20.0]), cloud(pillar(10, 5)), columns.floor)
+    touched = added(columns, pillar(10, 5)[:1])
+    kept, grown = find_obstacles(columns, observations, 12, before, touched)
+    assert kept is before[0]
+    assert grown.bearings_rad == pytest.approx([np.pi / 2])
     assert grown.voxels.counts.sum() == before[1].voxels.counts.sum() + 1
+    assert grown.covered is before[1].covered
+
+
+@pytest.mark.parametrize("occupancy", [("count",), ("count", "carving")])
+def test_pairs_one_by_one_give_the_obstacles_of_all_at_once(occupancy):
+    rng = np.random.default_rng(4)
+    pairs = [pillar(*rng.integers(-40, 40, 2))[: rng.integers(20, 99)] for _ in range(12)]
+    columns, observations, found = columns_of(pairs[0], occupancy=occupancy), Observations(), ()
+    for points in pairs:
+        found = find_obstacles(columns, observations, 12, found, added(columns, points))
+    columns.under[:] = False
+    columns.under |= columns.floor.mask(columns.over(~columns.under).centres[:, [0, 2]])
+    fresh = find_obstacles(columns, observations, 12)
+    assert len(found) == len(fresh) > 6
+    for one, other in zip(found, fresh, strict=True):
+        assert one.cells.tolist() == other.cells.tolist()
+        assert one.voxels.counts.tolist() == other.voxels.counts.tolist()
 
 
 @pytest.mark.parametrize("cell_size", [0.5, 1.0, 2.5])
-def test_cells_of_any_size_cover_their_floor(cell_size):
-    voxel_map = VoxelMap(cell_size)
+def test_cells_of_any_size_are_above_their_floor(cell_size):
     x = np.arange(0.1, 20.0, 0.2)
-    voxel_map.insert(cloud(np.column_stack([x, np.full(100, 3.0), np.full(100, 0.4)])))
-    floor = Floor(size_x=60, size_z=60)
-    covered = floor.mask(columns(voxel_map.occupied(1), 1.0))
-    assert covered[30:50, 30].all()
-    assert 20 <= covered.sum() <= 20 * np.ceil(cell_size) + 3
+    line = np.column_stack([x, np.full(100, 3.0), np.full(100, 0.4)])
+    columns = columns_of(line, cell_size)
+    assert (columns.under == columns.floor.mask(line[:, [0, 2]])).all()
+    assert columns.under.sum() == np.ceil(20.0 / cell_size)
