@@ -26,10 +26,10 @@ def write_wall(path: Path) -> None:
     write_mesh(path, Mesh(vertices=vertices, triangles=triangles, colours=colours))
 
 
-def render_drive(folder: Path, num_views: int) -> Path:
+def render_drive(folder: Path, num_views: int, size: list[str] = SIZE) -> Path:
     """Render views past the wall; the folder of the recording."""
     write_wall(folder / "wall.ply")
     views = ["--views", f"drive:{num_views}"]
     drive = folder / "drive"
-    assert main(["render", str(folder / "wall.ply"), *views, *SIZE, *RIG, "-o", str(drive)]) == 0
+    assert main(["render", str(folder / "wall.ply"), *views, *size, *RIG, "-o", str(drive)]) == 0
     return drive

@@ -1,31 +1,134 @@
-"""The pages that a stranger follows, line by line, in a folder of their own."""
+"""The pages that a stranger follows, line by line, each in a folder with small stand-ins."""
 
 import json
+import pickle
 import re
 import shlex
+from contextlib import contextmanager
 from pathlib import Path
 
+import click
 import pytest
 
+import recon
 from recon.cli import main
+from recon.cli.main import program
+from recon.world.scene import read_scene
+from tests import stand_ins
+from tests.app.conftest import served
+from tests.recordings import SIZE
 
 DOCS = Path(__file__).parents[1] / "docs"
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+
+PREPARED = {
+    "start.md": None,
+    "concepts/occupancy.md": None,
+    "howto/catalogue.md": stand_ins.mugs,
+    "howto/cluster.md": stand_ins.jobs,
+    "howto/headless.md": None,
+    "howto/large.md": stand_ins.drives,
+    "howto/localise.md": stand_ins.places,
+    "howto/programs.md": stand_ins.walk,
+    "howto/recording.md": stand_ins.recordings,
+    "howto/rig.md": stand_ins.boards,
+    "howto/scene.md": stand_ins.scene,
+    "howto/surfaces.md": stand_ins.drive_run,
+}
+"""Pages, and what makes the files that a page takes for granted."""
+ELSEWHERE = {"hour.md": "below, with what it must leave", "plugin/README.md": "test_plugin_example"}
+SMALLER = {
+    "explore own.scene": ["--max-pairs", "2"],
+    "explore village": ["--max-pairs", "2"],
+    "render village --views ring:20": SIZE,
+    "render cottage --views ring:20": SIZE,
+    "batch jobs.toml --scheduler": ["--resume", "-j", "1"],
+}
+"""Beginnings of commands, and the words that make less work of them."""
+OTHER_WORDS = {
+    "/cam0/image_raw": "/stereo/left/image_rect",
+    "/cam1/image_raw": "/stereo/right/image_rect",
+    "/shared/runs/all": "runs/all",
+}
+
+
+def pages():
+    return {page.relative_to(DOCS).as_posix(): page for page in sorted(DOCS.rglob("*.md"))}
 
 
 def blocks(page):
     """Language and text of each block of a page."""
-    return re.findall(r"^```(console|python)\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S)
+    return BLOCK.findall((DOCS / page).read_text())
+
+
+def commands(text):
+    return [shlex.split(line.partition(" #")[0]) for line in text.splitlines()]
+
+
+def smaller(words):
+    """The words of a command, with those that the stand-ins ask for."""
+    line = " ".join(words)
+    extra = next((words for begin, words in SMALLER.items() if line.startswith(begin)), [])
+    return [OTHER_WORDS.get(word, word) for word in words] + extra
+
+
+@contextmanager
+def a_cluster(words):
+    """The words of a command, `tcp://head:8786` replaced by a scheduler that is there."""
+    if "tcp://head:8786" not in words:
+        yield words
+        return
+    distributed = pytest.importorskip("distributed")
+    options = {"n_workers": 1, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(protocol="tcp://", **options) as cluster:
+        yield [cluster.scheduler_address if "head" in word else word for word in words]
+
+
+def do(words):
+    """Do what a command of a page says; a server is started and left."""
+    if words[0] in ("simulate", "inspect"):
+        with served(*words, folder=Path.cwd()) as url:
+            assert url.startswith("http://")
+        return
+    with a_cluster(smaller(words)) as given:
+        assert main(given) == 0, words
+
+
+class Sent:
+    """A scheduler that does the calls in this process, as they arrive at a worker."""
+
+    def __init__(self, *_):
+        pass
+
+    def outcomes(self, calls):
+        yield from (pickle.loads(pickle.dumps(call))() for _, call in calls)
 
 
 def follow(page):
-    """Do what a page says, in order."""
+    """Do what a page says, in order; its blocks of Python see what the earlier ones named."""
+    names = {}
     for language, text in blocks(page):
         if language == "python":
-            exec(compile(text, page, "exec"), {})
-            continue
-        for line in text.splitlines():
-            words = shlex.split(line.partition(" #")[0])
-            assert main(words[1:]) == 0, line
+            exec(compile(text, page, "exec"), names)
+        for words in commands(text) if language == "console" else ():
+            do(words[1:])
+
+
+def test_every_page_with_code_is_followed():
+    shown = [
+        page for page in pages() if any(kind in ("console", "python") for kind, _ in blocks(page))
+    ]
+    assert sorted(shown) == sorted([*PREPARED, *ELSEWHERE])
+
+
+@pytest.mark.parametrize("page", PREPARED)
+def test_what_a_page_says_works(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("recon.batch.schedulers.Processes", Sent)
+    prepare = PREPARED[page]
+    if prepare:
+        prepare(tmp_path)
+    follow(page)
 
 
 def test_the_first_hour_ends_with_a_figure_a_mesh_and_a_named_object(tmp_path, monkeypatch):
@@ -39,17 +142,51 @@ def test_the_first_hour_ends_with_a_figure_a_mesh_and_a_named_object(tmp_path, m
     assert b"object" in Path("named.ply").read_bytes()[:600]
 
 
-@pytest.mark.parametrize("page", ["start.md", "concepts/occupancy.md"])
-def test_what_a_page_says_works(page, tmp_path, monkeypatch):
+def understood(words):
+    """Read words as the program does, without doing what they say."""
+    command: click.Command = program
+    context = click.Context(program, info_name="recon")
+    while isinstance(command, click.Group):
+        name, command, words = command.resolve_command(context, words)
+    command.make_context(name, list(words), parent=context)
+
+
+def test_every_command_of_the_pages_is_one_that_the_program_knows():
+    found = [
+        words for page in pages() for kind, text in blocks(page) if kind == "console"
+        for words in commands(text)
+    ]  # fmt: skip
+    assert len(found) > 30
+    assert {words[0] for words in found} == {"recon"}
+    for words in found:
+        understood(words[1:])
+    with pytest.raises(click.NoSuchOption):
+        understood(["explore", "village", "--no-such-option"])
+
+
+def test_no_command_hides_in_a_block_without_a_language():
+    hidden = [text for page in pages() for language, text in blocks(page) if not language]
+    assert [text for text in hidden if text.startswith(("recon ", "import "))] == []
+
+
+def test_files_that_the_pages_promise_are_what_they_say(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert blocks(page)
-    follow(page)
+    stand_ins.walk(tmp_path)
+    follow("howto/programs.md")
+    assert len(recon.read("scan.ply")) == 2
+    assert sorted(recon.read("table.parquet").attributes) == ["time"]
+
+
+def test_the_scene_of_the_page_is_a_scene(tmp_path):
+    stand_ins.scene(tmp_path)
+    assert len(read_scene(tmp_path / "own.scene").visuals) == 2
 
 
 def test_links_between_pages_lead_somewhere():
-    pages = [*DOCS.glob("*.md"), *DOCS.glob("[chr]*/*.md")]
     links = [
-        (page, link) for page in pages for link in re.findall(r"\]\(([\w./-]+)\)", page.read_text())
+        (page, link)
+        for page in pages().values()
+        for link in re.findall(r"\]\(([\w./-]+)\)", page.read_text())
     ]
     assert len(links) > 10
     assert [

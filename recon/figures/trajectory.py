@@ -65,8 +65,10 @@ def trajectory(
 
 def _draw_directions(sheet: Sheet, axes: Any, at: Array, gaze: Array) -> None:
     shown = np.unique(np.linspace(0, len(at) - 1, min(MAX_ARROWS, len(at))).astype(int))
+    # z points down the page. matplotlib's own angles="xy" fails if all cameras are at the origin.
+    angles = np.degrees(np.arctan2(-gaze[shown, 1], gaze[shown, 0]))
     arrows = axes.quiver(
-        *at[shown].T, *gaze[shown].T, shown, cmap=scales.ORDER, zorder=4, angles="xy", scale=28,
+        *at[shown].T, *gaze[shown].T, shown, cmap=scales.ORDER, zorder=4, angles=angles, scale=28,
         width=0.003,
     )  # fmt: skip
     arrows.set_clim(0, len(at) - 1)

@@ -53,7 +53,9 @@ def test_sizes_are_as_asked_and_nothing_is_drawn_without_cells(nothing):
     assert image.std(axis=(0, 1)).max() == 0
     assert pixels(occupancy(nothing, sheet=small(300, 280))).shape == (280, 300, 3)
     assert pixels(labels(nothing, [], sheet=small(300, 280))).shape == (280, 300, 3)
-    assert pixels(trajectory(np.eye(4)[None], nothing, sheet=small())).shape == (320, 400, 3)
+    for at_rest in (1, 3):
+        poses = np.tile(np.eye(4), (at_rest, 1, 1))
+        assert pixels(trajectory(poses, nothing, sheet=small())).shape == (320, 400, 3)
 
 
 def test_floor_plans_have_no_idle_margins_unless_a_size_is_asked(voxels, ball):

@@ -12,46 +12,26 @@ from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.targets import Charuco, Chessboard, parse_target
 from recon.sequences.listing import list_pairs
 from recon.sequences.rectified_images import rectify_files
-
-SIZE = (480, 360)
-BOARD, SQUARE = (7, 5), 0.03
-K = np.array([[420.0, 0, 236.0], [0, 421.0, 183.0], [0, 0, 1]])
-TURN, STEP = np.array([0.01, -0.02, 0.005]), np.array([-0.12, 0.002, 0.001])
+from tests.sequences.drawn_boards import (
+    BOARD,
+    SIZE,
+    SQUARE,
+    STEP,
+    TURN,
+    K,
+    draw_boards,
+)
 
 
 def chessboard(corners=BOARD, square=SQUARE):
     return Chessboard(columns=corners[0], rows=corners[1], square=square)
 
 
-def board_image(rotation, step):
-    """The board as a camera sees it whose frame the board stands in at `rotation`, `step`."""
-    squares = np.indices((BOARD[1] + 1, BOARD[0] + 1)).sum(axis=0) % 2
-    print_px = 40
-    sheet = np.kron(squares, np.ones((print_px, print_px))) * 200 + 30
-    sheet = np.pad(sheet, print_px, constant_values=230).astype(np.uint8)
-    # Sheet pixel -> board metres, the first inner corner at the origin, then through the camera.
-    scale = SQUARE / print_px
-    to_board = np.array([[scale, 0, -1.9875 * SQUARE], [0, scale, -1.9875 * SQUARE], [0, 0, 1]])
-    H = K @ np.column_stack([rotation[:, 0], rotation[:, 1], step]) @ to_board
-    return cv2.warpPerspective(sheet, H, SIZE, flags=cv2.INTER_AREA, borderValue=120)
-
-
 @pytest.fixture(scope="module")
 def board_dirs(tmp_path_factory):
-    path = tmp_path_factory.mktemp("boards")
-    rng = np.random.default_rng(8)
-    R_right_left = Rotation.from_rotvec(TURN).as_matrix()
+    path = draw_boards(tmp_path_factory.mktemp("boards"))
     for side in ("left", "right"):
-        (path / side).mkdir()
-    for number in range(8):
-        R = Rotation.from_rotvec(rng.uniform(-0.4, 0.4, 3)).as_matrix()
-        step = np.array([-0.05, -0.05, 0.45]) + rng.uniform(-0.025, 0.025, 3)
-        left = board_image(R, step)
-        right = board_image(R_right_left @ R, R_right_left @ step + STEP)
-        cv2.imwrite(str(path / "left" / f"left{number:02d}.png"), left)
-        cv2.imwrite(str(path / "right" / f"right{number:02d}.png"), right)
-    cv2.imwrite(str(path / "left" / "left08.png"), np.full(SIZE[::-1], 100, np.uint8))
-    cv2.imwrite(str(path / "right" / "right08.png"), np.full(SIZE[::-1], 100, np.uint8))
+        cv2.imwrite(str(path / side / f"{side}08.png"), np.full(SIZE[::-1], 100, np.uint8))
     return path / "left", path / "right"
 
 

@@ -1,0 +1,107 @@
+"""Small stand-ins for what the pages speak of, each in the folder that a page is followed in."""
+
+import re
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from recon.cli import main
+from recon.exports import write
+from recon.records import Mesh, PointCloud
+from tests.exports.maps import a_cloud, a_map
+from tests.recordings import render_drive
+from tests.sequences.drawn_boards import draw_boards
+from tests.sequences.recordings import RIG, write_folder, write_ros1
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+
+def block(page: str, language: str, begin: str = "") -> str:
+    """The one block of a language on a page that holds `begin`."""
+    found = re.findall(rf"^```{language}\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S)
+    (text,) = (text for text in found if begin in text)
+    return text
+
+
+def mugs(folder: Path) -> None:
+    """Two clouds of mugs, a ring of views round a third, and the catalogue of the page."""
+    rng = np.random.default_rng(3)
+    for number, height in enumerate((2.0, 2.1), start=1):
+        turn, up = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(0, height, 3000)
+        points = np.stack([np.cos(turn), up, np.sin(turn)], axis=1)
+        write(PointCloud(points=points), folder / f"mug{number}.ply")
+    size = ["--set", "eyes.width=240", "--set", "eyes.height=180"]
+    assert main(["render", "cottage", "--views", "ring:8", *size, "-o", "table"]) == 0
+    (folder / "own.toml").write_text(block("howto/catalogue.md", "toml"))
+
+
+def jobs(folder: Path) -> None:
+    """The job file of the page, of explorations of one pair, and a recording."""
+    text = block("howto/cluster.md", "toml", "[[job]]")
+    short = text.replace("seed = 1", 'seed = 1\nsettings = { "exploration.max_pairs" = 1 }')
+    (folder / "jobs.toml").write_text(short)
+    write_folder(folder / "recordings" / "first")
+
+
+def drives(folder: Path) -> None:
+    """Recordings of drives, and the runs of two of them in parts."""
+    write_folder(folder / "recordings" / "drive")
+    for name in ("north", "south"):
+        where = ["recordings/drive", "--chunk", "2", "-o", f"runs/{name}", "-q"]
+        assert main(["reconstruct", *where]) == 0
+
+
+def places(folder: Path) -> None:
+    """A drive, the run of it, and the same drive as that of another day."""
+    drive(folder)
+    shutil.copytree(folder / "drive", folder / "today")
+    assert main(["reconstruct", "drive", "-o", "runs/drive", "-q"]) == 0
+
+
+def walk(folder: Path) -> None:
+    """What the run of a walk left, and files of other programs."""
+    (folder / "runs/walk").mkdir(parents=True)
+    a_map().save(folder / "runs/walk/map.npz")
+    write(a_cloud(), folder / "runs/walk/cloud.ply")
+    utm = np.array([[500050.0, 20.0, -5400050.0], [500060.0, 21.0, -5400060.0]])
+    write(PointCloud(points=utm), folder / "scan.laz")
+    triangle = Mesh(vertices=np.eye(3), triangles=np.array([[0, 1, 2]], np.int32))
+    write(triangle, folder / "part.stl")
+    (folder / "table.txt").write_text("0.1 1 2 3 9\n0.2 4 5 6 9\n")
+    write_folder(folder / "drive")
+
+
+def recordings(folder: Path) -> None:
+    """A bag, and a drive of images as wide as KITTI's."""
+    shutil.copy(write_ros1(folder / "bags"), folder / "recording.bag")
+    wide = write_folder(folder / "drive")
+    text = (wide / "calib.txt").read_text()
+    (wide / "calib.txt").write_text(text.replace(f" {RIG.cx_left_px} ", " 620.0 "))
+    for side in ("left", "right"):
+        for file in (wide / side).iterdir():
+            image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+            cv2.imwrite(str(file), cv2.resize(image, (1242, 375), interpolation=cv2.INTER_CUBIC))
+
+
+def boards(folder: Path) -> None:
+    """Images of a board of 9 by 6, one pair of them by name, and a drive."""
+    draw_boards(folder / "boards", board=(9, 6), square=0.025)
+    for side in ("left", "right"):
+        shutil.copy(folder / f"boards/{side}/{side}00.png", folder / f"{side}.png")
+    drive(folder)
+
+
+def scene(folder: Path) -> None:
+    (folder / "own.scene").write_text(block("howto/scene.md", "", "# Shader count"))
+
+
+def drive(folder: Path) -> None:
+    size = ["--set", "eyes.width=320", "--set", "eyes.height=240", "--set", "eyes.fov_deg=40"]
+    render_drive(folder, 3, size)
+
+
+def drive_run(folder: Path) -> None:
+    drive(folder)
+    assert main(["reconstruct", "drive", "-o", "runs/drive", "-q"]) == 0
