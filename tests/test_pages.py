@@ -115,9 +115,8 @@ def follow(page):
 
 
 def test_every_page_with_code_is_followed():
-    shown = [
-        page for page in pages() if any(kind in ("console", "python") for kind, _ in blocks(page))
-    ]
+    code = {"console", "python"}
+    shown = [page for page in pages() if code & {kind for kind, _ in blocks(page)}]
     assert sorted(shown) == sorted([*PREPARED, *ELSEWHERE])
 
 

@@ -54,7 +54,7 @@ def _steerable() -> Result:
 
 
 def _both(method: str) -> Result:
-    pair = blocks()
+    pair = blocks("Blocks 1")
     found = [detect(image, _settings(method=method).features) for image in (pair.left, pair.right)]
     figure, axes = sheet(4)
     show(axes[0], pair.left, "left")
@@ -81,7 +81,7 @@ def _template() -> Result:
 
 
 def _scales() -> Result:
-    pair = blocks()
+    pair = blocks("Blocks 1")
     sets = {"one scale, 6 px": (6,), "one scale, 18 px": (18,), "three scales": (6, 12, 18),
             "five scales": (6, 10, 14, 18, 22)}  # fmt: skip
     figure, axes = sheet(4)

@@ -18,6 +18,8 @@ from reproduction.entry import Absent
 
 DATA = Path(os.environ.get("RECON_DATA", Path(__file__).parents[3] / "shared" / "data"))
 MARGIN_PX = 4
+BLOCKS = {"Blocks 1": (-6.0, 9.0, 13.0), "Blocks 2": (0.0, 11.0, 14.0)}
+"""Positions of the camera, both of the same blocks."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -60,16 +62,16 @@ def recorded(name: str) -> TruePair:
 
 
 @cache
-def blocks() -> TruePair:
-    """The stand-in for the blocks pairs of CMU, rendered with its truth."""
+def blocks(name: str) -> TruePair:
+    """The stand-in for a blocks pair of CMU, rendered with its truth."""
     eyes = {"width": 384, "height": 288, "baseline": 1.0, "fov_deg": 45.0}
     settings = updated(Settings(), {"eyes": eyes, "render": {"noise": 1.0}})
     world = World(blocks_scene(), eyes=settings.eyes, render=settings.render, world=settings.world)
-    view = View(position=np.array([0.0, 11.0, 14.0]), target=np.array([0.0, 0.5, -2.5]))
+    view = View(position=np.array(BLOCKS[name]), target=np.array([0.0, 0.5, -2.5]))
     pair = world.take(view)
     depth = world.truth(view).depth
     return TruePair(
-        name="Blocks (stand-in)",
+        name=f"{name} (stand-in)",
         left=pair.left,
         right=pair.right,
         truth_px=np.where(np.isfinite(depth), pair.rig.disparity(depth), np.nan),
