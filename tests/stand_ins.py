@@ -38,8 +38,8 @@ def mugs(folder: Path) -> None:
 
 
 def jobs(folder: Path) -> None:
-    """The job file of the page, of explorations of one pair, and a recording."""
-    text = block("howto/cluster.md", "toml", "[[job]]")
+    """The job file of the page, of an exploration of one pair, and a recording."""
+    text = block("howto/cluster.md", "toml", "[[job]]").replace("[2, 5]", "[2]")
     short = text.replace("seed = 1", 'seed = 1\nsettings = { "exploration.max_pairs" = 1 }')
     (folder / "jobs.toml").write_text(short)
     write_folder(folder / "recordings" / "first")
