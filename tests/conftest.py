@@ -1,6 +1,7 @@
 """What the tests of every room share."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,15 @@ def data_dir() -> Path:
             pytest.fail(message)
         pytest.skip(message)
     return folder
+
+
+@pytest.fixture(scope="module")
+def without_figures() -> Iterator[None]:
+    """Leave no figures in runs: they take most of a small run, and other tests draw them."""
+    with pytest.MonkeyPatch.context() as patch:
+        for kind in ("explore", "reconstruct", "merge"):
+            patch.setattr(f"recon.runs.{kind}.write_run_figures", lambda *_: None)
+        yield
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

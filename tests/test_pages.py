@@ -120,6 +120,7 @@ def test_every_page_with_code_is_followed():
     assert sorted(shown) == sorted([*PREPARED, *ELSEWHERE])
 
 
+@pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize("page", PREPARED)
 def test_what_a_page_says_works(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

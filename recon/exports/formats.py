@@ -219,13 +219,13 @@ def read_silently(
 
 
 def _readable(path: PathLike) -> Format:
+    if not Path(path).exists():
+        raise FileNotFoundError(2, "No such file or directory", str(path))
     form = format_of(path)
     if form.read is None:
         raise InputError(f"{path}: holds neither a cloud nor a map that can be read back")
     if Path(path).suffix.lower() != ".zarr":
         check_regular(path)
-    elif not Path(path).exists():
-        raise FileNotFoundError(2, "No such file or directory", str(path))
     return form
 
 

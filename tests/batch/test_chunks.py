@@ -19,6 +19,8 @@ from recon.sequences.refined import Refined, read_refined, refine
 from recon.settings import SequenceSettings
 from tests.recordings import render_drive
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 SETTINGS = ["--quality", "fast", "--set", "map.partition_size=64"]
 JOB = """
 [[job]]

@@ -228,6 +228,9 @@ def test_a_cloud_in_a_box(tmp_path):
 def test_an_unknown_ending_is_refused(tmp_path, ending):
     with pytest.raises(InputError, match=r"is unknown; known are \.ply \.pcd \.las"):
         write(a_cloud(), tmp_path / f"cloud{ending}")
+    with pytest.raises(FileNotFoundError):  # what is not there has no format
+        read(tmp_path / f"cloud{ending}")
+    (tmp_path / f"cloud{ending}").write_text("0 0 0\n")
     with pytest.raises(InputError, match="is unknown; known are"):
         read(tmp_path / f"cloud{ending}")
 

@@ -6,6 +6,8 @@ from recon.cli import main
 from recon.runs import ahead
 from recon.runs.ahead import read_ahead
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 FILES = ("map.npz", "cloud.ply", "objects.json", "trajectory.txt")
 
 

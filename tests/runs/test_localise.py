@@ -9,6 +9,8 @@ from PIL import Image
 from recon.cli import main
 from tests.recordings import render_drive
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory):

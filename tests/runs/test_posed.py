@@ -16,6 +16,8 @@ from recon.runs.posed import export_poses
 from recon.sequences.pose_files import read_poses
 from tests.sequences.recordings import NUM_PAIRS, RIG, write_folder
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 OTHER = dataclasses.replace(RIG, focal_px=90.0)
 
 

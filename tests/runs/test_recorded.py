@@ -7,6 +7,8 @@ import pytest
 
 from recon.cli import main
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 @pytest.mark.data
 def test_a_drive_without_poses(data_dir, tmp_path, capsys):
