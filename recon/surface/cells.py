@@ -1,8 +1,9 @@
 """The dense cloud of many views: one point per cell, with a sigma from its views."""
 
 from collections.abc import Iterable, Iterator
-from itertools import chain, product
+from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from recon.records import PointCloud
 from recon.surface.depth import DepthMap
 from recon.surface.pages import Pages, page_path, read_page, regions_of, saved_keys
-from recon.voxelmap.table import CellTable, Rows
+from recon.voxelmap.table import CellTable, Rows, Slots, find_row
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -71,10 +72,17 @@ class CellCloud:
         seen = places, _UNITS / sigma**2, view.colours[mask], agreeing[mask]
         self._num_views += 1
         index = np.floor(places).astype(np.int32)
-        for key, pixels in regions_of(index, _REGION):
+        regions = list(regions_of(index, _REGION))
+        # Sorted once: far points are scattered over many regions.
+        order = np.concatenate([np.zeros(0, np.int64), *(pixels for _, pixels in regions)])
+        index, *values = (column[order] for column in (index, *seen))
+        first = 0
+        for key, pixels in regions:
+            some = slice(first, first + len(pixels))
+            first = some.stop
             table = self.pages.page(key)
-            rows = table.enter(index[pixels])
-            _add(table.rows, rows, self._num_views, *(values[pixels] for values in seen))
+            rows = table.enter(index[some])
+            _add(table.rows, rows, self._num_views, *(column[some] for column in values))
 
     def merge(self, folder: Path) -> None:
         """Add the saved pages of another cloud, of other views."""
@@ -135,27 +143,42 @@ def joined(parts: Iterable[PointCloud]) -> PointCloud:
 def _colours(cells: CellTable, places: Array) -> NDArray[np.uint8]:
     sums = np.zeros((len(places), 4))
     for reach in _REACHES:
-        lost = np.flatnonzero(sums[:, 3] == 0)
-        sums[lost] = _colour_sums(cells, places[lost], reach)
+        _add_colours(cells.slots, cells.rows, places, reach, sums)
     mean = sums[:, :3] / np.maximum(sums[:, 3:], 1e-12)
     colours: NDArray[np.uint8] = np.rint(mean).clip(0, 255).astype(np.uint8)
     return colours
 
 
-def _colour_sums(table: CellTable, places: Array, reach: int) -> Array:
-    """(N, 4) weighted sums of red, green and blue of the cells near points, and of weights."""
-    index = np.floor(places).astype(np.int32)
-    sums = np.zeros((len(places), 4))
-    for step in product(range(-reach, reach + 1), repeat=3):
-        rows = table.find(index + np.array(step, np.int32))
-        near = np.flatnonzero(rows >= 0)
-        cells = table.rows[rows[near]]
-        means = cells["place"] / cells["weight"][:, None]
-        away = cells["index"] + means - places[near]
-        share = 1.0 / (_NEAR_SQ + (away**2).sum(axis=1))
-        sums[near, :3] += cells["colour"] * share[:, None]
-        sums[near, 3] += cells["weight"] * share
-    return sums
+@njit(cache=True, nogil=True)
+def _add_colours(slots: Slots, cells: Rows, places: Array, reach: int, sums: Array) -> None:
+    """Add up the cells near each point without a sum: red, green, blue and weight (N, 4)."""
+    for k in range(len(places)):
+        if sums[k, 3] > 0:
+            continue
+        x, y, z = np.floor(places[k, 0]), np.floor(places[k, 1]), np.floor(places[k, 2])
+        for step in range((2 * reach + 1) ** 3):
+            i, j, m = _step(step, reach)
+            row = find_row(slots, cells, (int(x) + i, int(y) + j, int(z) + m))
+            if row >= 0:
+                _add_colour(cells[row], places[k], sums[k])
+
+
+@njit(cache=True, nogil=True)
+def _step(number: int, reach: int) -> tuple[int, int, int]:
+    """Offset of a cell in the cube around a middle one."""
+    side = 2 * reach + 1
+    return number // side**2 - reach, number // side % side - reach, number % side - reach
+
+
+@njit(cache=True, nogil=True)
+def _add_colour(cell: Any, place: Array, sums: Array) -> None:
+    away_sq = 0.0
+    for axis in range(3):
+        away_sq += (cell.index[axis] + cell.place[axis] / cell.weight - place[axis]) ** 2
+    share = 1.0 / (_NEAR_SQ + away_sq)
+    for channel in range(3):
+        sums[channel] += cell.colour[channel] * share
+    sums[3] += cell.weight * share
 
 
 @njit(cache=True, nogil=True)

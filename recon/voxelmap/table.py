@@ -80,12 +80,17 @@ def find_or_add(
 
 
 @njit(cache=True)
+def find_row(slots: Slots, rows: Rows, index: tuple[int, int, int]) -> int:
+    """The row of a cell, -1 if missing."""
+    return int(slots[_search(slots, rows, index)]) - 1
+
+
+@njit(cache=True)
 def _lookup(slots: Slots, rows: Rows, index: NDArray[np.int32]) -> NDArray[np.int64]:
     """The row of each cell (K, 3), -1 if missing."""
     found = np.empty(len(index), np.int64)
     for k in range(len(index)):
-        cell = (index[k, 0], index[k, 1], index[k, 2])
-        found[k] = np.int64(slots[_search(slots, rows, cell)]) - 1
+        found[k] = find_row(slots, rows, (index[k, 0], index[k, 1], index[k, 2]))
     return found
 
 

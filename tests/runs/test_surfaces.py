@@ -42,9 +42,24 @@ def reconstruct(drive, run, capsys, *options):
     return json.loads(capsys.readouterr().out)
 
 
-def test_a_wall_becomes_a_cloud_and_a_mesh(drive, tmp_path, capsys):
-    run = tmp_path / "run"
-    report = reconstruct(drive, run, capsys, "--dense", "--mesh", "--voxel", "0.1", "--depth")
+MESH = ("--mesh", "--voxel", "0.1", "--quality", "fast")
+
+
+@pytest.fixture(scope="module")
+def wall(drive, tmp_path_factory):
+    """A run with the surface of the wall."""
+    run = tmp_path_factory.mktemp("runs") / "wall"
+    argv = ["reconstruct", str(drive), "-o", str(run), "--set", "matching.max_disparity=12"]
+    assert main([*argv, *MESH, "--depth", "--quiet"]) == 0
+    return run
+
+
+def metrics_of(run):
+    return json.loads((run / "metrics.json").read_text())
+
+
+def test_a_wall_becomes_a_cloud_and_a_mesh(wall):
+    run, report = wall, metrics_of(wall)
     mesh = read_mesh(run / "mesh.ply")
     # The camera looks along -z of a world whose y is up.
     np.testing.assert_allclose(np.median(mesh.vertices[:, 2]), -4, atol=0.05)
@@ -74,33 +89,31 @@ def test_a_run_that_is_not_asked_leaves_no_surface(drive, tmp_path, capsys):
     assert not (tmp_path / "run" / "mesh.ply").exists()
 
 
-def test_the_same_command_gives_the_same_bytes(drive, tmp_path, capsys):
-    for name in "ab":
-        reconstruct(drive, tmp_path / name, capsys, "--mesh", "--voxel", "0.1", "--quality", "fast")
+def test_the_same_command_gives_the_same_bytes(wall, drive, tmp_path, capsys):
+    reconstruct(drive, tmp_path / "again", capsys, *MESH)
     for file in ("mesh.ply", "dense.ply"):
-        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+        assert (tmp_path / "again" / file).read_bytes() == (wall / file).read_bytes()
 
 
-def test_pairs_are_fused_where_closed_loops_put_them(drive, tmp_path, capsys, monkeypatch):
+def test_pairs_are_fused_where_closed_loops_put_them(wall, drive, tmp_path, capsys, monkeypatch):
     def moved(source, mapper, places, work):
         poses = mapper.trajectory.T_world_left.copy()
         poses[:, 0, 3] += 10
         mapper.repose(poses, [])
         return {}
 
-    reconstruct(drive, tmp_path / "plain", capsys, "--mesh", "--voxel", "0.1")
     monkeypatch.setattr("recon.runs.reconstruct.may_close", lambda source: True)
     monkeypatch.setattr("recon.runs.reconstruct.close_drive", moved)
-    reconstruct(drive, tmp_path / "moved", capsys, "--mesh", "--voxel", "0.1")
-    before, after = (read_mesh(tmp_path / name / "mesh.ply") for name in ("plain", "moved"))
+    reconstruct(drive, tmp_path / "moved", capsys, *MESH)
+    before, after = (read_mesh(run / "mesh.ply") for run in (wall, tmp_path / "moved"))
     assert len(after) == pytest.approx(len(before), rel=0.02)
     shift = after.vertices.mean(axis=0) - before.vertices.mean(axis=0)
     np.testing.assert_allclose(shift, [10, 0, 0], atol=0.02)
     assert not (tmp_path / "moved" / "views").exists()
 
 
-def test_every_pixel_goes_into_the_map_where_it_is_wanted(drive, tmp_path, capsys):
-    sparse = reconstruct(drive, tmp_path / "sparse", capsys)
+def test_every_pixel_goes_into_the_map_where_it_is_wanted(wall, drive, tmp_path, capsys):
+    sparse = metrics_of(wall)
     dense = reconstruct(
         drive, tmp_path / "dense", capsys, "--set", "map.points=dense", "--quality", "fast"
     )

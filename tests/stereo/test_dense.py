@@ -100,6 +100,19 @@ def test_sigma_grows_with_the_noise():
     assert medians[1] > 1.3 * medians[0]
 
 
+@pytest.mark.parametrize("quality", QUALITIES)
+@pytest.mark.parametrize("noise", [1.0, 4.0])
+def test_where_the_image_may_be_noise_alone_the_disparity_is_uncertain(noise, quality):
+    left, right, _ = textured_pair(noise=noise)
+    rng = np.random.default_rng(3)
+    for image in (left, right):
+        image[60:] = np.rint(rng.normal(128, noise, image[60:].shape))
+    found = recon.match_dense(left, right, quality=quality)
+    flat, textured = found.sigma_px[68:], found.sigma_px[:52]
+    assert (flat[np.isfinite(flat)] >= 1).mean() > 0.9
+    assert np.nanmedian(textured) < 0.3
+
+
 def test_where_the_images_disagree_little_is_known(plane):
     left, right, _ = plane
     strange = right.copy()
