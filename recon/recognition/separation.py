@@ -10,11 +10,12 @@ from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
 from recon.recognition.segments.convexity import fewest_pieces
-from recon.records import UNKNOWN, FitFailure, Voxels
+from recon.records import UNKNOWN, FitFailure, Solid, Voxels
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 Piece = tuple[Naming, Rows]
 Namer = Callable[[Rows], Naming]
 """Names the object in some rows of the map."""
@@ -43,6 +44,10 @@ BETTER = 0.1
 walls."""
 MOST_FITTED = 300
 """Approximate maximum number of cells that a solid is fitted to."""
+MOST_DRAWN = 1000
+"""Maximum number of cells among which the main solids are searched."""
+SAME_CUT = 0.99
+"""Minimum share of the cells on the same side of two cuts that count as one."""
 MOST_ROUNDS = 20
 APART = 0.5
 """Minimum decrease of the deviance per cell for two objects instead of one."""
@@ -160,22 +165,30 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
     for second, touch in _cuts(voxels.select(rows), min_voxels):
-        halves = [(name(part), part) for part in (rows[~second], rows[second])]
+        needs_names = naming.label != UNKNOWN or touch >= waist
+        halves = _objects((rows[~second], rows[second]), needs_names, name)
         deviance = sum(half.deviance for half, _ in halves)
-        if deviance < least and _are_objects(naming, [half for half, _ in halves], touch < waist):
+        if halves and deviance < least:
             best, least = halves, deviance
     return best
 
 
-def _are_objects(whole: Naming, halves: list[Naming], has_waist: bool) -> bool:
-    """True if both sides are objects: with names, or with solids and a waist.
+def _objects(sides: tuple[Rows, Rows], needs_names: bool, name: Namer) -> list[Piece]:
+    """The objects on both sides of a cut; empty as soon as one side is not an object.
 
-    A named whole is not split into unnamed objects.
+    Parameters
+    ----------
+    needs_names : bool
+        True if solids alone are not objects: neither a named object nor one without a waist is
+        split into unnamed ones.
     """
-    if all(half.label != UNKNOWN for half in halves):
-        return True
-    is_known = whole.label != UNKNOWN
-    return not is_known and has_waist and all(half.parts for half in halves)
+    halves: list[Piece] = []
+    for rows in sides:
+        half = name(rows)
+        if half.label == UNKNOWN and (needs_names or not half.parts):
+            return []
+        halves.append((half, rows))
+    return halves
 
 
 def _spread(floor: Array) -> tuple[float, float]:
@@ -184,27 +197,45 @@ def _spread(floor: Array) -> tuple[float, float]:
     return float(across), float(along)
 
 
-def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[NDArray[np.bool_], float]]:
+def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[Mask, float]]:
     """Splits of the cells with little contact: at the waist, and between the main solids."""
     floor = cells.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
-    found = find_solids(cells.means, min_voxels, np.random.default_rng(0), most=2)
+    found = _main_solids(cells.means, min_voxels)
     if len(found) == 2:
-        first, second = (one.solid.distances(cells.means) for one in found)
+        first, second = (solid.distances(cells.means) for solid in found)
         cuts.append(second < first)
     pairs = neighbours(cells.index)
-    whole = [cut for cut in cuts if min(cut.sum(), (~cut).sum()) >= min_voxels]
+    whole = [cut for cut in _distinct(cuts) if min(cut.sum(), (~cut).sum()) >= min_voxels]
     touches = [_touch(cut, pairs) for cut in whole]
     return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
 
 
-def _touch(second: NDArray[np.bool_], pairs: NDArray[np.intp]) -> float:
+def _main_solids(points: Array, min_points: int) -> list[Solid]:
+    """At most two solids with the most points on them."""
+    rng = np.random.default_rng(0)
+    if len(points) > MOST_DRAWN:
+        points = points[np.sort(rng.choice(len(points), MOST_DRAWN, replace=False))]
+    return [one.solid for one in find_solids(points, min_points, rng, most=2)]
+
+
+def _distinct(cuts: list[Mask]) -> list[Mask]:
+    """Cuts that differ in more than a few cells, whichever side is the second."""
+    kept: list[Mask] = []
+    for cut in cuts:
+        alike = [float((cut == other).mean()) for other in kept]
+        if all(1.0 - SAME_CUT < share < SAME_CUT for share in alike):
+            kept.append(cut)
+    return kept
+
+
+def _touch(second: Mask, pairs: NDArray[np.intp]) -> float:
     """Touching cells of the two sides over the root of the smaller side's cells."""
     across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
     return len(np.unique(across)) / 2.0 / float(np.sqrt(min(second.sum(), (~second).sum())))
 
 
-def _two_means(floor: Array, axis: Array) -> NDArray[np.bool_]:
+def _two_means(floor: Array, axis: Array) -> Mask:
     """Two clusters, started at the two ends of an axis."""
     along = floor @ axis
     low, high = np.quantile(along, [0.1, 0.9])

@@ -64,10 +64,9 @@ def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly |
     parts: list[tuple[PartRule, FlatPiece]] = []
     touch = TOUCH_CELLS * cells.cell_size
     for rule in kind.parts:
-        near = [
-            one for one in waiting if not parts or _touches(one, [own for _, own in parts], touch)
-        ]
-        fitting = [one for one in near if _fits(rule, one, before)]
+        own = [one for _, one in parts]
+        fitting = [one for one in waiting if _fits(rule, one, before)]
+        fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
         if len(before) < rule.count[0] or not _is_share(rule, before, cells):

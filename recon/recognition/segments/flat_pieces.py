@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -10,6 +11,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
+from recon.recognition.segments.plane_votes import best_plane, upright_bar
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -116,33 +118,22 @@ def _largest_plane(
     points: Array, step: Step, needs: tuple[float, int], rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
     """The plane with the most connected points, and these; `needs`: cell size, minimum points."""
-    planes = _drawn(points, step, rng)
-    if not len(planes):
+    triples = _drawn(points, rng)
+    point, normal = best_plane(points, triples, step == "upright", ON_PLANE_CELLS * needs[0])
+    if not normal.any():
         return None
-    # Closer cells count more: a plane across an edge is near many cells but close to few.
-    offsets = np.einsum("ij,ij->i", planes[:, 0], planes[:, 1])
-    away = (points @ planes[:, 1].T - offsets) / (ON_PLANE_CELLS * needs[0])
-    votes = np.clip(1.0 - away**2, 0.0, 1.0).sum(axis=0)
-    point, normal = planes[int(np.argmax(votes))]
     return _refined(points, Plane(point=point, normal=normal), step, *needs)
 
 
-def _drawn(points: Array, step: Step, rng: np.random.Generator) -> Array:
-    """Planes (D, 2, 3), point and unit normal, through three neighbouring points each."""
+def _drawn(points: Array, rng: np.random.Generator) -> Array:
+    """Triples (D, 3, 3) of neighbouring points."""
     count = min(NUM_NEIGHBOURS, len(points))
     first = rng.integers(len(points), size=NUM_DRAWS)
     near = np.asarray(cKDTree(points).query(points[first], k=count)[1])
     others = rng.integers(1, count, size=(NUM_DRAWS, 2))
-    second, third = points[np.take_along_axis(near, others, axis=1)].swapaxes(0, 1)
-    normals = np.cross(second - points[first], third - points[first])
-    if step == "upright":
-        normals[:, 1] = 0.0
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    # Three points on a line span no plane.
-    spans = lengths[:, 0] > 1e-9 * float(np.ptp(points, axis=0).max()) ** 2
-    planes: Array = np.stack([points[first], normals / np.maximum(lengths, 1e-300)], axis=1)
-    kept: Array = planes[spans]
-    return kept
+    rows = np.column_stack([first, np.take_along_axis(near, others, axis=1)])
+    triples: Array = points[rows]
+    return triples
 
 
 def _refined(
@@ -203,20 +194,19 @@ def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
     label = joined(tree.query_pairs(reach, output_type="ndarray"), len(full))
     _, nearest = tree.query(cells.means[rest], distance_upper_bound=reach)
     label = np.append(label, np.int32(-1))[nearest]
-    groups = [rest[label == number] for number in range(int(label.max()) + 1)]
-    return [_piece(cells, rows, _bar(cells, rows)) for rows in groups if len(rows) >= LEAST_BAR]
+    order = np.argsort(label, kind="stable")
+    borders = np.searchsorted(label[order], np.arange(int(label.max()) + 2))
+    groups = [rest[order[low:high]] for low, high in pairwise(borders) if high - low >= LEAST_BAR]
+    return [_piece(cells, rows, _bar(cells.means[rows])) for rows in groups]
 
 
-def _bar(cells: Voxels, rows: Rows) -> Cylinder:
-    points = cells.means[rows]
-    middle = points.mean(axis=0)
-    radius = float(np.median(np.hypot(*(points - middle)[:, ::2].T)))
-    low, high = points[:, 1].min(), points[:, 1].max()
+def _bar(points: Array) -> Cylinder:
+    middle, radius, low, high = upright_bar(points)
     return Cylinder(
-        point=np.array([middle[0], low, middle[2]]),
-        axis=np.array([0.0, 1.0, 0.0]),
+        point=np.array([middle[0], low, middle[1]]),
+        axis=np.array(WORLD_UP),
         radius=radius,
-        height=float(high - low),
+        height=high - low,
     )
 
 
