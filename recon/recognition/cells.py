@@ -1,7 +1,7 @@
 """Binning of a cloud into cells, as in a map."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +86,36 @@ def _cells_of(points: Array, cell_size: float) -> Numbers:
     return np.floor(points / cell_size).astype(np.int64)
 
 
-def _sums(values: NDArray[np.generic], cell: Numbers, count: int) -> Array:
+def _sums(values: NDArray[np.generic], cell: NDArray[np.integer], count: int) -> Array:
     """Sums (count, 3) of rows (N, 3) by their cells."""
     return np.column_stack([np.bincount(cell, column, count) for column in values.T])
+
+
+def coarser(cells: Voxels, count: int) -> tuple[Voxels, NDArray[np.intp], NDArray[np.intp]]:
+    """Larger cells of a surface.
+
+    Parameters
+    ----------
+    count : int
+        Approximate number of cells wanted.
+
+    Returns
+    -------
+    coarse : Voxels
+        C cells with the means of the cells in each; the rest is that of one of them.
+    first : (C,) the cell in each that it is
+    cell : (K,) the coarse cell around each
+    """
+    side = cells.cell_size * math.sqrt(len(cells) / count)
+    rows, cell = distinct(_cells_of(cells.means, side))
+    first = np.empty(len(rows), dtype=np.intp)
+    first[cell[::-1]] = np.arange(len(cell))[::-1]
+    coarse = replace(cells.select(first), means=means(cells.means, cell), cell_size=side)
+    return coarse, first, cell
+
+
+def means(rows: Array, label: NDArray[np.integer]) -> Array:
+    """Mean rows (L, D) of rows (N, D) with the same label."""
+    counts = np.bincount(label)
+    averages: Array = _sums(rows, label, len(counts)) / counts[:, None]
+    return averages

@@ -45,7 +45,7 @@ walls."""
 MOST_FITTED = 300
 """Approximate maximum number of cells that a solid is fitted to."""
 MOST_DRAWN = 1000
-"""Maximum number of cells among which the main solids are searched."""
+"""Approximate maximum number of cells among which cuts are searched."""
 SAME_CUT = 0.99
 """Minimum share of the cells on the same side of two cuts that count as one."""
 MOST_ROUNDS = 20
@@ -125,14 +125,22 @@ def cut_at_creases(
     piece = fewest_pieces(cells, eyes, smallest)
     piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
-    shares = [_explained(cells.select(part)) for part in parts] if len(parts) > 1 else []
-    sizes = [len(part) for part in parts]
-    known = sum(size for size, share in zip(sizes, shares, strict=False) if share > EXPLAINED_SHARE)
-    if known < PIECES_SHARE * len(rows):
-        return [whole]
-    if np.dot(sizes, shares) < (_explained(cells) + BETTER) * len(rows):
+    explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
+    if not explained or explained < (_explained(cells) + BETTER) * len(rows):
         return [whole]
     return [(name(rows[part]), rows[part]) for part in parts]
+
+
+def _by_solids(cells: Voxels, parts: list[Rows]) -> float:
+    """Number of cells on the solids of the pieces; 0 if too many are in pieces without one."""
+    explained, spare = 0.0, (1.0 - PIECES_SHARE) * len(cells)
+    for part in sorted(parts, key=len, reverse=True):
+        share = _explained(cells.select(part))
+        explained += share * len(part)
+        spare -= 0.0 if share > EXPLAINED_SHARE else len(part)
+        if spare < 0.0:
+            return 0.0
+    return explained
 
 
 def _explained(cells: Voxels) -> float:
@@ -237,14 +245,21 @@ def _touch(second: Mask, pairs: NDArray[np.intp]) -> float:
 
 def _two_means(floor: Array, axis: Array) -> Mask:
     """Two clusters, started at the two ends of an axis."""
-    along = floor @ axis
+    some = floor[:: -(-len(floor) // MOST_DRAWN)]
+    along = some @ axis
     low, high = np.quantile(along, [0.1, 0.9])
-    centres = np.stack([floor[rows].mean(axis=0) for rows in (along <= low, along >= high)])
-    second = np.zeros(len(floor), dtype=bool)
+    centres = np.stack([some[rows].mean(axis=0) for rows in (along <= low, along >= high)])
+    second = np.zeros(len(some), dtype=bool)
     for _ in range(MOST_ROUNDS):
-        distance = np.linalg.norm(floor[:, None] - centres, axis=2)
-        before, second = second, distance[:, 1] < distance[:, 0]
+        before, second = second, _is_nearer_second(some, centres)
         if (second == before).all() or second.all() or not second.any():
             break
-        centres = np.stack([floor[~second].mean(axis=0), floor[second].mean(axis=0)])
-    return second
+        centres = np.stack([some[~second].mean(axis=0), some[second].mean(axis=0)])
+    return _is_nearer_second(floor, centres)
+
+
+def _is_nearer_second(floor: Array, centres: Array) -> Mask:
+    """Mask (N,) of the positions nearer to the second of two centres."""
+    away = np.linalg.norm(floor[:, None] - centres, axis=2)
+    nearer: Mask = away[:, 1] < away[:, 0]
+    return nearer

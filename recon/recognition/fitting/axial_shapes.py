@@ -56,30 +56,31 @@ class AxialModel:
 
     def starts(self) -> list[Line]:
         """Algebraic fits around the most promising axes."""
-        fits = [self._algebraic(axis) for axis in _axes(self.points, self.normals)]
-        fits.sort(key=lambda fit: fit[1])
-        return [line for line, _ in fits[:NUM_STARTS]]
+        lines, away = self._algebraic(_axes(self.points, self.normals))
+        return [lines[row] for row in np.argsort(away, kind="stable")[:NUM_STARTS]]
 
-    def _algebraic(self, axis: Array) -> tuple[Line, float]:
-        """A line round a given axis, and the median distance of the points to it.
+    def _algebraic(self, axes: Array) -> tuple[list[Line], Array]:
+        """Lines round given axes (A, 3), and the median distances (A,) of the points to them.
 
         ``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` is linear.
         """
-        across = across_axis(axis)
         middle = self.points.mean(axis=0)
-        local = (self.points - middle) @ np.column_stack([across.T, axis])
+        across = np.stack([across_axis(axis) for axis in axes])
+        local = np.concatenate([across, axes[:, None]], axis=1) @ (self.points - middle).T
         xy, t = local[:, :2], local[:, 2]
-        columns = [2.0 * xy, np.ones_like(t)] + ([t, t * t] if self.is_cone else [])
-        solution = np.linalg.lstsq(np.column_stack(columns), (xy**2).sum(axis=1), rcond=None)[0]
-        rho, angle = np.hypot(*(xy - solution[:2]).T), 0.0
-        if self.is_cone:
-            _, vectors = np.linalg.eigh(np.cov(t, rho))
-            angle = float(np.arctan(vectors[1, 1] / (vectors[0, 1] or 1e-12)))
-        level = np.cos(angle) * rho - np.sin(angle) * t
-        offset = float(np.median(level))
-        point = middle + solution[:2] @ across
-        line = Line(point=point, axis=axis, offset=offset, angle=angle)
-        return line, float(np.median(np.abs(level - offset)))
+        columns = [*(2.0 * xy).swapaxes(0, 1), np.ones_like(t)]
+        columns += [t, t * t] if self.is_cone else []
+        centres = _least_squares(np.stack(columns, axis=1), (xy**2).sum(axis=1))[:, :2]
+        rho = np.linalg.norm(xy - centres[:, :, None], axis=1)
+        angles = _slopes(t, rho) if self.is_cone else np.zeros(len(axes))
+        level = np.cos(angles)[:, None] * rho - np.sin(angles)[:, None] * t
+        offsets = np.median(level, axis=1)
+        points = middle + np.einsum("ak,akj->aj", centres, across)
+        lines = [
+            Line(point=point, axis=axis, offset=float(offset), angle=float(angle))
+            for point, axis, offset, angle in zip(points, axes, offsets, angles, strict=True)
+        ]
+        return lines, np.median(np.abs(level - offsets[:, None]), axis=1)
 
     def packed(self, state: Line) -> Array:
         """The numbers (8,) of a line."""
@@ -142,12 +143,28 @@ def _within(t: Array) -> Array:
     return inside
 
 
-def _axes(points: Array, normals: Array) -> list[Array]:
-    """Candidate directions: where normals vary least, and the principal axes of the points."""
+def _least_squares(columns: Array, values: Array) -> Array:
+    """Solutions (A, P) of linear systems with columns (A, P, N) for values (A, N)."""
+    normal = columns @ columns.swapaxes(1, 2)
+    solutions = np.linalg.pinv(normal, hermitian=True) @ (columns @ values[:, :, None])
+    found: Array = solutions[:, :, 0]
+    return found
+
+
+def _slopes(t: Array, rho: Array) -> Array:
+    """Angles (A,) of the principal directions of points (A, N) to the axis."""
+    t, rho = (values - values.mean(axis=1, keepdims=True) for values in (t, rho))
+    twice = np.arctan2(2.0 * (t * rho).sum(axis=1), (t**2).sum(axis=1) - (rho**2).sum(axis=1))
+    angles: Array = twice / 2.0
+    return angles
+
+
+def _axes(points: Array, normals: Array) -> Array:
+    """Candidate directions (A, 3): where normals vary least, and the principal axes of points."""
     moments = (normals.T @ normals, np.cov(normals.T), np.cov(points.T))
     vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
     axes: list[Array] = []
     for axis in (vectors[0][0], vectors[1][0], *vectors[2]):
         if all(abs(axis @ other) < PARALLEL for other in axes):
             axes.append(axis)
-    return axes
+    return np.stack(axes)

@@ -11,6 +11,8 @@ from recon.records import Cone, Cylinder, Plane, Solid, Sphere
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
+Drawn = tuple[Array, Array, float]
+"""Point, direction, and radius or half angle."""
 PLANE, SPHERE, CYLINDER, CONE = range(4)
 """Columns of the votes."""
 LEAST_SINE, LEAST_VOLUME = 1e-2, 1e-3
@@ -113,17 +115,39 @@ def votes(voters: Array, places: Array, axes: Array, numbers: Array, tolerance: 
     counts = np.zeros(numbers.shape, dtype=np.int64)
     for d in range(len(numbers)):
         for shape in range(4):
-            place, axis, number = places[d, shape], axes[d, shape], numbers[d, shape]
-            for voter in voters:
-                # No comparison with what is not a number holds.
-                counts[d, shape] += _away(voter - place, axis, number, shape) < tolerance
+            if not np.isnan(numbers[d, shape]):
+                drawn = places[d, shape], axes[d, shape], numbers[d, shape]
+                counts[d, shape] = _votes(voters, drawn, shape, tolerance)
     return counts
 
 
 @njit(cache=True)
-def _away(offset: Array, axis: Array, number: float, shape: int) -> float:
-    """Distance to a solid of a place relative to it."""
-    along, square = _dot(offset, axis), _dot(offset, offset)
+def _votes(voters: Array, drawn: Drawn, shape: int, tolerance: float) -> int:
+    """Voters (N, 3) that lie on a solid."""
+    (place, axis, number), count = drawn, 0
+    lean = math.cos(number), math.sin(number)
+    for i in range(len(voters)):
+        x, y, z = voters[i, 0] - place[0], voters[i, 1] - place[1], voters[i, 2] - place[2]
+        along = x * axis[0] + y * axis[1] + z * axis[2]
+        count += _away(along, x * x + y * y + z * z, number, lean, shape) < tolerance
+    return count
+
+
+@njit(cache=True)
+def _away(
+    along: float, square: float, number: float, lean: tuple[float, float], shape: int
+) -> float:
+    """Distance of a position to a solid.
+
+    Parameters
+    ----------
+    along : float
+        Position along the axis, from the solid's place.
+    square : float
+        Squared distance from the place.
+    lean : tuple of float
+        Cosine and sine of a cone's half angle.
+    """
     away: float
     if shape == PLANE:
         away = abs(along)
@@ -132,16 +156,16 @@ def _away(offset: Array, axis: Array, number: float, shape: int) -> float:
     elif shape == CYLINDER:
         away = abs(math.sqrt(max(square - along * along, 0.0)) - number)
     else:
-        away = _from_cone(along, math.sqrt(max(square - along * along, 0.0)), number)
+        away = _from_cone(along, math.sqrt(max(square - along * along, 0.0)), lean)
     return away
 
 
 @njit(cache=True)
-def _from_cone(along: float, rho: float, angle: float) -> float:
-    """Distance to a cone of a place along its axis and away from it."""
-    c, s = math.cos(angle), math.sin(angle)
+def _from_cone(along: float, rho: float, lean: tuple[float, float]) -> float:
+    """Distance to a cone of a position along its axis and away from it."""
+    c, s = lean
     before_tip = c * along + s * rho <= 0
-    away: float = math.hypot(along, rho) if before_tip else abs(c * rho - s * along)
+    away: float = math.sqrt(along * along + rho * rho) if before_tip else abs(c * rho - s * along)
     return away
 
 

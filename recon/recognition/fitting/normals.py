@@ -1,5 +1,7 @@
 """Surface normals from the neighbours of each point."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -10,17 +12,34 @@ NUM_NEIGHBOURS = 12
 """Enough to average out noise, few enough to stay on one face."""
 
 
-def estimate_normals(points: Array, num_neighbours: int = NUM_NEIGHBOURS) -> Array:
-    """Unit normals (N, 3), pointing away from the middle of the points.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Neighbourhoods:
+    """The nearest neighbours of each point."""
 
-    Each is the direction in which the point's nearest neighbours vary least.
-    """
-    count = min(num_neighbours, len(points))
-    _, near = cKDTree(points).query(points, k=count)
+    normals: Array
+    """(N, 3) unit directions in which they vary least, away from the middle of the points."""
+    thickness: Array
+    """(N,) their standard deviation along the normal."""
+    spacing: Array
+    """(N,) distance to the nearest."""
+
+
+def estimate_normals(points: Array) -> Array:
+    """Unit normals (N, 3), pointing away from the middle of the points."""
+    return neighbourhoods(points).normals
+
+
+def neighbourhoods(points: Array) -> Neighbourhoods:
+    """The neighbourhoods of points (N, 3)."""
+    count = min(NUM_NEIGHBOURS, len(points))
+    away, near = map(np.asarray, cKDTree(points).query(points, k=count))
     patches = points[near.reshape(len(points), -1)]
     patches = patches - patches.mean(axis=1, keepdims=True)
-    _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
+    values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
     normals = vectors[:, :, 0]
     outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0))
-    oriented: Array = np.where(outward < 0, -1.0, 1.0)[:, None] * normals
-    return oriented
+    return Neighbourhoods(
+        normals=np.where(outward < 0, -1.0, 1.0)[:, None] * normals,
+        thickness=np.sqrt(np.maximum(values[:, 0], 0.0) / count),
+        spacing=away.reshape(len(points), -1)[:, min(1, count - 1)],
+    )

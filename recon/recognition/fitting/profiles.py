@@ -4,13 +4,16 @@ An upright part seen in the half plane (rho, y), rho = distance from the vertica
 a straight line for a cylinder and a cone, an arc for a sphere and an ellipsoid.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-Profile = tuple[float, float]
+Pair = tuple[float, float]
+Profile = Pair
 """rho and y."""
 
 NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "truncated cone": 2}
@@ -49,63 +52,59 @@ def to_parts(
     numbers = np.empty(7)
     for i in range(len(points)):
         x, z = points[i, 0] - axis[0], points[i, 2] - axis[1]
-        profile = max(np.hypot(x, z), 1e-12), points[i, 1]
+        profile = max(math.sqrt(x * x + z * z), 1e-12), points[i, 1]
         column = first
         for part in range(num_parts):
-            own = radii[column - first : column - first + counts[part]]
-            _to_part(profile, heights[part : part + 2], outlines[part], own, numbers)
+            ends, own = (heights[part], heights[part + 1]), column - first
+            rims = (radii[own], radii[own + counts[part] - 1]) if counts[part] else (0.0, 0.0)
+            if outlines[part] == ARC:
+                _to_arc(profile, ends, rims[0], counts[part] == 0, numbers)
+            else:
+                _to_segment(profile, ends, rims, counts[part] == 1, numbers)
             if abs(numbers[0]) < abs(signed[i]):
                 signed[i], nearest[i] = numbers[0], part
                 gradient[i] = 0.0
                 gradient[i, 0] = -numbers[1] * x / profile[0]
-                gradient[i, 1 + part : 3 + part] = numbers[3:5]
-                gradient[i, column : column + len(own)] = numbers[5 : 5 + len(own)]
+                gradient[i, 1 + part], gradient[i, 2 + part] = numbers[3], numbers[4]
+                gradient[i, column : column + counts[part]] = numbers[5 : 5 + counts[part]]
                 # The lowest end is the known ground.
                 gradient[i, 1] = -numbers[1] * z / profile[0]
-            column += len(own)
+            column += counts[part]
     return signed, gradient, nearest
 
 
 @njit(cache=True)
-def _to_part(profile: Profile, ends: Array, outline: int, radii: Array, out: Array) -> None:
+def _to_segment(profile: Profile, ends: Pair, rims: Pair, is_straight: bool, out: Array) -> None:
     """Write the signed distance and its derivatives by rho, y, both ends and the radii."""
-    if outline == ARC:
-        _to_arc(profile, ends, radii, out)
-    else:
-        _to_segment(profile, ends, radii, out)
-
-
-@njit(cache=True)
-def _to_segment(profile: Profile, ends: Array, radii: Array, out: Array) -> None:
-    (rho, y), low, high = profile, ends[0], ends[1]
-    bottom, top = radii[0], radii[-1]
+    (rho, y), (low, high), (bottom, top) = profile, ends, rims
     run, rise = top - bottom, high - low
     share = ((rho - bottom) * run + (y - low) * rise) / max(run * run + rise * rise, 1e-12)
     share = min(max(share, 0.0), 1.0)
     across, up = rho - bottom - share * run, y - low - share * rise
-    length = np.hypot(across, up)
+    length = math.sqrt(across * across + up * up)
     side = -1.0 if across * rise - up * run < 0 else 1.0
     normal_rho, normal_y = side * across / max(length, 1e-12), side * up / max(length, 1e-12)
     # The derivative of a distance keeps the nearest point at its position on the segment.
     out[0], out[1], out[2] = side * length, normal_rho, normal_y
     out[3], out[4] = -(1.0 - share) * normal_y, -share * normal_y
     out[5], out[6] = -(1.0 - share) * normal_rho, -share * normal_rho
-    if len(radii) == 1:
+    if is_straight:
         out[5] += out[6]
 
 
 @njit(cache=True)
-def _to_arc(profile: Profile, ends: Array, radii: Array, out: Array) -> None:
-    (rho, y), low, high = profile, ends[0], ends[1]
+def _to_arc(profile: Profile, ends: Pair, radius: float, is_sphere: bool, out: Array) -> None:
+    """Write the same for a sphere, or an ellipsoid of a radius."""
+    (rho, y), (low, high) = profile, ends
     middle, half = (low + high) / 2.0, max((high - low) / 2.0, 1e-6)
-    wide = max(radii[0], 1e-6) if len(radii) else half
+    wide = half if is_sphere else max(radius, 1e-6)
     u, v = rho / wide, (y - middle) / half
-    level = max(np.hypot(u, v), 1e-9)
+    level = max(math.sqrt(u * u + v * v), 1e-9)
     slope_rho, slope_y = u / wide / level, v / half / level
     # Level over its slope; the slope is treated as constant in the derivative.
-    scale = 1.0 / max(np.hypot(slope_rho, slope_y), 1e-9)
+    scale = 1.0 / max(math.sqrt(slope_rho**2 + slope_y**2), 1e-9)
     by_half, by_radius = -v * v / level / half, -u * u / level / wide
-    if len(radii) == 0:
+    if is_sphere:
         by_half += by_radius
     out[0], out[1], out[2] = (level - 1.0) * scale, slope_rho * scale, slope_y * scale
     out[3], out[4] = (-slope_y - by_half) / 2.0 * scale, (-slope_y + by_half) / 2.0 * scale

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from recon.errors import check_finite, check_shape
 from recon.recognition.connectivity import joined
 from recon.recognition.fitting.draws import drawn, solid, votes
-from recon.recognition.fitting.normals import NUM_NEIGHBOURS, estimate_normals
+from recon.recognition.fitting.normals import NUM_NEIGHBOURS, neighbourhoods
 from recon.recognition.fitting.shapes import candidates
 from recon.records import FitFailure, Solid
 
@@ -81,24 +81,19 @@ class _Scene:
 
     points: Array
     normals: Array
-    tree: cKDTree
     spacing: float
     tolerance: float
 
 
 def _scene(points: Array) -> _Scene:
-    tree = cKDTree(points)
-    probe = points[:: max(1, len(points) // NUM_VOTERS)]
-    distances, near = map(np.asarray, tree.query(probe, k=min(NUM_NEIGHBOURS, len(points))))
-    patches = points[near] - points[near].mean(axis=1, keepdims=True)
-    flatness = np.linalg.svd(patches, compute_uv=False)[:, 2] / np.sqrt(near.shape[1])
+    around = neighbourhoods(points)
     size = float(np.ptp(points, axis=0).max())
+    sigma = float(np.median(around.thickness))
     return _Scene(
         points=points,
-        normals=estimate_normals(points),
-        tree=tree,
-        spacing=float(np.median(distances[:, 1])),
-        tolerance=max(TOLERANCE_SIGMAS * float(np.median(flatness)), RELATIVE_TOLERANCE * size),
+        normals=around.normals,
+        spacing=float(np.median(around.spacing)),
+        tolerance=max(TOLERANCE_SIGMAS * sigma, RELATIVE_TOLERANCE * size),
     )
 
 
@@ -106,7 +101,7 @@ def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     """The solid with the most points on it, refined on these."""
     voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
     size = float(np.ptp(scene.points, axis=0).max())
-    rows = np.array([_neighbours(scene, rng) for _ in range(NUM_DRAWS)])
+    rows = np.array([_neighbours(scene.points, rng) for _ in range(NUM_DRAWS)])
     found = drawn(*map(np.ascontiguousarray, (scene.points[rows], scene.normals[rows])), size)
     counts = votes(voters, *found, scene.tolerance)
     best = np.unravel_index(int(np.argmax(counts)), counts.shape)
@@ -116,12 +111,13 @@ def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     return _refined(scene, solid(int(best[1]), place, axis, float(number), size))
 
 
-def _neighbours(scene: _Scene, rng: np.random.Generator) -> NDArray[np.intp]:
+def _neighbours(points: Array, rng: np.random.Generator) -> NDArray[np.intp]:
     """Rows (3,) of neighbouring points, in neighbourhoods of all sizes: a hole or the whole."""
-    first = int(rng.integers(len(scene.points)))
-    count = int(min(len(scene.points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
-    _, near = scene.tree.query(scene.points[first], k=count)
-    return np.append(rng.choice(near, 2), first)
+    first = int(rng.integers(len(points)))
+    count = int(min(len(points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
+    offsets = points - points[first]
+    near = np.argpartition(np.einsum("ij,ij->i", offsets, offsets), count - 1)[:count]
+    return np.append(near[rng.integers(count, size=2)], first)
 
 
 def _refined(scene: _Scene, rough: Solid) -> FoundSolid | None:

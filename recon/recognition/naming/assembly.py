@@ -10,7 +10,7 @@ from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
 from recon.recognition.naming.probability import EXPLAINED, SHOWN
-from recon.recognition.segments.flat_pieces import FlatPiece
+from recon.recognition.segments.flat_pieces import FlatPiece, FlatPieces
 from recon.records import Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -52,26 +52,26 @@ class Assembly:
         return [box_sizes(cells.means[one.rows]) | solid_sizes(one.solid) for one in self.pieces]
 
 
-def assemblies(cells: Voxels, ways: Sequence[list[FlatPiece]], kind: Kind) -> list[Assembly]:
+def assemblies(ways: Sequence[FlatPieces], kind: Kind) -> list[Assembly]:
     """The kind assembled from the pieces of an object, once per split with all its parts."""
-    found = [_assembled(cells, pieces, kind) for pieces in ways]
+    found = [_assembled(pieces, kind) for pieces in ways]
     return [one for one in found if one is not None]
 
 
-def _assembled(cells: Voxels, pieces: list[FlatPiece], kind: Kind) -> Assembly | None:
+def _assembled(pieces: FlatPieces, kind: Kind) -> Assembly | None:
     """The kind assembled from the pieces; None if a part is missing."""
-    waiting, before, shown = list(pieces), list[FlatPiece](), 1.0
+    cells, before, shown = pieces.cells, list[FlatPiece](), 1.0
     parts: list[tuple[PartRule, FlatPiece]] = []
     touch = TOUCH_CELLS * cells.cell_size
     for rule in kind.parts:
         own = [one for _, one in parts]
-        fitting = [one for one in waiting if _fits(rule, one, before)]
+        waiting = pieces.planes if "plane" in rule.shapes else pieces.bars
+        fitting = [one for one in waiting if one not in own and _fits(rule, one, before)]
         fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
         if len(before) < rule.count[0] or not _is_share(rule, before, cells):
             return None
-        waiting = [one for one in waiting if not any(one is taken for taken in before)]
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
@@ -99,9 +99,7 @@ def _shown(needed: list[FlatPiece]) -> float:
 
 
 def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
-    """True if a piece has the shape and position of a part."""
-    if isinstance(piece.solid, Plane) != ("plane" in rule.shapes):
-        return False
+    """True if a piece has the form and position of a part."""
     tilt = piece.tilt_deg
     if tilt is not None and not (_is_within(rule.tilt_deg, tilt) and _has_form(rule, piece)):
         return False

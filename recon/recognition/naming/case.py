@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.cells import coarser
 from recon.recognition.fitting.shapes import Candidate, candidates
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
-from recon.recognition.segments.flat_pieces import FlatPiece, Step, flat_pieces
+from recon.recognition.segments.flat_pieces import FlatPieces, Step, flat_pieces
 from recon.records import Box, FitFailure, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -41,6 +42,8 @@ class Case:
 
     cells: Voxels
     """At most `MOST_CELLS` cells."""
+    dense: Voxels
+    """The same surface without gaps: as many larger cells."""
     ground: float
     """Height of the surface it stands on."""
     is_metric: bool
@@ -54,22 +57,21 @@ class Case:
         return _weights(self.cells)
 
     @cached_property
-    def pieces(self) -> list[list[FlatPiece]]:
+    def pieces(self) -> list[FlatPieces]:
         """Planes and bars of the cells, for every order of extraction."""
-        return [flat_pieces(self.cells, way) for way in WAYS]
+        return [flat_pieces(self.dense, way) for way in WAYS]
 
-    @property
-    def formless(self) -> float:
-        """Mean deviance per cell of a formless object."""
-        return MEAN_DEVIANCE + 2.0 * float(np.log(FORMLESS_NOISE * self.cells.cell_size))
+    def dense_criterion(self, bic: float) -> float:
+        """The same for a fit to the dense cells."""
+        return bic / len(self.dense) - formless(self.dense)
 
     def criterion(self, bic: float) -> float:
         """BIC per cell, minus that of a formless object."""
-        return bic / len(self.cells) - self.formless
+        return bic / len(self.cells) - formless(self.cells)
 
     def lone_criterion(self, one: Candidate) -> float:
         """The same for a single solid."""
-        return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - self.formless
+        return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - formless(self.cells)
 
     @cached_property
     def seen_criterion(self) -> float:
@@ -99,10 +101,16 @@ def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
     alone = candidates(few.means, _weights(few))
     return Case(
         cells=cells,
+        dense=voxels if cells is voxels else coarser(voxels, MOST_CELLS)[0],
         ground=ground,
         is_metric=is_metric,
         alone=() if isinstance(alone, FitFailure) else alone,
     )
+
+
+def formless(cells: Voxels) -> float:
+    """Mean deviance per cell of a formless object."""
+    return MEAN_DEVIANCE + 2.0 * float(np.log(FORMLESS_NOISE * cells.cell_size))
 
 
 def _thinned(voxels: Voxels, most: int) -> Voxels:

@@ -214,18 +214,18 @@ def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
         return
     for kind in kinds:
         if len(kind.parts) > 1 and not kind.is_upright:
-            found = [_ordered(case, one) for one in assemblies(case.cells, case.pieces, kind)]
+            found = [_ordered(case, one) for one in assemblies(case.pieces, kind)]
             yield from sorted(found, key=lambda one: -one.whole)[:1]
 
 
 def _ordered(case: Case, one: Assembly) -> Hypothesis:
     """An assembly as an object of its kind."""
-    criterion = case.criterion(one.bic)
+    criterion = case.dense_criterion(one.bic)
     lead = case.seen_criterion - criterion
     chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
-    looks = hue_chance(one.rules, one.solids, case.cells)
+    looks = hue_chance(one.rules, one.solids, case.dense)
     if case.is_metric:
-        looks *= size_chance(one.kind, one.rules, one.sizes(case.cells), case.cells)
+        looks *= size_chance(one.kind, one.rules, one.sizes(case.dense), case.dense)
     return Hypothesis(
         kind=one.kind,
         evidence=case.evidence(criterion) + float(np.log(max(looks, 1e-9))),

@@ -1,12 +1,12 @@
 """Convex pieces: a concave crease separates two surfaces (Stein et al., LCCP, 2014)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.cells import distinct
+from recon.recognition.cells import coarser, distinct, means
 from recon.recognition.connectivity import in_order_of_appearance, joined
 from recon.records import Voxels
 
@@ -53,7 +53,7 @@ def convex_pieces(cells: Voxels, eyes: Array | None, smallest: int) -> Labels:
         Pieces with fewer cells join the nearest larger one.
     """
     if len(cells) > MOST_CELLS:
-        coarse, first, cell = _coarser(cells)
+        coarse, first, cell = coarser(cells, COARSE_CELLS)
         eyes = eyes[first] if eyes is not None and eyes.ndim == 2 else eyes
         return convex_pieces(coarse, eyes, smallest * len(coarse) // len(cells))[cell]
     patches = _patches(cells, eyes)
@@ -77,17 +77,6 @@ def fewest_pieces(cells: Voxels, views: Array | None, smallest: int) -> Labels:
     return min(readings, key=np.max)
 
 
-def _coarser(cells: Voxels) -> tuple[Voxels, NDArray[np.intp], NDArray[np.intp]]:
-    """Fewer, larger cells (C,), a cell (C,) in each, and the index (K,) of the one around each."""
-    side = cells.cell_size * float(np.sqrt(len(cells) / COARSE_CELLS))
-    index = np.floor(cells.means / side).astype(np.int64)
-    rows, cell = distinct(index)
-    first = np.empty(len(rows), dtype=np.intp)
-    first[cell[::-1]] = np.arange(len(cell))[::-1]
-    coarse = cells.select(first)
-    return replace(coarse, means=_means(cells.means, cell), cell_size=side), first, cell
-
-
 def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
     reach = PATCH_CELLS * cells.cell_size
     normals = _normals(cells.means, eyes)
@@ -96,9 +85,9 @@ def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
     seeds = np.floor(cells.means / reach).astype(np.int64)
     label: NDArray[np.integer] = distinct(seeds)[1]
     for _ in range(NUM_ROUNDS):
-        middles = _means(places, label)
+        middles = means(places, label)
         label = in_order_of_appearance(np.asarray(cKDTree(middles).query(places)[1]))
-    middles = _means(places, label)
+    middles = means(places, label)
     length = np.linalg.norm(middles[:, 3:], axis=1, keepdims=True)
     return _Patches(
         label=label.astype(np.int32),
@@ -117,13 +106,6 @@ def _normals(points: Array, eyes: Array | None) -> Array:
     towards = np.einsum("ij,ij->i", normals, outwards)
     oriented: Array = np.where(towards < 0, -1.0, 1.0)[:, None] * normals
     return oriented
-
-
-def _means(rows: Array, label: NDArray[np.integer]) -> Array:
-    counts = np.bincount(label)
-    sums = np.column_stack([np.bincount(label, column, len(counts)) for column in rows.T])
-    means: Array = sums / counts[:, None]
-    return means
 
 
 def _touching(cells: Voxels, patches: _Patches) -> NDArray[np.intp]:
@@ -148,12 +130,10 @@ def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:
 
 def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     """Edges whose patches share a third neighbour, so that one false edge joins nothing."""
-    neighbours: list[set[int]] = [set() for _ in range(count)]
-    for first, second in edges.tolist():
-        neighbours[first].add(second)
-        neighbours[second].add(first)
-    held = [bool(neighbours[first] & neighbours[second]) for first, second in edges.tolist()]
-    kept: NDArray[np.intp] = edges[np.array(held, dtype=bool)]
+    touching = np.zeros((count, count), dtype=bool)
+    touching[edges[:, 0], edges[:, 1]] = touching[edges[:, 1], edges[:, 0]] = True
+    held = (touching[edges[:, 0]] & touching[edges[:, 1]]).any(axis=1)
+    kept: NDArray[np.intp] = edges[held]
     return kept
 
 

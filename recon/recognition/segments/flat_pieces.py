@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Literal
 
@@ -11,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
-from recon.recognition.segments.plane_votes import best_plane, upright_bar
+from recon.recognition.segments.plane_votes import best_plane
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -20,8 +21,8 @@ Step = Literal["board", "upright", "any"]
 """A level board; upright planes; planes of any tilt."""
 
 NUM_DRAWS = 300
-NUM_NEIGHBOURS = 40
-"""A plane is drawn through cells among this number of neighbours."""
+NEIGHBOUR_CELLS = 3.5
+"""Maximum distance of the cells that a plane is drawn through: some 40 are so near on a surface."""
 ON_PLANE_CELLS = 0.5
 """Maximum distance of a cell on a plane."""
 LINK_CELLS = 2.0
@@ -54,8 +55,25 @@ class FlatPiece:
         return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
 
 
-def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> list[FlatPiece]:
-    """Planes of an object, those of each step by descending size, then the bars between them.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FlatPieces:
+    """An object taken apart into planes and bars."""
+
+    cells: Voxels
+    """Of the object."""
+    planes: tuple[FlatPiece, ...]
+    """By step, and of each step by descending size."""
+    rest: Rows
+    """Cells on none of them."""
+
+    @cached_property
+    def bars(self) -> tuple[FlatPiece, ...]:
+        """Upright bars between the planes."""
+        return tuple(_bars(self.cells, self.rest))
+
+
+def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
+    """Planes of an object, those of each step by descending size, and the bars between them.
 
     Parameters
     ----------
@@ -65,12 +83,12 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> list[FlatPiece
     """
     rng = np.random.default_rng(0)
     rest = np.arange(len(cells))
-    pieces: list[FlatPiece] = []
+    planes: list[FlatPiece] = []
     for step in way:
         for plane, own in _peeled(cells, rest, step, rng):
-            pieces.append(_piece(cells, own, plane))
+            planes.append(_piece(cells, own, plane))
             rest = np.setdiff1d(rest, own)
-    return [*pieces, *_bars(cells, rest)]
+    return FlatPieces(cells=cells, planes=tuple(planes), rest=rest)
 
 
 def _peeled(
@@ -118,22 +136,13 @@ def _largest_plane(
     points: Array, step: Step, needs: tuple[float, int], rng: np.random.Generator
 ) -> tuple[Plane, Rows] | None:
     """The plane with the most connected points, and these; `needs`: cell size, minimum points."""
-    triples = _drawn(points, rng)
-    point, normal = best_plane(points, triples, step == "upright", ON_PLANE_CELLS * needs[0])
+    firsts = rng.integers(len(points), size=NUM_DRAWS)
+    shares = rng.uniform(size=(NUM_DRAWS, 2))
+    reach = NEIGHBOUR_CELLS * needs[0], ON_PLANE_CELLS * needs[0]
+    point, normal = best_plane(points, firsts, shares, step == "upright", reach)
     if not normal.any():
         return None
     return _refined(points, Plane(point=point, normal=normal), step, *needs)
-
-
-def _drawn(points: Array, rng: np.random.Generator) -> Array:
-    """Triples (D, 3, 3) of neighbouring points."""
-    count = min(NUM_NEIGHBOURS, len(points))
-    first = rng.integers(len(points), size=NUM_DRAWS)
-    near = np.asarray(cKDTree(points).query(points[first], k=count)[1])
-    others = rng.integers(1, count, size=(NUM_DRAWS, 2))
-    rows = np.column_stack([first, np.take_along_axis(near, others, axis=1)])
-    triples: Array = points[rows]
-    return triples
 
 
 def _refined(
@@ -201,12 +210,14 @@ def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
 
 
 def _bar(points: Array) -> Cylinder:
-    middle, radius, low, high = upright_bar(points)
+    middle = points.mean(axis=0)
+    radius = float(np.median(np.hypot(*(points - middle)[:, ::2].T)))
+    low, high = points[:, 1].min(), points[:, 1].max()
     return Cylinder(
-        point=np.array([middle[0], low, middle[1]]),
+        point=np.array([middle[0], low, middle[2]]),
         axis=np.array(WORLD_UP),
         radius=radius,
-        height=high - low,
+        height=float(high - low),
     )
 
 

@@ -1,4 +1,4 @@
-"""Planes through drawn points and upright bars, compiled."""
+"""The plane through drawn points that most points vote for, compiled."""
 
 import math
 
@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 LEAST_SPAN = 1e-9
 """Minimum area of a triangle over the square of the points' extent: three points on a line span no
@@ -15,21 +16,23 @@ plane."""
 
 @njit(cache=True)
 def best_plane(
-    points: Array, triples: Array, is_upright: bool, reach: float
+    points: Array, firsts: Numbers, shares: Array, is_upright: bool, reach: tuple[float, float]
 ) -> tuple[Array, Array]:
-    """The plane through three points that has the most votes.
+    """The plane through three neighbouring points that has the most votes.
 
     Closer points count more: a plane across an edge is near many points but close to few.
 
     Parameters
     ----------
     points : (N, 3)
-    triples : (D, 3, 3)
-        Three points per draw.
+    firsts : (D,)
+        One point per draw.
+    shares : (D, 2)
+        Random numbers in [0, 1) that choose two of its neighbours.
     is_upright : bool
         Turn the planes upright.
-    reach : float
-        Distance up to which a point votes.
+    reach : (float, float)
+        Distances up to which points are neighbours, and vote.
 
     Returns
     -------
@@ -40,18 +43,41 @@ def best_plane(
     for axis in range(3):
         extent = max(extent, points[:, axis].max() - points[:, axis].min())
     best, point, normal = -1.0, np.zeros(3), np.zeros(3)
-    for triple in triples:
-        across = np.cross(triple[1] - triple[0], triple[2] - triple[0])
-        if is_upright:
-            across[1] = 0.0
-        length = math.sqrt((across**2).sum())
-        if length <= LEAST_SPAN * extent**2:
-            continue
-        across /= length
-        total = _votes(points, triple[0], across, reach)
-        if total > best:
-            best, point, normal = total, triple[0], across
+    near = np.empty(len(points), dtype=np.int64)
+    for d in range(len(firsts)):
+        first, count = points[firsts[d]], _neighbours(points, firsts[d], reach[0], near)
+        second = points[near[int(shares[d, 0] * count)]]
+        third = points[near[int(shares[d, 1] * count)]]
+        across = _across(second - first, third - first, is_upright)
+        length = math.sqrt(across[0] ** 2 + across[1] ** 2 + across[2] ** 2)
+        if length > LEAST_SPAN * extent**2:
+            across /= length
+            total = _votes(points, first, across, reach[1])
+            if total > best:
+                best, point, normal = total, first, across
     return point, normal
+
+
+@njit(cache=True)
+def _neighbours(points: Array, first: int, reach: float, near: Numbers) -> int:
+    """Write the rows of the points within reach of one of them; their number."""
+    count, x, y, z = 0, points[first, 0], points[first, 1], points[first, 2]
+    for i in range(len(points)):
+        square = (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2 + (points[i, 2] - z) ** 2
+        if square <= reach * reach:
+            near[count] = i
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def _across(first: Array, second: Array, is_upright: bool) -> Array:
+    """Cross product (3,) of two directions, without its vertical part if upright."""
+    across = np.empty(3)
+    across[0] = first[1] * second[2] - first[2] * second[1]
+    across[1] = 0.0 if is_upright else first[2] * second[0] - first[0] * second[2]
+    across[2] = first[0] * second[1] - first[1] * second[0]
+    return across
 
 
 @njit(cache=True)
@@ -63,11 +89,3 @@ def _votes(points: Array, point: Array, normal: Array, reach: float) -> float:
         along = points[i, 0] * normal[0] + points[i, 1] * normal[1] + points[i, 2] * normal[2]
         total += max(1.0 - ((along - offset) / reach) ** 2, 0.0)
     return total
-
-
-@njit(cache=True)
-def upright_bar(points: Array) -> tuple[Array, float, float, float]:
-    """Middle (x, z), median radius, lowest and highest point of an upright bar."""
-    middle = np.array([points[:, 0].mean(), points[:, 2].mean()])
-    rho = np.hypot(points[:, 0] - middle[0], points[:, 2] - middle[1])
-    return middle, float(np.median(rho)), points[:, 1].min(), points[:, 1].max()
