@@ -78,7 +78,7 @@ def separate(
 
 
 def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
-    """Merge pieces at the same position: a crown seen from two sides is one object.
+    """Merge pieces of one object, such as a crown seen from two sides.
 
     Parameters
     ----------
@@ -154,13 +154,18 @@ def _explained(cells: Voxels) -> float:
 
 
 def _in_one_place(first: Naming, second: Naming) -> bool:
-    """True if the centre of one is inside the other, which has a name or may support it."""
+    """True if two pieces may be one object.
+
+    With names, if the centre of one is inside the other. A piece without a name, or held by nothing
+    visible, may be beside the other. Two without names are the ends of one object if they are no
+    farther apart than one is wide: nobody saw its middle.
+    """
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
-    pair = (first, second)
-    if any(one.is_hovering for one in pair):
-        return apart < sum(float(one.size[::2].max()) for one in pair) / 2.0
-    widths = [one.size[::2].max() for one in pair if one.label != UNKNOWN]
-    return apart < float(max(widths, default=0.0)) / 2.0
+    widths = [float(one.size[::2].max()) for one in (first, second)]
+    num_named = sum(one.label != UNKNOWN for one in (first, second))
+    if num_named == 1 or first.is_hovering or second.is_hovering:
+        return apart < sum(widths) / 2.0
+    return apart < max(widths) / (2.0 if num_named else 1.0)
 
 
 def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:

@@ -63,6 +63,31 @@ def test_two_halves_of_a_crown_are_one_tree():
     assert found[0].centre[::2] == pytest.approx(tree.axis, abs=0.3)
 
 
+@pytest.mark.parametrize("seed", [2, 3, 5])
+def test_a_shell_seen_from_two_sides_is_one_cottage(seed):
+    rng = np.random.default_rng(seed)
+    cottage = random_composite("cottage", rng)
+    cloud = seen(cottage, rng)
+    turn = np.arctan2(*(cloud.points[:, ::2] - cottage.axis).T) % (2.0 * np.pi)
+    # Half of the wall with the lower end of its roof, and a strip opposite.
+    eaves, tip = cottage.heights[1:]
+    half = (turn > 2.0) & (turn < 4.6) & (cloud.points[:, 1] < 0.7 * eaves + 0.3 * tip)
+    strip = (turn < 0.7) & (cloud.points[:, 1] < eaves + 1.0)
+    voxels = voxelise(cloud.select(half | strip))
+    assert components(voxels, SETTINGS).max() == 1
+    found = recognise(voxels, SETTINGS).objects
+    assert [one.label for one in found] == ["cottage"]
+    assert found[0].centre[::2] == pytest.approx(cottage.axis, abs=0.5)
+
+
+def test_two_walls_that_face_each_other_are_two():
+    rng = np.random.default_rng(0)
+    walls = [rng.uniform([x, 1.0, -4.0], [x, 8.0, 4.0], (3000, 3)) for x in (0.0, 7.0)]
+    points = np.concatenate(walls) + rng.normal(0.0, 0.1, (6000, 3))
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
+    assert [one.label for one in recognise(voxels, SETTINGS).objects] == ["unknown", "unknown"]
+
+
 def test_a_fence_is_never_parted(monkeypatch):
     rng = np.random.default_rng(1)
     pales = [
