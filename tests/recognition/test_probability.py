@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from recon.recognition.naming import hypotheses
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
-from recon.recognition.naming.probability import Evidence
+from recon.recognition.naming.probability import Evidence, Logistic
 from recon.recognition.reliability import calibration_error
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import Box, Cylinder, Sphere, Voxels
@@ -120,3 +121,19 @@ def test_the_calibration_error_is_that_of_a_die():
     assert calibration_error(chances, rng.uniform(size=20_000) < chances) < 0.02
     assert calibration_error(chances, rng.uniform(size=20_000) < chances**4) > 0.2
     assert np.isnan(calibration_error([], []))
+
+
+def test_a_box_on_a_box_is_not_a_cottage(monkeypatch):
+    rng = np.random.default_rng(0)
+    sizes = np.array([[7.4, 2.5, 6.9], [3.5, 1.4, 3.9]])
+    heights = np.cumsum(sizes[:, 1]) - sizes[:, 1] / 2.0
+    parts = [
+        Box(centre=np.array([0.0, height, 0.0]), axes=np.eye(3), sizes=own)
+        for height, own in zip(heights, sizes, strict=True)
+    ]
+    orbit = Orbit(num_views=7, arc_rad=4.5, sigma_px=0.07)
+    voxels = voxelise(observe(parts, COLOURS, orbit, rng))
+    voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+    monkeypatch.setattr(hypotheses, "ROUND", Logistic(middle=-99.0, steepness=1.0))
+    assert name_object(voxels, 0.0, KINDS).label == "cottage"

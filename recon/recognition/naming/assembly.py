@@ -78,7 +78,7 @@ def _assembled(pieces: FlatPieces, kind: Kind) -> Assembly | None:
     share = sum(_num_explained(one, cells) for one in own) / len(cells)
     return Assembly(
         kind=kind,
-        bic=_bic(cells, own),
+        bic=bic_of_pieces(cells, own),
         explained=float(EXPLAINED.chance(share)) * shown,
         seen=share,
         pieces=tuple(own),
@@ -135,7 +135,7 @@ def _is_share(rule: PartRule, own: list[FlatPiece], cells: Voxels) -> bool:
     return low <= sum(len(one.rows) for one in own) / len(cells) <= high
 
 
-def _bic(cells: Voxels, pieces: list[FlatPiece]) -> float:
+def bic_of_pieces(cells: Voxels, pieces: Sequence[FlatPiece]) -> float:
     """BIC of the distances of all cells to the nearest piece."""
     away = np.min([one.solid.distances(cells.means) for one in pieces], axis=0)
     numbers = NUMBERS_OF_PIECE * len(pieces)

@@ -27,13 +27,9 @@ independent cells. Chosen so that the probabilities are calibrated on simulated 
 ON_SURFACE_CELLS = 0.75
 """Only a cell nearer than this shows a place on the face of a box: a table is open at its sides,
 whose rims are near to its board and its legs."""
-WAYS: tuple[tuple[Step, ...], ...] = (
-    ("any",),
-    ("board", "upright"),
-    ("upright", "any"),
-    ("board",),
-)
-"""Orders in which planes are extracted from an object; under a board alone the rest are bars."""
+OTHER_WAYS: tuple[tuple[Step, ...], ...] = (("board", "upright"), ("upright", "any"), ("board",))
+"""Orders in which planes are extracted from an object, besides that of their size alone; under a
+board alone the rest are bars."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,9 +53,14 @@ class Case:
         return _weights(self.cells)
 
     @cached_property
+    def faces(self) -> FlatPieces:
+        """Planes of any tilt, and bars."""
+        return flat_pieces(self.dense)
+
+    @cached_property
     def pieces(self) -> list[FlatPieces]:
         """Planes and bars of the cells, for every order of extraction."""
-        return [flat_pieces(self.dense, way) for way in WAYS]
+        return [self.faces, *(flat_pieces(self.dense, way) for way in OTHER_WAYS)]
 
     def dense_criterion(self, bic: float) -> float:
         """The same for a fit to the dense cells."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.composite import Composite, fit_composite, solids
 from recon.recognition.fitting.least_squares import Estimate
-from recon.recognition.naming.assembly import Assembly, assemblies
+from recon.recognition.naming.assembly import Assembly, assemblies, bic_of_pieces
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.descriptors import describe
@@ -21,7 +21,14 @@ from recon.recognition.naming.limits import (
     size_chance,
     solid_sizes,
 )
-from recon.recognition.naming.probability import FILLED, FORM, NEARNESS, ORDERED, Evidence
+from recon.recognition.naming.probability import (
+    FILLED,
+    FORM,
+    NEARNESS,
+    ORDERED,
+    ROUND,
+    Evidence,
+)
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
 from recon.records import Solid, Voxels
 
@@ -34,6 +41,8 @@ LARGEST_TO_EXTENT = 1.4
 quarter of a round object, whose chord is 0.7 of its width."""
 CLEAR = 0.9
 """Probability of a fit on one axis above which planes and bars are not tried."""
+LEAST_WHOLE = 0.1
+"""Probability below which a fit gives no name anyway."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}
 """Solids that fit everything a simpler one fits, so they do not compete with it."""
 
@@ -70,7 +79,7 @@ def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
     ]
     is_clear = any(one.whole > CLEAR for one in found if np.isfinite(one.evidence))
     return [
-        *found,
+        *(found if is_clear else _against_planes(case, found)),
         *_assembled(case, () if is_clear else kinds),
         *_learned(case, [kind for kind in kinds if kind.learned]),
         Hypothesis(kind=None, evidence=case.evidence(0.0), criterion=0.0),
@@ -118,6 +127,15 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
             evidence = _evidence(case, fit, criterion, seen)
             for kind, chance in zip(own, chances, strict=True):
                 yield _rated(case, of_no_kind, kind, chance - LOG_NO_KIND, evidence)
+
+
+def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]:
+    """Fits, on one axis less likely if planes explain the cells better: a box on a box."""
+    planes = case.faces.planes if any(one.whole > LEAST_WHOLE for one in found) else ()
+    rival = case.dense_criterion(bic_of_pieces(case.dense, planes)) if len(planes) > 1 else 0.0
+    for one in found:
+        lead = rival - one.criterion if one.composite else np.inf
+        yield replace(one, whole=one.whole * float(ROUND.chance(lead)))
 
 
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:

@@ -31,7 +31,7 @@ def log_within(value: float, limits: tuple[float, float], spread: float) -> floa
 def size_chance(
     kind: Kind, rules: Sequence[PartRule], sizes: Sequence[Mapping[str, float]], cells: Voxels
 ) -> float:
-    """Chance (0 to 1) that a thing and its parts have its kind's sizes, all in metres.
+    """Chance (0 to 1) that an object and its parts have its kind's sizes, all in metres.
 
     Parameters
     ----------
