@@ -14,6 +14,7 @@ from recon.settings import RecognitionSettings, Settings, updated
 
 SETTINGS = RecognitionSettings()
 UP = np.array([0.0, 1.0, 0.0])
+ORBIT = Orbit()
 
 
 def box(centre, sizes, axes=None):
@@ -56,8 +57,9 @@ def lamp_post(u):
     return [post, Sphere(centre=np.array([0, height + radius, 0]), radius=radius)]
 
 
-def label_of(parts, rng):
-    voxels = voxelise(observe(parts, rng.uniform(40, 200, (len(parts), 3)), Orbit(), rng))
+def label_of(parts, rng, orbit=ORBIT, cell_size=1.0):
+    cloud = observe(parts, rng.uniform(40, 200, (len(parts), 3)), orbit, rng)
+    voxels = voxelise(cloud, cell_size)
     found = recognise(voxels, SETTINGS).objects
     return max(found, key=lambda one: one.num_voxels).label if found else "none"
 
@@ -70,6 +72,13 @@ def label_of(parts, rng):
 def test_a_composite_kind_is_named(make, kind, seed):
     rng = np.random.default_rng(seed)
     assert label_of(make(rng.uniform), rng) == kind
+
+
+@pytest.mark.parametrize(("make", "kind"), [(house, "house"), (table, "table")])
+def test_a_composite_kind_of_thousands_of_cells_is_named(make, kind):
+    rng = np.random.default_rng(0)
+    dense = Orbit(points_per_pixel=4.0, sigma_px=0.02)
+    assert label_of(make(rng.uniform), rng, dense, cell_size=0.3) == kind
 
 
 def test_a_board_without_legs_and_a_plain_box_are_no_table():

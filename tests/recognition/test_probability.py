@@ -135,5 +135,5 @@ def test_a_box_on_a_box_is_not_a_cottage(monkeypatch):
     voxels = voxelise(observe(parts, COLOURS, orbit, rng))
     voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
-    monkeypatch.setattr(hypotheses, "ROUND", Logistic(middle=-99.0, steepness=1.0))
+    monkeypatch.setattr(hypotheses, "FORMED", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "cottage"

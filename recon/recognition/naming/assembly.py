@@ -19,6 +19,7 @@ TOUCH_CELLS = 2.0
 """Maximum distance of adjoining pieces of one object, in cells."""
 ON_SOLID_CELLS = 0.75
 """A cell within this share of the cell size is on a solid."""
+UPRIGHT_DEG = 45.0
 NUMBERS_OF_PIECE = 3
 """Parameters of a plane; a bar counts the same."""
 
@@ -46,6 +47,11 @@ class Assembly:
     def roles(self) -> tuple[str, ...]:
         """Of the solids."""
         return tuple(rule.role for rule in self.rules)
+
+    @property
+    def has_upright_planes(self) -> bool:
+        """True if one of its planes is nearer to upright than to level."""
+        return any((one.tilt_deg or 0.0) > UPRIGHT_DEG for one in self.pieces)
 
     def sizes(self, cells: Voxels) -> list[dict[str, float]]:
         """Height, width, depth and radius of each piece."""

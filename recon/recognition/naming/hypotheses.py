@@ -24,9 +24,9 @@ from recon.recognition.naming.limits import (
 from recon.recognition.naming.probability import (
     FILLED,
     FORM,
+    FORMED,
     NEARNESS,
     ORDERED,
-    ROUND,
     Evidence,
 )
 from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
@@ -80,7 +80,7 @@ def hypotheses(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
     is_clear = any(one.whole > CLEAR for one in found if np.isfinite(one.evidence))
     return [
         *(found if is_clear else _against_planes(case, found)),
-        *_assembled(case, () if is_clear else kinds),
+        *_assembled(case, () if is_clear else kinds, found),
         *_learned(case, [kind for kind in kinds if kind.learned]),
         Hypothesis(kind=None, evidence=case.evidence(0.0), criterion=0.0),
         *_of_no_kind(case),
@@ -135,7 +135,7 @@ def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]
     rival = case.dense_criterion(bic_of_pieces(case.dense, planes)) if len(planes) > 1 else 0.0
     for one in found:
         lead = rival - one.criterion if one.composite else np.inf
-        yield replace(one, whole=one.whole * float(ROUND.chance(lead)))
+        yield replace(one, whole=one.whole * float(FORMED.chance(lead)))
 
 
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
@@ -223,24 +223,31 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
             yield replace(rated, whole=rated.whole * float(FILLED.chance(filled)))
 
 
-def _assembled(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
+def _assembled(case: Case, kinds: tuple[Kind, ...], fits: list[Hypothesis]) -> Iterator[Hypothesis]:
     """Kinds with parts beside and under each other, each with its best assembly.
 
     Hovering cells have none, since what supports them is not among the parts.
+
+    Parameters
+    ----------
+    fits : list of Hypothesis
+        The fits on one axis, which compete with upright planes; a board is also a flat ellipsoid.
     """
     if is_hovering(case.cells, case.ground):
         return
+    rival = min((one.criterion for one in fits if one.composite), default=0.0)
     for kind in kinds:
         if len(kind.parts) > 1 and not kind.is_upright:
-            found = [_ordered(case, one) for one in assemblies(case.pieces, kind)]
+            found = [_ordered(case, one, rival) for one in assemblies(case.pieces, kind)]
             yield from sorted(found, key=lambda one: -one.whole)[:1]
 
 
-def _ordered(case: Case, one: Assembly) -> Hypothesis:
-    """An assembly as an object of its kind."""
+def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
+    """An assembly as an object of its kind; `rival`: criterion of the best fit on one axis."""
     criterion = case.dense_criterion(one.bic)
     lead = case.seen_criterion - criterion
     chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
+    chance *= float(FORMED.chance(rival - criterion)) if one.has_upright_planes else 1.0
     looks = hue_chance(one.rules, one.solids, case.dense)
     if case.is_metric:
         looks *= size_chance(one.kind, one.rules, one.sizes(case.dense), case.dense)

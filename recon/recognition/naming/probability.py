@@ -48,8 +48,9 @@ EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
 """Log of the number of cells of a plane that an assembly needs: any few cells fit one."""
-ROUND = Logistic(middle=-0.5, steepness=6.0)
-"""Lead of parts of revolution over planes, some of which fit anything a little."""
+FORMED = Logistic(middle=-0.5, steepness=6.0)
+"""Lead of parts of revolution over planes, and of upright planes over parts of revolution: either
+fits anything a little."""
 FILLED = Logistic(middle=0.55, steepness=25.0)
 """Share of the faces of a box that cells fill, of those that are seen at all."""
 NEARNESS = Logistic(middle=0.0, steepness=6.0)
