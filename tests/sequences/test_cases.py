@@ -46,6 +46,15 @@ STEP = matrix("R", 3, 3, EYE) + matrix("T", 3, 1, [-0.12, 0.0, 0.0])
 HEAD = "%YAML:1.0\n---\n"
 
 
+def camera_info(side, case=str.upper):
+    """A message of ROS as its tools print it; version 2 has small letters."""
+    K, R = [500.0, 0, 320, 0, 500, 240, 0, 0, 1], [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
+    P = [500.0, 0, 320, 0.0 if side == "left" else -60.0, 0, 500, 240, 0, 0, 0, 1, 0]
+    fields = {"D": [0.0] * 5, "K": K, "R": R, "P": P}
+    rows = "".join(f"{case(name)}: {values}\n" for name, values in fields.items())
+    return f"header: {{seq: 1}}\nheight: 480\nwidth: 640\ndistortion_model: plumb_bob\n{rows}---\n"
+
+
 def ros(side):
     x = -54.0 if side == "right" else 0.0
     return (
@@ -128,6 +137,19 @@ STEREO_2012 = "".join(
         ({"intrinsics.yml": HEAD + CAMERAS, "extrinsics.yml": HEAD + STEP}, ".", 0.12),
         ({"left.yaml": ros("left"), "right.yaml": ros("right")}, "left.yaml", 0.12),
         ({"left.yaml": ros("left"), "right.yaml": ros("right")}, "right.yaml", 0.12),
+        (
+            {"left.yaml": camera_info("left"), "right.yaml": camera_info("right")},
+            "left.yaml",
+            0.12,
+        ),
+        (
+            {
+                "left.yaml": camera_info("left", str.lower),
+                "right.yaml": camera_info("right", str.lower),
+            },
+            "left.yaml",
+            0.12,
+        ),
         ({"calib.xml": XML}, "calib.xml", 0.12),
         ({"EuRoC.yaml": HEAD + ORB}, "EuRoC.yaml", 0.11),
         ({"EuRoC.yaml": HEAD + ORB3}, "EuRoC.yaml", 0.11),

@@ -7,7 +7,7 @@ from recon.errors import InputError
 from recon.sequences.calibration import chains
 from recon.sequences.calibration.cameras import Calibration
 from recon.sequences.calibration.documents import MAX_BYTES, Document, read_document
-from recon.sequences.calibration.opencv_files import is_opencv, is_ros, opencv, ros
+from recon.sequences.calibration.opencv_files import is_opencv, is_ros, named_as_ros, opencv, ros
 from recon.sequences.calibration.rows import Cameras, is_kitti, is_middlebury, kitti, middlebury
 from recon.sequences.text import read_lines
 
@@ -45,7 +45,7 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     if is_kitti(lines):
         return kitti(path, cameras)
     try:
-        return _of_document(path, read_document(path))
+        return _of_document(path, named_as_ros(read_document(path)))
     except KeyError as error:
         raise InputError(f"{path} lacks {error.args[0]}") from error
     except InputError as error:
@@ -76,7 +76,8 @@ def _two_sides(path: Path) -> tuple[Document, Document]:
             partner = path.with_name(path.name.replace(here, there))
             if here in path.name and partner.is_file():
                 files = (path, partner) if here == left else (partner, path)
-                return read_document(files[0]), read_document(files[1])
+                left_document, right_document = map(read_document, files)
+                return named_as_ros(left_document), named_as_ros(right_document)
     raise InputError(
         f"{path} contains one ROS camera, but there is no file of the other side beside it "
         "(left.yaml and right.yaml)"

@@ -28,6 +28,10 @@ _STEPS = {
     "R": ("R", "rotation", "rotation_matrix", "Rotation", "rot", "R12"),
     "T": ("T", "translation", "translation_vector", "Translation", "trans", "T12"),
 }
+_FIELDS = {
+    "camera_matrix": "Kk", "distortion_coefficients": "Dd", "rectification_matrix": "Rr",
+    "projection_matrix": "Pp",
+}  # fmt: skip
 LENSES = {
     "plumb_bob": False, "rational_polynomial": False, "radtan": False, "radial-tangential": False,
     "radialtangential": False, "radialtangential8": False, "none": False, "": False,
@@ -120,6 +124,14 @@ def image_size(document: Document) -> tuple[int, int] | None:
             width, height = numbers(document[name], (2,))
             return whole(width, name), whole(height, name)
     return None
+
+
+def named_as_ros(document: Document) -> Document:
+    """A CameraInfo message (K D R P; in ROS 2 k d r p) by the names of camera_calibration."""
+    if "distortion_model" not in document:
+        return document
+    fields = {name: key for name in _FIELDS for key in _FIELDS[name] if key in document}
+    return {**document, **{name: document[key] for name, key in fields.items()}}
 
 
 def is_ros(document: Document) -> bool:
