@@ -101,6 +101,14 @@ def test_a_folder_that_holds_one_recording_is_that_recording(tmp_path):
         read(tmp_path / "outer")
 
 
+@pytest.mark.parametrize("sides", [("Left", "Right"), ("cam0", "cam1"), ("infra1", "infra2")])
+def test_folders_of_images_by_other_names_of_the_sides(tmp_path, sides):
+    write_folder(tmp_path / "drive")
+    for old, new in zip(("left", "right"), sides, strict=True):
+        (tmp_path / "drive" / old).rename(tmp_path / "drive" / new)
+    assert_the_same(read(tmp_path / "drive"))
+
+
 def test_a_folder_that_holds_one_video_is_that_video(tmp_path):
     path = write_video(tmp_path / "clip")
     both = [np.hstack(pair) for pair in image_pairs()]

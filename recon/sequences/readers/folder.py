@@ -1,4 +1,4 @@
-"""A plain folder: left/, right/, a calibration, and optional poses.txt and times.txt."""
+"""A plain folder: left/ and right/, a calibration, and optional poses.txt and times.txt."""
 
 import logging
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.depth import Pixels, Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording, Skipped
-from recon.sequences.images import read_image, read_pixels
+from recon.sequences.images import ENDINGS, read_image, read_pixels
 from recon.sequences.listing import Listed, gaps, list_pairs
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses
@@ -26,6 +26,8 @@ from recon.settings import SequenceSettings
 
 log = logging.getLogger(__name__)
 
+SIDES = (("left", "right"), ("Left", "Right"), ("cam0", "cam1"), ("infra1", "infra2"))
+"""Names of the folders of both sides."""
 TIMES = ("times.txt", "timestamps.txt")
 POSES = ("poses.txt", "poses.csv", "groundtruth.txt", "transforms.json", "images.txt")
 """Names of pose files: KITTI's and TUM's, EuRoC's, TUM's, nerfstudio's and COLMAP's."""
@@ -34,13 +36,33 @@ NUM_FIRST = 10
 
 
 def is_folder(path: Path) -> bool:
-    """True if `path` contains left/ and right/."""
-    return (path / "left").is_dir() and (path / "right").is_dir()
+    """True if `path` contains left/ and right/, or images in folders of similar names."""
+    return _sides(path) is not None
+
+
+def _sides(path: Path) -> tuple[Path, Path] | None:
+    """The folders of the left and the right images; None if there are none."""
+    for names in SIDES:
+        left, right = (path / name for name in names)
+        if left.is_dir() and right.is_dir() and (names == SIDES[0] or _holds_images(left)):
+            return left, right
+    return None
+
+
+def _holds_images(folder: Path) -> bool:
+    """True if a folder has images itself: EuRoC's are in a folder below."""
+    return any(file.suffix.lower() in ENDINGS for file in folder.iterdir())
 
 
 def open_folder(path: Path, settings: SequenceSettings) -> Recording:
-    """The recording in `path`."""
-    listed = list_pairs(path / "left", path / "right")
+    """The recording in `path`.
+
+    Raises
+    ------
+    InputError
+        If it lacks images of a side, or a calibration.
+    """
+    listed = list_pairs(*(_sides(path) or (path / "left", path / "right")))
     poses = list_frame_poses(
         [entry.name for entry in listed],
         find_times(path),
