@@ -4,11 +4,14 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextvars import copy_context
+from contextvars import ContextVar, copy_context
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+_is_in_thread = ContextVar("is_in_thread", default=False)
+"""True inside a call of `in_threads`, whose own calls then run one after another."""
 
 
 def num_processors() -> int:
@@ -21,24 +24,40 @@ def num_processors() -> int:
 
 
 def num_threads() -> int:
-    """Number of compute threads: `NUMBA_NUM_THREADS` if set, otherwise one per processor."""
+    """Number of compute threads: `NUMBA_NUM_THREADS` if set, otherwise one per processor.
+
+    A call of `in_threads` has one thread, its own.
+    """
+    if _is_in_thread.get():
+        return 1
     said = os.environ.get("NUMBA_NUM_THREADS", "")
     return int(said) if said.isdecimal() and int(said) else num_processors()
 
 
-def in_threads(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+def in_threads(
+    call: Callable[[Item], Result], items: Iterable[Item], most: int | None = None
+) -> Iterator[Result]:
     """The result for each item, in order; at most one item per thread is in progress.
 
     The call should release the GIL for most of its time.
+
+    Parameters
+    ----------
+    call : callable
+    items : iterable
+    most : int, optional
+        Maximum number of threads; with 1 thread, the calls may start threads themselves.
     """
-    number = num_threads()
+    number = num_threads() if most is None else min(most, num_threads())
     if number == 1:
         yield from map(call, items)
         return
     with ThreadPoolExecutor(number) as pool:
         waiting: deque[Future[Result]] = deque()
         for item in items:
-            waiting.append(pool.submit(copy_context().run, call, item))
+            context = copy_context()
+            context.run(_is_in_thread.set, True)
+            waiting.append(pool.submit(context.run, call, item))
             if len(waiting) > number:
                 yield waiting.popleft().result()
         while waiting:

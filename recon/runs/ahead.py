@@ -1,4 +1,4 @@
-"""Matching of pairs ahead of the loop: read in a thread, matched by workers, yielded in order."""
+"""Matching of pairs ahead of the loop: read in a thread, matched side by side, yielded in order."""
 
 import contextvars
 import itertools
@@ -10,15 +10,19 @@ from typing import TypeVar
 
 from recon.libraries import limit_threads
 from recon.mapping.pair import PairResult, match_points
-from recon.records import StereoPair
+from recon.records import PairSource, StereoPair
 from recon.runs.replay import SavedResults
 from recon.runs.work import Work
 from recon.settings import Settings
+from recon.threads import in_threads
 
 Item = TypeVar("Item")
 Matched = tuple[StereoPair, PairResult]
 DEPTH = 2
 """Number of pairs read ahead, and of pairs in progress per worker."""
+PIXELS_AT_ONCE = 4 << 20
+"""Pixels of the left images that are matched at once, with some 200 bytes each; the threads share a
+larger image."""
 
 
 def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
@@ -36,22 +40,43 @@ def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
             yield item[0]
 
 
-def match_ahead(source: Iterable[StereoPair], settings: Settings, work: Work) -> Iterator[Matched]:
+def match_ahead(source: PairSource, settings: Settings, work: Work) -> Iterator[Matched]:
     """Every pair with its matches and points, in order.
 
     Results are saved until the run is finished, and reused when an interrupted run is resumed. They
-    are byte-identical for any number of workers.
+    are byte-identical for any number of threads and workers.
     """
     saved, pairs = SavedResults(folder=work.run.partial), read_ahead(source)
     if work.num_workers > 1:
         yield from _in_processes(pairs, settings, saved, work)
         return
-    for number, pair in enumerate(pairs):
-        result = saved.load(number)
-        if result is None:
-            with work.stage("stereo"):
-                result = saved.keep(number, match_points(pair, settings))
-        yield pair, result
+
+    def match(numbered: tuple[int, StereoPair]) -> Matched:
+        number, pair = numbered
+        done = saved.load(number)
+        return pair, saved.keep(number, match_points(pair, settings)) if done is None else done
+
+    read = _timed(pairs, work, "reading")
+    first = list(itertools.islice(read, 1))
+    most = _num_at_once(first, len(source))
+    matched = in_threads(match, enumerate(itertools.chain(first, read)), most)
+    yield from _timed(matched, work, "stereo")
+
+
+def _num_at_once(first: list[StereoPair], num_pairs: int) -> int:
+    """Number of pairs that are matched side by side, at least 1."""
+    num_pixels = sum(pair.rig.width * pair.rig.height for pair in first)
+    return max(1, min(num_pairs, PIXELS_AT_ONCE // max(num_pixels, 1)))
+
+
+def _timed(items: Iterator[Item], work: Work, stage: str) -> Iterator[Item]:
+    """The items, whose production is counted for a stage."""
+    while True:
+        with work.stage(stage):
+            found = list(itertools.islice(items, 1))
+        if not found:
+            return
+        yield found[0]
 
 
 def _in_processes(

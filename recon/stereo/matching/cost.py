@@ -86,7 +86,7 @@ class Ring(NamedTuple):
     """(C * 3 * reach,) the same for the row of the other image."""
     reach: int
     line: Floats
-    """The scores of one pixel, with room for `NUM_LANES` before and after."""
+    """(2, ...) the scores of two pixels, each with zeros for `NUM_LANES` before and after."""
 
 
 def make_ring(base: Responses, search: Search) -> Ring:
@@ -108,7 +108,7 @@ def make_ring(base: Responses, search: Search) -> Ring:
         here=aligned_zeros(channels * 3 * reach),
         there=aligned_zeros(channels * 3 * reach),
         reach=reach,
-        line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
+        line=np.zeros((2, lanes + 2 * NUM_LANES), np.float32),
     )
 
 
@@ -175,28 +175,39 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
 @kernel
 def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
     """Write the scores, exact and with slack, of every second pixel of a row."""
-    for column in range(ring.columns):
-        u = here + 2 * column
-        if ring.here[2 * ring.reach + u] == 0.0:
-            lines[0][column * ring.lanes :][: ring.lanes] = 0.0
-            lines[1][column * ring.lanes :][: ring.lanes] = 0.0
-            continue
-        if search.table.size:
-            _look_up(ring, u, there + 2 * column, search.table)
-        else:
-            _compare(ring, u, there + 2 * column)
-        ring.line[NUM_LANES + search.num_shifts :] = 0.0
-        _slacken(ring.line, column * ring.lanes, lines)
-        lines[1][column * ring.lanes + search.num_shifts : (column + 1) * ring.lanes] = 0.0
+    # Pixels in twos: scores that were just stored are slow to load from other positions.
+    for first in range(0, ring.columns, 2):
+        for k in range(2):
+            u = 2 * (first + k)
+            _score_pixel(ring, here + u, there + u, search, ring.line[k])
+        for k in range(2):
+            start = (first + k) * ring.lanes
+            _slacken(ring.line[k], start, lines)
+            for i in range(search.num_shifts, ring.lanes):
+                lines[1][start + i] = 0.0
 
 
 @kernel
-def _compare(ring: Ring, u: int, start: int) -> None:
+def _score_pixel(ring: Ring, u: int, start: int, search: Search, line: Floats) -> None:
+    """Write the scores of one pixel; all are 0 if it cannot be matched."""
+    if ring.here[2 * ring.reach + u] == 0.0:
+        line[:] = 0.0
+        return
+    if search.table.size:
+        _look_up(ring, u, start, search.table, line)
+    else:
+        _compare(ring, u, start, line)
+    for i in range(search.num_shifts, ring.lanes):
+        line[NUM_LANES + i] = 0.0
+
+
+@kernel
+def _compare(ring: Ring, u: int, start: int, line: Floats) -> None:
     """Mean over scales and orientations of c cos(phase difference).
 
     ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without computing an angle or a root.
     """
-    here, there, line, reach = ring.here, ring.there, ring.line, ring.reach
+    here, there, reach = ring.here, ring.there, ring.reach
     # The orientations of one scale at a time.
     for scale in range(0, here.size, 9 * reach):
         a = _response(here, scale + u, reach)
@@ -227,14 +238,14 @@ def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: i
 
 
 @kernel
-def _look_up(ring: Ring, u: int, start: int, table: Floats) -> None:
+def _look_up(ring: Ring, u: int, start: int, table: Floats, line: Floats) -> None:
     """Mean over scales and orientations of the table's similarity."""
     scales, num_c, num_cos = table.shape
     here = ring.here.reshape(-1, 3, ring.reach)
     there = ring.there.reshape(-1, 3, ring.reach)
     channels = len(here)
     for k in range(start, start + ring.lanes):
-        ring.line[NUM_LANES + k - start] = 0.0
+        line[NUM_LANES + k - start] = 0.0
         if there[0, 2, k] == 0.0:
             continue
         total = np.float32(0.0)
@@ -247,7 +258,7 @@ def _look_up(ring: Ring, u: int, start: int, table: Floats) -> None:
             row = min(int(like * num_c), num_c - 1)
             column = min(max(int((cosine + 1.0) * 0.5 * num_cos), 0), num_cos - 1)
             total += table[c * scales // channels, row, column]
-        ring.line[NUM_LANES + k - start] = total / channels
+        line[NUM_LANES + k - start] = total / channels
 
 
 @kernel
