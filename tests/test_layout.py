@@ -12,6 +12,7 @@ RECON = Path(__file__).parents[1] / "recon"
 FLOORS = {
     "errors": 0, "version": 0,
     "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1, "threads": 1,
+    "processes": 2,
     "settings": 2, "camera": 2, "stopwatch": 2, "environment": 2,
     "records": 3,
     "world": 4, "stereo": 4, "voxelmap": 4, "recognition": 4, "runfolder": 4,
@@ -27,7 +28,7 @@ HOMES = {
     "open3d": {"world", "voxelmap", "recognition", "surface", "localisation", "exports"},
     "cv2": {"stereo", "sequences", "localisation", "world", "exports"},
     "skimage": {"stereo", "recognition", "exploration", "sequences"},
-    "PIL": {"world", "sequences"},
+    "PIL": {"world", "sequences", "figures"},
     "pyvista": {"figures", "app", "exports", "voxelmap"},  # VoxelMap.to_pyvista
     "matplotlib": {"figures"},
     "nicegui": {"app"},

@@ -43,6 +43,13 @@ def test_calls_see_the_context_and_run_side_by_side(number):
     given.reset(token)
 
 
+def test_a_call_has_one_thread_unless_it_is_the_only_one(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
+    assert list(in_threads(lambda _: num_threads(), range(4))) == [1] * 4
+    assert list(in_threads(lambda _: num_threads(), range(2), most=1)) == [3, 3]
+    assert num_threads() == 3
+
+
 def test_what_a_call_raises_is_raised(number):
     with pytest.raises(ZeroDivisionError):
         list(in_threads(lambda item: 1 // item, [1, 0, 1]))

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import Connection, Pipe, wait
 
 from recon.batch.worker import Progress, hear_with
-from recon.libraries import limit_threads
+from recon.processes import begin_worker
 
 INTERVAL_S = 0.2
 
@@ -54,9 +54,9 @@ class Pipes:
         return bool(ready)
 
 
-def begin_worker(num_threads: int, end: Connection) -> None:
+def begin_telling(num_threads: int, end: Connection) -> None:
     """Set up a worker process: its share of the processors, and its progress reports."""
-    limit_threads(num_threads)
+    begin_worker(num_threads)
 
     def tell(name: str, done: int, total: int) -> None:
         # The listener may be gone; the job continues.

@@ -10,12 +10,12 @@ from functools import partial
 from multiprocessing import get_context
 from typing import Any, Protocol
 
-from recon.batch.progress import Pipes, begin_worker
+from recon.batch.progress import Pipes, begin_telling
 from recon.batch.worker import Outcome, Progress, hear_with, unheard
 from recon.errors import InputError
 from recon.files import Limits
-from recon.libraries import THREAD_VARIABLES, load_extra
-from recon.threads import num_processors
+from recon.libraries import THREAD_VARIABLES, limit_threads, load_extra
+from recon.threads import num_processors, num_threads
 
 Call = Callable[[], Outcome]
 """Runs one job."""
@@ -77,7 +77,7 @@ class Processes:
         pool = ProcessPoolExecutor(
             1,
             mp_context=get_context("spawn"),
-            initializer=begin_worker,
+            initializer=begin_telling,
             initargs=(self._num_threads, self._pipes.new()),
         )
         with self._lock:
@@ -149,18 +149,21 @@ class Dask:
                 return self._distributed.Client(self._address, timeout="10s")
             except (OSError, ValueError) as error:
                 raise InputError(f"no Dask scheduler answers at {self._address}") from error
-        # A client without a cluster creates one and stops it when closed.
-        return self._distributed.Client(
-            n_workers=self._num_workers,
-            threads_per_worker=1,
-            dashboard_address=None,
-            env=dict.fromkeys(THREAD_VARIABLES, "1"),
-        )
+        # Not Dask's own environment, in which memory freed goes back to the system at once, and has
+        # to be got again page by page.
+        environment = dict.fromkeys(THREAD_VARIABLES, "1") | {"MALLOC_ARENA_MAX": "1"}
+        config = load_extra("dask.config", "cluster")
+        with config.set({"distributed.nanny.pre-spawn-environ": environment}):
+            # A client without a cluster creates one and stops it when closed.
+            return self._distributed.Client(
+                n_workers=self._num_workers, threads_per_worker=1, dashboard_address=None
+            )
 
 
 def telling(call: Call) -> Outcome:
     """Run a job on a Dask worker, which publishes its progress."""
     worker = load_extra("distributed", "cluster").get_worker()
+    limit_threads(num_threads())
     hear_with(lambda *progress: worker.log_event(TOPIC, progress))
     return call()
 

@@ -1,6 +1,8 @@
 """The figures of a batch: a contact sheet, a confusion matrix, and a plot per metric of a sweep."""
 
+import importlib
 import re
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +15,13 @@ from recon.figures.sweep import sweep
 
 SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh")
 """Figures that represent a run, in order of preference."""
+
+
+def load_ahead() -> None:
+    """Load in a thread what the sheets are drawn with, while the jobs run."""
+    names = "matplotlib.figure", "matplotlib.backends.backend_agg", "PIL.PngImagePlugin"
+    for name in names:
+        threading.Thread(target=importlib.import_module, args=(name,), daemon=True).start()
 
 
 def write_sheets(report: BatchReport, points: Sequence[Point], metrics: Sequence[str]) -> None:

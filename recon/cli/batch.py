@@ -51,6 +51,7 @@ def batch(jobs: str, **given: Any) -> int:
     start_logging(given)
     from recon.batch.batch import run_batch
     from recon.batch.schedulers import make_scheduler
+    from recon.batch.sheets import load_ahead
     from recon.batch.summary import write_summary
     from recon.batch.sweeps import USUAL
     from recon.threads import num_processors
@@ -59,6 +60,7 @@ def batch(jobs: str, **given: Any) -> int:
     if given["dry_run"]:
         _list(named, given)
         return 0
+    load_ahead()
     folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
     with shown_jobs(given["quiet"]) as shown:
         scheduler = make_scheduler(

@@ -118,6 +118,8 @@ def _columns(file: Any) -> Columns:
     with np.errstate(over="ignore"):  # non-finite points are left out later
         columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
     extra = set(file.point_format.extra_dimension_names)
+    if "" in extra:
+        raise InputError("not a sound LAS file (one of its extra dimensions has no name)")
     for name in file.point_format.dimension_names:
         values = np.asarray(file[name])
         if values.ndim == 2:

@@ -144,6 +144,10 @@ def _floor_cells(
 _LOWEST = 0.5
 """Minimum height of an obstacle, as in `navigation`."""
 _ROUNDING = 1e-6
+_MAX_SIZE = 1e9
+"""Of a pixel, world units; its inverse is the smallest."""
+_MAX_PIXELS = 1 << 31
+"""Distance of the origin."""
 
 
 def _description_of(image_path: Path) -> Path:
@@ -170,8 +174,11 @@ def _description(path: Path) -> dict[str, Any]:
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: not the description of a nav2 map ({error!r})") from error
     origin = found["origin"]
-    if not (0 < found["resolution"] < math.inf and len(origin) >= 2 and np.isfinite(origin).all()):
-        raise InputError(f"{path}: resolution is {found['resolution']}, origin {origin}")
+    size = found["resolution"]
+    is_near = len(origin) >= 2 and all(abs(value) <= _MAX_PIXELS * size for value in origin[:2])
+    # Written so that NaN fails too.
+    if not (1.0 / _MAX_SIZE <= size <= _MAX_SIZE and is_near and np.isfinite(origin).all()):
+        raise InputError(f"{path}: resolution is {size}, origin {origin}")
     if Path(found["image"]).is_absolute() or ".." in Path(found["image"]).parts:
         raise InputError(f"{path}: its image {found['image']!r} lies outside its folder")
     return found

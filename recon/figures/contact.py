@@ -11,6 +11,9 @@ from recon.figures.canvas import ACCENT, INK, Image, Sheet, Size
 
 CELL: Size = (420, 290)
 """Pixels of one image with its name."""
+MARGIN = 6
+NAME_HEIGHT = 24
+"""Pixels of a name above its image."""
 MAX_SHOWN = 400
 """More would not be legible on one sheet."""
 LINE = 52
@@ -50,30 +53,38 @@ def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
     columns = columns_of(len(shown))
     rows = max(1, -(-len(shown) // columns))
     sheet = sheet or Sheet.of((CELL[0] * columns, CELL[1] * rows))
+    sheet.place_by_hand()
+    axes = sheet.figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    size = min(sheet.font_size, 8.0)
+    # One image of all: axes for each would take most of the time.
+    mosaic = np.full((CELL[1] * rows, CELL[0] * columns, 3), 255, np.uint8)
     for number, one in enumerate(shown):
-        axes = sheet.axes(at=(rows, columns, number + 1))
-        axes.set_axis_off()
-        size = min(sheet.font_size, 8.0)
-        axes.set_title(one.name[:LINE], color=INK, fontsize=size, loc="left", y=1.0)
+        top, left = CELL[1] * (number // columns), CELL[0] * (number % columns)
+        axes.text(left + MARGIN, top + MARGIN, one.name[:LINE], color=INK, fontsize=size, va="top")
         image = None if one.path is None else thumbnail(one.path)
         if image is not None:
-            axes.imshow(image, interpolation="antialiased")
+            height, width = image.shape[:2]
+            inner = top + NAME_HEIGHT, left + (CELL[0] - width) // 2
+            mosaic[inner[0] : inner[0] + height, inner[1] : inner[1] + width] = image
         else:
-            axes.text(0.0, 0.9, _wrapped(one.note), color=ACCENT, fontsize=size, va="top")
+            axes.text(left + MARGIN, top + NAME_HEIGHT, _wrapped(one.note), color=ACCENT,
+                      fontsize=size, va="top")  # fmt: skip
+    axes.imshow(mosaic, interpolation="none", aspect="auto")
     return sheet.figure
 
 
 def thumbnail(path: Path) -> Image | None:
-    """A PNG, subsampled to about the shown size; None if it cannot be read."""
-    from matplotlib.image import imread
+    """A PNG (H, W, 3), made to fit below a name; None if it cannot be read."""
+    import PIL.Image
 
     try:
-        image = np.asarray(imread(path, format="png"))
+        with PIL.Image.open(path, formats=("PNG",)) as stored:
+            image = stored.convert("RGB")
     except (OSError, ValueError, SyntaxError):
         return None
-    step = max(1, min(image.shape[0] // CELL[1], image.shape[1] // CELL[0]))
-    levels: Image = np.rint(255 * image[::step, ::step, :3]).astype(np.uint8)
-    return levels
+    image.thumbnail((CELL[0] - 2 * MARGIN, CELL[1] - NAME_HEIGHT - MARGIN), reducing_gap=2.0)
+    return np.asarray(image)
 
 
 def _wrapped(text: str) -> str:

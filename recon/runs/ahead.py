@@ -8,8 +8,8 @@ from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from typing import TypeVar
 
-from recon.libraries import limit_threads
 from recon.mapping.pair import PairResult, match_points
+from recon.processes import begin_worker
 from recon.records import PairSource, StereoPair
 from recon.runs.replay import SavedResults
 from recon.runs.work import Work
@@ -84,7 +84,7 @@ def _in_processes(
 ) -> Iterator[Matched]:
     working: deque[tuple[int, StereoPair, Future[PairResult] | PairResult]] = deque()
     with ProcessPoolExecutor(
-        work.num_workers, mp_context=get_context("spawn"), initializer=limit_threads, initargs=(1,)
+        work.num_workers, mp_context=get_context("spawn"), initializer=begin_worker, initargs=(1,)
     ) as pool:
         for number, pair in enumerate(pairs):
             done = saved.load(number)

@@ -5,6 +5,9 @@ import json
 import os
 import pickle
 import signal
+import subprocess
+import sys
+import time
 from contextvars import Context
 from pathlib import Path
 
@@ -150,6 +153,31 @@ def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
 
     calls = [("a", partial(die_once, tmp_path / "mark"))]
     assert [one.state for one in Processes(1).outcomes(calls)] == ["done"]
+
+
+LONELY = """
+from recon.batch.schedulers import Processes
+from tests.batch.test_batch import wait_for_ever
+if __name__ == "__main__":
+    for _ in Processes(1).outcomes([("a", wait_for_ever)]): pass
+"""
+
+
+def wait_for_ever():
+    os.write(1, b"%d\n" % os.getpid())
+    time.sleep(600)
+
+
+def test_a_worker_does_not_outlive_the_batch(tmp_path):
+    (tmp_path / "lonely.py").write_text(LONELY)
+    here = {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
+    with subprocess.Popen(
+        [sys.executable, tmp_path / "lonely.py"], stdout=subprocess.PIPE, env=os.environ | here
+    ) as parent:
+        assert int(parent.stdout.readline()) != parent.pid
+        parent.kill()
+        # The pipe ends when the last process that holds it has ended.
+        assert parent.stdout.read() == b""
 
 
 def tell(name, num):

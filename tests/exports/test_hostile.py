@@ -54,6 +54,24 @@ def test_a_las_header_that_lies(las, offset, form, value, message):
     refused(las, message)
 
 
+def test_a_las_dimension_without_a_name(las):
+    content = las.read_bytes()
+    assert content.count(b"sigma\0") == 1
+    las.write_bytes(content.replace(b"sigma\0", bytes(6)))
+    refused(las, "one of its extra dimensions has no name")
+
+
+@pytest.mark.parametrize("line", ["origin: [1e300, 0, 0]", "resolution: 1e-300",
+                                  "resolution: 1e300", "resolution: .nan"])  # fmt: skip
+def test_a_nav2_map_that_lies_out_of_reach(tmp_path, line):
+    write(a_map(), tmp_path / "a.pgm")
+    path = tmp_path / "a.yaml"
+    name = line.partition(":")[0]
+    kept = [one for one in path.read_text().splitlines() if not one.startswith(name)]
+    path.write_text("\n".join([*kept, line]))
+    refused(path, "resolution is .*, origin")
+
+
 @pytest.mark.parametrize("cut", [0.5, 0.9, 0.99])
 def test_a_laz_without_its_table_of_chunks(tmp_path, cut, capfd):
     pytest.importorskip("lazrs")

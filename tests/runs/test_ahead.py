@@ -1,8 +1,11 @@
 """Pairs are matched ahead: in order, by any number of workers, and not twice."""
 
+import numpy as np
 import pytest
 
+from recon.camera import StereoRig
 from recon.cli import main
+from recon.records import StereoPair
 from recon.runs import ahead
 from recon.runs.ahead import read_ahead
 
@@ -46,10 +49,25 @@ def same(one, other):
 
 
 @pytest.mark.data
-def test_two_workers_leave_the_bytes_of_one(drive, tmp_path):
+def test_two_workers_and_one_thread_leave_the_same_bytes(drive, tmp_path, monkeypatch):
     argv, run = drive
     assert main([*argv, "-j", "2", "-o", str(tmp_path / "two")]) == 0
     assert same(run, tmp_path / "two")
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
+    assert main([*argv, "-o", str(tmp_path / "one")]) == 0
+    assert same(run, tmp_path / "one")
+
+
+def test_pairs_are_matched_side_by_side_as_far_as_memory_goes():
+    def pair(width, height):
+        image = np.zeros((height, width), np.uint8)
+        rig = StereoRig(width=width, height=height, focal_px=500.0, baseline=0.1)
+        return StereoPair(left=image, right=image, rig=rig)
+
+    assert ahead._num_at_once([pair(1226, 370)], 51) == 9
+    assert ahead._num_at_once([pair(1226, 370)], 1) == 1  # its rows are shared by the threads
+    assert ahead._num_at_once([pair(4000, 3000)], 51) == 1
+    assert ahead._num_at_once([], 0) == 1
 
 
 @pytest.mark.data
