@@ -31,6 +31,16 @@ def test_bands_cover_every_row_once(monkeypatch):
     assert len(bands(95, 96)) == 1
 
 
+def test_bands_cost_about_the_same(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
+    cost = np.concatenate([np.zeros(200), np.arange(101.0)])  # nothing in the upper 200 rows
+    edges = bands(300, 96, cost)
+    assert [first for first, _ in edges] == [0, *(end for _, end in edges[:-1])]
+    assert edges[-1][1] == 300
+    costs = [cost[end] - cost[first] for first, end in edges]
+    np.testing.assert_allclose(costs, 100 / 3, atol=1.0)
+
+
 def test_a_failure_in_a_thread_is_raised(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
 

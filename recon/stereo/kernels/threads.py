@@ -4,15 +4,31 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from recon.threads import in_threads, num_threads
 
 Result = TypeVar("Result")
 
 
-def bands(size: int, least: int) -> list[tuple[int, int]]:
-    """Start and end of the bands of at least `least` rows that the threads share."""
+def bands(size: int, least: int, cost: NDArray[np.floating] | None = None) -> list[tuple[int, int]]:
+    """Start and end of the bands that the threads share, at most one per `least` rows.
+
+    Parameters
+    ----------
+    size : int
+        Number of rows.
+    least : int
+    cost : (size + 1,) increasing, optional
+        Cost of all rows before each one; by default rows cost the same.
+    """
     number = max(1, min(num_threads(), size // least))
-    edges = [size * k // number for k in range(number + 1)]
+    if cost is None:
+        edges = [size * k // number for k in range(number + 1)]
+    else:
+        inner = np.searchsorted(cost, cost[-1] * np.arange(1, number) / number)
+        edges = [0, *inner.tolist(), size]
     return list(pairwise(edges))
 
 

@@ -17,6 +17,8 @@ from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windo
 
 _LEAST_BAND = 96
 """Minimum rows of a band, as twice the radius of its windows is computed in addition."""
+_POINTS_PER_PIXEL = 0.08
+"""Time for the scores of a pixel, relative to that for the support of a point."""
 _RIVAL_GAP = 3
 """Minimum distance, in shifts, of a rival maximum: repetition, or an edge along a row."""
 
@@ -103,7 +105,9 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
         own = make_ring(base, search)
         _aggregate(task, own, _make_room(task, own, claims), rows, result)
 
-    run([partial(work_on, rows) for rows in bands(base.mask.shape[0], _LEAST_BAND)])
+    height, width = base.mask.shape
+    cost = points.starts + _POINTS_PER_PIXEL * width * np.arange(height + 1)
+    run([partial(work_on, rows) for rows in bands(height, _LEAST_BAND, cost)])
     return support
 
 
