@@ -8,9 +8,10 @@ from pathlib import Path
 
 from recon.batch.batch import BatchReport
 from recon.batch.sweeps import Point, curves
+from recon.batch.worker import Outcome
 from recon.figures.canvas import save
 from recon.figures.confusion import confusion_matrix
-from recon.figures.contact import Print, contact
+from recon.figures.contact import Print, contact, thumbnail
 from recon.figures.sweep import sweep
 
 SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh")
@@ -24,12 +25,17 @@ def load_ahead() -> None:
         threading.Thread(target=importlib.import_module, args=(name,), daemon=True).start()
 
 
-def write_sheets(report: BatchReport, points: Sequence[Point], metrics: Sequence[str]) -> None:
+def print_of(outcome: Outcome, folder: Path) -> Print:
+    """What the contact sheet of a batch in a folder shows of a job."""
+    figure = _figure(folder / outcome.name)
+    image = None if figure is None else thumbnail(figure)
+    return Print(name=outcome.name, image=image, note=outcome.error or outcome.state)
+
+
+def write_sheets(
+    report: BatchReport, points: Sequence[Point], metrics: Sequence[str], prints: Sequence[Print]
+) -> None:
     """Write `contact.png`, `confusion.png` if truth is known, and `sweep_METRIC.png`."""
-    prints = [
-        Print(name=one.name, path=_figure(report.folder / one.name), note=one.error or one.state)
-        for one in report.outcomes
-    ]
     save(contact(prints), report.folder / "contact.png")
     named = [name for one in report.outcomes for name in one.names]
     if named:

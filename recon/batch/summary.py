@@ -9,19 +9,32 @@ from pathlib import Path
 from typing import Any
 
 from recon.batch.batch import SUMMARY, BatchReport
-from recon.batch.sheets import write_sheets
+from recon.batch.sheets import print_of, write_sheets
 from recon.batch.sweeps import USUAL, check_metrics, metrics_of, points_of, table
+from recon.figures.contact import MAX_SHOWN, Print
 from recon.files import atomic_path
 
 FIRST = ("name", "state", "error", "seconds")
 """Columns that every job has."""
 
 
-def write_summary(report: BatchReport, metrics: Sequence[str] = USUAL) -> dict[str, Any]:
+def write_summary(
+    report: BatchReport,
+    metrics: Sequence[str] = USUAL,
+    prints: Mapping[str, Print] | None = None,
+) -> dict[str, Any]:
     """Write the files of a batch besides its runs.
 
     `summary.json` and `summary.csv`, a contact sheet of the figures, one confusion matrix over all
     jobs with known truth; for a sweep `sweep.csv`, and a figure per metric.
+
+    Parameters
+    ----------
+    report : BatchReport
+    metrics : sequence of str
+        Tabulated and plotted over a sweep.
+    prints : mapping of str to Print, optional
+        By name, what the contact sheet shows of jobs, where it was made as they ended.
 
     Returns
     -------
@@ -42,7 +55,11 @@ def write_summary(report: BatchReport, metrics: Sequence[str] = USUAL) -> dict[s
     _write(report.folder / "summary.csv", as_csv(report))
     # Checked last, so that the results are on disk in any case.
     check_metrics(points, metrics)
-    write_sheets(report, points, metrics)
+    made = prints or {}
+    shown = [
+        made.get(one.name) or print_of(one, report.folder) for one in report.outcomes[:MAX_SHOWN]
+    ]
+    write_sheets(report, points, metrics, shown)
     return document
 
 

@@ -51,9 +51,10 @@ def batch(jobs: str, **given: Any) -> int:
     start_logging(given)
     from recon.batch.batch import run_batch
     from recon.batch.schedulers import make_scheduler
-    from recon.batch.sheets import load_ahead
+    from recon.batch.sheets import load_ahead, print_of
     from recon.batch.summary import write_summary
     from recon.batch.sweeps import USUAL
+    from recon.figures.contact import MAX_SHOWN
     from recon.threads import num_processors
 
     named = _named_jobs(jobs, given["command"])
@@ -61,6 +62,7 @@ def batch(jobs: str, **given: Any) -> int:
         _list(named, given)
         return 0
     load_ahead()
+    prints: dict[str, Any] = {}
     folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
     with shown_jobs(given["quiet"]) as shown:
         scheduler = make_scheduler(
@@ -69,6 +71,8 @@ def batch(jobs: str, **given: Any) -> int:
 
         def heard(outcome: Any, done: int, total: int) -> None:
             shown.end(outcome.name, done, total)
+            if len(prints) < MAX_SHOWN:
+                prints[outcome.name] = print_of(outcome, folder)  # while other jobs run
             if outcome.state == "failed":
                 click.echo(f"recon: {outcome.name}: {outcome.error}", err=True)
 
@@ -77,7 +81,7 @@ def batch(jobs: str, **given: Any) -> int:
             overwrite=given["overwrite"], resume=given["resume"], chunk=given["chunk"],
             heard=heard,
         )  # fmt: skip
-    document = write_summary(report, given["metrics"] or USUAL)
+    document = write_summary(report, given["metrics"] or USUAL, prints)
     if given["as_json"]:
         print_json(document)
     elif not given["quiet"]:

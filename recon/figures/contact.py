@@ -25,8 +25,8 @@ class Print:
     """One image of a contact sheet."""
 
     name: str
-    path: Path | None = None
-    """A PNG; None if there is none to show."""
+    image: Image | None = None
+    """(H, W, 3), as `thumbnail` gives it; None if there is none to show."""
     note: str = ""
     """Text instead of the image, such as the reason why there is none."""
 
@@ -62,11 +62,10 @@ def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
     for number, one in enumerate(shown):
         top, left = CELL[1] * (number // columns), CELL[0] * (number % columns)
         axes.text(left + MARGIN, top + MARGIN, one.name[:LINE], color=INK, fontsize=size, va="top")
-        image = None if one.path is None else thumbnail(one.path)
-        if image is not None:
-            height, width = image.shape[:2]
+        if one.image is not None:
+            height, width = one.image.shape[:2]
             inner = top + NAME_HEIGHT, left + (CELL[0] - width) // 2
-            mosaic[inner[0] : inner[0] + height, inner[1] : inner[1] + width] = image
+            mosaic[inner[0] : inner[0] + height, inner[1] : inner[1] + width] = one.image
         else:
             axes.text(left + MARGIN, top + NAME_HEIGHT, _wrapped(one.note), color=ACCENT,
                       fontsize=size, va="top")  # fmt: skip
