@@ -21,7 +21,7 @@ Matched = tuple[StereoPair, PairResult]
 DEPTH = 2
 """Number of pairs read ahead, and of pairs in progress per worker."""
 PIXELS_AT_ONCE = 4 << 20
-"""Pixels of the left images that are matched at once, with some 200 bytes each; the threads share a
+"""Pixels of the left images that are matched at once, with some 300 bytes each; the threads share a
 larger image."""
 
 
