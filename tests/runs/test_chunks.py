@@ -27,7 +27,7 @@ def files(folder):
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
+def runs(tmp_path_factory, no_figures):
     """One run as a whole, two in chunks."""
     folder = tmp_path_factory.mktemp("chunks")
     drive = render_drive(folder, 5)
@@ -81,7 +81,8 @@ def test_a_box_of_it_is_the_box_of_the_whole(runs, tmp_path):
 
 def test_it_is_drawn_described_shown_and_recognised(runs, capsys):
     whole, twos = runs / "whole", runs / "twos"
-    assert main(["figure", str(twos), "--kind", "occupancy", "--data", "-q"]) == 0
+    for run in (whole, twos):
+        assert main(["figure", str(run), "--kind", "occupancy", "--data", "-q"]) == 0
     drawn = (twos / "figures" / "occupancy.png").read_bytes()
     assert drawn == (whole / "figures" / "occupancy.png").read_bytes()
     about = call(capsys, "info", twos / "map.parquet")
