@@ -1,7 +1,7 @@
 """The figures of a run, drawn when it ends or later from its folder."""
 
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -43,10 +43,25 @@ class Wish:
     """Also write the shown data as arrays, and the labels as maps."""
 
 
-def write_run_figures(run_path: Path, contents: Reconstruction, clearest: Step | None) -> None:
-    """Draw and write the default figures; `clearest` is the step with the most matches."""
+def write_run_figures(
+    run_path: Path,
+    contents: Reconstruction,
+    clearest: Step | None,
+    names: Sequence[str] = ALWAYS,
+) -> None:
+    """Draw and write figures of a run with a map.
+
+    Parameters
+    ----------
+    run_path : Path
+    contents : Reconstruction
+    clearest : Step, optional
+        The step with the most matches, for its disparity and an overview.
+    names : sequence of str
+        All other kinds of figures.
+    """
     subject = _subject(run_path, contents)
-    for name in ALWAYS:
+    for name in names:
         _write(run_path, name, KINDS.load(name), subject, Wish())
     if clearest is not None:
         arrays = kept_pair(clearest.pair.left, clearest.matches)

@@ -1,5 +1,6 @@
 """A reconstruction, from a recording to a run folder."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -19,7 +20,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import write_run_figures
+from recon.runs.figures import ALWAYS, write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
@@ -131,7 +132,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     loops = close_drive(source, mapper, places, work)
     if loops.get("num_loops"):  # the map was rebuilt from all points
         chunked.forget()
-    num_voxels = _write(mapper, chunked.finish(mapper), work)
+    num_voxels = _write(mapper, chunked.finish(mapper), work, _figures_of(job))
     if job.settings.map.places:
         write_places(work, places, mapper.trajectory)
     mapper.reached.say()
@@ -160,7 +161,12 @@ def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:
         work.events.on_step(step)
 
 
-def _write(mapper: Mapper, voxel_map: Map, work: Work) -> int:
+def _figures_of(job: Job) -> Sequence[str]:
+    """Figures besides the overview: none of a part, an arbitrary piece of the map."""
+    return () if "part" in job.arguments else ALWAYS
+
+
+def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -> int:
     """Write the result of all pairs; return the number of occupied cells."""
     run = work.run
     voxels, shown_map = shown(voxel_map, mapper.settings.map)
@@ -174,7 +180,7 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work) -> int:
     with work.stage("write"):
         write_outputs(run, reconstruction, recognition)
     with work.stage("figures"):
-        write_run_figures(run.path, reconstruction, mapper.clearest)
+        write_run_figures(run.path, reconstruction, mapper.clearest, figures)
     return len(voxels)
 
 
