@@ -52,8 +52,9 @@ def in_threads(
     if number == 1:
         yield from map(call, items)
         return
-    with ThreadPoolExecutor(number) as pool:
-        waiting: deque[Future[Result]] = deque()
+    waiting: deque[Future[Result]] = deque()
+    pool = ThreadPoolExecutor(number)
+    try:
         for item in items:
             context = copy_context()
             context.run(_is_in_thread.set, True)
@@ -62,3 +63,5 @@ def in_threads(
                 yield waiting.popleft().result()
         while waiting:
             yield waiting.popleft().result()
+    finally:
+        pool.shutdown(cancel_futures=True)

@@ -70,7 +70,7 @@ def test_a_failed_job_stops_no_other_and_is_said(batch):
     assert rows[0]["num_pairs"] == "2"
 
 
-def test_a_job_leaves_the_bytes_of_a_run_alone(batch, tmp_path, no_figures):
+def test_a_job_leaves_the_bytes_of_a_run_alone(batch, tmp_path, without_figures):
     folder, _ = batch
     alone = tmp_path / "alone"
     given = [
@@ -133,7 +133,7 @@ def die_once(mark):
     return Outcome(name="a", state="done")
 
 
-def test_a_job_whose_worker_was_lost_goes_on_with_its_run(batch, no_figures):
+def test_a_job_whose_worker_was_lost_goes_on_with_its_run(batch, without_figures):
     folder, _ = batch
     job = read_jobs(folder / "jobs.toml")[0]
     assert do(job, folder / "out" / "walk").state == "skipped"

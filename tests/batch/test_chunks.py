@@ -45,7 +45,7 @@ def files(folder):
 
 
 @pytest.fixture(scope="module")
-def drive(tmp_path_factory, no_figures):
+def drive(tmp_path_factory):
     return render_drive(tmp_path_factory.mktemp("batch"), 5)
 
 

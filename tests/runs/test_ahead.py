@@ -36,7 +36,7 @@ def test_no_more_is_read_than_asked_for():
 
 
 @pytest.fixture(scope="module")
-def drive(data_dir, tmp_path_factory, no_figures):
+def drive(data_dir, tmp_path_factory):
     run = tmp_path_factory.mktemp("ahead") / "whole"
     argv = ["reconstruct", str(data_dir / "kitti_odometry" / "sequence_1"), "--every", "10",
             "--quality", "fast", "-q"]  # fmt: skip

@@ -27,7 +27,7 @@ def files(folder):
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory, no_figures):
+def runs(tmp_path_factory, without_figures):
     """One run as a whole, two in chunks."""
     folder = tmp_path_factory.mktemp("chunks")
     drive = render_drive(folder, 5)

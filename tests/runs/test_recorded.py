@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("without_figures")
 
 
 @pytest.mark.data
-def test_a_drive_without_poses(data_dir, tmp_path, capsys, no_figures):
+def test_a_drive_without_poses(data_dir, tmp_path, capsys):
     run = tmp_path / "drive"
     argv = ["reconstruct", str(data_dir / "kitti_odometry" / "sequence_1"), "-o", str(run)]
     argv += ["--poses", "estimated", "--every", "3", "--quality", "fast"]
