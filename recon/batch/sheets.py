@@ -20,9 +20,8 @@ SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh
 
 def load_ahead() -> None:
     """Load in a thread what the sheets are drawn with, while the jobs run."""
-    names = "matplotlib.figure", "matplotlib.backends.backend_agg", "PIL.PngImagePlugin"
-    for name in names:
-        threading.Thread(target=importlib.import_module, args=(name,), daemon=True).start()
+    names = "matplotlib.figure", "matplotlib.backends.backend_agg"
+    threading.Thread(target=lambda: [*map(importlib.import_module, names)], daemon=True).start()
 
 
 def print_of(outcome: Outcome, folder: Path) -> Print:
