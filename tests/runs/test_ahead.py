@@ -61,7 +61,8 @@ def test_two_workers_and_one_thread_leave_the_same_bytes(drive, tmp_path, monkey
 def test_pairs_are_matched_side_by_side_as_far_as_memory_goes():
     def pair(width, height):
         image = np.zeros((height, width), np.uint8)
-        rig = StereoRig(width=width, height=height, focal_px=500.0, baseline=0.1)
+        centre = {"cx_left_px": width / 2, "cx_right_px": width / 2, "cy_px": height / 2}
+        rig = StereoRig(width=width, height=height, focal_px=500.0, baseline=0.1, **centre)
         return StereoPair(left=image, right=image, rig=rig)
 
     assert ahead._num_at_once([pair(1226, 370)], 51) == 9
