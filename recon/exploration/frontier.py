@@ -13,7 +13,7 @@ from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import ShortestPaths, plan, unexplored
 from recon.exploration.scan import Detection, field_of_view
-from recon.exploration.sides import Look, Sides, is_known
+from recon.exploration.sides import Look, Sides, is_given_up, is_known
 from recon.exploration.state import State
 from recon.exploration.tour import MAX_UNKNOWN, first_stop
 from recon.exploration.viewpoints import (
@@ -91,11 +91,14 @@ class FrontierController:
         """Record why there is nothing left to do."""
         wanted, unknown = wanted_of(state), unexplored(state.floor, state.obstacles)
         unseen = [t for t in wanted if isinstance(t, Detection) or not len(t.bearings_rad)]
-        is_left = bool(unseen) or unknown.mean() > MAX_UNKNOWN
+        doubted = [t for t in unseen if is_given_up(t, self.looks)]
+        is_left = len(doubted) < len(unseen) or unknown.mean() > MAX_UNKNOWN
         self.reason = "nothing reachable" if is_left else "all known"
         barred = len(wanted) - len(unseen)
         if barred:
             self.reason += f"; {barred} obstacles have a side that cannot be reached"
+        if doubted:
+            self.reason += f"; {len(doubted)} detections were not confirmed from nearby"
 
 
 def wanted_of(state: State) -> list[Obstacle | Detection]:

@@ -87,9 +87,8 @@ class Sides:
             seen = near[are_open(floor.occupied, starts, end, own / floor.cell_size)]
             half_width = np.arcsin(np.minimum(obstacle.radius / apart[seen], 1.0))
             slack[row, seen] = np.maximum(field_rad / 2.0 - half_width, SPACING_RAD)
-        arc = np.array([(_planned_gap(one) - MARGIN_RAD) / 2.0 for one in wanted])
-        looked = np.array([(*look.centre, *look.place) for look in looks]).reshape(-1, 2, 2)
-        of_each = [_missing(one, half, looked) for one, half in zip(wanted, arc, strict=True)]
+        arc, looked = np.array([_arc(one) for one in wanted]), _looked(looks)
+        of_each = [_missing(one, looked) for one in wanted]
         missing = np.array(of_each, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD))
         shown = _shown(azimuth, slack, missing, arc)
         worth = np.zeros((len(places), len(AZIMUTHS_RAD)))
@@ -143,6 +142,11 @@ def is_known(obstacle: Obstacle) -> bool:
     return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if obstacle.is_sure else OPEN_RAD)
 
 
+def is_given_up(obstacle: Obstacle | Detection, looks: Sequence[Look]) -> bool:
+    """True if all sides of an obstacle that no view showed well were looked at in vain."""
+    return not _missing(obstacle, _looked(looks)).any()
+
+
 def widest_gap(bearings_rad: Array) -> float:
     """The widest angle between neighbouring directions (V,); a full turn for one or none."""
     ordered: list[float] = sorted(np.mod(bearings_rad, 2.0 * math.pi).tolist())
@@ -158,7 +162,17 @@ def _planned_gap(obstacle: Obstacle | Detection) -> float:
     return OPEN_RAD if is_doubted else OPEN_SURE_RAD
 
 
-def _missing(obstacle: Obstacle | Detection, arc: float, looks: Array) -> Mask:
+def _arc(obstacle: Obstacle | Detection) -> float:
+    """Half the arc of bearings that one view of an obstacle covers."""
+    return (_planned_gap(obstacle) - MARGIN_RAD) / 2.0
+
+
+def _looked(looks: Sequence[Look]) -> Array:
+    """Centre and position (L, 2, 2) of each look."""
+    return np.array([(*look.centre, *look.place) for look in looks]).reshape(-1, 2, 2)
+
+
+def _missing(obstacle: Obstacle | Detection, looks: Array) -> Mask:
     """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain.
 
     Parameters
@@ -166,6 +180,7 @@ def _missing(obstacle: Obstacle | Detection, arc: float, looks: Array) -> Mask:
     looks : (L, 2, 2)
         Centre and position of each look so far.
     """
+    arc = _arc(obstacle)
     seen = obstacle.bearings_rad if isinstance(obstacle, Obstacle) else np.empty(0)
     offsets = looks - obstacle.centre
     x, z = offsets[np.hypot(*offsets[:, 0].T) <= obstacle.radius, 1].T

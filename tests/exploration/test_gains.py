@@ -9,7 +9,7 @@ from recon.exploration.floor import Floor
 from recon.exploration.gains import NUM_RAYS, Visibility, ray_of
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
-from recon.exploration.sides import LAST, MAX_LOOKS, Look, Sides, widest_gap
+from recon.exploration.sides import LAST, MAX_LOOKS, Look, Sides, is_given_up, widest_gap
 from recon.exploration.tour import EARLY, Tour, first_stop
 from recon.settings import Settings
 
@@ -96,6 +96,10 @@ def test_a_side_that_was_looked_at_in_vain_is_given_up(floor):
     given_up = sides_from(floor, *ALL_ROUND, looks=[look] * MAX_LOOKS)
     assert given_up.shown[0, 0] == 0.0
     assert (given_up.shown[0, 1:] > 0.0).all()
+    assert not is_given_up(OBSTACLE, [look] * MAX_LOOKS)
+    all_round = [Look(place=np.array(place), centre=np.zeros(2)) for place in ALL_ROUND]
+    assert is_given_up(OBSTACLE, all_round * MAX_LOOKS)
+    assert not is_given_up(OBSTACLE, all_round * (MAX_LOOKS - 1))
 
 
 @settings(deadline=None, max_examples=40)
