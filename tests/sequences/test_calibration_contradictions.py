@@ -72,6 +72,11 @@ def test_poses_of_another_scale(rng, scale):
     assert pose_finding(steps_of(rng, scale=1.05)) is None
 
 
+def test_lengths_of_a_rig_that_only_turns_contradict_nothing(rng):
+    turn = pose(cv2.Rodrigues(np.array([0.0, 0.05, 0.0]))[0], np.array([0.0, 0.0, 1e-3]))
+    assert pose_finding([_step(tracks(rng, turn), turn, RIG, scale=3.0)]) is None
+
+
 def test_a_wrong_focal_length_scales_the_path_against_the_poses(rng):
     found = pose_finding(steps_of(rng, rig=replace(RIG, focal_px=1.5 * RIG.focal_px)))
     assert found.code == "poses-disagree"

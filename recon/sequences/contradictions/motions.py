@@ -24,6 +24,8 @@ FITTING_SHARE = 0.25
 MAX_SCALE = 1.15
 """Maximum ratio, either way, of lengths in the poses and in the images; a pixel of disparity that
 the rectification left makes a tenth."""
+SCALE_GAIN = 0.1
+"""Share of the displacement that the ratio must explain."""
 SCALE_SPREAD = 0.3
 """Maximum deviation of a step from the common ratio, as a share of the latter (both logarithms)."""
 
@@ -45,14 +47,19 @@ def pose_finding(steps: Sequence[Step]) -> Finding | None:
 
 
 def _scale(steps: Sequence[Step]) -> float:
-    """Ratio of the lengths in the images to those in the poses; 1 if nearly so, or not common."""
+    """Ratio of the lengths in the images to those in the poses; 1 if it explains nothing."""
     pairs = [(_length(step.T_second_first), _length(_given(step))) for step in steps]
     if not all(seen > 0 and given > 0 for seen, given in pairs):
         return 1.0
     ratios = np.log([seen / given for seen, given in pairs])
     ratio = float(np.median(ratios))
     is_common = np.abs(ratios - ratio).max() <= SCALE_SPREAD * abs(ratio)
-    return float(np.exp(ratio)) if is_common and abs(ratio) > np.log(MAX_SCALE) else 1.0
+    if abs(ratio) <= np.log(MAX_SCALE) or not is_common:
+        return 1.0
+    scale = float(np.exp(ratio))
+    # Lengths are uncertain where a rig hardly does more than turn.
+    explained = _unexplained(steps, _given) - _unexplained(steps, _rescaled(scale))
+    return scale if explained > SCALE_GAIN else 1.0
 
 
 def _length(T: Array) -> float:
@@ -101,7 +108,7 @@ def _readings(steps: Sequence[Step], scale: float) -> Iterator[tuple[str, float]
             f"with positions times {scale:.3g}: is their unit, the baseline or the focal length "
             "wrong?"
         )
-        yield text, _unexplained(steps, lambda step: _scaled(_given(step), scale))
+        yield text, _unexplained(steps, _rescaled(scale))
 
 
 def _turned(motion: Motion, T_body_camera: Array) -> Motion:
@@ -109,8 +116,14 @@ def _turned(motion: Motion, T_body_camera: Array) -> Motion:
     return lambda step: invert(T_body_camera) @ motion(step) @ T_body_camera
 
 
-def _scaled(T: Array, scale: float) -> Array:
-    return pose(T[:3, :3], scale * T[:3, 3])
+def _rescaled(scale: float) -> Motion:
+    """The motion of the poses with other lengths."""
+
+    def motion(step: Step) -> Array:
+        T = _given(step)
+        return pose(T[:3, :3], scale * T[:3, 3])
+
+    return motion
 
 
 def _inverse(step: Step) -> Array:
