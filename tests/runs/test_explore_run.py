@@ -15,6 +15,7 @@ from recon.runs.execute import execute
 from recon.runs.job import Job
 from recon.settings import Settings, updated
 from recon.voxelmap import VoxelMap
+from tests.described_objects import assert_described
 
 SCENES = Path(__file__).parents[2] / "scenes"
 PAIRS = 6
@@ -66,6 +67,13 @@ def test_the_run_folder_holds_what_the_contract_promises(run):
     files = {p.relative_to(run).as_posix() for p in run.rglob("*") if p.is_file()}
     assert files == FILES
     assert json.loads((run / "manifest.json").read_text())["state"] == "finished"
+
+
+def test_every_object_is_described(run):
+    objects = json.loads((run / "objects.json").read_text())["objects"]
+    assert objects
+    for found in objects:
+        assert_described(found)
 
 
 def test_the_files_agree_with_each_other(run):

@@ -9,6 +9,7 @@ import pytest
 from recon.cli import main
 from recon.exports.ply import read_cloud_chunks
 from recon.sequences.pfm import decode_pfm
+from tests.described_objects import assert_described
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 
@@ -66,6 +67,8 @@ def test_the_pair_is_rebuilt(expected, tmp_path, capsys):
     assert main(["reconstruct", str(PAIR), "-o", str(run), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert_within(report, expected["reconstruct"])
+    for found in json.loads((run / "objects.json").read_text())["objects"]:
+        assert_described(found)
     (cloud, _), *_ = read_cloud_chunks(run / "cloud.ply")
     # The eye looks along -z of a world whose y is up, and the floor is grey.
     assert np.median(cloud.points[:, 2]) < -2

@@ -10,6 +10,7 @@ from recon.exports import ply
 from recon.exports.formats import write
 from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
+from tests.described_objects import assert_described
 
 BALL, CAN = (0.1, 0.1), (0.03, 0.12)
 
@@ -46,6 +47,8 @@ def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
     assert len(report["objects"]) == 2
     assert {one["label"] for one in report["objects"]} == {"unknown"}
     assert all(one["probability"] is None for one in report["objects"])
+    for found in report["objects"]:
+        assert_described(found, has_views=False)
     assert [plane["role"] for plane in report["planes"]] == ["ground"]
     columns = ply.read(target)
     assert set(np.unique(columns["object"])) == {-1, 0, 1}
@@ -62,7 +65,8 @@ def test_a_cloud_without_colours_says_that_those_of_objects_are_not_known(tmp_pa
     for name in ("plain.ply", "plain.npz"):
         report = run_json(capsys, "recognise", tmp_path / name)
         assert [one["code"] for one in report["warnings"]] == ["colour-missing"]
-        assert {one["colour"] for one in report["objects"]} <= {None}
+        for found in report["objects"]:
+            assert_described(found, has_views=False, has_colours=False)
 
 
 def test_names_with_sizes_need_a_scale(desk, capsys):
