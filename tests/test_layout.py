@@ -34,7 +34,9 @@ HOMES = {
     "nicegui": {"app"},
     "dask": {"batch"},
     "distributed": {"batch"},
-    "numba": {"stereo", "world", "voxelmap", "recognition", "surface", "exploration"},
+    "numba": {
+        "stereo", "world", "voxelmap", "recognition", "surface", "localisation", "exploration",
+    },
     "rosbags": {"sequences"},
     "pypcd4": {"exports"},
     "laspy": {"exports"},

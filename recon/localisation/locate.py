@@ -85,10 +85,15 @@ def points_of(cloud: PointCloud, rig: StereoRig, cell_size: float) -> Points:
     """The points (left frame) that can be registered to a map with this cell size."""
     if cloud.sigma is None:
         raise InputError("the points have no sigma, but one is needed")
-    sure = cloud.select(cloud.sigma <= MAX_SIGMA_CELLS * cell_size)
-    assert sure.sigma is not None
-    across = ACROSS_PX / rig.focal_px * sure.points[:, 2]
-    return Points(points_left=sure.points, sigma=sure.sigma, across=across)
+    return all_points(cloud.select(cloud.sigma <= MAX_SIGMA_CELLS * cell_size), rig)
+
+
+def all_points(cloud: PointCloud, rig: StereoRig) -> Points:
+    """The points (left frame) with their uncertainties, far ones included."""
+    if cloud.sigma is None:
+        raise InputError("the points have no sigma, but one is needed")
+    across = ACROSS_PX / rig.focal_px * cloud.points[:, 2]
+    return Points(points_left=cloud.points, sigma=cloud.sigma, across=across)
 
 
 def locate_points(points: Points, surfels: Surfels, prior: Prior) -> PoseEstimate | FitFailure:
@@ -100,7 +105,7 @@ def locate_points(points: Points, surfels: Surfels, prior: Prior) -> PoseEstimat
     found = register(points, surfels, prior)
     if found is None:
         return FitFailure("too few points are on the map")
-    estimate = _estimate(found, points, prior)
+    estimate = estimate_of(found, points, prior)
     pull = prior.pull(found.T_world_left)
     if pull @ prior.information @ pull > MAX_PULL**2:
         return FitFailure("the best match is too far from the guess")
@@ -109,7 +114,8 @@ def locate_points(points: Points, surfels: Surfels, prior: Prior) -> PoseEstimat
     return estimate
 
 
-def _estimate(found: Registration, points: Points, prior: Prior) -> PoseEstimate:
+def estimate_of(found: Registration, points: Points, prior: Prior) -> PoseEstimate:
+    """The estimate of a registered pose; its covariance includes the prior."""
     contacts = found.contacts
     information = found.information / max(1.0, contacts.spread**2) + prior.information
     return PoseEstimate(

@@ -8,14 +8,15 @@ from scipy.special import logsumexp
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
-from recon.localisation.locate import locate_points, points_of, prior_of
+from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
 from recon.localisation.registration import Points, Prior, inverse
+from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
 from recon.localisation.surfels import Surfels
 from recon.localisation.trust import MIN_AGREEING, trust_in
 from recon.mapping.pair import match_points
-from recon.records import FitFailure, PointCloud, PoseEstimate, StereoPair, Voxels
+from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate, StereoPair, Voxels
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
 from recon.settings import Settings
@@ -87,10 +88,18 @@ class KnownWorld:
     trust: float
     """Logarithm of how often places that look alike are one place, over how often they are not."""
     settings: Settings
+    search: Search | None
+    """The search of all positions; None if the run's cameras do not stand level."""
 
     @classmethod
-    def of(cls, voxels: Voxels, atlas: Atlas, settings: Settings) -> "KnownWorld":
-        """A map ready to be searched."""
+    def of(
+        cls,
+        voxels: Voxels,
+        atlas: Atlas,
+        settings: Settings,
+        objects: tuple[FoundObject, ...] = (),
+    ) -> "KnownWorld":
+        """A map, its places and its objects, ready to be searched."""
         return cls(
             voxels=voxels,
             surfels=Surfels.of(voxels),
@@ -99,11 +108,17 @@ class KnownWorld:
             depths=atlas.depths,
             trust=trust_in(atlas),
             settings=settings,
+            search=Search.of(voxels, objects, atlas),
         )
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
-        return choose(self.hypotheses(pair), self.trust)
+        if self.search is None:
+            return choose(self.hypotheses(pair), self.trust)
+        cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
+        known = self._by_places(pair, points_of(cloud, pair.rig, self.voxels.cell_size))
+        trusted = [(one, self.trust * number / TRUSTED_AGREEING) for one, number in known]
+        return self.search.recall(all_points(cloud, pair.rig), pair.rig, trusted)
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
         """The distinct possible poses of a pair, the most likely first."""

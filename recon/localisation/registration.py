@@ -6,7 +6,7 @@ Thrun 2009, with point-to-plane distances). Points on one cell share the cell's 
 as one.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,11 @@ MIN_CELLS = 8
 """Fewer cells do not determine a pose."""
 SMALL_CHANGE = 1e-4
 MAX_SIGMAS = 3.0
+SLIDES = np.array([0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5, -2.0, 2.0, -2.5, 2.5])
+"""Shifts along their rays at which uncertain points are tried, standard deviations."""
+UNCERTAIN_CELLS, NEAR_CELLS = 0.7, 0.5
+"""Standard deviation from which on a point is uncertain, and distance from a surface that is worth
+a shift by one standard deviation, in cells."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -94,11 +99,18 @@ class Registration:
     contacts: Contacts
 
 
-def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | None:
-    """The pose at which the points are on the surface; None if too few are."""
+def register(
+    points: Points, surfels: Surfels, prior: Prior, *, slides: bool = False
+) -> Registration | None:
+    """The pose at which the points are on the surface; None if too few are.
+
+    If they slide, points of uncertain depth are put on the surface along their rays, so that far
+    things show the direction although their distance is hardly known.
+    """
     T, reach = prior.T_world_left, FIRST_REACH
     for _ in range(NUM_ROUNDS):
-        contacts = touch(points, surfels, T, reach * surfels.cell_size)
+        there = slid(points, surfels, T) if slides else points
+        contacts = touch(there, surfels, T, reach * surfels.cell_size)
         if len(contacts.residual) < MIN_CELLS:
             return None
         information, gradient = _normal_equations(contacts, prior, T)
@@ -107,10 +119,29 @@ def register(points: Points, surfels: Surfels, prior: Prior) -> Registration | N
         reach = max(LAST_REACH, SHRINKING * reach)
         if np.abs(change).max() < SMALL_CHANGE:
             break
-    contacts = touch(points, surfels, T, LAST_REACH * surfels.cell_size)
+    there = slid(points, surfels, T) if slides else points
+    contacts = touch(there, surfels, T, LAST_REACH * surfels.cell_size)
     if len(contacts.residual) < MIN_CELLS:
         return None
     return Registration(T_world_left=T, information=_information(contacts), contacts=contacts)
+
+
+def slid(points: Points, surfels: Surfels, T_world_left: Array) -> Points:
+    """Uncertain points at the likeliest place along their rays, as near to a surface."""
+    uncertain = points.sigma > UNCERTAIN_CELLS * surfels.cell_size
+    from_left = points.points_left[uncertain]
+    distance = np.linalg.norm(from_left, axis=1)
+    shift = SLIDES * points.sigma[uncertain, None]
+    # A point stays in front of the camera.
+    factor = np.maximum(1.0 + shift / distance[:, None], 0.05)
+    tried = from_left[:, None] * factor[..., None]
+    most = 2.0 * FIRST_REACH * surfels.cell_size
+    world = tried.reshape(-1, 3) @ T_world_left[:3, :3].T + T_world_left[:3, 3]
+    away = np.minimum(surfels.tree.query(world, distance_upper_bound=most)[0], most)
+    cost = (away.reshape(shift.shape) / (NEAR_CELLS * surfels.cell_size)) ** 2 + SLIDES**2
+    moved_points = points.points_left.copy()
+    moved_points[uncertain] = tried[np.arange(len(tried)), cost.argmin(axis=1)]
+    return replace(points, points_left=moved_points)
 
 
 def inverse(matrix: Array) -> Array:

@@ -38,12 +38,17 @@ class Surfels:
 
     @classmethod
     def of(cls, voxels: Voxels) -> "Surfels":
-        """The surfels of occupied cells, with normals of planes through their neighbours."""
-        tree = cKDTree(voxels.means.reshape(-1, 3))
-        reach = REACH * voxels.cell_size
-        distance, row = tree.query(voxels.means, k=NUM_NEIGHBOURS, distance_upper_bound=reach)
+        """The surfels of occupied cells."""
+        return cls.through(voxels.means.reshape(-1, 3), voxels.cell_size)
+
+    @classmethod
+    def through(cls, means: Array, cell_size: float) -> "Surfels":
+        """Surfels at points (K, 3), with normals of planes through their neighbours."""
+        tree = cKDTree(means)
+        reach = REACH * cell_size
+        distance, row = tree.query(means, k=NUM_NEIGHBOURS, distance_upper_bound=reach)
         found = np.isfinite(distance)
-        points = voxels.means[np.where(found, row, 0)]
+        points = means[np.where(found, row, 0)]
         number = np.maximum(found.sum(axis=1), 1)
         centre = np.einsum("nki,nk->ni", points, found) / number[:, None]
         offsets = (points - centre[:, None]) * found[..., None]
@@ -51,10 +56,10 @@ class Surfels:
         variance, axes = np.linalg.eigh(spread)
         is_thin = variance[:, 0] < MAX_THICKNESS * variance[:, 1]
         return cls(
-            means=voxels.means,
+            means=means,
             normals=axes[:, :, 0],
             is_flat=is_thin & (number >= MIN_NEIGHBOURS),
-            cell_size=voxels.cell_size,
+            cell_size=cell_size,
             tree=tree,
         )
 

@@ -25,7 +25,7 @@ def _localise(job: Job, work: Work) -> Numbers:
     made = read_reconstruction(run)
     with work.stage("places"):
         atlas = read_places(run, job)
-    known = KnownWorld.of(made.voxels, atlas, job.settings)
+    known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):

@@ -1,0 +1,40 @@
+"""Completion: the cells of a map, and the unseen sides of its objects by the solids fitted to them.
+
+A map seldom shows an object from all sides; its solids say where the others are.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.surface_points import area, surface
+from recon.records import FoundObject, Plane, Solid, Voxels
+
+Array = NDArray[np.float64]
+
+PER_CELL = 2.0
+"""Points drawn on a solid per area of a cell's face."""
+
+
+def completed(voxels: Voxels, objects: tuple[FoundObject, ...]) -> Array:
+    """Points (K, 3) on all surfaces of a map, one per cell."""
+    parts = [[p.solid for p in one.parts if not isinstance(p.solid, Plane)] for one in objects]
+    unseen = [_drawn(solids, voxels.cell_size) for solids in parts if solids]
+    return thinned(np.concatenate([voxels.means.reshape(-1, 3), *unseen]), voxels.cell_size)
+
+
+def thinned(points: Array, side: float) -> Array:
+    """The means (K, 3) of the points in each cube of a grid."""
+    cell = np.floor(points / side).astype(np.int64)
+    cells, row = np.unique(cell, axis=0, return_inverse=True)
+    row = row.ravel()
+    number = np.bincount(row, minlength=len(cells))
+    sums = [np.bincount(row, axis, len(cells)) for axis in points.T]
+    return np.column_stack(sums) / number[:, None]
+
+
+def _drawn(solids: Sequence[Solid], cell_size: float) -> Array:
+    whole = sum(area(solid) for solid in solids)
+    number = int(PER_CELL * whole / cell_size**2) + len(solids)
+    return surface(solids, number, np.random.default_rng(0)).points

@@ -1,0 +1,271 @@
+"""Search: where in a map a robot may stand, over all positions and headings.
+
+Correlative scan matching (Olson 2009) with a camera instead of a laser: a coarse sweep bounds the
+agreement of every position and heading from above, as in branch and bound (Hess et al. 2016); the
+best ones are climbed and registered. One likelihood decides among them and the known places.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+from scipy.special import logsumexp
+
+from recon.camera import StereoRig
+from recon.geometry import wrapped
+from recon.localisation.atlas import Atlas
+from recon.localisation.completion import completed, thinned
+from recon.localisation.directions import Directions, all_round
+from recon.localisation.graph import planar
+from recon.localisation.locate import estimate_of
+from recon.localisation.registration import LAST_REACH, Points, register, slid, touch
+from recon.localisation.silhouettes import Shape, agreement, climb, sweep
+from recon.localisation.stance import Stance, tilt_by, tilt_of
+from recon.localisation.surfels import Surfels
+from recon.records import FitFailure, FoundObject, PoseEstimate, Voxels
+
+Array = NDArray[np.float64]
+
+COARSE_DEG, MIDDLE_DEG, FINE_DEG = 3.0, 1.5, 0.5
+"""Sides of the directions in which poses are swept, climbed and compared."""
+SPACING_CELLS, SLACK_SHARE = 2.0, 0.75
+"""Distance of the positions of the sweep, and the share of it that is within their reach."""
+MOST_PLACES = 20_000
+"""Larger maps are swept at wider spacing."""
+AROUND_CELLS, FREE_CELLS = 10.0, 1.5
+"""Positions lie so far around everything known, and so far from what stands at the camera's
+height."""
+NUM_STARTS, NUM_CLIMBED, NUM_CANDIDATES = 100, 50, 16
+"""Bounds that are climbed at each pitch, coarse summits that are climbed on, and summits that are
+registered."""
+NUM_REGISTERED = 700
+"""Points that a summit is registered with."""
+MIN_POINTS = 30
+APART_CELLS, APART_RAD = 0.6, 0.05
+"""Distance, and difference of heading, from which on poses are distinct."""
+NUM_SIGMAS = 3.0
+"""Poses that differ by fewer standard deviations are the same."""
+SHARED = 2.0
+"""Neighbouring cells share the errors of the solids fitted to them: so many count as one."""
+CELLS_PER_E = 10.0
+"""Number of cells, one standard deviation squared off, that make a pose e times less likely."""
+MOST_SIGMAS_SQ = 9.0
+CHANCE = 6.0
+"""Agreement that chance may have."""
+MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
+"""Of an accepted pose: probability, standard deviation, and share of the points on the map."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """A pose that may be the true one."""
+
+    estimate: PoseEstimate
+    evidence: float
+    """Logarithm of its likelihood, up to a constant of the pair."""
+
+    def is_apart(self, better: "Candidate", cell_size: float) -> bool:
+        """True if this is another pose than a better one, beyond the uncertainty of that."""
+        own, other = (planar(one.estimate.T_world_left) for one in (self, better))
+        turn, off = abs(float(wrapped(own[2] - other[2]))), math.hypot(*(own - other)[:2])
+        of = better.estimate
+        return off > max(APART_CELLS * cell_size, NUM_SIGMAS * of.sigma) or turn > max(
+            APART_RAD, NUM_SIGMAS * math.radians(of.sigma_deg)
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Search:
+    """A map to be searched by cameras of one stance."""
+
+    stance: Stance
+    shape: Shape
+    """All surfaces of the map."""
+    coarse: Shape
+    surfels: Surfels
+    places: Array
+    """(P, 3) x, y, z of the positions of the sweep."""
+
+    @classmethod
+    def of(cls, voxels: Voxels, objects: tuple[FoundObject, ...], atlas: Atlas) -> "Search | None":
+        """The search of a map; None if the cameras of its places are not all level alike."""
+        cell = voxels.cell_size
+        stance = Stance.of(atlas.T_world_left, cell)
+        if stance is None or not len(voxels):
+            return None
+        points = completed(voxels, objects)
+        spacing, places = _places(points, atlas.T_world_left[:, :3, 3], cell)
+        coarse = Shape(points=thinned(points, spacing), size=spacing)
+        return cls(
+            stance=stance,
+            shape=Shape(points=points, size=cell),
+            coarse=coarse,
+            surfels=Surfels.through(points, cell),
+            places=places,
+        )
+
+    def recall(
+        self, points: Points, rig: StereoRig, known: list[tuple[PoseEstimate, float]]
+    ) -> PoseEstimate | FitFailure:
+        """The pose of a pair from its points and known places, with what speaks for each."""
+        if len(points) < MIN_POINTS:
+            return FitFailure(f"{len(points)} points, but {MIN_POINTS} are needed")
+        return decide(self.candidates(points, rig, known), self.shape.size)
+
+    def candidates(
+        self, points: Points, rig: StereoRig, known: list[tuple[PoseEstimate, float]]
+    ) -> list[Candidate]:
+        """The distinct poses that may be true, the likeliest first."""
+        few = _some(points, NUM_REGISTERED)
+        found = [self._registered(few, T) for T in self._summits(points, rig)]
+        poses = [(one, 0.0) for one in found if one is not None] + known
+        judged = [
+            Candidate(estimate=one, evidence=more + self._evidence(points, rig, one.T_world_left))
+            for one, more in poses
+        ]
+        kept: list[Candidate] = []
+        for one in sorted(judged, key=lambda one: -one.evidence):
+            if all(one.is_apart(other, self.shape.size) for other in kept):
+                kept.append(one)
+        return kept
+
+    def _summits(self, points: Points, rig: StereoRig) -> list[Array]:
+        """Poses (4, 4) of best agreement, the best first."""
+        found = self._starts(points, rig)
+        cell = self.shape.size
+        for shape, degrees, most in (
+            (self.coarse, COARSE_DEG, NUM_CLIMBED), (self.shape, MIDDLE_DEG, NUM_CANDIDATES),
+        ):  # fmt: skip
+            seen = {
+                pitch: _directions(points, rig, tilt_by(pitch), degrees)
+                for pitch in self.stance.pitches
+            }
+            found = _distinct([self._climbed(one, shape, seen[one.pitch]) for one in found], cell)
+            found = found[:most]
+        return [self.stance.at(one.place, one.pitch) for one in found]
+
+    def _climbed(self, start: "Summit", shape: Shape, seen: Directions) -> "Summit":
+        step = self.shape.size
+        place, value = climb(shape, start.place, self.stance.height, seen.grid, seen.seen, step)
+        return Summit(place=place, pitch=start.pitch, value=value)
+
+    def _starts(self, points: Points, rig: StereoRig) -> list["Summit"]:
+        """The best bounds at each pitch."""
+        grid, views = all_round(
+            [_directions(points, rig, tilt_by(p), COARSE_DEG) for p in self.stance.pitches]
+        )
+        slack = SLACK_SHARE * self.coarse.size
+        bound = sweep(self.coarse, self.places, slack, grid, views)
+        return [
+            one
+            for view, pitch in enumerate(self.stance.pitches)
+            for one in self._best(bound[:, view], pitch, grid.side)
+        ]
+
+    def _best(self, bound: NDArray[np.float32], pitch: float, side: float) -> list["Summit"]:
+        """The best of bounds (P, A) by position and heading, one of neighbouring ones."""
+        order = np.argsort(-bound, axis=None, kind="stable")[: 200 * NUM_STARTS]
+        row, turn = np.unravel_index(order, bound.shape)
+        at, value = self.places[row][:, [0, 2]], bound[row, turn]
+        block = np.column_stack([at // (2.0 * self.coarse.size), turn // 3])
+        _, first = np.unique(block, axis=0, return_index=True)
+        best = np.sort(first)[:NUM_STARTS]
+        places = np.column_stack([at, (turn + 0.5) * side])
+        return [
+            Summit(place=places[one], pitch=pitch, value=float(value[one]))
+            for one in best
+            if np.isfinite(value[one])
+        ]
+
+    def _registered(self, points: Points, T_world_left: Array) -> PoseEstimate | None:
+        prior = self.stance.prior(T_world_left, self.shape.size)
+        found = register(points, self.surfels, prior, slides=True)
+        if found is None:
+            return None
+        return estimate_of(replace(found, information=found.information / SHARED), points, prior)
+
+    def _evidence(self, points: Points, rig: StereoRig, T_world_left: Array) -> float:
+        """Log likelihood of a pose: of what is seen and not seen, and how well surfaces fit."""
+        fine = _directions(points, rig, tilt_of(T_world_left), FINE_DEG)
+        near = np.empty((fine.grid.num_columns, fine.grid.num_rows))
+        place = planar(T_world_left)
+        seen: float = agreement(self.shape, place, self.stance.height, fine.grid, fine.seen, near)
+        few = _some(points, NUM_REGISTERED)
+        reach = LAST_REACH * self.shape.size
+        fit = touch(slid(few, self.surfels, T_world_left), self.surfels, T_world_left, reach)
+        share = max(fit.num_points, 1) / len(few)
+        off = float(np.minimum(fit.residual**2, MOST_SIGMAS_SQ).sum())
+        # Points off the map count as cells would.
+        off += MOST_SIGMAS_SQ * len(fit.residual) * (1.0 - share) / share
+        return seen - off / (2.0 * CELLS_PER_E)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Summit:
+    """A place and pitch, and how well a pair agrees with the map there."""
+
+    place: Array
+    """(3,) x, z, and the azimuth of straight ahead."""
+    pitch: float
+    value: float
+
+    def is_near(self, other: "Summit", cell_size: float) -> bool:
+        """True if both would be registered to the same pose."""
+        x, z, turn = self.place - other.place
+        return math.hypot(x, z) < 1.5 * cell_size and abs(float(wrapped(turn))) < 0.1
+
+
+def _distinct(summits: list[Summit], cell_size: float) -> list[Summit]:
+    """The distinct summits, the best first."""
+    kept: list[Summit] = []
+    for one in sorted(summits, key=lambda one: -one.value):
+        if not any(one.is_near(other, cell_size) for other in kept):
+            kept.append(one)
+    return kept
+
+
+def _directions(points: Points, rig: StereoRig, tilt: Array, degrees: float) -> Directions:
+    level = points.points_left @ tilt.T
+    return Directions.of(level, points.sigma, rig, tilt, math.radians(degrees))
+
+
+def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:
+    """The likeliest of distinct candidates, likeliest first, if no other comes near it."""
+    if not found:
+        return FitFailure("no place looks like it")
+    best = found[0].estimate
+    evidence = np.array([*(one.evidence for one in found), CHANCE])
+    probability = float(np.exp(evidence[0] - logsumexp(evidence)))
+    if best.inlier_share < MIN_SHARE:
+        return FitFailure("the map shows other things there")
+    if probability < MIN_PROBABILITY:
+        return FitFailure("several places look like it" if len(found) > 1 else "too little is seen")
+    if best.sigma > MAX_SIGMA_CELLS * cell_size:
+        return FitFailure("too little is seen to tell the exact place")
+    return replace(best, probability=probability)
+
+
+def _some(points: Points, number: int) -> Points:
+    """Evenly chosen points."""
+    rows = np.unique(np.linspace(0, len(points) - 1, number).astype(np.intp))
+    return Points(
+        points_left=points.points_left[rows], sigma=points.sigma[rows], across=points.across[rows]
+    )
+
+
+def _places(points: Array, seen_from: Array, cell: float) -> tuple[float, Array]:
+    """Spacing and positions (P, 3) of the sweep: everywhere around what is known but in things."""
+    height = float(np.median(seen_from[:, 1]))
+    known = np.vstack([points, seen_from])[:, [0, 2]]
+    low, high = known.min(axis=0) - AROUND_CELLS * cell, known.max(axis=0) + AROUND_CELLS * cell
+    spacing = max(SPACING_CELLS * cell, math.sqrt(float(np.prod(high - low)) / MOST_PLACES))
+    axes = [np.arange(a, b, spacing) for a, b in zip(low, high, strict=True)]
+    x, z = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    body = points[np.abs(points[:, 1] - height) < FREE_CELLS * cell]
+    places = np.column_stack([x, np.full(len(x), height), z])
+    if len(body):
+        away, _ = cKDTree(body[:, [0, 2]]).query(places[:, [0, 2]])
+        places = places[away > FREE_CELLS * cell]
+    return spacing, places
