@@ -28,6 +28,9 @@ NUM_CANDIDATES = 40
 NUM_HYPOTHESES = 12
 TRUSTED_AGREEING = 2 * MIN_AGREEING
 """Points in agreement that are worth what features are trusted for."""
+MIN_TRUST = 1.0
+"""Trust in features above which a place that they show is believed before positions are
+searched."""
 NUM_SHAPES = 24
 """Number of guesses by shape that are refined."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
@@ -113,8 +116,10 @@ class KnownWorld:
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
-        if self.search is None:
-            return choose(self.hypotheses(pair), self.trust)
+        if self.search is None or self.trust > MIN_TRUST:
+            found = choose(self.hypotheses(pair), self.trust)
+            if found or self.search is None:
+                return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         known = self._by_places(pair, points_of(cloud, pair.rig, self.voxels.cell_size))
         trusted = [(one, self.trust * number / TRUSTED_AGREEING) for one, number in known]

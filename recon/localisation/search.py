@@ -111,7 +111,7 @@ class Search:
     ) -> PoseEstimate | FitFailure:
         """The pose of a pair from its points and known places, with what speaks for each."""
         if len(points) < MIN_POINTS:
-            return FitFailure(f"{len(points)} points, but {MIN_POINTS} are needed")
+            return FitFailure("too little is seen")
         return decide(self.candidates(points, rig, known), self.shape.size)
 
     def candidates(

@@ -37,7 +37,7 @@ def test_a_pair_that_shows_nothing_is_nowhere(known):
     blank = np.full_like(pair.left, 128)
     found = known.recall(StereoPair(left=blank, right=blank, rig=pair.rig))
     assert isinstance(found, FitFailure)
-    assert found.reason == "no place looks like it"
+    assert found.reason == "too little is seen"
 
 
 def at(x, same, different, is_known=True):

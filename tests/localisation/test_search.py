@@ -104,7 +104,7 @@ def test_one_ball_looks_the_same_from_all_round(stance):
 def test_few_points_are_said_to_be_few(world, stance):
     points = Points(points_left=np.ones((5, 3)), sigma=np.ones(5), across=np.ones(5))
     found = search_of(thinned(world, 1.0), stance).recall(points, RIG, [])
-    assert found.reason == "5 points, but 30 are needed"
+    assert found.reason == "too little is seen"
 
 
 def test_the_true_place_agrees_better_than_others(world, stance):
