@@ -32,8 +32,9 @@ COARSE_DEG, MIDDLE_DEG, FINE_DEG = 3.0, 1.5, 0.5
 """Sides of the directions in which poses are swept, climbed and compared."""
 SPACING_CELLS, SLACK_SHARE = 2.0, 0.75
 """Distance of the positions of the sweep, and the share of it that is within their reach."""
-MOST_PLACES = 20_000
-"""Larger maps are swept at wider spacing."""
+MOST_DRAWN = 10_000_000
+"""Maps with more coarse cells, drawn from all positions, are not searched: it would take too long,
+and features are more reliable there."""
 AROUND_CELLS, FREE_CELLS = 10.0, 1.5
 """Positions lie so far around everything known, and so far from what stands at the camera's
 height."""
@@ -90,20 +91,22 @@ class Search:
 
     @classmethod
     def of(cls, voxels: Voxels, objects: tuple[FoundObject, ...], atlas: Atlas) -> "Search | None":
-        """The search of a map; None if the cameras of its places are not all level alike."""
+        """The search of a map; None if it is too large or its cameras do not share a stance."""
         cell = voxels.cell_size
         stance = Stance.of(atlas.T_world_left, cell)
         if stance is None or not len(voxels):
             return None
-        points = completed(voxels, objects)
-        spacing, places = _places(points, atlas.T_world_left[:, :3, 3], cell)
-        coarse = Shape(points=thinned(points, spacing), size=spacing)
+        points, seen_from = completed(voxels, objects), atlas.T_world_left[:, :3, 3]
+        spacing = SPACING_CELLS * cell
+        coarse, extent = thinned(points, spacing), _extent(points, seen_from, cell)
+        if np.prod(np.ptp(extent, axis=0) / spacing) * len(coarse) > MOST_DRAWN:
+            return None
         return cls(
             stance=stance,
             shape=Shape(points=points, size=cell),
-            coarse=coarse,
+            coarse=Shape(points=coarse, size=spacing),
             surfels=Surfels.through(points, cell),
-            places=places,
+            places=_places(points, stance.height, cell, extent),
         )
 
     def recall(
@@ -255,17 +258,21 @@ def _some(points: Points, number: int) -> Points:
     )
 
 
-def _places(points: Array, seen_from: Array, cell: float) -> tuple[float, Array]:
-    """Spacing and positions (P, 3) of the sweep: everywhere around what is known but in things."""
-    height = float(np.median(seen_from[:, 1]))
+def _extent(points: Array, seen_from: Array, cell: float) -> Array:
+    """Corners (2, 2) in x, z of the area where a pair may have been taken."""
     known = np.vstack([points, seen_from])[:, [0, 2]]
-    low, high = known.min(axis=0) - AROUND_CELLS * cell, known.max(axis=0) + AROUND_CELLS * cell
-    spacing = max(SPACING_CELLS * cell, math.sqrt(float(np.prod(high - low)) / MOST_PLACES))
-    axes = [np.arange(a, b, spacing) for a, b in zip(low, high, strict=True)]
+    around = AROUND_CELLS * cell
+    return np.array([known.min(axis=0) - around, known.max(axis=0) + around])
+
+
+def _places(points: Array, height: float, cell: float, extent: Array) -> Array:
+    """Positions (P, 3) of the sweep: everywhere in an area but in what stands there."""
+    axes = [np.arange(low, high, SPACING_CELLS * cell) for low, high in extent.T]
     x, z = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
-    body = points[np.abs(points[:, 1] - height) < FREE_CELLS * cell]
     places = np.column_stack([x, np.full(len(x), height), z])
-    if len(body):
-        away, _ = cKDTree(body[:, [0, 2]]).query(places[:, [0, 2]])
-        places = places[away > FREE_CELLS * cell]
-    return spacing, places
+    body = points[np.abs(points[:, 1] - height) < FREE_CELLS * cell]
+    if not len(body):
+        return places
+    away, _ = cKDTree(body[:, [0, 2]]).query(places[:, [0, 2]])
+    free: Array = places[away > FREE_CELLS * cell]
+    return free
