@@ -16,6 +16,8 @@ from tests.recordings import write_wall
 
 SMALL = ["eyes.width=120", "eyes.height=96", "eyes.fov_deg=40", "render.noise=1.5"]
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 def argv_of(settings):
     return [word for setting in settings for word in ("--set", setting)]

@@ -13,6 +13,8 @@ from recon.exports.ply import read_mesh
 from recon.sequences.pfm import decode_pfm
 from recon.world.world import World
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory):

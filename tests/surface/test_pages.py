@@ -5,6 +5,7 @@ import pytest
 from views import ball_view, wall_view
 
 from recon.errors import InputError
+from recon.exports.formats import write, write_parts
 from recon.surface import pages
 from recon.surface.cells import CELL, CellCloud, joined
 from recon.surface.pages import Pages, regions_of
@@ -50,6 +51,18 @@ def test_pages_on_disk_change_no_byte_and_bound_the_memory(held, tmp_path, monke
         largest = max(table.page(key).nbytes for key in table.keys)
         assert sum(one.nbytes for one in table._held.values()) < (1 << 19) + largest
     assert bytes_of(volume, cells) == held
+
+
+def test_a_cloud_is_written_region_by_region_as_at_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(pages, "HELD_BYTES", 1 << 19)
+    _, cells = made(tmp_path)
+    assert len(list(cells)) > 8
+    assert len(cells) == sum(map(len, cells))
+    write_parts(cells, len(cells), tmp_path / "parts.ply")
+    write(joined(cells), tmp_path / "whole.ply")
+    assert (tmp_path / "parts.ply").read_bytes() == (tmp_path / "whole.ply").read_bytes()
+    with pytest.raises(InputError, match="the format needs all points at once"):
+        write_parts(cells, len(cells), tmp_path / "parts.pcd")
 
 
 def test_parts_of_the_views_add_up(held, tmp_path):
