@@ -9,6 +9,7 @@ from recon.files import check_memory
 
 _KEYS = (b"ncols", b"nrows", b"xllc", b"yllc", b"cellsize", b"nodata_value")
 """Beginnings of the lines of the header."""
+_WHOLE = (b"ncols", b"nrows")
 _BYTES_PER_CELL = 64.0
 
 
@@ -53,15 +54,16 @@ def _entry(line: bytes) -> tuple[bytes, float]:
 
 def _need(header: dict[bytes, float], key: bytes) -> float:
     value = header.get(key, 0.0)
-    if not 0 < value < np.inf:
-        raise InputError(f"its {key.decode()} is {value:g}, but a positive number is needed")
+    if not 0 < value < np.inf or (key in _WHOLE and value != np.floor(value)):
+        kind = "whole " if key in _WHOLE else ""
+        raise InputError(f"its {key.decode()} is {value:g}, but a positive {kind}number is needed")
     return value
 
 
 def _start(header: dict[bytes, float], axis: bytes, side: float) -> float:
     """The centre of the first cell, from it or from its corner."""
-    if axis + b"center" in header:
-        return header[axis + b"center"]
-    if axis + b"corner" not in header:
-        raise InputError(f"it has no {axis.decode()}corner")
-    return header[axis + b"corner"] + side / 2.0
+    corner = header.get(axis + b"corner", np.nan)
+    start = header.get(axis + b"center", corner + side / 2.0)
+    if not np.isfinite(start):
+        raise InputError(f"it has no finite {axis.decode()}corner")
+    return start

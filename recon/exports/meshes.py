@@ -23,6 +23,7 @@ from recon.records import Mesh, PointCloud
 _STL_HEADER_BYTES, _STL_TRIANGLE_BYTES = 84, 50
 _COPIES = 10.0
 
+_MAX_DIGITS = 16
 _GLUED_OFF = re.compile(rb"\A(C?N?OFF)(?=[ \t]*\d)")
 
 _EXPORTS: dict[str, dict[str, Any]] = {"off": {"digits": 17}}
@@ -120,7 +121,7 @@ def _check_off(content: bytes) -> None:
         raise InputError("not an OFF file (wrong first line)")
     if words[0].upper().startswith(b"C"):
         notify("colour-missing", "colours of an OFF file are not read; its vertices have none")
-    counts = [int(word) for word in words[1:4] if word.isdigit()]
+    counts = [int(word) for word in words[1:4] if word.isdigit() and len(word) < _MAX_DIGITS]
     if len(counts) < 2 or len(words) < 4 + 3 * counts[0] + 4 * counts[1]:
         raise InputError(f"not a whole OFF file ({counts[:2]} vertices and faces are claimed)")
 

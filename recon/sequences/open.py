@@ -158,7 +158,9 @@ def name_of(reader: Reader) -> str | None:
 
 
 def _inside(place: Path) -> list[Path]:
-    return sorted(one for one in place.iterdir() if one.name[0] != ".") if place.is_dir() else []
+    """The folders and regular files in a folder: reading others may never end."""
+    inner = sorted(place.iterdir()) if place.is_dir() else []
+    return [one for one in inner if one.name[0] != "." and (one.is_dir() or one.is_file())]
 
 
 def _reader_of(path: Path) -> Reader | None:

@@ -90,6 +90,7 @@ def test_an_obj_with_colours_behind_its_places(tmp_path):
         ("a.stl", b"solid a\nfacet normal 0 0 1\n", "its text has no end"),
         ("a.off", b"OFF\n1000000 5 0\n0 0 0\n", "vertices and faces are claimed"),
         ("a.off", b"no\n", "not an OFF file"),
+        ("a.off", b"OFF" + b"9" * 5000 + b" 1 0\n", "not a whole OFF file"),
         ("a.glb", b"glTF\2\0\0\0\xff\xff\xff\xff", "bytes are claimed"),
     ],
 )
