@@ -69,7 +69,7 @@ def test_chunks_as_jobs_become_the_map_of_one_run(drive, whole, tmp_path):
         assert (merged / name).read_bytes() == (whole / name).read_bytes(), name
     meshes = [read_mesh(run / "mesh.ply") for run in (whole, merged)]
     places = [{one.tobytes() for one in mesh.vertices} for mesh in meshes]
-    assert len(places[0] & places[1]) > 0.9 * len(places[0] | places[1]) > 9
+    assert len(places[0] & places[1]) > 0.9 * len(places[0] | places[1]) > 5
     numbers = [json.loads((run / "metrics.json").read_text()) for run in (whole, merged)]
     for name in ("dense_share", "dense_confirmed_share", "voxel", "num_dense_points"):
         assert numbers[0][name] == numbers[1][name], name
