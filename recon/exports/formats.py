@@ -219,6 +219,7 @@ def read_silently(
 
 
 def _readable(path: PathLike) -> Format:
+    check_name(path)
     if not Path(path).exists():
         raise FileNotFoundError(2, "No such file or directory", str(path))
     form = format_of(path)
