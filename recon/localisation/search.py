@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from scipy.special import logsumexp
 
 from recon.camera import StereoRig
-from recon.geometry import wrapped
+from recon.geometry import pose, rotation_about_y, wrapped
 from recon.localisation.atlas import Atlas
 from recon.localisation.completion import completed, thinned
 from recon.localisation.directions import Directions, all_round
@@ -43,6 +43,10 @@ NUM_STARTS, NUM_CLIMBED, NUM_CANDIDATES = 100, 50, 16
 registered."""
 NUM_REGISTERED = 700
 """Points that a summit is registered with."""
+ORBIT_DEG = (-6.0, -4.0, -2.0, 2.0, 4.0, 6.0)
+NEAREST_SHARE = 0.3
+"""Turns of the best pose about the nearest share of the points, from which it is registered
+again."""
 MIN_POINTS = 30
 APART_CELLS, APART_RAD = 0.6, 0.05
 """Distance, and difference of heading, from which on poses are distinct."""
@@ -123,11 +127,18 @@ class Search:
         """The distinct poses that may be true, the likeliest first."""
         few = _some(points, NUM_REGISTERED)
         found = [self._registered(few, T) for T in self._summits(points, rig)]
-        poses = [(one, 0.0) for one in found if one is not None] + known
         judged = [
             Candidate(estimate=one, evidence=more + self._evidence(points, rig, one.T_world_left))
-            for one, more in poses
+            for one, more in [*((one, 0.0) for one in found if one is not None), *known]
         ]
+        if judged:
+            best = max(judged, key=lambda one: one.evidence).estimate
+            again = [self._registered(few, T) for T in _turned(few, best.T_world_left)]
+            judged += [
+                Candidate(estimate=one, evidence=self._evidence(points, rig, one.T_world_left))
+                for one in again
+                if one is not None
+            ]
         kept: list[Candidate] = []
         for one in sorted(judged, key=lambda one: -one.evidence):
             if all(one.is_apart(other, self.shape.size) for other in kept):
@@ -248,6 +259,15 @@ def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailur
     if best.sigma > MAX_SIGMA_CELLS * cell_size:
         return FitFailure("too little is seen to tell the exact place")
     return replace(best, probability=probability)
+
+
+def _turned(points: Points, T_world_left: Array) -> list[Array]:
+    """Poses (4, 4) turned about what is nearest: registration may end beside the best of them."""
+    depth = points.points_left[:, 2]
+    near = points.points_left[depth <= np.quantile(depth, NEAREST_SHARE)].mean(axis=0)
+    pivot = T_world_left[:3, :3] @ near + T_world_left[:3, 3]
+    turns = [rotation_about_y(math.radians(degrees)) for degrees in ORBIT_DEG]
+    return [pose(turn, pivot - turn @ pivot) @ T_world_left for turn in turns]
 
 
 def _some(points: Points, number: int) -> Points:
