@@ -57,6 +57,7 @@ def first_fault(error: ValidationError, table_name: str = "") -> str:
     first = error.errors()[0]
     name = ".".join(str(step) for step in (table_name, *first["loc"]) if step != "")
     message = first["msg"].removeprefix("Value error, ")
-    # A fault of a whole table says its own values.
-    value = f" is {first['input']!r}" if first["loc"] else ""
+    # A fault of a whole table says its own values; one that lacks a key has none.
+    has_value = first["loc"] and not isinstance(first["input"], dict)
+    value = f" is {first['input']!r}" if has_value else ""
     return f"{name}{value}: {message}"

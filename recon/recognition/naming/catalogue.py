@@ -12,7 +12,7 @@ from pydantic.dataclasses import dataclass
 from recon.errors import InputError
 from recon.files.documents import MAX_SETTINGS_BYTES, parse_toml, read_text
 from recon.recognition.naming.kinds import Kind
-from recon.settings.stage import STRICT
+from recon.settings.stage import STRICT, first_fault
 
 FOLDER = Path(__file__).with_name("catalogues")
 NONE = "none"
@@ -74,10 +74,8 @@ def _kinds(text: str, path: Path) -> tuple[Kind, ...]:
         document = parse_toml(text, path)
         kinds: tuple[Kind, ...] = TypeAdapter(Catalogue).validate_python(document).object
     except ValidationError as error:
-        fault = error.errors()[0]
-        place = ".".join(map(str, fault["loc"])) or "catalogue"
-        message = fault["msg"].removeprefix("Value error, ")
-        raise InputError(f"{path}:{line_of(text, fault['loc'])}: {place}: {message}") from error
+        line = line_of(text, error.errors()[0]["loc"])
+        raise InputError(f"{path}:{line}: {first_fault(error)}") from error
     return kinds
 
 
