@@ -64,7 +64,11 @@ def test_a_user_adds_a_name(tmp_path):
         ),
         (
             '[[object]]\nname = "x"\nparts = [{ role = "a", shapes = ["torus"] }]\n',
-            "object.0.parts.0.shapes.0",
+            "object.0.parts.0.shapes.0 is 'torus'",
+        ),
+        (
+            '[[object]]\nname = "x"\nmin_seen = 1.5\nparts = [{ role = "a", shapes = ["cone"] }]\n',
+            r"bad.toml:3: object.0.min_seen is 1.5: ",
         ),
         (
             '[[object]]\nname = "x"\ncolour = 1\nparts = [{ role = "a", shapes = ["cone"] }]\n',
@@ -78,3 +82,9 @@ def test_a_fault_is_named_with_its_file(tmp_path, text, message):
     with pytest.raises(InputError, match=message) as error:
         read_catalogue(path)
     assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "no/where.toml", "x" * 300, "a\0b"])
+def test_a_catalogue_that_is_not_there_is_refused(name):
+    with pytest.raises(InputError, match="but a TOML file or one of household, village, none is"):
+        read_catalogues([name])

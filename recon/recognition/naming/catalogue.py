@@ -1,5 +1,6 @@
 """Catalogues: kinds of objects in TOML, shipped or user-written."""
 
+import os
 import re
 from collections.abc import Sequence
 from functools import lru_cache
@@ -44,11 +45,12 @@ def read_catalogues(names: Sequence[str]) -> tuple[Kind, ...]:
 
 
 def _path(name: str) -> Path:
-    shipped = FOLDER / f"{name}.toml"
-    path = shipped if shipped.is_file() and name == Path(name).name else Path(name)
-    if not path.is_file():
-        known = ", ".join(shipped_names())
-        raise InputError(f"catalogue is {name!r}, but a TOML file or one of {known} is needed")
+    known = shipped_names()
+    path = FOLDER / f"{name}.toml" if name in known else Path(name)
+    # Path.is_file() raises for a name that is too long to be a file's.
+    if not os.path.isfile(path):  # noqa: PTH113
+        named = ", ".join(known)
+        raise InputError(f"catalogue is {name!r}, but a TOML file or one of {named} is needed")
     return path
 
 
