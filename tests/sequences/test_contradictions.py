@@ -82,6 +82,21 @@ def test_images_that_have_nothing_in_common(images):
     assert codes(left, textured(np.random.default_rng(9))[:, :400].copy()) == ["images-unrelated"]
 
 
+def test_noise_over_weak_texture_does_not_make_images_unrelated():
+    def noisy(texture):
+        return np.clip(texture + rng.normal(0, 3, texture.shape), 0, 255).astype(np.uint8)
+
+    def smooth():
+        texture = cv2.GaussianBlur(rng.normal(size=(300, 420)), (0, 0), 5)
+        return 120 + 4 * texture / texture.std()
+
+    rng = np.random.default_rng(3)
+    one, other = smooth(), smooth()
+    left = noisy(one[:, :400])
+    assert codes(left, noisy(one[:, 6:406])) == []
+    assert codes(left, noisy(other[:, :400])) == ["images-unrelated"]
+
+
 def test_a_pattern_that_repeats_is_not_of_another_place():
     bricks = np.tile(textured(np.random.default_rng(3), (40, 24)), (6, 20))
     assert codes(bricks[:, 5:405].copy(), bricks[:, 12:412].copy()) == []

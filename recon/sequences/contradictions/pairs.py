@@ -6,6 +6,7 @@ from recon.camera import StereoRig
 from recon.notices import notify
 from recon.sequences.contradictions.finding import Finding
 from recon.sequences.contradictions.rows import (
+    MIN_TRACKED,
     Turn,
     distortion_finding,
     fitted_turn,
@@ -70,7 +71,7 @@ def findings(
     seen = made.seen
     lag = lag_finding(tracked)
     if len(seen) < MIN_SIGHTINGS:
-        return [lag] if lag else _unrelated(made)
+        return [lag] if lag else _unrelated(made, tracked)
     rig = _usual_rig(left) if rig is None else rig
     lowest = rig.disparity_offset_px
     lowest = lowest if search is None else min(lowest, search[0])
@@ -102,12 +103,13 @@ def _usual_rig(image: Image) -> StereoRig:
     )
 
 
-def _unrelated(made: Survey) -> list[Finding]:
-    """Images with many corners but nearly no matches."""
+def _unrelated(made: Survey, tracked: Sightings) -> list[Finding]:
+    """Images with many corners but nearly no matches, of neither their patches nor their motion."""
     num_seen, num_wanted = len(made.seen), made.num_wanted
     # A repeated pattern matches in many places, which is a match too.
     is_common = num_seen > UNRELATED_SHARE * num_wanted or made.num_alike > ALIKE_SHARE * num_wanted
-    if num_wanted < MIN_CORNERS or is_common:
+    # On weak texture noise hides the patches, but not the motion of what is around them.
+    if num_wanted < MIN_CORNERS or is_common or len(tracked) >= MIN_TRACKED:
         return []
     return [
         Finding(
