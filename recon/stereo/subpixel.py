@@ -15,10 +15,8 @@ from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
 from recon.stereo.kernels.sorting import order
 from recon.stereo.kernels.threads import bands, run
-from recon.stereo.rectification import row_residual_sq
 from recon.stereo.uncertainty import (
     calm_ratios,
-    sigma_of,
     solve,
     updated_probability,
     white_energies,
@@ -42,10 +40,9 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
 
     With responses whose phase increases along the row, ``d = delta + (phi_right - phi_left) / k``,
     where k is the local frequency along the row, measured in both images. All scales and
-    orientations are combined by weighted least squares. The probability that a pair is correct
-    follows from matching and from the noise of both images; the standard deviation from this
-    probability, the agreement of the channels and the residual of the rows.
-    Pairs with a sigma are already refined and stay unchanged.
+    orientations are combined by weighted least squares. The standard deviation follows from the
+    noise of both images and from the agreement of the channels; so does the probability that the
+    pair is correct. Pairs with a sigma are already refined and stay unchanged.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
@@ -69,16 +66,12 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     parts = run([partial(sums_of, pairs) for pairs in bands(len(rows), _LEAST_BAND)])
     sums = np.concatenate(parts, axis=1)
     white = white_energies(left, right, scales, left.grey[v, u])
-    is_sure = rows <= len(matches) // 2
-    tuning = solve(sums, white, calm_ratios(left, right, scales), is_sure)
-    residual_sq = row_residual_sq(
-        left.planes, right.planes, scales, tuple(column[is_sure] for column in pixels), last
-    )
+    tuning = solve(sums, white, calm_ratios(left, right, scales), rows <= len(matches) // 2)
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
     disparity[rows] = delta + tuning.change_px
+    sigma[rows] = tuning.sigma_px
     probability = matches.probability.copy()
     probability[rows] = updated_probability(probability[rows], tuning.noise_variance)
-    sigma[rows] = sigma_of(tuning, probability[rows], residual_sq)
     return dataclasses.replace(
         matches, disparity_px=disparity, sigma_px=sigma, probability=probability
     )

@@ -27,18 +27,15 @@ _COHERENCE = 1.5
 _SCATTER_FACTOR = 2.0
 """Noise energy relative to the median scatter of the channels of reliable pairs."""
 
-# Variance of the refined disparity, squared pixels. Fitted to the errors of recorded pairs with
-# truth (Venus, Cones, Map, Moebius, Baby1) and of rendered worlds, with noise of 0 to 10 grey
-# levels added to both; the other recorded pairs and other worlds confirm it.
-_DISCORD_WEIGHT = 0.078
-_VAGUENESS_WEIGHT = 0.0275
-_LARGEST_VARIANCE = 0.2
-_DOUBT_WEIGHT, _DOUBT_POWER = 0.22, 0.51
-_LEAST_DOUBT = 1e-4
-"""Pairs that may be wrong are less precise if they are right."""
-_RIG_VARIANCE, _LARGE_RESIDUAL_SQ = 0.012, 0.0015
-"""Variance due to the calibration of a camera, and the residual of its rows at which half of it
-applies: exact rows come from an exact rig."""
+# Variance of the refined disparity. Fitted to the errors of recorded pairs with truth (Venus,
+# Sawtooth, Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the
+# other recorded pairs and other worlds confirm it.
+_FLOOR_VARIANCE = 0.0075
+_LONELY_VARIANCE = 0.015
+"""Added to the floor, divided by the squared number of scales: a single one agrees with itself."""
+_DISCORD_WEIGHT = 0.127
+_NOISE_WEIGHT = 0.33
+_VAGUENESS_WEIGHT = 0.06
 
 # Log odds that a pair is correct: those of matching, less those that noise could create.
 _NOISE_ODDS = -0.40
@@ -55,8 +52,7 @@ class Tuning:
 
     change_px: Floats
     """Change to be added; 0 where unknown."""
-    variance: Floats
-    """Variance of the change that the channels imply, squared pixels; infinite where untuned."""
+    sigma_px: Floats
     noise_variance: Floats
     """Variance of the change due to image noise alone, squared pixels; infinite where the phase is
     uninformative, NaN where no filter is wide enough."""
@@ -81,7 +77,7 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
         nothing = np.zeros(sums.shape[1], np.float32)
         return Tuning(
             change_px=nothing,
-            variance=np.full_like(nothing, np.inf),
+            sigma_px=nothing + np.float32(UNTUNED_SIGMA_PX),
             noise_variance=np.full_like(nothing, np.nan),
         )
     num = sums.shape[1]
@@ -91,8 +87,8 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
     ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
     tuned = np.empty((3, num), np.float32)
     _weigh(sums, white, ratio, shifts, scatter, tuned)
-    change, variance, noise = tuned
-    return Tuning(change_px=change, variance=variance, noise_variance=noise)
+    change, sigma, noise = tuned
+    return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
@@ -136,8 +132,10 @@ def _shift(
 def _weigh(
     sums: Floats, white: Floats, ratio: Floats, shifts: Floats, scatter: Floats, tuned: Floats
 ) -> None:
-    """Write the change of each pair's disparity, its variance, and that due to noise alone."""
+    """Write the change of each pair's disparity, its sigma, and its variance due to noise."""
     num_scales = len(scatter)
+    floor = np.float32(_FLOOR_VARIANCE + _LONELY_VARIANCE / num_scales**2)
+    untuned = np.float32(UNTUNED_SIGMA_PX)
     for i in range(scatter.shape[1]):
         information, whole = shifts[_INFORMATION, i], shifts[_WHOLE, i]
         trust, count = shifts[_TRUST, i], sums[3 * num_scales + 1, i]
@@ -149,12 +147,12 @@ def _weigh(
         safe = information if is_known else np.float32(1)
         noise = np.float32(_COHERENCE) * noise / (safe * safe)
         discord = np.sqrt(discord_sq / safe) * count / max(count - 1, np.float32(1))
-        variance = np.float32(_DISCORD_WEIGHT) * trust * discord * discord
-        variance += np.float32(_VAGUENESS_WEIGHT) * (1 - trust)
+        variance = floor + np.float32(_DISCORD_WEIGHT) * trust * discord
+        variance += np.float32(_NOISE_WEIGHT) * noise + np.float32(_VAGUENESS_WEIGHT) * (1 - trust)
         is_tuned = is_known and trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
         is_tuned = is_tuned and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
         tuned[0, i] = trust * whole if is_tuned else np.float32(0)
-        tuned[1, i] = variance if is_tuned else np.float32(np.inf)
+        tuned[1, i] = min(np.sqrt(variance), untuned) if is_tuned else untuned
         tuned[2, i] = noise if is_known else np.float32(np.inf)
 
 
@@ -180,24 +178,6 @@ def calm_ratios(left: Features, right: Features, scales: Integers) -> Array:
     """(S,) energy of the images' calmest regions, relative to that of single-pixel noise."""
     both = [(one.noise.by_scale[scales] / one.noise.level) ** 2 for one in (left, right)]
     return np.asarray(0.5 * (both[0] + both[1]), dtype=np.float64)
-
-
-def sigma_of(tuning: Tuning, probability: Array, row_residual_sq: float) -> Floats:
-    """(N,) standard deviation of refined disparities, pixels.
-
-    Parameters
-    ----------
-    probability : (N,)
-        That the pairs are correct.
-    row_residual_sq : float
-        Mean squared offset of the rows of the two images, squared pixels; infinite if unknown.
-    """
-    rig = 1 / (1 + _LARGE_RESIDUAL_SQ / row_residual_sq) if row_residual_sq else 0.0
-    doubt = np.maximum(1 - probability, _LEAST_DOUBT) ** _DOUBT_POWER
-    variance = tuning.variance + _DOUBT_WEIGHT * doubt + _RIG_VARIANCE * rig
-    tuned = np.sqrt(np.minimum(variance, _LARGEST_VARIANCE))
-    sigma: Floats = np.where(np.isfinite(variance), tuned, UNTUNED_SIGMA_PX).astype(np.float32)
-    return sigma
 
 
 def updated_probability(prior: Array, noise_variance: Floats) -> Array:
