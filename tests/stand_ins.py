@@ -18,10 +18,14 @@ from tests.sequences.recordings import RIG, write_folder, write_ros1
 DOCS = Path(__file__).parents[1] / "docs"
 
 
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Language and text of each block of a page."""
+    return re.findall(r"^```(\w*)\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S)
+
+
 def block(page: str, language: str, begin: str = "") -> str:
     """The one block of a language on a page that holds `begin`."""
-    found = re.findall(rf"^```{language}\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S)
-    (text,) = (text for text in found if begin in text)
+    (text,) = (text for kind, text in blocks(page) if kind == language and begin in text)
     return text
 
 

@@ -1,7 +1,6 @@
 """The pages that a stranger follows, line by line, each in a folder with small stand-ins."""
 
 import json
-import pickle
 import re
 import shlex
 from contextlib import contextmanager
@@ -17,9 +16,8 @@ from recon.world.scene import read_scene
 from tests import stand_ins
 from tests.app.conftest import served
 from tests.recordings import SIZE
-
-DOCS = Path(__file__).parents[1] / "docs"
-BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)
+from tests.schedulers import Sent
+from tests.stand_ins import DOCS, blocks
 
 PREPARED = {
     "start.md": None,
@@ -29,14 +27,17 @@ PREPARED = {
     "howto/headless.md": None,
     "howto/large.md": stand_ins.drives,
     "howto/localise.md": stand_ins.places,
-    "howto/programs.md": stand_ins.walk,
     "howto/recording.md": stand_ins.recordings,
     "howto/rig.md": stand_ins.boards,
     "howto/scene.md": stand_ins.scene,
     "howto/surfaces.md": stand_ins.drive_run,
 }
 """Pages, and what makes the files that a page takes for granted."""
-ELSEWHERE = {"hour.md": "below, with what it must leave", "plugin/README.md": "test_plugin_example"}
+ELSEWHERE = {
+    "hour.md": "below, with what it must leave",
+    "howto/programs.md": "below, with what it must leave",
+    "plugin/README.md": "test_plugin_example",
+}
 SMALLER = {
     "explore own.scene": ["--max-pairs", "2"],
     "explore village": ["--max-pairs", "2"],
@@ -54,11 +55,6 @@ OTHER_WORDS = {
 
 def pages():
     return {page.relative_to(DOCS).as_posix(): page for page in sorted(DOCS.rglob("*.md"))}
-
-
-def blocks(page):
-    """Language and text of each block of a page."""
-    return BLOCK.findall((DOCS / page).read_text())
 
 
 def commands(text):
@@ -92,16 +88,6 @@ def do(words):
         return
     with a_cluster(smaller(words)) as given:
         assert main(given) == 0, words
-
-
-class Sent:
-    """A scheduler that does the calls in this process, as they arrive at a worker."""
-
-    def __init__(self, *_):
-        pass
-
-    def outcomes(self, calls):
-        yield from (pickle.loads(pickle.dumps(call))() for _, call in calls)
 
 
 def follow(page):

@@ -25,7 +25,7 @@ def load_ahead() -> None:
 
 
 def print_of(outcome: Outcome, folder: Path) -> Print:
-    """What the contact sheet of a batch in a folder shows of a job."""
+    """The entry of a job in the contact sheet of a batch in a folder."""
     figure = _figure(folder / outcome.name)
     image = None if figure is None else thumbnail(figure)
     return Print(name=outcome.name, image=image, note=outcome.error or outcome.state)

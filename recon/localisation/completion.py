@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.cells import distinct, means
 from recon.recognition.fitting.surface_points import area, surface
 from recon.records import FoundObject, Plane, Solid, Voxels
 
@@ -26,12 +27,7 @@ def completed(voxels: Voxels, objects: tuple[FoundObject, ...]) -> Array:
 
 def thinned(points: Array, side: float) -> Array:
     """The means (K, 3) of the points in each cube of a grid."""
-    cell = np.floor(points / side).astype(np.int64)
-    cells, row = np.unique(cell, axis=0, return_inverse=True)
-    row = row.ravel()
-    number = np.bincount(row, minlength=len(cells))
-    sums = [np.bincount(row, axis, len(cells)) for axis in points.T]
-    return np.column_stack(sums) / number[:, None]
+    return means(points, distinct(np.floor(points / side).astype(np.int64))[1])
 
 
 def _drawn(solids: Sequence[Solid], cell_size: float) -> Array:

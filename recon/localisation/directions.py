@@ -51,11 +51,12 @@ class Directions:
         grid, share = _grid(share, side)
         column, row, away = _directions(points_level, grid)
         inside = (column >= 0) & (column < grid.num_columns) & (row >= 0) & (row < grid.num_rows)
-        kept = _most_certain(column, row, sigma, np.flatnonzero(inside))
+        direction = column * grid.num_rows + row
+        kept = _most_certain(direction, sigma, np.flatnonzero(inside))
         shown = np.zeros((grid.num_columns, grid.num_rows), np.bool_)
         shown[column[kept], row[kept]] = True
         empty = np.argwhere((share > WHOLE_SHARE * share.max()) & ~maximum_filter(shown, 3))
-        weight = _weights(column[kept] * grid.num_rows + row[kept], away[kept])
+        weight = _weights(direction[kept], away[kept])
         seen = Seen(
             column=column[kept], row=row[kept], range=away[kept], sigma=sigma[kept],
             weight=weight, empty=empty, pivot=_nearest(points_level[kept], away[kept]),
@@ -121,13 +122,10 @@ def _grid(field: Array, side: float) -> tuple[Grid, Array]:
     return grid, number
 
 
-def _most_certain(column: Indices, row: Indices, sigma: Array, kept: Indices) -> Indices:
+def _most_certain(direction: Indices, sigma: Array, kept: Indices) -> Indices:
     """Of the kept points, the most certain ones of each direction."""
-    key = np.column_stack([column, row])[kept]
-    _, group = np.unique(key, axis=0, return_inverse=True)
-    group = group.ravel()
-    order = np.lexsort((sigma[kept], group))
-    ordered = group[order]
+    order = np.lexsort((sigma[kept], direction[kept]))
+    ordered = direction[kept[order]]
     rank = np.arange(len(order)) - np.searchsorted(ordered, ordered)
     chosen: Indices = np.sort(kept[order[rank < MOST_OF_ONE]])
     return chosen

@@ -83,9 +83,8 @@ def prior_of(guess: Array | PoseEstimate, cell_size: float) -> Prior:
 
 def points_of(cloud: PointCloud, rig: StereoRig, cell_size: float) -> Points:
     """The points (left frame) that can be registered to a map with this cell size."""
-    if cloud.sigma is None:
-        raise InputError("the points have no sigma, but one is needed")
-    return all_points(cloud.select(cloud.sigma <= MAX_SIGMA_CELLS * cell_size), rig)
+    points = all_points(cloud, rig)
+    return points.select(points.sigma <= MAX_SIGMA_CELLS * cell_size)
 
 
 def all_points(cloud: PointCloud, rig: StereoRig) -> Points:

@@ -49,6 +49,12 @@ class Points:
     def __len__(self) -> int:
         return len(self.points_left)
 
+    def select(self, rows: NDArray[np.integer] | NDArray[np.bool_]) -> "Points":
+        """Some of the points."""
+        return Points(
+            points_left=self.points_left[rows], sigma=self.sigma[rows], across=self.across[rows]
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prior:

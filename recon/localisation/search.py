@@ -21,7 +21,7 @@ from recon.localisation.directions import Directions, all_round
 from recon.localisation.graph import planar
 from recon.localisation.locate import estimate_of
 from recon.localisation.registration import LAST_REACH, Points, register, slid, touch
-from recon.localisation.silhouettes import Shape, agreement, climb, sweep
+from recon.localisation.silhouettes import MOST_SIGMAS_SQ, Shape, agreement, climb, sweep
 from recon.localisation.stance import Stance, tilt_by, tilt_of
 from recon.localisation.surfels import Surfels
 from recon.records import FitFailure, FoundObject, PoseEstimate, Voxels
@@ -56,7 +56,6 @@ SHARED = 2.0
 """Neighbouring cells share the errors of the solids fitted to them: so many count as one."""
 CELLS_PER_E = 10.0
 """Number of cells, one standard deviation squared off, that make a pose e times less likely."""
-MOST_SIGMAS_SQ = 9.0
 CHANCE = 6.0
 """Agreement that chance may have."""
 MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
@@ -273,9 +272,7 @@ def _turned(points: Points, T_world_left: Array) -> list[Array]:
 def _some(points: Points, number: int) -> Points:
     """Evenly chosen points."""
     rows = np.unique(np.linspace(0, len(points) - 1, number).astype(np.intp))
-    return Points(
-        points_left=points.points_left[rows], sigma=points.sigma[rows], across=points.across[rows]
-    )
+    return points.select(rows)
 
 
 def _extent(points: Array, seen_from: Array, cell: float) -> Array:

@@ -49,7 +49,7 @@ class Grid(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a pair sees in the directions of a grid."""
+    """The view of a pair in the directions of a grid."""
 
     column: Indices
     """(N,) of the points."""
@@ -65,7 +65,7 @@ class Seen(NamedTuple):
 
 
 class Views(NamedTuple):
-    """What a pair sees, for several pitches of its camera."""
+    """The views of a pair, one for each of several pitches of its camera."""
 
     seen: Seen
     """Of all views, one after the other."""

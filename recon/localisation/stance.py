@@ -24,7 +24,7 @@ PLACE_SIGMA_CELLS, HEADING_SIGMA_DEG, PITCH_SIGMA_DEG = 2.0, 8.0, 2.5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stance:
-    """What all cameras of a run share."""
+    """The height and the pitches that all cameras of a run share."""
 
     height: float
     """y of the cameras, world units."""

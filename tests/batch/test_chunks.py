@@ -1,7 +1,6 @@
 """Recordings cut into jobs give the map of one run, byte for byte, whatever does the jobs."""
 
 import json
-import pickle
 
 import numpy as np
 import pytest
@@ -18,6 +17,7 @@ from recon.sequences.open import open_sequence
 from recon.sequences.refined import Refined, read_refined, refine
 from recon.settings import SequenceSettings
 from tests.recordings import render_drive
+from tests.schedulers import Sent
 
 pytestmark = pytest.mark.usefixtures("without_figures")
 
@@ -31,13 +31,6 @@ quality = "fast"
 settings = { "map.partition_size" = 64, "sequence.only_confirmed" = true, "surface.mesh" = true }
 """
 SHARED = ("cloud.ply", "objects.json", "trajectory.txt", "dense.ply")
-
-
-class Sent:
-    """A scheduler that does the calls in this process, as they arrive at a worker."""
-
-    def outcomes(self, calls):
-        yield from (pickle.loads(pickle.dumps(call))() for _, call in calls)
 
 
 def files(folder):
