@@ -98,21 +98,21 @@ class Sheet:
 
     def settle(self) -> None:
         """Run the layout, so that axes have their position in pixels."""
-        root = self.figure.get_figure(root=True)
-        engine = root.get_layout_engine()
-        if engine is not None:
-            engine.execute(root)
+        _lay_out(self.figure.get_figure(root=True))
         for axes in self.figure.axes:
             axes.apply_aspect()
 
     def fit(self, axes: Any) -> None:
-        """Remove the margins that axes of equal scale leave above and below, if allowed."""
+        """Settle the only axes of a sheet, without the margins that an equal scale leaves above
+        and below, if allowed; what is drawn later does not move them.
+        """
         self.settle()
-        if self.fits:
-            spare = axes.get_position(original=True).height - axes.get_position().height
+        spare = axes.get_position(original=True).height - axes.get_position().height
+        if self.fits and spare * self.size[1] > 1.0:
             width, height = self.figure.get_size_inches()
             self.figure.set_size_inches(width, height * max(1.0 - spare, LOWEST))
             self.settle()
+        self.place_by_hand()
 
     def panels(
         self, rows: int, columns: int, *, font_share: float = 1.0, **ratios: Any
@@ -177,6 +177,7 @@ def save(figure: Any, path: Path) -> None:
         For a suffix that is not one of FORMATS.
     """
     from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
@@ -188,4 +189,18 @@ def save(figure: Any, path: Path) -> None:
     }[kind]
     # Journals refuse Type 3 fonts; the ids of an SVG are random without a salt.
     with rc_context({"pdf.fonttype": 42, "svg.hashsalt": "recon"}), atomic_path(path) as part:
-        figure.savefig(part, format=kind, metadata=nameless)
+        _lay_out(figure)
+        # The layout takes longer than the drawing, and would run again for every pass.
+        figure.set_layout_engine("none")
+        if kind == "png":
+            canvas: Any = FigureCanvasAgg(figure)
+            canvas.print_png(part, metadata=nameless)
+        else:
+            figure.savefig(part, format=kind, metadata=nameless)
+
+
+def _lay_out(figure: Any) -> None:
+    """Run the layout of a figure, unless its axes are placed."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
