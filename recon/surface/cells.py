@@ -72,17 +72,10 @@ class CellCloud:
         seen = places, _UNITS / sigma**2, view.colours[mask], agreeing[mask]
         self._num_views += 1
         index = np.floor(places).astype(np.int32)
-        regions = list(regions_of(index, _REGION))
-        # Sorted once: far points are scattered over many regions.
-        order = np.concatenate([np.zeros(0, np.int64), *(pixels for _, pixels in regions)])
-        index, *values = (column[order] for column in (index, *seen))
-        first = 0
-        for key, pixels in regions:
-            some = slice(first, first + len(pixels))
-            first = some.stop
+        for key, pixels in regions_of(index, _REGION):
             table = self.pages.page(key)
-            rows = table.enter(index[some])
-            _add(table.rows, rows, self._num_views, *(column[some] for column in values))
+            rows = table.enter(index[pixels])
+            _add(table.rows, rows, self._num_views, pixels, *seen)
 
     def merge(self, folder: Path) -> None:
         """Add the saved pages of another cloud, of other views."""
@@ -186,12 +179,13 @@ def _add(
     cells: Rows,
     rows: Numbers,
     view: int,
+    pixels: Numbers,
     places: Array,
     weights: Array,
     colours: NDArray[np.uint8],
     agreeing: NDArray[np.uint8],
 ) -> None:
-    """Add the pixels of a view to their cells.
+    """Add some pixels of a view to their cells, given by their rows.
 
     Errors of one view are correlated: its pixels in a cell together weigh as much as one.
     Positions are in cells.
@@ -203,8 +197,8 @@ def _add(
             cell.num_pixels = 0
             cell.num_views += 1
         cell.num_pixels += 1
-    for k in range(len(rows)):
-        cell = cells[rows[k]]
+    for row, k in zip(rows, pixels):  # noqa: B905 - not known to the compiler
+        cell = cells[row]
         weight = max(np.floor(weights[k] / cell.num_pixels + 0.5), 1.0)
         cell.weight += np.int64(weight)
         cell.num_agreeing = max(cell.num_agreeing, np.int32(agreeing[k]))

@@ -8,7 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.geometry import invert
-from recon.surface.depth import DepthMap, Floats
+from recon.surface.depth import Camera, DepthMap, Floats
 
 NUM_NEIGHBOURS = 6
 _NUM_SIGMAS = np.float32(2.5)
@@ -29,7 +29,7 @@ def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:
     for other in _nearest(view, others):
         T_other_view = invert(other.T_world_left) @ view.T_world_left
         _ask(
-            view.depth, view.sigma, _camera(view), other.depth, other.sigma, _camera(other),
+            view.depth, view.sigma, view.camera, other.depth, other.sigma, other.camera,
             T_other_view, counts,
         )  # fmt: skip
     agreeing, against, looking = counts
@@ -82,18 +82,14 @@ def _nearest(view: DepthMap, others: Sequence[DepthMap]) -> list[DepthMap]:
     return [alike[row] for row in np.argsort(distances, kind="stable")[:NUM_NEIGHBOURS]]
 
 
-def _camera(view: DepthMap) -> tuple[float, float, float]:
-    return view.rig.focal_px, view.rig.cx_left_px, view.rig.cy_px
-
-
 @njit(cache=True, nogil=True, error_model="numpy")
 def _ask(  # noqa: PLR0913 - two views and the motion between them
     depth: Floats,
     sigma: Floats,
-    camera: tuple[float, float, float],
+    camera: Camera,
     other_depth: Floats,
     other_sigma: Floats,
-    other_camera: tuple[float, float, float],
+    other_camera: Camera,
     T_other_view: NDArray[np.float64],
     counts: NDArray[np.uint8],
 ) -> None:
@@ -123,7 +119,7 @@ def _ask(  # noqa: PLR0913 - two views and the motion between them
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _pixel(
-    point: tuple[float, float, float], camera: tuple[float, float, float], shape: tuple[int, int]
+    point: tuple[float, float, float], camera: Camera, shape: tuple[int, int]
 ) -> tuple[int, int]:
     """Row and column at which a camera sees a point; -1 if it does not."""
     focal, cx, cy = camera

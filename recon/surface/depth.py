@@ -3,14 +3,16 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from recon.camera import StereoRig
-from recon.geometry import LEVEL_CAMERA, transform
+from recon.geometry import LEVEL_CAMERA
 from recon.records import DisparityMap, StereoPair
 
 Floats = NDArray[np.float32]
 Array = NDArray[np.float64]
+Camera = tuple[float, float, float]
 
 _FARTHEST = 0.5
 """Maximum sigma of a depth, relative to the depth."""
@@ -45,16 +47,16 @@ class DepthMap:
         place: Array = self.T_world_left[:3, 3]
         return place
 
-    def points_left(self, mask: NDArray[np.bool_]) -> Array:
-        """(N, 3) points of the pixels of `mask`, in the left camera's frame, row by row."""
-        v, u = np.nonzero(mask)
-        rays = self.rig.rays(np.column_stack([u, v]))
-        points: Array = rays * self.depth[v, u, None]
-        return points
+    @property
+    def camera(self) -> Camera:
+        """Focal length and principal point, pixels."""
+        return self.rig.focal_px, self.rig.cx_left_px, self.rig.cy_px
 
     def points(self, mask: NDArray[np.bool_]) -> Array:
-        """(N, 3) the same points in the world."""
-        return transform(self.T_world_left, self.points_left(mask))
+        """(N, 3) points of the pixels of `mask`, in the world, row by row."""
+        points = np.empty((int(mask.sum()), 3))
+        _place(self.depth, mask, self.camera, self.T_world_left, points)
+        return points
 
     def where(self, kept_mask: NDArray[np.bool_]) -> "DepthMap":
         """The same depths, unknown outside `kept_mask` (H, W)."""
@@ -75,3 +77,22 @@ def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
         T_world_left=LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left,
     )
     return view.where(sigma <= _FARTHEST * depth)
+
+
+@njit(cache=True, nogil=True)
+def _place(
+    depth: Floats, mask: NDArray[np.bool_], camera: Camera, T: Array, points: Array
+) -> None:
+    """Write the points of the pixels of `mask`, moved by a transformation."""
+    focal, cx, cy = camera
+    number = 0
+    for v in range(depth.shape[0]):
+        for u in range(depth.shape[1]):
+            if mask[v, u]:
+                z = np.float64(depth[v, u])
+                x, y = (u - cx) / focal * z, (v - cy) / focal * z
+                for axis in range(3):
+                    points[number, axis] = (
+                        T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]
+                    )
+                number += 1

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.surface.depth import Floats
+from recon.surface.depth import Camera, Floats
 from recon.voxelmap.table import Rows, Slots, find_or_add
 
 Array = NDArray[np.float64]
@@ -53,8 +53,7 @@ class View(NamedTuple):
 
     depth: Floats
     sigma: Floats
-    camera: tuple[float, float, float]
-    """Focal length and principal point, pixels."""
+    camera: Camera
     farthest: float
     """The largest depth."""
 

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.voxelmap.archive import read_array
-from recon.voxelmap.table import CellTable, Rows, in_order
+from recon.voxelmap.table import CellTable, Rows, in_order, order_of
 
 Key = tuple[int, int, int]
 
 HELD_BYTES = 256 << 20
 """Maximum size of the pages in memory, besides the one in use."""
+_REGION = np.dtype([("index", np.int32, (3,))])
 _NEIGHBOURS = tuple(product((-1, 0, 1), repeat=3))
 
 
@@ -129,16 +130,16 @@ def page_path(folder: Path, key: Key) -> Path:
 
 def regions_of(index: NDArray[np.integer], side: int) -> Iterator[tuple[Key, NDArray[np.int64]]]:
     """The regions of cells (N, 3), with the rows (K,) of the cells in each, in order."""
-    if not len(index):
-        return
-    region = index.astype(np.int64) // side
-    low = region.min(axis=0)
-    counts = np.ptp(region, axis=0) + 1
-    number = np.ravel_multi_index(tuple((region - low).T), tuple(counts))
-    order = np.argsort(number, kind="stable")
-    found, firsts = np.unique(number[order], return_index=True)
-    keys = np.stack(np.unravel_index(found, tuple(counts)), axis=1) + low
-    for key, rows in zip(keys.tolist(), np.split(order, firsts[1:]), strict=True):
+    table = CellTable(_REGION)
+    number = table.enter(index // side)
+    rank = np.empty(table.num_rows, np.int64)
+    keys = order_of(table.used["index"])
+    rank[keys] = np.arange(len(keys))
+    # Sorting is linear for numbers of 16 bits.
+    short = np.uint16 if len(keys) < 1 << 16 else np.int64
+    order = np.argsort(rank.astype(short)[number], kind="stable")
+    ends = np.bincount(number, minlength=len(keys))[keys].cumsum()
+    for key, rows in zip(table.used["index"][keys].tolist(), np.split(order, ends[:-1]), strict=False):
         yield (key[0], key[1], key[2]), rows
 
 

@@ -68,8 +68,7 @@ class Volume:
         blocks = self._met(sure)
         for key, rows in regions_of(blocks, _REGION):
             self.pages.page(key).enter(blocks[rows])
-        camera = (view.rig.focal_px, view.rig.cx_left_px, view.rig.cy_px)
-        seen = View(sure.depth, sure.sigma, camera, float(np.nanmax(sure.depth)))
+        seen = View(sure.depth, sure.sigma, view.camera, float(np.nanmax(sure.depth)))
         T_left_world = invert(view.T_world_left)
         for key in self._in_sight(seen, T_left_world):
             fuse(self.pages.page(key).used, seen, T_left_world, self.voxel)

@@ -283,7 +283,9 @@ def test_depth_follows_disparity_and_the_pose():
     pair, found = pair_of(9.0, np.diag([1.0, -1, -1, 1]))
     view = depth_map(pair, found)
     np.testing.assert_allclose(view.depth, 2.0)
-    expected = transform(np.diag([1.0, -1, -1, 1]), view.points_left(view.valid_mask))
+    pixels = np.argwhere(view.valid_mask)[:, ::-1]
+    points_left = view.rig.triangulate(pixels, np.full(len(pixels), 9.0))
+    expected = transform(np.diag([1.0, -1, -1, 1]), points_left)
     np.testing.assert_allclose(view.points(view.valid_mask), expected)
 
 
