@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -45,6 +45,19 @@ _REACHES = (1, 4)
 """Cells on each side searched for colours; no surface is farther from its points."""
 
 
+class _Pixels(NamedTuple):
+    """The known pixels of a view."""
+
+    places: Array
+    """(N, 3) in cells."""
+    weights: Array
+    """(N,) inverse variances."""
+    colours: NDArray[np.uint8]
+    """(N, 3) RGB."""
+    agreeing: NDArray[np.uint8]
+    """(N,) number of views that agree, including this one."""
+
+
 class CellCloud:
     """Weighted means of the points in each cell of a grid.
 
@@ -69,13 +82,13 @@ class CellCloud:
         places = view.points(mask) / self.cell
         sigma = np.maximum(view.sigma[mask] / self.cell, _SUREST)
         agreeing = np.ones(mask.shape, np.uint8) if view.num_views is None else view.num_views
-        seen = places, _UNITS / sigma**2, view.colours[mask], agreeing[mask]
+        seen = _Pixels(places, _UNITS / sigma**2, view.colours[mask], agreeing[mask])
         self._num_views += 1
         index = np.floor(places).astype(np.int32)
         for key, pixels in regions_of(index, _REGION):
             table = self.pages.page(key)
             rows = table.enter(index[pixels])
-            _add(table.rows, rows, self._num_views, pixels, *seen)
+            _add(table.rows, rows, self._num_views, pixels, seen)
 
     def merge(self, folder: Path) -> None:
         """Add the saved pages of another cloud, of other views."""
@@ -180,15 +193,11 @@ def _add(
     rows: Numbers,
     view: int,
     pixels: Numbers,
-    places: Array,
-    weights: Array,
-    colours: NDArray[np.uint8],
-    agreeing: NDArray[np.uint8],
+    seen: _Pixels,
 ) -> None:
     """Add some pixels of a view to their cells, given by their rows.
 
     Errors of one view are correlated: its pixels in a cell together weigh as much as one.
-    Positions are in cells.
     """
     for row in rows:
         cell = cells[row]
@@ -199,10 +208,10 @@ def _add(
         cell.num_pixels += 1
     for row, k in zip(rows, pixels):  # noqa: B905 - not known to the compiler
         cell = cells[row]
-        weight = max(np.floor(weights[k] / cell.num_pixels + 0.5), 1.0)
+        weight = max(np.floor(seen.weights[k] / cell.num_pixels + 0.5), 1.0)
         cell.weight += np.int64(weight)
-        cell.num_agreeing = max(cell.num_agreeing, np.int32(agreeing[k]))
+        cell.num_agreeing = max(cell.num_agreeing, np.int32(seen.agreeing[k]))
         for axis in range(3):
-            place = places[k, axis] - cell.index[axis]
+            place = seen.places[k, axis] - cell.index[axis]
             cell.place[axis] += np.int64(np.floor(weight * place + 0.5))
-            cell.colour[axis] += np.int64(weight) * np.int64(colours[k, axis])
+            cell.colour[axis] += np.int64(weight) * np.int64(seen.colours[k, axis])

@@ -54,8 +54,9 @@ class DepthMap:
 
     def points(self, mask: NDArray[np.bool_]) -> Array:
         """(N, 3) points of the pixels of `mask`, in the world, row by row."""
-        points = np.empty((int(mask.sum()), 3))
-        _place(self.depth, mask, self.camera, self.T_world_left, points)
+        pixels = np.argwhere(mask)
+        points = np.empty((len(pixels), 3))
+        _place(self.depth, pixels, self.camera, self.T_world_left, points)
         return points
 
     def where(self, kept_mask: NDArray[np.bool_]) -> "DepthMap":
@@ -81,18 +82,13 @@ def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
 
 @njit(cache=True, nogil=True)
 def _place(
-    depth: Floats, mask: NDArray[np.bool_], camera: Camera, T: Array, points: Array
+    depth: Floats, pixels: NDArray[np.int64], camera: Camera, T: Array, points: Array
 ) -> None:
-    """Write the points of the pixels of `mask`, moved by a transformation."""
+    """Write the points of pixels (row, column), moved by a transformation."""
     focal, cx, cy = camera
-    number = 0
-    for v in range(depth.shape[0]):
-        for u in range(depth.shape[1]):
-            if mask[v, u]:
-                z = np.float64(depth[v, u])
-                x, y = (u - cx) / focal * z, (v - cy) / focal * z
-                for axis in range(3):
-                    points[number, axis] = (
-                        T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]
-                    )
-                number += 1
+    for k in range(len(pixels)):
+        v, u = pixels[k]
+        z = np.float64(depth[v, u])
+        x, y = (u - cx) / focal * z, (v - cy) / focal * z
+        for axis in range(3):
+            points[k, axis] = T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]

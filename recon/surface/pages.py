@@ -138,8 +138,9 @@ def regions_of(index: NDArray[np.integer], side: int) -> Iterator[tuple[Key, NDA
     # Sorting is linear for numbers of 16 bits.
     short = np.uint16 if len(keys) < 1 << 16 else np.int64
     order = np.argsort(rank.astype(short)[number], kind="stable")
-    ends = np.bincount(number, minlength=len(keys))[keys].cumsum()
-    for key, rows in zip(table.used["index"][keys].tolist(), np.split(order, ends[:-1]), strict=False):
+    firsts = np.bincount(number, minlength=len(keys))[keys].cumsum()[:-1]
+    found = table.used["index"][keys].tolist()
+    for key, rows in zip(found, np.split(order, firsts), strict=False):
         yield (key[0], key[1], key[2]), rows
 
 
