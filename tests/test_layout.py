@@ -39,6 +39,7 @@ HOMES = {
         "world",
         "voxelmap",
         "recognition",
+        "mapping",
         "surface",
         "localisation",
         "exploration",

@@ -11,17 +11,12 @@ from scipy.spatial import cKDTree
 
 from recon.errors import InputError
 from recon.geometry import invert, transform
+from recon.mapping.seendepths import SeenDepths
 from recon.records import PointCloud, StereoPair
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-NUM_SIGMAS = 3.0
-"""Maximum difference of the two depths, in standard deviations."""
-MAX_OFFSET_PX = 3.0
-"""Maximum distance between expected and observed image point: features slide along edges."""
-NUM_CANDIDATES = 4
-"""Number of nearest points within the offset whose depth is compared."""
 SAMPLE_STEP = 8
 """Every n-th point is used for the median distance; all would take longer than the confirmation."""
 MIN_DEPTH = 1e-6
@@ -48,7 +43,9 @@ class Witness:
         """(S,) rows of the sampled points."""
         self.distance = np.full(len(self.sample), np.inf)
         """(S,) distance of the samples to the nearest point of another pair, world units."""
-        self._seen_at = cKDTree(self._rig.project_left(self._points_left(cloud.points)))
+        at_px = self._rig.project_left(self._points_left(cloud.points))
+        size = self._rig.width, self._rig.height
+        self._seen = SeenDepths(at_px, self.depth, self.sigma, size)
         self._stands_at = cKDTree(cloud.points)
 
     def hold_against(self, other: "Witness") -> None:
@@ -64,22 +61,9 @@ class Witness:
         confirmed = np.zeros(len(other.cloud), np.bool_)
         points_left = self._points_left(other.cloud.points)
         ahead = np.flatnonzero(points_left[:, 2] > MIN_DEPTH)
-        near = self._near(points_left[ahead])
-        # A missing neighbour has the last index: infinitely deep, with sigma 0.
-        depth, sigma = np.append(self.depth, np.inf)[near], np.append(self.sigma, 0.0)[near]
-        apart = np.abs(depth - points_left[ahead, 2:])
-        both = np.hypot(sigma, other.sigma[ahead, None])
-        confirmed[ahead] = (apart <= NUM_SIGMAS * both).any(axis=1)
+        at_px = self._rig.project_left(points_left[ahead])
+        confirmed[ahead] = self._seen.agree(at_px, points_left[ahead, 2], other.sigma[ahead])
         return confirmed
-
-    def _near(self, points_left: Array) -> NDArray[np.int64]:
-        """(N, C) own points seen near each given point; missing ones are `len(self.cloud)`."""
-        _, near = self._seen_at.query(
-            self._rig.project_left(points_left),
-            k=NUM_CANDIDATES,
-            distance_upper_bound=MAX_OFFSET_PX,
-        )
-        return np.asarray(near, dtype=np.int64)
 
 
 class Consistency:

@@ -1,12 +1,14 @@
 """Number of pairs that saw each object."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import PointCloud, Recognition, Voxels
+
+Integers = NDArray[np.int64]
 
 _REACH = 1 << 20
 """Number of addressable cells on either side of the origin."""
@@ -33,31 +35,41 @@ def count_cells(
     is_near = (np.abs(cloud.points) < _REACH * cell_size).all(axis=1)
     keys = _keys(np.floor(cloud.points[is_near] / cell_size).astype(np.int64))
     numbers = np.broadcast_to(np.asarray(pairs, dtype=np.int64), len(cloud))[is_near]
-    rows, counts = np.unique(np.column_stack([keys, numbers]), axis=0, return_counts=True)
-    return CellCounts(keys=rows[:, 0], pairs=rows[:, 1], counts=counts)
+    return CellCounts(**_summed(keys, numbers, np.ones(len(keys), np.int64)))
 
 
 def with_views(recognition: Recognition, voxels: Voxels, seen: Iterable[CellCounts]) -> Recognition:
     """The same objects, with the number of pairs that saw each."""
-    points: dict[tuple[int, int], int] = {}
-    for object_id, number, count in _hits(recognition, voxels, seen):
-        points[object_id, number] = points.get((object_id, number), 0) + count
-    views = [object_id for (object_id, _), n in points.items() if n >= MIN_POINTS_OF_VIEW]
-    counted = tuple(replace(found, views=views.count(found.id)) for found in recognition.objects)
+    keys = _keys(voxels.index)
+    order = np.argsort(keys)
+    keys, labels = keys[order], recognition.label[order]
+    nothing = np.zeros((3, 0), np.int64)
+    hits = [nothing, *(_hits(keys, labels, cells) for cells in seen)]
+    points = _summed(*np.concatenate(hits, axis=1))
+    views = points["keys"][points["counts"] >= MIN_POINTS_OF_VIEW]
+    counted = tuple(
+        replace(found, views=int((views == found.id).sum())) for found in recognition.objects
+    )
     return replace(recognition, objects=counted)
 
 
-def _hits(
-    recognition: Recognition, voxels: Voxels, seen: Iterable[CellCounts]
-) -> Iterator[tuple[int, int, int]]:
-    """Object, pair and number of points, for every cell of an object that a pair hit."""
-    keys = _keys(voxels.index)
-    order = np.argsort(keys)
-    for cells in seen:
-        found = _lookup(keys[order], recognition.label[order], cells.keys)
-        is_hit = found >= 0
-        columns = (found[is_hit], cells.pairs[is_hit], cells.counts[is_hit])
-        yield from zip(*(column.tolist() for column in columns), strict=True)
+def _hits(keys: Integers, labels: NDArray[np.int32], cells: CellCounts) -> Integers:
+    """(3, N) object, pair and number of points, for the objects that pairs hit."""
+    found = _lookup(keys, labels, cells.keys).astype(np.int64)
+    is_hit = found >= 0
+    summed = _summed(found[is_hit], cells.pairs[is_hit], cells.counts[is_hit])
+    return np.array([*summed.values()])
+
+
+def _summed(keys: Integers, pairs: Integers, counts: Integers) -> dict[str, Integers]:
+    """The distinct keys and pairs, in order, and the sums of their counts."""
+    order = np.lexsort((pairs, keys))
+    keys, pairs = keys[order], pairs[order]
+    is_first = np.ones(len(keys), np.bool_)
+    is_first[1:] = (keys[1:] != keys[:-1]) | (pairs[1:] != pairs[:-1])
+    starts = np.flatnonzero(is_first)
+    sums = np.add.reduceat(counts[order], starts) if len(starts) else counts
+    return {"keys": keys[starts], "pairs": pairs[starts], "counts": sums}
 
 
 def _keys(index: NDArray[np.int64]) -> NDArray[np.int64]:
