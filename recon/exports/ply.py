@@ -1,7 +1,7 @@
 """Points as PLY (Turk 1994): every value as a named vertex property."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -18,7 +18,7 @@ from recon.exports.plyheader import HELD, Element, Header, header, read_header
 from recon.exports.plyrows import Rows, read_rows
 from recon.exports.triangles import Faces, check_faces, mesh_of
 from recon.files import atomic_path, check_memory
-from recon.records import Mesh, PointCloud
+from recon.records import Mesh, MeshPart, PointCloud
 
 RUN_CLOUD = np.dtype(
     [(name, "<f8") for name in "xyz"]
@@ -122,13 +122,31 @@ def _vertex_dtype(columns: Columns) -> np.dtype[np.void]:
 
 def write_mesh(path: Path, mesh: Mesh) -> None:
     """Write vertices, with colours and normals if there are any, and triangles."""
+    columns = _columns_of(mesh)
+    columns |= {name: v for name, v in mesh.attributes.items() if name not in columns}
+    _write(path, columns, mesh.triangles)
+
+
+def write_mesh_parts(path: Path, parts: Iterable[MeshPart], num: tuple[int, int]) -> None:
+    """Write a mesh in parts, which are read twice, with `num` vertices and triangles in total."""
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        for number, part in enumerate(parts):
+            held = held_columns(_columns_of(part), HELD, path)
+            dtype = _vertex_dtype(held)
+            if number == 0:
+                file.write(header(dtype, *num))
+            file.write(as_vertices(held, dtype).tobytes())
+        for part in parts:
+            file.write(_as_faces(part.triangles).tobytes())
+
+
+def _columns_of(mesh: Mesh | MeshPart) -> Columns:
     columns: Columns = dict(zip("xyz", mesh.vertices.T, strict=True))
     if mesh.normals is not None:
         columns |= zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)
     if mesh.colours is not None:
         columns |= zip(RGB, mesh.colours.T, strict=True)
-    columns |= {name: v for name, v in mesh.attributes.items() if name not in columns}
-    _write(path, columns, mesh.triangles)
+    return columns
 
 
 def _write(path: Path, columns: Columns, triangles: NDArray[np.integer] | None) -> None:

@@ -26,7 +26,7 @@ from recon.records.solids import (
     Sphere,
     TruncatedCone,
 )
-from recon.records.surfaces import DisparityMap, Mesh
+from recon.records.surfaces import DisparityMap, Mesh, MeshPart
 from recon.records.trajectory import Trajectory
 
 __all__ = [
@@ -48,6 +48,7 @@ __all__ = [
     "ImageNoise",
     "Matches",
     "Mesh",
+    "MeshPart",
     "PairSource",
     "Part",
     "Plane",

@@ -143,3 +143,17 @@ class Mesh:
             normals=None if self.normals is None else self.normals[used],
             attributes={name: values[used] for name, values in self.attributes.items()},
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeshPart:
+    """One of the parts of a mesh too large for memory."""
+
+    vertices: NDArray[np.float64]
+    """(V, 3) world units."""
+    normals: NDArray[np.float64]
+    """(V, 3) unit vectors that point outwards."""
+    colours: NDArray[np.uint8]
+    """(V, 3) RGB."""
+    triangles: NDArray[np.int32]
+    """(T, 3) rows of the vertices of all parts up to this one."""

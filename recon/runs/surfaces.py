@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.formats import write, write_parts
+from recon.exports.formats import write_parts
+from recon.exports.ply import write_mesh_parts
 from recon.figures.depth import kept_depth
 from recon.records import StereoPair, Trajectory
 from recon.runs.figures import leave_figure, leave_mesh_figure
@@ -22,6 +23,8 @@ from recon.stereo.dense.dense import match_every_pixel
 from recon.surface.depth import DepthMap, depth_map
 from recon.surface.fusion import Fusion, Surface, suggested_voxel
 
+_MOST_DRAWN = 2_000_000
+"""Triangles of the figure of a mesh; a larger mesh is drawn coarser, as memory may not hold it."""
 SAVED = "surface"
 """Folder with the sums that `recon merge` adds, in runs of chunks."""
 
@@ -104,8 +107,7 @@ class SurfaceWork:
             if self._fullest is not None:
                 kept = kept_depth(self._fullest.colours, self._fullest.depth, self.unit)
                 leave_figure(self.work.run.path, "depth", kept)
-            if surface.mesh is not None:
-                leave_mesh_figure(self.work.run.path, surface.mesh, np.array(self._places))
+            _leave_mesh_figure(surface, self.work, np.array(self._places))
         return surface.metrics
 
 
@@ -120,8 +122,9 @@ def write_surface(surface: Surface, work: Work) -> None:
     """Write dense.ply and mesh.ply."""
     with work.stage("write"):
         write_parts(surface.parts, surface.num_points, work.run.path / "dense.ply")
-        if surface.mesh is not None:
-            write(surface.mesh, work.run.path / "mesh.ply")
+        if (mesh := surface.mesh_parts) is not None:
+            num = mesh.num_vertices, mesh.num_triangles
+            write_mesh_parts(work.run.path / "mesh.ply", mesh, num)
 
 
 def merge_surfaces(
@@ -146,7 +149,12 @@ def merge_surfaces(
             fusion.merge(run / SAVED)
         surface = fusion.finish()
     write_surface(surface, work)
-    if surface.mesh is not None:
-        with work.stage("figures"):
-            leave_mesh_figure(work.run.path, surface.mesh, way.positions)
+    with work.stage("figures"):
+        _leave_mesh_figure(surface, work, way.positions)
     return surface.metrics
+
+
+def _leave_mesh_figure(surface: Surface, work: Work, cameras: np.ndarray) -> None:
+    if surface.mesh_parts is not None:
+        drawn = surface.mesh_parts.coarse(_MOST_DRAWN)
+        leave_mesh_figure(work.run.path, drawn, cameras)

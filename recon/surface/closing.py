@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from recon.libraries import load_open3d
 from recon.records import Mesh
-from recon.surface.volume import with_normals
+from recon.surface.triangles import with_normals
 
 Edges = NDArray[np.int32]
 

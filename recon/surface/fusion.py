@@ -3,7 +3,7 @@
 import json
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +15,15 @@ from recon.files.documents import read_json
 from recon.notices import notify
 from recon.records import DisparityMap, Mesh, PointCloud, StereoPair
 from recon.settings import SurfaceSettings
+from recon.surface.assembly import Assembly, MeshParts
 from recon.surface.cells import CellCloud, joined
 from recon.surface.closing import thickness, watertight
 from recon.surface.confirmation import Confirmation
 from recon.surface.depth import DepthMap, depth_map
-from recon.surface.triangles import largest_share, mesh_of_pixels, without_floaters
+from recon.surface.triangles import mesh_of_pixels, without_floaters
 from recon.surface.volume import Volume
 
-CELLS, BLOCKS, COUNTS = "cells", "blocks", "counts.json"
+CELLS, BLOCKS, MESH, COUNTS = "cells", "blocks", "mesh", "counts.json"
 _PIXELS_TO_VOXEL = 2.0
 
 
@@ -34,8 +35,8 @@ class Surface:
     """The points in one or more parts, read one by one as memory may not hold all. They have a
     sigma, and the attribute `views`: the number of views that agree on a point."""
     num_points: int
-    mesh: Mesh | None
-    """None if not requested."""
+    mesh_parts: MeshParts | None
+    """None if not requested; parts may be read one by one, too."""
     metrics: dict[str, Any]
     """Metrics by their names in metrics.json."""
 
@@ -43,6 +44,11 @@ class Surface:
     def cloud(self) -> PointCloud:
         """All points at once."""
         return joined(self.parts)
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """The whole mesh at once."""
+        return None if self.mesh_parts is None else self.mesh_parts.whole
 
 
 @dataclass(slots=True, kw_only=True)
@@ -128,12 +134,16 @@ class Fusion:
             return self._of_one(self._first)
         self._settle()
         cells = self._cells or CellCloud(1.0)
-        mesh = None
-        if self.settings.mesh:
-            fused = without_floaters(self._volume.mesh()) if self._volume else Mesh.none()
-            mesh = self._closed(replace(fused, colours=cells.colours_at(fused.vertices)))
+        mesh = self._assembled(cells) if self.settings.mesh else None
         share = self.counts.num_confirmed / max(self.counts.num_known, 1)
         return self._surface(cells, len(cells), mesh, share)
+
+    def _assembled(self, cells: CellCloud) -> MeshParts:
+        assembly = Assembly(folder=self.folder and self.folder / MESH)
+        for region in self._volume.regions() if self._volume else ():
+            assembly.add(region, cells.colours_at(region.vertices.astype(np.float64)))
+        parts = assembly.finish()
+        return MeshParts.of(self._closed(parts.whole)) if self.settings.watertight else parts
 
     def save(self, folder: Path) -> None:
         """Write the sums to a folder, for `merge`."""
@@ -194,7 +204,8 @@ class Fusion:
         )
         mesh = None
         if self.settings.mesh:
-            mesh = self._closed(without_floaters(mesh_of_pixels(view), smallest_share=1e-4))
+            found = without_floaters(mesh_of_pixels(view), smallest_share=1e-4)
+            mesh = MeshParts.of(self._closed(found))
         return self._surface([cloud], len(cloud), mesh, None)
 
     def _closed(self, mesh: Mesh) -> Mesh:
@@ -210,7 +221,7 @@ class Fusion:
         return closed
 
     def _surface(
-        self, parts: Iterable[PointCloud], num: int, mesh: Mesh | None, share: float | None
+        self, parts: Iterable[PointCloud], num: int, mesh: MeshParts | None, share: float | None
     ) -> Surface:
         metrics: dict[str, Any] = {
             "num_dense_points": num,
@@ -222,9 +233,9 @@ class Fusion:
                 "voxel": self.voxel,
                 "num_triangles": len(mesh),
                 "mesh_area": mesh.area,
-                "largest_piece_share": largest_share(mesh),
+                "largest_piece_share": mesh.largest_share,
             }
-        return Surface(parts=parts, num_points=num, mesh=mesh, metrics=metrics)
+        return Surface(parts=parts, num_points=num, mesh_parts=mesh, metrics=metrics)
 
 
 def _read_counts(path: Path) -> tuple[Counts, float | None]:

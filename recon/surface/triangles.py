@@ -1,5 +1,7 @@
 """Creation and cleaning of meshes."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -7,41 +9,43 @@ from scipy.sparse.csgraph import connected_components
 
 from recon.records import Mesh
 from recon.surface.depth import DepthMap
-from recon.surface.volume import with_normals
 
-_SMALLEST_SHARE = 0.01
+SMALLEST_SHARE = 0.01
 """Minimum share of the area of a piece; smaller ones are removed as floaters."""
 _NUM_SIGMAS = 3.0
 _STEEPEST = 3.0
 """Maximum depth difference of neighbouring pixels of one surface, in pixel widths at that depth."""
 
 
-def pieces(mesh: Mesh) -> NDArray[np.int32]:
-    """(T,) index of the connected piece of each triangle."""
+def vertex_pieces(mesh: Mesh) -> NDArray[np.int64]:
+    """(V,) index of the connected piece of each vertex."""
     a, b, c = mesh.triangles.T
     edges = np.concatenate([np.stack([a, b]), np.stack([b, c])], axis=1)
     ones = np.ones(edges.shape[1], np.int8)
     graph = coo_array((ones, tuple(edges)), shape=(len(mesh.vertices),) * 2)
-    label = connected_components(graph, directed=False)[1]
-    found: NDArray[np.int32] = label[a].astype(np.int32)
+    found: NDArray[np.int64] = connected_components(graph, directed=False)[1].astype(np.int64)
     return found
 
 
-def without_floaters(mesh: Mesh, smallest_share: float = _SMALLEST_SHARE) -> Mesh:
+def pieces(mesh: Mesh) -> NDArray[np.int64]:
+    """(T,) index of the connected piece of each triangle."""
+    found: NDArray[np.int64] = vertex_pieces(mesh)[mesh.triangles[:, 0]]
+    return found
+
+
+def piece_areas(mesh: Mesh, piece: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Area of each connected piece, given those of the triangles (T,)."""
+    areas: NDArray[Any] = np.bincount(piece, weights=mesh.triangle_areas)
+    return areas.astype(np.float64)
+
+
+def without_floaters(mesh: Mesh, smallest_share: float = SMALLEST_SHARE) -> Mesh:
     """The mesh without connected pieces that have less than a share of its area."""
     if not len(mesh):
         return mesh
     piece = pieces(mesh)
-    areas = np.bincount(piece, weights=mesh.triangle_areas)
+    areas = piece_areas(mesh, piece)
     return mesh.select(areas[piece] >= smallest_share * areas.sum())
-
-
-def largest_share(mesh: Mesh) -> float:
-    """Share of the area of the largest connected piece; 0 without triangles."""
-    if not len(mesh):
-        return 0.0
-    areas = np.bincount(pieces(mesh), weights=mesh.triangle_areas)
-    return float(areas.max() / areas.sum())
 
 
 def mesh_of_pixels(view: DepthMap) -> Mesh:
@@ -63,3 +67,15 @@ def mesh_of_pixels(view: DepthMap) -> Mesh:
     mesh = Mesh(vertices=view.points(mask), triangles=whole, colours=view.colours[mask])
     # Unused vertices are removed.
     return with_normals(mesh.select(np.ones(len(mesh), bool)))
+
+
+def with_normals(mesh: Mesh) -> Mesh:
+    """The mesh with the area-weighted mean normal of the triangles around each vertex."""
+    across, normals = mesh.crosses, np.zeros_like(mesh.vertices)
+    for corner in range(3):
+        np.add.at(normals, mesh.triangles[:, corner], across)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, length, out=normals, where=length > 0)
+    return Mesh(
+        vertices=mesh.vertices, triangles=mesh.triangles, colours=mesh.colours, normals=normals
+    )

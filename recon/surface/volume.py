@@ -4,6 +4,7 @@ Each depth is weighted by its sigma. Open3D's VoxelBlockGrid extracts the triang
 they are filled here, as it does not support pixel weights.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from recon.errors import InputError
 from recon.geometry import invert
 from recon.libraries import load_open3d
 from recon.records import Mesh
+from recon.surface.assembly import RegionMesh
+from recon.surface.breaks import unsure_at_breaks
 from recon.surface.depth import DepthMap, Floats
 from recon.surface.integration import (
     BLOCK,
@@ -28,6 +31,7 @@ from recon.surface.integration import (
     touch,
 )
 from recon.surface.pages import Key, Pages, page_path, read_page, regions_of, saved_keys
+from recon.surface.triangles import with_normals
 from recon.voxelmap.table import CellTable, Rows
 
 Array = NDArray[np.float64]
@@ -62,6 +66,7 @@ class Volume:
 
     def add(self, view: DepthMap) -> None:
         """Fuse the depths of a view, which also carves free space."""
+        view = unsure_at_breaks(view)
         sure = view.where(view.sigma <= MAX_SIGMA * self.voxel)
         if not sure.valid_mask.any():
             return
@@ -109,35 +114,35 @@ class Volume:
         mask = seen_mask(cubes, view, T_left_world, side, DEEPEST * self.voxel)
         return [key for key, is_seen in zip(keys, mask, strict=True) if is_seen]
 
-    def mesh(self) -> Mesh:
-        """The surface where distances change sign, without colours; holes remain."""
-        parts = [self._part(key) for key in self.pages.keys]
-        if not parts:
-            return Mesh.none()
-        firsts = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
-        vertices = np.concatenate([vertices for vertices, _ in parts]).astype(np.float64)
-        triangles = np.concatenate(
-            [own + first for (_, own), first in zip(parts, firsts, strict=True)]
-        )
-        if not len(triangles):
-            return Mesh.none()
-        vertices, triangles = _ordered(vertices, triangles)
-        return with_normals(Mesh(vertices=vertices, triangles=triangles))
+    def regions(self) -> Iterator[RegionMesh]:
+        """Yield the surface where distances change sign, region by region; holes remain."""
+        for key in self.pages.keys:
+            found = self._region(key)
+            if found is not None:
+                yield found
 
-    def _part(self, key: Key) -> tuple[Floats, Keys]:
-        """Vertices (V, 3) and triangles of the surface in a region."""
-        none = np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)
+    def _region(self, key: Key) -> RegionMesh | None:
+        """The surface in a region, with the normals that its neighbours agree on."""
         blocks = self.pages.around(key, 1).used
         if not (blocks["weight"] > _MIN_WEIGHT * UNITS).any():
-            return none
-        vertices, triangles = _extracted(blocks, self.voxel)
-        if not len(triangles):
-            return none
+            return None
+        vertices, triangles = _ordered(*_extracted(blocks, self.voxel))
         # Neighbouring regions extract bit-identical triangles; each is kept once.
         middle = vertices[triangles].mean(axis=1, dtype=np.float64)
-        own = np.floor(middle / (_REGION * BLOCK * self.voxel)) == key
-        used, renumbered = np.unique(triangles[own.all(axis=1)], return_inverse=True)
-        return vertices[used], renumbered.reshape(-1, 3).astype(np.int32)
+        own = (np.floor(middle / (_REGION * BLOCK * self.voxel)) == key).all(axis=1)
+        if not own.any():
+            return None
+        used, renumbered = np.unique(triangles[own], return_inverse=True)
+        others = np.zeros(len(vertices), np.bool_)
+        others[triangles[~own]] = True
+        mesh = with_normals(Mesh(vertices=vertices.astype(np.float64), triangles=triangles))
+        assert mesh.normals is not None
+        return RegionMesh(
+            vertices=vertices[used],
+            normals=mesh.normals[used].astype(np.float32),
+            triangles=renumbered.reshape(-1, 3).astype(np.int32),
+            shared=others[used],
+        )
 
 
 def _extracted(blocks: Rows, voxel: float) -> tuple[Floats, Keys]:
@@ -175,24 +180,23 @@ def _grid(blocks: Rows, voxel: float) -> Any:
     return grid
 
 
-def _ordered(vertices: Array, triangles: Keys) -> tuple[Array, Keys]:
+def _ordered(vertices: Floats, triangles: Keys) -> tuple[Floats, Keys]:
     """The mesh in an order independent of Open3D's threads, with coincident vertices merged."""
-    places, number = np.unique(vertices, axis=0, return_inverse=True)
-    triangles = number.reshape(-1)[triangles].astype(np.int32)
+    vertices, number = _distinct(vertices)
+    triangles = number[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
     first = triangles.argmin(axis=1)
     turned = np.take_along_axis(triangles, (first[:, None] + np.arange(3)) % 3, axis=1)
-    return places, np.unique(turned, axis=0)
+    return vertices, _distinct(turned)[0]
 
 
-def with_normals(mesh: Mesh) -> Mesh:
-    """The mesh with the area-weighted mean normal of the triangles around each vertex."""
-    across, normals = mesh.crosses, np.zeros_like(mesh.vertices)
-    for corner in range(3):
-        np.add.at(normals, mesh.triangles[:, corner], across)
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, length, out=normals, where=length > 0)
-    return Mesh(
-        vertices=mesh.vertices, triangles=mesh.triangles, colours=mesh.colours, normals=normals
-    )
+def _distinct(rows: NDArray[Any]) -> tuple[NDArray[Any], Keys]:
+    """Rows (N, 3) in order, each once, and the number of each given one."""
+    order = np.lexsort(rows.T)
+    ordered = rows[order]
+    is_new = np.ones(len(rows), np.bool_)
+    is_new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    number = np.empty(len(rows), np.int32)
+    number[order] = np.cumsum(is_new) - 1
+    return ordered[is_new], number

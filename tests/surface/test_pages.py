@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from views import ball_view, wall_view
+from views import ball_view, mesh_of, wall_view
 
 from recon.errors import InputError
 from recon.exports.formats import write, write_parts
@@ -31,7 +31,7 @@ def made(folder=None, chosen=slice(None)):
 
 
 def bytes_of(volume, cells):
-    mesh, cloud = volume.mesh(), joined(cells)
+    mesh, cloud = mesh_of(volume), joined(cells)
     assert len(mesh) > 3_000
     arrays = mesh.vertices, mesh.triangles, cloud.points, cloud.sigma, cloud.attributes["views"]
     return [array.tobytes() for array in (*arrays, cells.colours_at(mesh.vertices))]
@@ -76,9 +76,9 @@ def test_parts_of_the_views_add_up(held, tmp_path):
     assert bytes_of(volume, cells)[2:5] == held[2:5]
     # Views of a part carve no blocks that only the other one has met.
     whole = {one.tobytes() for one in np.frombuffer(held[0]).reshape(-1, 3)}
-    assert np.mean([one.tobytes() in whole for one in volume.mesh().vertices]) > 0.95
+    assert np.mean([one.tobytes() in whole for one in mesh_of(volume).vertices]) > 0.95
     alone, _ = made(chosen=slice(3))
-    assert np.mean([one.tobytes() in whole for one in alone.mesh().vertices]) < 0.9
+    assert np.mean([one.tobytes() in whole for one in mesh_of(alone).vertices]) < 0.9
 
 
 def test_a_part_that_is_missing_is_missed(held, tmp_path):

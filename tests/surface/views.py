@@ -3,6 +3,7 @@
 import numpy as np
 
 from recon.camera import StereoRig
+from recon.surface.assembly import Assembly
 from recon.surface.depth import DepthMap
 
 WIDTH, HEIGHT = 96, 80
@@ -52,3 +53,11 @@ def wall_view(distance=4.0, sigma=0.01, x=0.0):
     T = np.eye(4)
     T[0, 3] = x
     return view_of(np.full((HEIGHT, WIDTH), distance), T, sigma)
+
+
+def mesh_of(volume, folder=None):
+    """The whole surface of a volume, with floaters, in grey."""
+    assembly = Assembly(0.0, folder)
+    for region in volume.regions():
+        assembly.add(region, np.full(region.vertices.shape, 128, np.uint8))
+    return assembly.finish().whole
