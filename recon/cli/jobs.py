@@ -50,7 +50,7 @@ def do_job(
         report = execute(
             job, given.get("output"), events,
             overwrite=given.get("overwrite", False), resume=given.get("resume", False),
-            num_workers=given.get("num_workers") or 1,
+            num_workers=given.get("num_workers") or 1, draws_apart=_may_draw_apart(),
         )  # fmt: skip
     if given["as_json"]:
         print_json(report.as_json())
@@ -58,6 +58,13 @@ def do_job(
         say(report)
     if report.is_interrupted:
         raise click.Abort
+
+
+def _may_draw_apart() -> bool:
+    """True in a process of the command's own that may use more than one thread."""
+    from recon.threads import num_threads
+
+    return bool(click.get_current_context().find_root().obj) and num_threads() > 1
 
 
 def counted(number: int, noun: str) -> str:

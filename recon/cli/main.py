@@ -58,11 +58,19 @@ for command in (
     program.add_command(command)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; a known error is one line on stderr."""
+def main(argv: Sequence[str] | None = None, *, is_alone: bool = False) -> int:
+    """Run one command and return its exit code; a known error is one line on stderr.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        By default those of the process.
+    is_alone : bool
+        The process serves the command only, which may then start others.
+    """
     try:
         with ending_as_ctrl_c():
-            code = program.main(args=argv, prog_name="recon", standalone_mode=False)
+            code = program.main(args=argv, prog_name="recon", standalone_mode=False, obj=is_alone)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message(), err=True)
         return WRONG_USE
@@ -103,4 +111,4 @@ def _say(message: str, code: int) -> int:
 
 def entry() -> None:
     """The console script."""
-    sys.exit(main())
+    sys.exit(main(is_alone=True))

@@ -1,5 +1,6 @@
 """The sheet that figures are drawn on, and its reproducible output to a file."""
 
+import importlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.files import atomic_path
+from recon.libraries import load_pyvista
 
 Image = NDArray[np.uint8]
 Size = tuple[int, int]
@@ -154,6 +156,14 @@ class Sheet:
         bar.set_label(label, color=INK, fontsize=self.font_size)
         bar.ax.tick_params(colors=QUIET, labelcolor=INK, labelsize=0.9 * self.font_size)
         bar.outline.set_edgecolor(FAINT)
+
+
+def load_libraries() -> None:
+    """Load everything that is needed to draw, which takes as long as some figures."""
+    importlib.import_module("matplotlib.figure")
+    importlib.import_module("matplotlib.backends.backend_agg")
+    importlib.import_module("recon.figures.table")
+    getattr(load_pyvista(), "Plotter")  # noqa: B009
 
 
 def pixels(figure: Any) -> Image:

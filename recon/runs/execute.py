@@ -1,9 +1,11 @@
 """Execution of jobs: the single entry point for the command line, batches and web pages."""
 
+from contextlib import closing
 from pathlib import Path
 
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder
+from recon.runs.artist import Artist, SecondProcess
 from recon.runs.events import Events
 from recon.runs.job import KINDS, Job, Numbers
 from recon.runs.outputs import as_document
@@ -20,6 +22,7 @@ def execute(
     overwrite: bool = False,
     resume: bool = False,
     num_workers: int = 1,
+    draws_apart: bool = False,
 ) -> Report:
     """Execute a job.
 
@@ -37,6 +40,9 @@ def execute(
         Resume an interrupted run; a finished one is left untouched, and its report read.
     num_workers : int
         Number of parallel processes, if the kind of job can use them.
+    draws_apart : bool
+        Draw the figures in a second process while the run goes on. It imports the main module, so
+        that only a program that is prepared for that can ask for it.
 
     Returns
     -------
@@ -49,9 +55,10 @@ def execute(
     """
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
-    with collected_notices() as notices, stopwatch.counting_compilation():
+    kind = KINDS.load(job.kind)
+    artist = SecondProcess() if draws_apart and kind.has_artist else Artist()
+    with closing(artist), collected_notices() as notices, stopwatch.counting_compilation():
         job = job.resolved()
-        kind = KINDS.load(job.kind)
         path = folder or kind.folder(job)
         if path is None:
             work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
@@ -59,7 +66,10 @@ def execute(
         run = RunFolder.prepare(Path(path), job.plan(), overwrite=overwrite, resume=resume)
         if not run.is_finished:
             with run.opened():
-                work = Work(events=events, stopwatch=stopwatch, folder=run, num_workers=num_workers)
+                work = Work(
+                    events=events, stopwatch=stopwatch, folder=run, num_workers=num_workers,
+                    artist=artist,
+                )  # fmt: skip
                 numbers = kind.run(job, work)
                 run.seconds = dict.fromkeys(kind.stages, 0.0) | stopwatch.seconds
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)

@@ -111,7 +111,8 @@ def _write(done: Exploration, work: Work) -> None:
         if done.true_trajectory is not None:
             run.write_text("trajectory_true.txt", done.true_trajectory.as_tum())
     with work.stage("figures"):
-        write_run_figures(run.path, done.reconstruction, done.clearest)
+        work.artist.draw(write_run_figures, run.path, done.reconstruction, done.clearest)
+        work.artist.finish()
 
 
 def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
@@ -129,4 +130,5 @@ EXPLORE = Kind(
     reads=_files,
     folder=lambda job: Path("runs") / job.inputs[0].stem,
     stages=("render", "stereo", "map", "plan", "recognise", "figures", "write"),
+    has_artist=True,
 )

@@ -25,6 +25,8 @@ from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 
 ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
 """Figures that every run with a map writes by default."""
+NAMELESS = ("occupancy", "trajectory")
+"""Those of them that show no objects."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 

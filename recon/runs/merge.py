@@ -70,7 +70,8 @@ def _merge(job: Job, work: Work) -> Numbers:
     with work.stage("write"):
         write_outputs(work.run, all_of_it, found)
     with work.stage("figures"):
-        write_run_figures(work.run.path, all_of_it, None)
+        work.artist.draw(write_run_figures, work.run.path, all_of_it, None)
+        work.artist.finish()
     surfaces = merge_surfaces(job.inputs, job.settings, way, work)
     return surfaces | {
         "num_runs": len(job.inputs),
@@ -130,4 +131,5 @@ MERGE = Kind(
     base=_base,
     folder=lambda job: Path("runs") / "merged",
     stages=("map", "recognise", "figures", "write"),
+    has_artist=True,
 )

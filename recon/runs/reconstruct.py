@@ -20,7 +20,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import ALWAYS, write_run_figures
+from recon.runs.figures import ALWAYS, NAMELESS, write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
@@ -51,7 +51,8 @@ def _base(job: Job) -> Tree:
     # Only images matter here: no poses are needed or estimated.
     read = replace(job.settings.sequence, poses="none", roi=None)
     chosen = Settings(sequence=read)
-    source = open_sequence(path, chosen.sequence, without_poses(refined_of(job)))
+    # The run itself checks the pairs.
+    source = open_sequence(path, chosen.sequence, without_poses(refined_of(job)), checks=False)
     low, high = source.disparity_range or DISPARITY_RANGE
     search = {"min_disparity": low, "max_disparity": high}
     cell_size = suggested_cell_size(next(iter(source)), updated(chosen, {"matching": search}))
@@ -170,17 +171,23 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
     """Write the result of all pairs; return the number of occupied cells."""
     run = work.run
     voxels, shown_map = shown(voxel_map, mapper.settings.map)
-    recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
-    reconstruction = Reconstruction(
-        map=shown_map,
-        voxels=voxels,
-        objects=recognition.objects,
-        trajectory=mapper.trajectory,
+    nameless = Reconstruction(
+        map=shown_map, voxels=voxels, objects=(), trajectory=mapper.trajectory
     )
+    with work.stage("figures"):
+        without, named = (
+            [name for name in figures if (name in NAMELESS) == is_nameless]
+            for is_nameless in (True, False)
+        )
+        work.artist.draw(write_run_figures, run.path, nameless, None, without)
+    recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
+    reconstruction = replace(nameless, objects=recognition.objects)
+    with work.stage("figures"):
+        work.artist.draw(write_run_figures, run.path, reconstruction, mapper.clearest, named)
     with work.stage("write"):
         write_outputs(run, reconstruction, recognition)
     with work.stage("figures"):
-        write_run_figures(run.path, reconstruction, mapper.clearest, figures)
+        work.artist.finish()
     return len(voxels)
 
 
@@ -204,4 +211,5 @@ RECONSTRUCT = Kind(
     takes={"chunk": count, "part": span, "refined": file},
     folder=lambda job: Path("runs") / job.inputs[0].resolve().name,
     stages=("reading", "stereo", "map", "recognise", "figures", "write"),
+    has_artist=True,
 )

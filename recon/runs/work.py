@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from recon.runfolder import RunFolder
+from recon.runs.artist import Artist
 from recon.runs.events import Events
 from recon.stopwatch import Stopwatch
 
@@ -19,6 +20,8 @@ class Work:
     """The open run folder; None if not needed."""
     num_workers: int = 1
     """Number of parallel processes; the result does not depend on it."""
+    artist: Artist = field(default_factory=Artist)
+    """Draws the figures; a kind waits for them with `finish`."""
 
     def stage(self, name: str) -> AbstractContextManager[None]:
         """Count the time inside the block for a stage."""

@@ -37,7 +37,11 @@ NESTED_LEVELS = 2
 
 
 def open_sequence(
-    path: Path, settings: SequenceSettings, refined: Refined | None = None
+    path: Path,
+    settings: SequenceSettings,
+    refined: Refined | None = None,
+    *,
+    checks: bool = True,
 ) -> DerivedSource:
     """The pairs of a recording, read one at a time on demand.
 
@@ -49,15 +53,17 @@ def open_sequence(
     refined : Refined, optional
         Earlier estimates for the recording: then a part, `source[i:j]`, is read without the pairs
         before it; videos and bags are skipped through without conversion.
+    checks : bool
+        Report contradictions between the pairs and the metadata, which takes much of the time.
 
     Raises
     ------
     InputError
         If `path` does not exist, no reader recognises it, or nothing in it is usable.
     """
-    recording = CheckedPairs(
-        RangedPairs(_recording(Path(path), settings)), has_given_poses=settings.poses == "given"
-    )
+    recording: DerivedSource = RangedPairs(_recording(Path(path), settings))
+    if checks:
+        recording = CheckedPairs(recording, has_given_poses=settings.poses == "given")
     source: DerivedSource
     if refined is not None:
         source = refined.pairs(recording)

@@ -1,0 +1,104 @@
+"""Drawing of figures: by this process, or by a second one while the run goes on."""
+
+import importlib
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.queues import Queue
+from typing import Any
+
+from recon.processes import begin_worker
+
+Call = tuple[Callable[..., object], tuple[Any, ...]]
+"""A function that writes figures, and its arguments."""
+
+
+class Artist:
+    """Draws the figures of a run, in the order in which they are requested."""
+
+    def draw(self, call: Callable[..., object], *arguments: Any) -> None:
+        """Request a call that writes figures."""
+        call(*arguments)
+
+    def finish(self) -> None:
+        """Wait for all figures; raises what their calls raised."""
+
+    def close(self) -> None:
+        """End the work, whether or not it is finished."""
+
+
+class SecondProcess(Artist):
+    """Draws in another process, which loads the libraries for figures ahead.
+
+    The process imports the main module: a program without a guard would start again.
+    """
+
+    def __init__(self) -> None:
+        context = get_context("spawn")
+        self._calls: Queue[Call] = context.Queue()
+        self._replies, theirs = context.Pipe(duplex=False)
+        self._process = context.Process(target=_serve, args=(self._calls, theirs), daemon=True)
+        with _without_ctrl_c():
+            self._process.start()
+        theirs.close()
+        self._waiting: list[Call] = []
+
+    def draw(self, call: Callable[..., object], *arguments: Any) -> None:
+        """Request a call that writes figures."""
+        self._waiting.append((call, arguments))
+        self._calls.put((call, arguments))
+
+    def finish(self) -> None:
+        """Wait for all figures; those of a process that was killed are drawn by this one."""
+        while self._waiting:
+            call, arguments = self._waiting.pop(0)
+            try:
+                error = self._replies.recv()
+            except EOFError:
+                call(*arguments)
+            else:
+                if error is not None:
+                    raise error
+
+    def close(self) -> None:
+        """End the process, whether or not it is finished."""
+        self._process.kill()
+        self._process.join()
+        self._calls.cancel_join_thread()
+        self._calls.close()
+        self._replies.close()
+
+
+@contextmanager
+def _without_ctrl_c() -> Iterator[None]:
+    """Hold Ctrl-C back inside the block, and in the processes that it starts."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _serve(calls: "Queue[Call]", replies: Connection) -> None:
+    """Do the calls until the process is ended; Ctrl-C is for the first process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    begin_worker(1)
+    # Late: the limit of threads has to be set before.
+    from recon.figures.canvas import load_libraries
+
+    load_libraries()
+    importlib.import_module("recon.runs.figures")
+    while True:
+        call, arguments = calls.get()
+        try:
+            call(*arguments)
+        # Raised again where the figures are waited for.
+        except Exception as error:
+            replies.send(error)
+        else:
+            replies.send(None)

@@ -1,0 +1,56 @@
+"""Figures drawn by a second process are those of the first; without it nothing is lost."""
+
+from pathlib import Path
+
+import pytest
+
+from recon.cli import main
+from recon.runs.artist import SecondProcess
+
+
+@pytest.fixture
+def artist():
+    second = SecondProcess()
+    yield second
+    second.close()
+
+
+def test_calls_are_done_in_order_and_their_errors_raised(artist, tmp_path):
+    path = tmp_path / "figure"
+    for text in ("first", "second"):
+        artist.draw(Path.write_text, path, text)
+    artist.draw(Path.rename, path, tmp_path / "renamed")
+    artist.draw(Path.read_text, path)
+    with pytest.raises(FileNotFoundError):
+        artist.finish()
+    assert (tmp_path / "renamed").read_text() == "second"
+
+
+def test_what_a_killed_process_owes_is_drawn_by_this_one(artist, tmp_path):
+    artist._process.kill()
+    artist._process.join()
+    artist.draw(Path.write_text, tmp_path / "figure", "drawn")
+    artist.finish()
+    assert (tmp_path / "figure").read_text() == "drawn"
+
+
+def test_a_command_alone_draws_the_same_figures(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+    started = []
+
+    class Noted(SecondProcess):
+        def draw(self, call, *arguments):
+            started.append(self._process.pid)
+            super().draw(call, *arguments)
+
+    monkeypatch.setattr("recon.runs.execute.SecondProcess", Noted)
+    run = tmp_path / "run"
+    argv = ["explore", "three_kinds", "-q", "--max-pairs", "1", "-o", str(run)]
+    assert main([*argv, "--set", "eyes.width=96", "--set", "eyes.height=96"], is_alone=True) == 0
+    assert started
+    for kind in ("labels", "map3d"):
+        path = run / "figures" / f"{kind}.png"
+        drawn = path.read_bytes()
+        path.unlink()
+        assert main(["figure", str(run), "--kind", kind]) == 0
+        assert path.read_bytes() == drawn
