@@ -60,30 +60,32 @@ class View(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def touch(
-    slots: Slots, blocks: Rows, num: int, lines: tuple[Array, Array, Array, Array], first: int
+    slots: Slots, blocks: Rows, num: int, points: Array, start: Array, first: int
 ) -> tuple[int, int]:
-    """Enter the blocks that rays hit near their depth, until the table is nearly full.
+    """Enter the blocks that rays hit near their ends, until the table is nearly full.
 
-    Rays (at depth 1) and their origin are in blocks; `lines` also has their depths, and the change
-    of depth over a voxel's length. Returns the next ray, and the number of blocks.
+    The ends (N, 3) and the common start of the rays are in blocks. Returns the next ray, and the
+    number of blocks.
     """
-    rays, start, depth, steps = lines
     last = np.full((NUM_STEPS, 3), np.inf)
-    for k in range(first, len(depth)):
+    for k in range(first, len(points)):
         if len(blocks) - num < NUM_STEPS:
             return k, num
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        along = x - start[0], y - start[1], z - start[2]
+        one = 1 / (BLOCK * np.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2))
         for s in range(NUM_STEPS):
-            z = depth[k] + _STEPS[s] * steps[k]
-            x, y, z = (
-                np.floor(rays[k, 0] * z + start[0]),
-                np.floor(rays[k, 1] * z + start[1]),
-                np.floor(rays[k, 2] * z + start[2]),
+            step = _STEPS[s] * one
+            i, j, m = (
+                np.floor(x + step * along[0]),
+                np.floor(y + step * along[1]),
+                np.floor(z + step * along[2]),
             )
             # Neighbouring pixels mostly hit the same blocks.
-            if not (x == last[s, 0] and y == last[s, 1] and z == last[s, 2]):
-                last[s, 0], last[s, 1], last[s, 2] = x, y, z
-                _, num = find_or_add(slots, blocks, num, (int(x), int(y), int(z)))
-    return len(depth), num
+            if not (i == last[s, 0] and j == last[s, 1] and m == last[s, 2]):
+                last[s, 0], last[s, 1], last[s, 2] = i, j, m
+                _, num = find_or_add(slots, blocks, num, (int(i), int(j), int(m)))
+    return len(points), num
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

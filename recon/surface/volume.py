@@ -89,15 +89,10 @@ class Volume:
 
     def _met(self, view: DepthMap) -> Keys:
         """(B, 3) blocks that the surface of a view passes through."""
-        mask = view.valid_mask
-        rays = view.rig.rays(np.argwhere(mask)[:, ::-1])
-        steps = self.voxel / np.linalg.norm(rays, axis=1)
-        rays = rays @ view.T_world_left[:3, :3].T
-        depth, done = view.depth[mask].astype(np.float64), 0
-        side, blocks = BLOCK * self.voxel, CellTable(_BLOCK)
-        while done < len(depth):
-            lines = rays / side, view.position / side, depth, steps
-            done, blocks.num_rows = touch(*blocks.arrays, lines, done)
+        side, blocks, done = BLOCK * self.voxel, CellTable(_BLOCK), 0
+        points, start = view.points(view.valid_mask) / side, view.position / side
+        while done < len(points):
+            done, blocks.num_rows = touch(*blocks.arrays, points, start, done)
             if blocks.num_rows > _MAX_BLOCKS:
                 raise InputError(
                     f"voxels of {self.voxel:g} make more than {_MAX_BLOCKS} blocks, which do not "

@@ -58,7 +58,7 @@ def _sgbm(mode: int) -> Callable[[Grey, Grey, Search], Floats]:
             speckleRange=2,
             mode=mode,
         )
-        return _matched(matcher, left, right, search)
+        return _matched(matcher, (left, right), search, _BLOCK_PX)
 
     return match
 
@@ -66,16 +66,16 @@ def _sgbm(mode: int) -> Callable[[Grey, Grey, Search], Floats]:
 def _bm(left: Grey, right: Grey, search: Search) -> Floats:
     matcher = cv2.StereoBM.create(numDisparities=search.depth, blockSize=_BM_BLOCK_PX)
     matcher.setMinDisparity(search.first)
-    return _matched(matcher, left, right, search)
+    return _matched(matcher, (left, right), search, _BM_BLOCK_PX)
 
 
-def _matched(matcher: Any, left: Grey, right: Grey, search: Search) -> Floats:
+def _matched(matcher: Any, images: tuple[Grey, Grey], search: Search, block_px: int) -> Floats:
     """(H, W) disparity, NaN = unknown; margins let the matcher use all columns and rows."""
-    before = max(search.first + search.depth, 0) + _BM_BLOCK_PX
-    behind = max(-search.first, 0) + _BM_BLOCK_PX
-    pad = ((_BM_BLOCK_PX, _BM_BLOCK_PX), (before, behind))
-    fixed = matcher.compute(*(np.pad(image, pad, mode="edge") for image in (left, right)))
-    fixed = fixed[_BM_BLOCK_PX:-_BM_BLOCK_PX, before:-behind]
+    before = max(search.first + search.depth, 0) + block_px
+    behind = max(-search.first, 0) + block_px
+    pad = ((block_px, block_px), (before, behind))
+    fixed = matcher.compute(*(np.pad(image, pad, mode="edge") for image in images))
+    fixed = fixed[block_px:-block_px, before:-behind]
     disparity = fixed.astype(np.float32) / np.float32(_FIXED_POINT)
     outside = (disparity < search.first) | (disparity > search.first + search.size - 1)
     return np.where(outside, np.float32(np.nan), disparity)

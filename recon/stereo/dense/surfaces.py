@@ -20,8 +20,8 @@ _EDGE_LEVELS = np.float32(6.0)
 """Difference of grey levels at which a neighbour has half its weight."""
 _FLATNESS = np.float32(0.5)
 """Squared pixels added to the window's moments: regularises planes through few pixels."""
-_NUM_MOMENTS = 10
-"""Number of weighted sums: of 1, y, x, yy, yx, xx, e, ye, xe, ee."""
+_NUM_MOMENTS, _NUM_IN_ROW = 10, 6
+"""Number of weighted sums of a window, of 1, y, x, yy, yx, xx, e, ye, xe, ee, and of a row."""
 
 
 class Smoothed(NamedTuple):
@@ -53,40 +53,54 @@ def smooth(disparity_px: Floats, grey: Grey) -> Smoothed:
 def _fit_planes(disparity: Floats, grey: Floats, found: Smoothed) -> None:
     height, width = found.disparity_px.shape
     sums = np.empty((_NUM_MOMENTS, width), np.float32)
+    parts = np.empty((_NUM_IN_ROW, width), np.float32)
     for v in range(height):
         sums[:] = 0
         middle = slice(_RADIUS_PX, _RADIUS_PX + width)
         for row in range(max(0, v - _RADIUS_PX), min(height, v + _RADIUS_PX + 1)):
+            parts[:] = 0
             for x in range(-_RADIUS_PX, _RADIUS_PX + 1):
                 there = slice(_RADIUS_PX + x, _RADIUS_PX + x + width)
-                _add_moments(
+                _add_pixel(
                     disparity[v, middle], grey[v, middle],
-                    disparity[row, there], grey[row, there],
-                    np.float32(row - v), np.float32(x), sums,
+                    disparity[row, there], grey[row, there], np.float32(x), parts,
                 )  # fmt: skip
+            _add_row(parts, np.float32(row - v), sums)
         _solve(disparity[v, middle], sums, found.disparity_px[v], found.spread_px[v])
 
 
 @_inner
-def _add_moments(
-    here: Floats, level: Floats, there: Floats, other: Floats, y: float, x: float, sums: Floats
+def _add_pixel(
+    here: Floats, level: Floats, there: Floats, other: Floats, x: float, parts: Floats
 ) -> None:
-    """Add the moments of the pixels y rows and x columns away."""
+    """Add the moments along a row, of the pixels x columns away: of 1, x, xx, e, xe, ee."""
     for u in range(here.size):
         e, unlike = there[u] - here[u], (other[u] - level[u]) / _EDGE_LEVELS
         near = abs(e) <= _STEP_PX  # false where unknown
         e = e if near else np.float32(0)
         w = (1 - e * e) / (1 + unlike * unlike) if near else np.float32(0)
-        sums[0, u] += w
-        sums[1, u] += w * y
-        sums[2, u] += w * x
-        sums[3, u] += w * y * y
-        sums[4, u] += w * y * x
-        sums[5, u] += w * x * x
-        sums[6, u] += w * e
-        sums[7, u] += w * y * e
-        sums[8, u] += w * x * e
-        sums[9, u] += w * e * e
+        parts[0, u] += w
+        parts[1, u] += w * x
+        parts[2, u] += w * x * x
+        parts[3, u] += w * e
+        parts[4, u] += w * x * e
+        parts[5, u] += w * e * e
+
+
+@_inner
+def _add_row(parts: Floats, y: float, sums: Floats) -> None:
+    """Add the moments of a row that is y rows away."""
+    for u in range(sums.shape[1]):
+        sums[0, u] += parts[0, u]
+        sums[1, u] += y * parts[0, u]
+        sums[2, u] += parts[1, u]
+        sums[3, u] += y * y * parts[0, u]
+        sums[4, u] += y * parts[1, u]
+        sums[5, u] += parts[2, u]
+        sums[6, u] += parts[3, u]
+        sums[7, u] += y * parts[3, u]
+        sums[8, u] += parts[4, u]
+        sums[9, u] += parts[5, u]
 
 
 @_inner
