@@ -2,11 +2,13 @@
 
 import importlib
 import signal
+import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from multiprocessing.queues import Queue
+from multiprocessing.reduction import ForkingPickler
+from queue import SimpleQueue
 from typing import Any
 
 from recon.processes import begin_worker
@@ -37,9 +39,8 @@ class SecondProcess(Artist):
 
     def __init__(self) -> None:
         context = get_context("spawn")
-        self._calls: Queue[Call] = context.Queue()
-        self._replies, theirs = context.Pipe(duplex=False)
-        self._process = context.Process(target=_serve, args=(self._calls, theirs), daemon=True)
+        self._pipe, theirs = context.Pipe()
+        self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with _without_ctrl_c():
             self._process.start()
         theirs.close()
@@ -48,15 +49,16 @@ class SecondProcess(Artist):
     def draw(self, call: Callable[..., object], *arguments: Any) -> None:
         """Request a call that writes figures."""
         self._waiting.append((call, arguments))
-        self._calls.put((call, arguments))
+        with suppress(BrokenPipeError):  # noticed when the call is waited for
+            self._pipe.send((call, arguments))
 
     def finish(self) -> None:
         """Wait for all figures; those of a process that was killed are drawn by this one."""
         while self._waiting:
             call, arguments = self._waiting.pop(0)
             try:
-                error = self._replies.recv()
-            except EOFError:
+                error = self._pipe.recv()
+            except (EOFError, ConnectionResetError):
                 call(*arguments)
             else:
                 if error is not None:
@@ -66,9 +68,7 @@ class SecondProcess(Artist):
         """End the process, whether or not it is finished."""
         self._process.kill()
         self._process.join()
-        self._calls.cancel_join_thread()
-        self._calls.close()
-        self._replies.close()
+        self._pipe.close()
 
 
 @contextmanager
@@ -84,21 +84,30 @@ def _without_ctrl_c() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _serve(calls: "Queue[Call]", replies: Connection) -> None:
+def _serve(pipe: Connection) -> None:
     """Do the calls until the process is ended; Ctrl-C is for the first process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     begin_worker(1)
+    calls: SimpleQueue[bytes] = SimpleQueue()
+    threading.Thread(target=_receive, args=(pipe, calls), daemon=True).start()
     # Late: the limit of threads has to be set before.
     from recon.figures.canvas import load_libraries
 
     load_libraries()
     importlib.import_module("recon.runs.figures")
     while True:
-        call, arguments = calls.get()
+        call, arguments = ForkingPickler.loads(calls.get())
         try:
             call(*arguments)
         # Raised again where the figures are waited for.
         except Exception as error:
-            replies.send(error)
+            pipe.send(error)
         else:
-            replies.send(None)
+            pipe.send(None)
+
+
+def _receive(pipe: Connection, calls: "SimpleQueue[bytes]") -> None:
+    """Take calls at once, so that nobody waits to request them."""
+    with suppress(EOFError, OSError):
+        while True:
+            calls.put(pipe.recv_bytes())
