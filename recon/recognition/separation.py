@@ -44,7 +44,7 @@ BETTER = 0.1
 walls."""
 MOST_FITTED = 300
 """Approximate maximum number of cells that a solid is fitted to."""
-MOST_DRAWN = 1000
+MOST_DRAWN = 600
 """Approximate maximum number of cells among which cuts are searched."""
 SAME_CUT = 0.99
 """Minimum share of the cells on the same side of two cuts that count as one."""

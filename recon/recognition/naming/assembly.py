@@ -19,6 +19,8 @@ TOUCH_CELLS = 2.0
 """Maximum distance of adjoining pieces of one object, in cells."""
 ON_SOLID_CELLS = 0.75
 """A cell within this share of the cell size is on a solid."""
+MOST = 0.75
+"""Minimum share of the cells of a part below the middle of what lies on it."""
 UPRIGHT_DEG = 45.0
 NUMBERS_OF_PIECE = 3
 """Parameters of a plane; a bar counts the same."""
@@ -72,7 +74,8 @@ def _assembled(pieces: FlatPieces, kind: Kind) -> Assembly | None:
     for rule in kind.parts:
         own = [one for _, one in parts]
         waiting = pieces.planes if "plane" in rule.shapes else pieces.bars
-        fitting = [one for one in waiting if one not in own and _fits(rule, one, before)]
+        fitting = [one for one in waiting if one not in own and _has_form(rule, one)]
+        fitting = [one for one in fitting if _is_placed(rule, one, before, cells)]
         fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
@@ -104,14 +107,6 @@ def _shown(needed: list[FlatPiece]) -> float:
     return float(SHOWN.chance(np.log(counts)).prod()) if counts else 1.0
 
 
-def _fits(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
-    """True if a piece has the form and position of a part."""
-    tilt = piece.tilt_deg
-    if tilt is not None and not (_is_within(rule.tilt_deg, tilt) and _has_form(rule, piece)):
-        return False
-    return not before or _is_placed(rule, piece, before)
-
-
 def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:
     """True where a piece is near one of the parts found so far."""
     gaps = [np.maximum(piece.low - one.high, one.low - piece.high).max() for one in others]
@@ -119,21 +114,32 @@ def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:
 
 
 def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
-    """True if the ratio of height to horizontal extent of a plane fits a part."""
+    """True if the tilt of a plane, and its height over its horizontal extent, fit a part."""
+    if piece.tilt_deg is None:
+        return True
     extent = piece.high - piece.low
-    return _is_within(rule.slenderness, float(extent[1] / max(np.hypot(*extent[[0, 2]]), 1e-9)))
+    slenderness = float(extent[1] / max(np.hypot(*extent[[0, 2]]), 1e-9))
+    return _is_within(rule.tilt_deg, piece.tilt_deg) and _is_within(rule.slenderness, slenderness)
 
 
 def _is_within(bounds: Range | None, value: float) -> bool:
     return bounds is None or bounds[0] <= value <= bounds[1]
 
 
-def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece]) -> bool:
-    """True where a piece lies on, beside or under the part before it."""
-    low = np.min([one.low for one in before], axis=0)
-    high = np.max([one.high for one in before], axis=0)
-    above = float((piece.low + piece.high)[1] - (low + high)[1])
-    return {"on": above > 0, "under": above < 0, "beside": True}[rule.place]
+def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
+    """True where a piece lies on, beside or under the part before it.
+
+    Most of a part is below what lies on it: a shelf between two walls is not their roof. What is
+    under it may be beside its lower half: the back of a bench extends down to the ground.
+    """
+    if rule.place == "beside" or not before:
+        return True
+    middle = float(piece.low[1] + piece.high[1]) / 2.0
+    if rule.place == "under":
+        ends = [one.low[1] for one in before], [one.high[1] for one in before]
+        return middle < float(min(ends[0]) + max(ends[1])) / 2.0
+    heights = np.concatenate([cells.means[one.rows, 1] for one in before])
+    return bool((heights < middle + cells.cell_size / 2.0).mean() > MOST)
 
 
 def _is_share(rule: PartRule, own: list[FlatPiece], cells: Voxels) -> bool:

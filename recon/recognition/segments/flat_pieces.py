@@ -12,7 +12,13 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
-from recon.recognition.segments.plane_votes import best_plane
+from recon.recognition.fitting.principal_axes import principal_axes, weighted_spread
+from recon.recognition.segments.plane_votes import (
+    best_plane,
+    fitted_plane,
+    largest_group,
+    local_planes,
+)
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -20,9 +26,9 @@ Rows = NDArray[np.intp]
 Step = Literal["board", "upright", "any"]
 """A level board; upright planes; planes of any tilt."""
 
-NUM_DRAWS = 300
 NEIGHBOUR_CELLS = 3.5
-"""Maximum distance of the cells that a plane is drawn through: some 40 are so near on a surface."""
+"""Maximum distance of the cells that a plane is first fitted to: some 40 are so near on a
+surface."""
 ON_PLANE_CELLS = 0.5
 """Maximum distance of a cell on a plane."""
 LINK_CELLS = 2.0
@@ -32,6 +38,8 @@ LEAST_WIDTH_CELLS = 1.8
 """Narrower strips are bars, not planes."""
 LEAST_BAR = 3
 MOST_PLANES = 10
+ALIKE = 0.9
+"""Cosine of the angle below which planes through the same cells are one and the same."""
 FILLED = 0.5
 """Minimum share of a board's area with cells: a ring of walls has few."""
 
@@ -81,34 +89,64 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
         Planes to extract, one step after the other. Stereo errors are along the rays, which are
         nearly level, so heights are the most accurate, and the tilt of a low board the least.
     """
-    rng = np.random.default_rng(0)
     rest = np.arange(len(cells))
     planes: list[FlatPiece] = []
     for step in way:
-        for plane, own in _peeled(cells, rest, step, rng):
-            planes.append(_piece(cells, own, plane))
-            rest = np.setdiff1d(rest, own)
+        least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
+        found = _boards if step == "board" else _peeled
+        for plane, own in found(cells.means[rest], step, cells.cell_size, least):
+            planes.append(_piece(cells, rest[own], plane))
+        taken = [piece.rows for piece in planes]
+        rest = np.setdiff1d(np.arange(len(cells)), np.concatenate(taken)) if taken else rest
     return FlatPieces(cells=cells, planes=tuple(planes), rest=rest)
 
 
 def _peeled(
-    cells: Voxels, rest: Rows, step: Step, rng: np.random.Generator
+    points: Array, step: Step, cell_size: float, least: int
 ) -> Iterator[tuple[Plane, Rows]]:
-    """The planes of one step, at most `MOST_PLANES`, and their cells."""
-    least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
-    for _ in range(1 if step == "board" else MOST_PLANES):
-        points = cells.means[rest]
-        if len(rest) < least:
+    """Planes of one step, at most `MOST_PLANES`, and their points.
+
+    Each is chosen among the planes of the points' neighbourhoods, and the level ones through them:
+    a low rim has no neighbourhood that shows its plane. Strips, and points that do not hang
+    together, are out of the choice.
+    """
+    is_upright, reach = step == "upright", ON_PLANE_CELLS * cell_size
+    middles, normals = _choice(points, is_upright, cell_size)
+    rest, choice = np.arange(len(points)), np.arange(len(middles))
+    for _ in range(MOST_PLANES):
+        if len(rest) < least or not len(choice):
             return
-        if step == "board":
-            found = _board(points, cells.cell_size, least)
+        some = points[rest]
+        best = best_plane(some, middles[choice], normals[choice], is_upright, reach)
+        near = _near(some, Plane(point=best[0], normal=best[1]), reach)
+        found = _refined(some, near, step, cell_size, least)
+        near = near if found is None else found[1]
+        out = np.isin(choice % len(points), rest[near])
+        if found is not None:
+            yield found[0], rest[near]
+            rest = np.delete(rest, near)
         else:
-            found = _largest_plane(points, step, (cells.cell_size, least), rng)
-        if found is None:
-            return
-        plane, own = found
-        yield plane, rest[own]
-        rest = np.delete(rest, own)
+            out &= np.abs(normals[choice] @ best[1]) > ALIKE
+        choice = choice[~out]
+
+
+def _choice(points: Array, is_upright: bool, cell_size: float) -> tuple[Array, Array]:
+    """Points and normals (P, 3) of planes to choose from; row n, modulo N, is that of point n."""
+    reach = NEIGHBOUR_CELLS * cell_size, ON_PLANE_CELLS * cell_size
+    middles, normals = local_planes(points, is_upright, reach)
+    if is_upright:
+        return middles, normals
+    level = np.broadcast_to(np.array(WORLD_UP), points.shape)
+    return np.concatenate([middles, points]), np.concatenate([normals, level])
+
+
+def _boards(
+    points: Array, step: Step, cell_size: float, least: int
+) -> Iterator[tuple[Plane, Rows]]:
+    """The board, if there is one."""
+    board = _board(points, cell_size, least) if len(points) >= least else None
+    if board is not None:
+        yield board
 
 
 def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | None:
@@ -118,7 +156,7 @@ def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | 
     counts = np.searchsorted(heights, heights + 2.0 * reach, side="right") - np.arange(len(points))
     middle = heights[int(np.argmax(counts))] + reach
     rows = np.flatnonzero(np.abs(points[:, 1] - middle) <= reach)
-    rows = rows[_largest_group(points[rows], LINK_CELLS * cell_size)]
+    rows = rows[largest_group(points[rows], LINK_CELLS * cell_size)]
     if len(rows) < least or len(rows) < FILLED * _footprint(points[rows]) / cell_size**2:
         return None
     return Plane(point=points[rows].mean(axis=0), normal=np.array(WORLD_UP)), rows
@@ -132,31 +170,27 @@ def _footprint(points: Array) -> float:
         return 0.0
 
 
-def _largest_plane(
-    points: Array, step: Step, needs: tuple[float, int], rng: np.random.Generator
-) -> tuple[Plane, Rows] | None:
-    """The plane with the most connected points, and these; `needs`: cell size, minimum points."""
-    firsts = rng.integers(len(points), size=NUM_DRAWS)
-    shares = rng.uniform(size=(NUM_DRAWS, 2))
-    reach = NEIGHBOUR_CELLS * needs[0], ON_PLANE_CELLS * needs[0]
-    point, normal = best_plane(points, firsts, shares, step == "upright", reach)
-    if not normal.any():
-        return None
-    return _refined(points, Plane(point=point, normal=normal), step, *needs)
+def _near(points: Array, plane: Plane, reach: float) -> Rows:
+    """Rows of the points within reach of a plane."""
+    return np.flatnonzero(plane.distances(points) < reach)
 
 
 def _refined(
-    points: Array, plane: Plane, step: Step, cell_size: float, least: int
+    points: Array, near: Rows, step: Step, cell_size: float, least: int
 ) -> tuple[Plane, Rows] | None:
-    """The plane refitted to its connected points; None if they are too few or a strip."""
-    best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
+    """The plane of connected points; None if they are too few or a strip.
+
+    Parameters
+    ----------
+    near : (N,)
+        Rows of the points that it is first fitted to.
+    """
+    if len(near) < least:
+        return None
+    best = _near(points, _through(points[near], step), ON_PLANE_CELLS * cell_size)
     if len(best) < least:
         return None
-    plane = _through(points[best], step)
-    best = np.flatnonzero(plane.distances(points) < ON_PLANE_CELLS * cell_size)
-    if len(best) < least:
-        return None
-    best = best[_largest_group(points[best], LINK_CELLS * cell_size)]
+    best = best[largest_group(points[best], LINK_CELLS * cell_size)]
     if len(best) < least or _width(points[best]) < LEAST_WIDTH_CELLS * cell_size:
         return None
     return _through(points[best], step), best
@@ -164,30 +198,14 @@ def _refined(
 
 def _width(points: Array) -> float:
     """Width of a uniform strip: its standard deviation times the root of 12."""
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    return float(spread[1] / np.sqrt(len(points)) * np.sqrt(12.0))
-
-
-def _largest_group(points: Array, reach: float) -> NDArray[np.bool_]:
-    """Mask (N,) of the largest group connected by steps up to `reach`."""
-    label = joined(cKDTree(points).query_pairs(reach, output_type="ndarray"), len(points))
-    largest: NDArray[np.bool_] = label == np.argmax(np.bincount(label))
-    return largest
+    spread = principal_axes(weighted_spread(points, np.ones(len(points)))[1])[0]
+    return float(np.sqrt(12.0 * max(spread[1], 0.0) / len(points)))
 
 
 def _through(points: Array, step: Step) -> Plane:
     """The least-squares plane, with any tilt or upright."""
-    middle = points.mean(axis=0)
-    if step == "any":
-        return Plane(point=middle, normal=_least(points - middle))
-    x, z = _least((points - middle)[:, ::2])
-    return Plane(point=middle, normal=np.array([x, 0.0, z]))
-
-
-def _least(offsets: Array) -> Array:
-    """Direction of least variation of offsets from their mean."""
-    direction: Array = np.linalg.svd(offsets, full_matrices=False)[2][-1]
-    return direction
+    middle, normal = fitted_plane(points, np.ones(len(points)), step == "upright")
+    return Plane(point=middle, normal=normal)
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:

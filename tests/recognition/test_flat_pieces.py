@@ -1,0 +1,73 @@
+"""Planes of one object: which are found, and that they do not depend on chance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from recon.recognition.naming.assembly import assemblies
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.segments.flat_pieces import flat_pieces
+from recon.recognition.synthetic import voxelise
+from recon.records import PointCloud, Voxels
+
+HOUSE = next(kind for kind in read_catalogues(["village"]) if kind.name == "house")
+
+
+def plane(corner, first, second, spacing=0.25):
+    """Points on a parallelogram."""
+    lengths = [np.linalg.norm(side) for side in (first, second)]
+    a, b = (np.linspace(0.0, 1.0, int(length / spacing) + 1) for length in lengths)
+    grid = np.stack(np.meshgrid(a, b), axis=-1).reshape(-1, 2)
+    return np.array(corner) + grid @ np.array([first, second], dtype=float)
+
+
+def cells_of(*planes, noise=0.08) -> Voxels:
+    points = np.concatenate(planes)
+    points = points + np.random.default_rng(0).normal(0.0, noise, points.shape)
+    return voxelise(PointCloud(points=points, colours=np.full(points.shape, 90, np.uint8)))
+
+
+def walls():
+    return [
+        plane([0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 6.0, 0.0]),
+        plane([0.0, 0.0, 8.0], [10.0, 0.0, 0.0], [0.0, 6.0, 0.0]),
+        plane([0.0, 0.0, 0.0], [0.0, 0.0, 8.0], [0.0, 6.0, 0.0]),
+    ]
+
+
+def slope(height):
+    """A plane of 37 degrees that reaches from one long wall to between both."""
+    return plane([0.0, height, 0.0], [10.0, 0.0, 0.0], [0.0, 3.0, 4.0])
+
+
+def test_the_planes_of_walls_and_a_slope_are_found_with_their_tilts():
+    found = flat_pieces(cells_of(*walls(), slope(6.0)))
+    tilts = sorted(one.tilt_deg for one in found.planes if len(one.rows) > 20)
+    assert tilts == pytest.approx([36.9, 90.0, 90.0, 90.0], abs=4.0)
+
+
+def test_small_changes_of_the_cells_change_no_plane():
+    cells = cells_of(*walls(), slope(6.0))
+    found = flat_pieces(cells, ("upright", "any"))
+    for seed in range(6):
+        moved = np.random.default_rng(seed).normal(0.0, 0.01, cells.means.shape)
+        again = flat_pieces(replace(cells, means=cells.means + moved), ("upright", "any"))
+        assert len(again.planes) == len(found.planes)
+        for one, other in zip(found.planes, again.planes, strict=True):
+            assert len(np.intersect1d(one.rows, other.rows)) > 0.85 * len(one.rows)
+
+
+def test_the_level_plane_of_a_rim_is_found_where_no_neighbourhood_shows_it():
+    angle = np.linspace(0.0, 2.0 * np.pi, 400)
+    rim = np.column_stack([5.0 * np.cos(angle), np.full(400, 2.5), 5.0 * np.sin(angle)])
+    found = flat_pieces(cells_of(rim, noise=0.05))
+    assert found.planes[0].tilt_deg < 5.0
+    assert len(found.planes[0].rows) > 0.9 * len(found.cells)
+
+
+def test_a_slope_between_walls_is_their_roof_only_on_top():
+    on_top = flat_pieces(cells_of(*walls(), slope(6.0)), ("upright", "any"))
+    inside = flat_pieces(cells_of(*walls(), slope(1.5)), ("upright", "any"))
+    assert assemblies([on_top], HOUSE)
+    assert not assemblies([inside], HOUSE)
