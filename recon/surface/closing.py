@@ -20,7 +20,8 @@ def watertight(mesh: Mesh) -> Mesh:
     """A closed surface through the mesh: screened Poisson (Kazhdan and Hoppe, 2013), and caps.
 
     Where the surface is unobserved, Poisson's surface extends to the sides of a box around the
-    mesh; there it is open, and is capped.
+    mesh; there it is open, and is capped. Where it touches itself, it is cut open and capped, too,
+    so that every edge has two triangles.
     """
     o3d = load_open3d()
     cloud = o3d.geometry.PointCloud()
@@ -34,7 +35,7 @@ def watertight(mesh: Mesh) -> Mesh:
     closed = _from_open3d(found)
     if mesh.colours is None:  # Poisson makes them black
         closed = replace(closed, colours=None)
-    return with_normals(capped(closed))
+    return with_normals(capped(without_touching(closed)))
 
 
 def thickness(mesh: Mesh) -> float:
@@ -46,12 +47,28 @@ def thickness(mesh: Mesh) -> float:
 
 def border_edges(mesh: Mesh) -> Edges:
     """(E, 2) edges of only one triangle, in its direction."""
-    edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, first, count = np.unique(
-        np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    border: Edges = edges[np.sort(first[count == 1])]
+    border: Edges = _edges(mesh)[edge_counts(mesh) == 1]
     return border
+
+
+def edge_counts(mesh: Mesh) -> NDArray[np.int64]:
+    """(3 T,) number of triangles at each edge of each triangle."""
+    _, same, count = np.unique(
+        np.sort(_edges(mesh), axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    counts: NDArray[np.int64] = count[same.reshape(-1)]
+    return counts
+
+
+def without_touching(mesh: Mesh) -> Mesh:
+    """The mesh without the triangles at edges of more than two."""
+    return mesh.select(edge_counts(mesh).reshape(-1, 3).max(axis=1) <= 2)
+
+
+def _edges(mesh: Mesh) -> Edges:
+    """(3 T, 2) the edges of each triangle, in its direction."""
+    edges: Edges = mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    return edges
 
 
 def capped(mesh: Mesh) -> Mesh:
@@ -78,20 +95,24 @@ def capped(mesh: Mesh) -> Mesh:
 
 
 def _loops(edges: Edges) -> Iterator[Edges]:
-    """The closed loops of directed edges, as their edges in order."""
+    """The closed loops of directed edges, as their edges in order; none meets a vertex twice."""
     ahead: dict[int, list[int]] = {}
     for start, end in edges.tolist():
         ahead.setdefault(start, []).append(end)
     while ahead:
-        start = here = next(iter(ahead))
-        path = []
-        while here in ahead:
-            there = _taken(ahead, here)
-            path.append((here, there))
-            here = there
-            if here == start:
-                break
-        yield np.array(path, np.int32)
+        path = [next(iter(ahead))]
+        place = {path[0]: 0}
+        while path[-1] in ahead:
+            there = _taken(ahead, path[-1])
+            if there not in place:
+                place[there] = len(path)
+                path.append(there)
+                continue
+            loop = path[place[there] :]
+            del path[place[there] + 1 :]
+            for vertex in loop[1:]:
+                del place[vertex]
+            yield np.array([loop, [*loop[1:], there]], np.int32).T
 
 
 def _taken(ahead: dict[int, list[int]], here: int) -> int:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from views import COLOUR, HEIGHT, RIG, WIDTH, ball_view, mesh_of, view_of, wall_view
 
 from recon.errors import InputError
@@ -13,7 +14,14 @@ from recon.records import DisparityMap, Mesh, StereoPair
 from recon.settings import SurfaceSettings
 from recon.surface.assembly import MeshParts
 from recon.surface.cells import CellCloud, joined
-from recon.surface.closing import border_edges, capped, thickness, watertight
+from recon.surface.closing import (
+    border_edges,
+    capped,
+    edge_counts,
+    thickness,
+    watertight,
+    without_touching,
+)
 from recon.surface.confirmation import Confirmation, confirmed
 from recon.surface.depth import depth_map
 from recon.surface.fusion import Fusion
@@ -165,7 +173,7 @@ def test_a_watertight_mesh_has_no_border(ball, seen):
     mesh = opened[seen]()
     closed = watertight(mesh)
     assert len(border_edges(mesh)) > 20
-    assert len(border_edges(closed)) == 0
+    assert (edge_counts(closed) == 2).all()
     edges = closed.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     # Each edge is run through once in each direction: closed, and facing one way everywhere.
     assert len(np.unique(edges, axis=0)) == len(edges)
@@ -292,3 +300,16 @@ def test_depth_follows_disparity_and_the_pose():
 def test_what_might_be_without_end_has_no_depth():
     pair, found = pair_of(0.15)
     assert not depth_map(pair, found).valid_mask.any()
+
+
+def test_a_surface_that_touches_itself_along_an_edge_is_closed_beside_it():
+    """Two boxes with an edge in common, whose four triangles give way to two caps."""
+    box = trimesh.creation.box()
+    vertices = np.concatenate([box.vertices, box.vertices + np.array([1.0, 1, 0])])
+    places, number = np.unique(vertices, axis=0, return_inverse=True)
+    triangles = number.reshape(-1)[np.concatenate([box.faces, box.faces + 8])].astype(np.int32)
+    pair = Mesh(vertices=places, triangles=triangles)
+    assert (edge_counts(pair) == 4).sum() == 4
+    closed = capped(without_touching(pair))
+    assert (edge_counts(closed) == 2).all()
+    assert closed.area == pytest.approx(pair.area, rel=0.2)
