@@ -23,6 +23,32 @@ scene."""
 
 
 @njit(cache=True)
+def ranked_neighbours(
+    points: Array, firsts: NDArray[np.int64], ranks: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Rows (D, 3) of two neighbours of points, of given ranks by distance, and of the points.
+
+    Parameters
+    ----------
+    points : (N, 3)
+    firsts : (D,)
+    ranks : (D, 2)
+        0 is the point itself.
+    """
+    rows = np.empty((len(firsts), 3), dtype=np.int64)
+    squares = np.empty(len(points))
+    for d in range(len(firsts)):
+        for i in range(len(points)):
+            squares[i] = 0.0
+            for axis in range(3):
+                squares[i] += (points[i, axis] - points[firsts[d], axis]) ** 2
+        for k in range(2):
+            rows[d, k] = np.argmax(squares == np.partition(squares, ranks[d, k])[ranks[d, k]])
+        rows[d, 2] = firsts[d]
+    return rows
+
+
+@njit(cache=True)
 def drawn(points: Array, normals: Array, size: float) -> tuple[Array, Array, Array]:
     """Solids through three points each.
 

@@ -61,11 +61,6 @@ class Estimate(Generic[State]):
         """Bayesian information criterion; the smallest is best."""
         return self.deviance + len(self.information) * float(np.log(len(self.residuals)))
 
-    @property
-    def covariance(self) -> Array:
-        """Covariance (P, P) of a step from the state."""
-        return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
-
 
 def student_deviance(residuals: Array, floor: float) -> float:
     """Deviance of distances (N,) at their most likely scale, which is at least `floor`."""

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from recon.errors import check_finite, check_shape
 from recon.recognition.connectivity import joined
-from recon.recognition.fitting.draws import drawn, solid, votes
+from recon.recognition.fitting.draws import drawn, ranked_neighbours, solid, votes
 from recon.recognition.fitting.normals import NUM_NEIGHBOURS, neighbourhoods
 from recon.recognition.fitting.shapes import candidates
 from recon.records import FitFailure, Solid
@@ -101,7 +101,7 @@ def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     """The solid with the most points on it, refined on these."""
     voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
     size = float(np.ptp(scene.points, axis=0).max())
-    rows = np.array([_neighbours(scene.points, rng) for _ in range(NUM_DRAWS)])
+    rows = _draws(scene.points, rng)
     found = drawn(*map(np.ascontiguousarray, (scene.points[rows], scene.normals[rows])), size)
     counts = votes(voters, *found, scene.tolerance)
     best = np.unravel_index(int(np.argmax(counts)), counts.shape)
@@ -111,13 +111,13 @@ def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     return _refined(scene, solid(int(best[1]), place, axis, float(number), size))
 
 
-def _neighbours(points: Array, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Rows (3,) of neighbouring points, in neighbourhoods of all sizes: a hole or the whole."""
-    first = int(rng.integers(len(points)))
-    count = int(min(len(points), 4.0 * 2.0 ** rng.uniform(1.0, 8.0)))
-    offsets = points - points[first]
-    near = np.argpartition(np.einsum("ij,ij->i", offsets, offsets), count - 1)[:count]
-    return np.append(near[rng.integers(count, size=2)], first)
+def _draws(points: Array, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Rows (D, 3) of neighbouring points, in neighbourhoods of all sizes: a hole or the whole."""
+    firsts = rng.integers(len(points), size=NUM_DRAWS)
+    sizes = 4.0 * 2.0 ** rng.uniform(1.0, 8.0, NUM_DRAWS)
+    ranks = rng.uniform(size=(NUM_DRAWS, 2)) * np.minimum(sizes, len(points))[:, None]
+    rows: NDArray[np.int64] = ranked_neighbours(points, firsts, ranks.astype(np.int64))
+    return rows
 
 
 def _refined(scene: _Scene, rough: Solid) -> FoundSolid | None:

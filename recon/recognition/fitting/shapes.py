@@ -22,6 +22,8 @@ SAMPLE = 800
 """Points used to choose a shape: more do not change the choice."""
 LARGE_SAMPLE = 10_000
 """Points used to refine the chosen solid."""
+FEW = 8
+"""Points that are looked at first for enough distinct ones."""
 RELATIVE_FLOOR = 1e-4
 """Minimum noise as a share of the cloud's size, because of facets and rounding."""
 AS_GOOD = 0.1
@@ -47,8 +49,13 @@ class Candidate:
     """The smallest is best; only comparable for the same points."""
     sigma: float
     """Scale of the noise without outliers."""
-    covariance: Array
-    """(P, P) of the surface's parameters, in the order of its model's steps."""
+    information: Array
+    """(P, P) inverse covariance of the surface's parameters, in the order of its model's steps."""
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (P, P) of the surface's parameters."""
+        return np.linalg.pinv(self.information, hermitian=True).astype(np.float64)
 
 
 def fit(points: ArrayLike, weights: ArrayLike | None = None) -> Solid | FitFailure:
@@ -126,16 +133,22 @@ def _fault(points: Array) -> str:
     num_bad = int((~np.isfinite(points).all(axis=1)).sum())
     if num_bad:
         return f"{num_bad} of {len(points)} points are not finite"
-    distinct = np.unique(points, axis=0)
-    if len(distinct) < 4:
-        return f"{len(distinct)} distinct points are too few; 4 are needed"
-    extent = float(np.ptp(distinct, axis=0).max())
-    if not (extent > SMALLEST and np.abs(distinct).max() < LARGEST):
+    num_distinct = _num_distinct(points)
+    if num_distinct < 4:
+        return f"{num_distinct} distinct points are too few; 4 are needed"
+    extent = float(np.ptp(points, axis=0).max())
+    if not (extent > SMALLEST and np.abs(points).max() < LARGEST):
         return f"the points span {extent:g}, outside the computable range"
-    spread = np.linalg.svd(distinct - distinct.mean(axis=0), compute_uv=False)
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[1] < 1e-6 * spread[0]:
         return "the points lie on one line"
     return ""
+
+
+def _num_distinct(points: Array) -> int:
+    """Number of distinct points, of the first few that are enough if these are."""
+    few = len(np.unique(points[:FEW], axis=0))
+    return few if few >= 4 else len(np.unique(points, axis=0))
 
 
 def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate | FitFailure:
@@ -162,7 +175,7 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
         rms=float(np.sqrt(np.mean(solid.distances(points) ** 2))),
         bic=estimate.deviance + float(penalty),
         sigma=estimate.sigma,
-        covariance=estimate.covariance,
+        information=estimate.information,
     )
 
 
