@@ -1,5 +1,6 @@
 """Assemblies: kinds made of planes and other pieces on, beside and under each other."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -117,8 +118,8 @@ def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
     """True if the tilt of a plane, and its height over its horizontal extent, fit a part."""
     if piece.tilt_deg is None:
         return True
-    extent = piece.high - piece.low
-    slenderness = float(extent[1] / max(np.hypot(*extent[[0, 2]]), 1e-9))
+    x, y, z = (piece.high - piece.low).tolist()
+    slenderness = y / max(math.hypot(x, z), 1e-9)
     return _is_within(rule.tilt_deg, piece.tilt_deg) and _is_within(rule.slenderness, slenderness)
 
 

@@ -1,5 +1,6 @@
 """Flat pieces of an object and the remainder between them."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -60,7 +61,7 @@ class FlatPiece:
         """Angle between a plane's normal and the vertical; None for a bar."""
         if not isinstance(self.solid, Plane):
             return None
-        return float(np.degrees(np.arccos(np.clip(abs(self.solid.normal[1]), 0.0, 1.0))))
+        return math.degrees(math.acos(min(abs(float(self.solid.normal[1])), 1.0)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
