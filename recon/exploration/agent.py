@@ -197,11 +197,7 @@ class Agent:
         return None if self.referee is None else self.referee.coverage(self.model.floor)
 
     def _ask(self, controller: Controller, step: Step) -> View | None:
-        """Walk to the controller's next view; None if there is a reason to stop.
-
-        If the path would touch something, this is noted on the floor and the controller is asked
-        again.
-        """
+        """Walk to the controller's next view, asked again after a contact; None to stop."""
         view = self._answer(controller, step)
         while view is not None and (contact := self._walk(step.view, view)) is not None:
             if not self.model.floor.touch(contact, self.settings.motion.body_radius):
@@ -216,6 +212,8 @@ class Agent:
         try:
             with self.stopwatch.stage("plan"):
                 view = controller.next_view(state)
+                if view is None and self.belief is not None:
+                    view = self.belief.home(state)
             if view is None:
                 said = controller.result()
                 reason = said.partition(";")[0]

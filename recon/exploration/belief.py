@@ -11,10 +11,12 @@ import numpy as np
 
 from recon.exploration.floor import Array
 from recon.exploration.glances import SURE_CELLS, Field, glance, turned
+from recon.exploration.homing import way_home
 from recon.exploration.landmarks import NEW, Sighter
 from recon.exploration.outlines import Outline, outlines
 from recon.exploration.scales import Scales
 from recon.exploration.scan import field_of_view
+from recon.exploration.state import State, Walk
 from recon.exploration.world_model import WorldModel
 from recon.geometry import invert, pose, rotation_about_y, transform, without_drift, wrapped
 from recon.localisation.graph import Graph, Link, planar, step_between
@@ -26,8 +28,10 @@ from recon.settings import Settings, updated
 NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
 """Earlier pairs that a pair is registered to: those that see an object from less than 100 degrees
 off."""
-MAX_GLANCES = 3
-"""At one place."""
+MAX_GLANCES = 8
+"""At one place: as many as a look all round takes."""
+MAX_RETURNS = 2
+"""Times that the agent goes home: a look from there may show that it is not done."""
 NUM_SIGMAS, MAX_CAUTION = 2.0, 1 / 3
 """Standard deviations of the position added to the distance from obstacles; at most this share of
 the clearance."""
@@ -76,8 +80,11 @@ class Belief:
     """All pairs, with their poses in the map."""
     graph: Graph | None = None
     _shown: list[Shown] = field(default_factory=list)
-    _num_glances: int = 0
-    """Since the agent stands where it stands."""
+    _glances: list[float] = field(default_factory=list)
+    """Headings of those since the agent stands where it stands, radians."""
+    _num_returns: int = 0
+    _num_turns: int = 0
+    """Of the present look all round."""
 
     @property
     def sigma(self) -> float:
@@ -139,6 +146,13 @@ class Belief:
         best = sorted(apart, key=lambda number: -apart[number])[:NUM_NEIGHBOURS]
         # The previous pair may show the same surface, known or not.
         return best if last - 1 in best or not last else [*best, last - 1]
+
+    def home(self, state: State) -> Walk | None:
+        """The walk back to the first view, whose sights correct the whole path; None at home."""
+        if self._num_returns >= MAX_RETURNS:
+            return None
+        self._num_returns, self._num_turns = self._num_returns + 1, 0
+        return way_home(self.sights[0].view, state)
 
     def keep(self, sight: Sight) -> Sight:
         """Record the pose of the last pair in the map."""
@@ -205,18 +219,20 @@ class Belief:
     def glance(self) -> View | None:
         """The next look for the sake of the agent's own place; None where it needs none.
 
-        It looks all round where it starts, so that everything in sight is tied to the first pose,
-        and later at what it knows, as long as it is not sure of its place.
+        It looks all round where it starts and when it is back there, so that everything in sight is
+        tied to the first pose, and elsewhere at what it knows, as long as it is not sure of its
+        place.
         """
         assert self.graph is not None
         last, scales = self.sights[-1], Scales.of(self.settings)
         turn = self.settings.exploration.robot_turn_deg
-        if len(self.sights) < round(360.0 / turn):
+        if self._num_turns < round(360.0 / turn) - 1:
+            self._num_turns += 1
             return turned(
                 last.view, float(self.graph.poses[-1, 2]) + math.radians(turn), scales.gaze
             )
-        if self._num_glances >= MAX_GLANCES:
-            self._num_glances = 0
+        if len(self._glances) >= MAX_GLANCES:
+            self._glances = []
             return None
         heading = glance(
             self._sighter(last),
@@ -227,8 +243,9 @@ class Belief:
             ),
             SURE_CELLS * scales.cell,
             scales.viewing_distance,
+            self._glances,
         )
-        self._num_glances = 0 if heading is None else self._num_glances + 1
+        self._glances = [] if heading is None else [*self._glances, heading]
         return None if heading is None else turned(last.view, heading, scales.gaze)
 
 

@@ -1,6 +1,7 @@
 """Glances: an agent uncertain of its position turns to known landmarks."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,10 @@ from recon.records import View
 NUM_HEADINGS = 24
 SURE_CELLS = 0.15
 """Sufficient standard deviation of a position, in cells, including that due to the heading."""
-GAIN = 0.9
+GAIN = 0.95
 """A glance is worth a pair if it leaves less than this share of the standard deviation."""
+NUM_SIGMAS = 2.0
+"""Standard deviations of its direction within which a landmark is to be in view."""
 MARGIN_RAD = 2.0 * GAP_RAD
 """Minimum angle between an edge to be seen and the image border."""
 
@@ -28,10 +31,11 @@ class Field:
     reach: float
     """Distance up to which objects are seen, world units."""
 
-    def takes_in(self, landmark: int, expected: Expected) -> bool:
-        """True if both edges of a landmark are in view, and nothing nearer hides them."""
+    def takes_in(self, landmark: int, expected: Expected, joint: Array) -> bool:
+        """True if both edges of a landmark are surely in view, and nothing nearer hides them."""
         azimuth, half = expected.azimuth_rad, expected.half_rad
-        if abs(azimuth[landmark]) + half[landmark] > self.half_rad - MARGIN_RAD:
+        unsure = NUM_SIGMAS * math.sqrt(expected.spread(landmark, joint)[0, 0])
+        if abs(azimuth[landmark]) + half[landmark] + unsure > self.half_rad - MARGIN_RAD:
             return False
         nearer = expected.range < expected.range[landmark]
         gap = np.abs(azimuth - azimuth[landmark]) - half - half[landmark]
@@ -39,7 +43,12 @@ class Field:
 
 
 def glance(
-    sighter: Sighter, step_sigma: tuple[float, float], field: Field, sure: float, arm: float
+    sighter: Sighter,
+    step_sigma: tuple[float, float],
+    field: Field,
+    sure: float,
+    arm: float,
+    tried: Sequence[float] = (),
 ) -> float | None:
     """The most informative heading (radians) for a pose; None if it is certain, or none helps.
 
@@ -54,14 +63,18 @@ def glance(
         Sufficient standard deviation of the position, world units.
     arm : float
         Distance at which an error of the heading is weighed, world units.
+    tried : sequence of float
+        Headings of glances from here, which are not repeated.
     """
     now = _cost(sighter.joint, arm)
     if now < sure or not len(sighter.graph.radii):
         return None
-    headings = np.linspace(0.0, 2.0 * np.pi, NUM_HEADINGS, endpoint=False)
-    costs = [_cost(_after(sighter, float(one), step_sigma, field), arm) for one in headings]
-    best = int(np.argmin(costs))
-    return float(headings[best]) if costs[best] < GAIN * now else None
+    headings = np.linspace(0.0, 2.0 * np.pi, NUM_HEADINGS, endpoint=False).tolist()
+    left = [one for one in headings if one not in tried]
+    costs = [_cost(_after(sighter, one, step_sigma, field), arm) for one in left]
+    if not costs or min(costs) >= GAIN * now:
+        return None
+    return float(left[int(np.argmin(costs))])
 
 
 def _cost(joint: Array, arm: float) -> float:
@@ -77,7 +90,7 @@ def _after(
     expected = Expected.of(sighter.graph, np.array([x, z, heading]))
     spread = sighter.joint.copy()
     spread[[0, 1, 2], [0, 1, 2]] += np.array([step_sigma[0], step_sigma[0], step_sigma[1]]) ** 2
-    seen = [m for m in range(len(expected.range)) if field.takes_in(m, expected)]
+    seen = [m for m in range(len(expected.range)) if field.takes_in(m, expected, spread)]
     rows = np.zeros((2 * len(seen), len(spread)))
     noise, growth = np.zeros(2 * len(seen)), sighter.growth
     for at, landmark in enumerate(seen):

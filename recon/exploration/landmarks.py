@@ -26,6 +26,9 @@ DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5
 """The same for the distance of its front: for a whole object, and for a partly hidden one."""
 GATE, FAR_GATE = 3.0, 4.0
 """Standard deviations within which an object is a known one, and beyond which it is another."""
+SAME_WIDTH, WIDTH_PX = 1.5, 1.0
+"""Ratio of the widths up to which an object seen whole may be a landmark, and the error of its
+width, pixels: whatever else is uncertain, a landmark twice as wide is another thing."""
 SAME_DISTANCE = 1.5
 """Two objects in one direction differ in distance by more than this factor."""
 NEW, UNCLEAR = -1, -2
@@ -127,11 +130,22 @@ class Sighter:
         if not number:
             return NEW
         off = np.array([self._off(seen, landmark) for landmark in range(number)])
-        both = np.hypot(*off.T)
+        is_as_wide = [self._is_as_wide(seen, landmark) for landmark in range(number)]
+        both = np.where(is_as_wide, np.hypot(*off.T), np.inf)
         order = np.argsort(both, kind="stable")[:2]
         if both[order[0]] < GATE and (number == 1 or both[order[1]] > FAR_GATE):
             return int(order[0])
         return NEW if all(self._is_other(seen, m, off[m]) for m in range(number)) else UNCLEAR
+
+    def _is_as_wide(self, seen: Outline, landmark: int) -> bool:
+        """True if an object may be as wide as a landmark; of a hidden one this is not known."""
+        if not seen.is_free.all():
+            return True
+        half = float(self.expected.half_rad[landmark])
+        unsure = math.sqrt(float(self.expected.spread(landmark, self.joint)[1, 1]))
+        error = WIDTH_PX * self.edge_sigma / EDGE_SIGMA_PX / max(min(half, seen.half_rad), 1e-6)
+        limit = math.log(SAME_WIDTH) + GATE * unsure / self.expected.range[landmark] + error
+        return bool(abs(math.log(max(seen.half_rad, 1e-6) / half)) < limit)
 
     def _is_other(self, seen: Outline, landmark: int, off: Array) -> bool:
         """True if an object is beside a landmark, or clearly in front of it or behind it."""

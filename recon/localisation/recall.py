@@ -38,8 +38,9 @@ LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
 COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
 """A place covers a pose within this share of its depth and 20 degrees: features would have found
 it."""
-PLACE_SIGMA_CELLS, PLACE_SIGMA_DEG = 0.05, 0.1
-"""Standard deviations of the pose of a place in its own map."""
+PLACE_SIGMA_CELLS, PLACE_SIGMA_SHARE, PLACE_SIGMA_DEG = 0.05, 0.002, 0.1
+"""Standard deviations of the pose of a place in its own map: in cells, as a share of its depth, and
+in degrees. Its map has the same errors, so points cannot correct them."""
 TILES_PER_E = 1.5
 """Number of additional agreeing tiles that make a pose e times as likely; neighbouring tiles are
 correlated."""
@@ -151,8 +152,17 @@ class KnownWorld:
             located = locate_points(points, self.surfels, prior)
             if isinstance(located, FitFailure):
                 located = _by_points(prior, meeting)
+            else:
+                located = replace(located, covariance=located.covariance + self._own(row))
             found.append((located, meeting.num_agreeing))
         return found
+
+    def _own(self, row: int) -> Array:
+        """Covariance (6, 6) of the pose of a place."""
+        shift = max(
+            PLACE_SIGMA_CELLS * self.voxels.cell_size, PLACE_SIGMA_SHARE * float(self.depths[row])
+        )
+        return np.diag(np.repeat([np.radians(PLACE_SIGMA_DEG), shift], 3) ** 2)
 
     def _by_shape(self, cloud: PointCloud, points: Points, outlook: Outlook) -> list[PoseEstimate]:
         """Poses from the shape of what is seen, where no place covers them."""
@@ -194,8 +204,7 @@ class KnownWorld:
         spread = at.spread * np.sqrt(len(at.residual) / (len(at.residual) - 6.0))
         covariance = np.linalg.pinv(information) * spread**2
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
-        own = np.repeat([np.radians(PLACE_SIGMA_DEG), PLACE_SIGMA_CELLS * self.voxels.cell_size], 3)
-        whole = turn @ covariance @ turn.T + np.diag(own**2)
+        whole = turn @ covariance @ turn.T + self._own(row)
         return Prior(T_world_left=T_world_left, information=inverse(whole))
 
     def _judged(self, estimate: PoseEstimate, num_agreeing: int, outlook: Outlook) -> Hypothesis:
