@@ -14,6 +14,7 @@ from recon.exploration.glances import SURE_CELLS, Field, glance, turned
 from recon.exploration.homing import way_home
 from recon.exploration.landmarks import NEW, Sighter
 from recon.exploration.outlines import Outline, outlines
+from recon.exploration.rims import rims
 from recon.exploration.scales import Scales
 from recon.exploration.scan import field_of_view
 from recon.exploration.state import State, Walk
@@ -192,7 +193,8 @@ class Belief:
         assert self.graph is not None
         standing = model.standing(sight.view.position[[0, 2]], sight.cloud)
         half_field = field_of_view(sight.pair) / 2.0
-        seen = outlines(standing, sight.planar, half_field, model.scales)
+        edges = rims(standing, sight.pair)
+        seen = outlines(standing, edges, sight.planar, half_field, model.scales)
         left = self._noted([one for one in seen if one.is_free.any()], sight)
         self.graph.solve()
         left = self._noted(left, sight)

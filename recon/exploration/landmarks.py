@@ -19,7 +19,7 @@ EDGE_SIGMA_PX = 0.3
 """Standard deviation of an edge, pixels."""
 HIDDEN_SHARE = 0.1
 """Standard deviation of an object's middle derived from one edge, as a share of its radius."""
-NEAR = 0.5
+NEAR = 0.1
 """Additional standard deviation of the middle, radians, over the cube of radius over distance: of
 near objects only some sides have points."""
 DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5

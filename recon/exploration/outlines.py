@@ -55,13 +55,17 @@ class Outline:
         return abs(self.middle_rad - other.middle_rad) < reach
 
 
-def outlines(standing: PointCloud, pose: Array, half_field: float, scales: Scales) -> list[Outline]:
+def outlines(
+    standing: PointCloud, rims: Array, pose: Array, half_field: float, scales: Scales
+) -> list[Outline]:
     """The outlines of the objects in front of a camera, nearest first.
 
     Parameters
     ----------
     standing : PointCloud
         Points above the ground, world.
+    rims : (N, 2) array
+        Azimuths of the edges to the left and right of each point.
     pose : (3,) array
         x, z of the camera, and the azimuth of straight ahead.
     half_field : float
@@ -70,19 +74,20 @@ def outlines(standing: PointCloud, pose: Array, half_field: float, scales: Scale
     """
     azimuth, distance = polar(standing.points[:, [0, 2]], pose[:2])
     side, sigma = wrapped(azimuth - pose[2]), sigma_of(standing)
+    edges = np.sort(wrapped(rims - pose[2]), axis=1)
     number = groups(side, distance / scales.cell)
     reach = MIN_POINTS_DISTANCE * scales.viewing_distance
     found = []
     for rows in (number == n for n in range(number.max(initial=-1) + 1)):
         if rows.sum() >= max(MIN_POINTS, (reach / np.median(distance[rows])) ** 2):
-            found.append(_outline(side[rows], distance[rows], sigma[rows]))
+            found.append(_outline(edges[rows], distance[rows], sigma[rows]))
     return _freed(_joined(found, scales.cell), half_field)
 
 
-def _outline(side: Array, distance: Array, sigma: Array) -> Outline:
-    ordered = np.sort(side)
+def _outline(edges: Array, distance: Array, sigma: Array) -> Outline:
+    least, most = np.sort(edges, axis=0).T
     return Outline(
-        edges_rad=ordered[[OUTERMOST - 1, -OUTERMOST]],
+        edges_rad=np.array([least[OUTERMOST - 1], most[-OUTERMOST]]),
         is_free=np.ones(2, np.bool_),
         distance=float(np.median(distance)),
         # Errors of an object's points are not independent: averaging gains less than sqrt(N).

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from recon.camera import StereoRig
 from recon.geometry import invert, pose, without_drift
 from recon.libraries import load_open3d
 from recon.localisation.atlas import Atlas
-from recon.sequences.odometry.places import meet
+from recon.sequences.odometry.motion import linearise
+from recon.sequences.odometry.places import Meeting, meet
 
 Array = NDArray[np.float64]
 
@@ -34,7 +36,8 @@ MAX_NODES = 300
 STEP_SHARE, STEP_DEG = 0.01, 0.1
 """Standard deviation of an odometry step: as a share of its length, and of its rotation."""
 LOOP_SHARE, LOOP_DEG = 0.002, 0.05
-"""The same for a loop, with the first as a share of the depth of its place."""
+"""The same for a loop, with the first as a share of the depth of its place: the least, to which the
+uncertainty of its points is added."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,8 +47,8 @@ class Loop:
     first: int
     second: int
     T_first_second: Array
-    depth: float
-    """Median depth of the place, world units."""
+    sigma: tuple[float, float]
+    """Standard deviations of its shift, world units, and of its rotation, radians."""
 
     def error(self, poses: Array) -> float:
         """Closing error of poses (N, 4, 4)."""
@@ -115,12 +118,27 @@ def _loop(atlas: Atlas, first: int, second: int) -> Loop | None:
     met = meet(atlas.places[first], atlas.places[second])
     if met is None or met.num_agreeing < MIN_AGREEING or met.share < MIN_AGREEING_SHARE:
         return None
+    place = atlas.places[second]
+    turn, shift = spread_of(met, place.rig)
     return Loop(
         first=atlas.numbers[first],
         second=atlas.numbers[second],
         T_first_second=invert(met.T_second_first),
-        depth=atlas.places[second].depth,
+        sigma=(
+            float(np.hypot(shift, LOOP_SHARE * place.depth)),
+            float(np.hypot(turn, np.radians(LOOP_DEG))),
+        ),
     )
+
+
+def spread_of(met: Meeting, rig: StereoRig) -> tuple[float, float]:
+    """Largest standard deviations of the rotation (radians) and the shift between two places."""
+    at = linearise(met.T_second_first, met.tracks, rig)
+    covariance = np.linalg.pinv(at.normal_equations()[0]) * at.spread**2
+    turn, shift = (
+        np.linalg.eigvalsh(part)[-1] for part in (covariance[:3, :3], covariance[3:, 3:])
+    )
+    return float(np.sqrt(turn)), float(np.sqrt(shift))
 
 
 def optimised(poses: Array, loops: Sequence[Loop]) -> Array:
@@ -160,9 +178,8 @@ def _graph(poses: Array, nodes: NDArray[np.intp], loops: Sequence[Loop]) -> Any:
         graph.edges.append(_edge(row[int(second)], row[int(first)], T_first_second, sigma))
     for loop in loops:
         if loop.first in row and loop.second in row:
-            sigma = LOOP_SHARE * loop.depth, np.radians(LOOP_DEG)
             ends = row[loop.second], row[loop.first]
-            graph.edges.append(_edge(*ends, loop.T_first_second, sigma))
+            graph.edges.append(_edge(*ends, loop.T_first_second, loop.sigma))
     return graph
 
 

@@ -26,6 +26,9 @@ LEVEL_SIGMA = 1e-4
 SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
 """Systematic difference between the surfaces of two pairs."""
 FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
+COMMON_PX = 0.03
+"""Difference between the common errors of all disparities of two pairs: far from everything, their
+points agree on a wrong motion."""
 MIN_SHARE = 0.3
 """Minimum share of points on the other pair's surface."""
 MAX_OFF = 4.0
@@ -112,7 +115,14 @@ def _by_features(
     at = linearise(met.T_second_first, met.tracks, second.place.rig)
     turn = np.kron(np.eye(2), T_world_left[:3, :3])
     information = turn @ at.normal_equations()[0] @ turn.T / at.spread**2
-    return planar(T_world_left), _known(information, first, FEATURES_CELLS, FEATURES_DEG)
+    rig = second.place.rig
+    depth = float(np.median(rig.depth(met.tracks.second.disparity_px)))
+    shift = float(rig.depth_sigma(depth, COMMON_PX))
+    cells = FEATURES_CELLS + shift / first.map.cell_size
+    # A wrong distance turns the motion about what is seen as well.
+    return planar(T_world_left), _known(
+        information, first, cells, FEATURES_DEG + float(np.degrees(shift / depth))
+    )
 
 
 def _by_shape(

@@ -82,3 +82,24 @@ def test_a_turned_view_stands_where_it_stood():
     other = turned(view, math.pi / 2.0, 20.0)
     assert np.array_equal(other.position, view.position)
     assert other.target == pytest.approx([1.0, 5.0, 22.0])
+
+
+def test_a_thing_much_narrower_than_a_landmark_is_not_that_landmark():
+    sighter = walker(0.5)
+    expected = sighter.expected
+    azimuth, half, away = (
+        float(one[0]) for one in (expected.azimuth_rad, expected.half_rad, expected.front)
+    )
+    assert sighter.known(outline(azimuth, half, away)) == 0
+    assert sighter.known(outline(azimuth, half / 3.0, away)) == UNCLEAR
+    # One edge does not show a width.
+    assert sighter.known(outline(azimuth, half / 3.0, away, (True, False))) != NEW
+
+
+def test_a_heading_that_was_tried_is_not_tried_again():
+    sighter = walker(1.5, -1.2, -1.9)
+    first = heading(sighter)
+    again = glance(sighter, STEP_SIGMA, FIELD, 0.1, 20.0, [first])
+    assert again != first
+    headings = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False).tolist()
+    assert glance(sighter, STEP_SIGMA, FIELD, 0.1, 20.0, headings) is None

@@ -27,7 +27,9 @@ def thing(azimuth_deg, half_deg, distance, number=400, sigma=0.1):
 def seen(*things):
     points = np.vstack([one.points for one in things])
     sigma = np.concatenate([one.sigma for one in things])
-    return outlines(PointCloud(points=points, sigma=sigma), POSE, HALF_FIELD, SCALES)
+    azimuth = np.arctan2(points[:, 2] - POSE[1], points[:, 0] - POSE[0])
+    cloud = PointCloud(points=points, sigma=sigma)
+    return outlines(cloud, np.column_stack([azimuth] * 2), POSE, HALF_FIELD, SCALES)
 
 
 def test_things_apart_have_both_their_edges():

@@ -70,7 +70,12 @@ def test_of_a_long_drive_few_poses_are_nodes_and_the_others_are_carried_along():
     poses[:, 0, 3], poses[:, 2, 3] = 100.0 * np.cos(angle), 100.0 * np.sin(angle)
     true = poses.copy()
     poses[:, :3, 3] += np.cumsum(rng.normal(0.001, 0.01, (2000, 3)), axis=0)
-    loop = Loop(first=0, second=1999, T_first_second=invert(true[0]) @ true[-1], depth=10.0)
+    loop = Loop(
+        first=0,
+        second=1999,
+        T_first_second=invert(true[0]) @ true[-1],
+        sigma=(0.002 * 10.0, np.radians(0.05)),
+    )
     corrected = optimised(poses, [loop])
     assert loop.error(corrected) < 0.1 * loop.error(poses)
     steps = np.linalg.norm(np.diff(corrected[:, :3, 3], axis=0), axis=1)

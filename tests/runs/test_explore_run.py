@@ -94,23 +94,40 @@ def test_the_same_command_gives_the_same_bytes(run, tmp_path):
     assert comparable(tmp_path / "again") == comparable(run)
 
 
-@pytest.mark.usefixtures("without_figures")
-def test_a_cut_run_is_resumed_to_the_same_bytes(run, tmp_path, monkeypatch):
-    folder = tmp_path / "cut"
+def explore_cut(folder, monkeypatch, *flags, num_taken=2):
+    """An exploration that Ctrl-C ends after some pairs."""
     take = explore_module.Recorder.take
 
     def cut_short(self, view):
-        if self.num_taken == 2:
+        if self.num_taken == num_taken:
             raise KeyboardInterrupt
         return take(self, view)
 
     with monkeypatch.context() as patch:
         patch.setattr(explore_module.Recorder, "take", cut_short)
-        assert explore(folder) == 130
+        assert explore(folder, *flags) == 130
+
+
+@pytest.mark.usefixtures("without_figures")
+def test_a_cut_run_is_resumed_to_the_same_bytes(run, tmp_path, monkeypatch):
+    folder = tmp_path / "cut"
+    explore_cut(folder, monkeypatch)
     assert json.loads((folder / "manifest.json").read_text())["state"] == "interrupted"
     assert json.loads((folder / "metrics.json").read_text())["stop_reason"] == "interrupted"
     assert explore(folder, "--resume") == 0
     assert undrawn(folder) == undrawn(run)
+
+
+@pytest.mark.usefixtures("without_figures")
+def test_a_cut_run_with_motion_errors_is_resumed_to_the_same_bytes(tmp_path, monkeypatch):
+    slip = ("--set", "motion.position_noise=0.1", "--set", "motion.heading_noise_deg=1")
+    whole, folder = tmp_path / "whole", tmp_path / "cut"
+    assert explore(whole, *slip) == 0
+    explore_cut(folder, monkeypatch, *slip, num_taken=4)
+    assert explore(folder, *slip, "--resume") == 0
+    assert undrawn(folder) == undrawn(whole)
+    believed, true = (np.loadtxt(whole / f"trajectory{end}.txt") for end in ("", "_true"))
+    assert 0.0 < np.abs(believed - true).max() < 2.0
 
 
 def test_a_finished_run_is_left_alone(run):
