@@ -64,7 +64,7 @@ class Closed:
     """(N, 4, 4)"""
     num_loops: int
     error_before: float
-    """Maximum closing error before the correction, world units."""
+    """Closing error of the surest loop before the correction, world units."""
     error_after: float
 
 
@@ -82,11 +82,12 @@ def close_loops(poses: Array, atlas: Atlas) -> Closed | None:
     if not loops:
         return None
     corrected = optimised(poses, loops)
+    surest = min(loops, key=lambda loop: loop.sigma[0])
     return Closed(
         poses=corrected,
         num_loops=len(loops),
-        error_before=max(loop.error(poses) for loop in loops),
-        error_after=max(loop.error(corrected) for loop in loops),
+        error_before=surest.error(poses),
+        error_after=surest.error(corrected),
     )
 
 

@@ -104,3 +104,10 @@ def test_an_atlas_comes_back_from_its_file_and_damage_is_said(tmp_path):
 def test_an_atlas_without_places_is_an_atlas(tmp_path):
     Atlas(places=[], numbers=[], T_world_left=np.zeros((0, 4, 4))).save(tmp_path / "places.npz")
     assert len(Atlas.load(tmp_path / "places.npz")) == 0
+
+
+def test_a_place_is_no_surer_than_its_own_pose(known):
+    (one, *_) = [found for pair in village().others[1::2] if (found := known.recall(pair))]
+    assert np.degrees(np.sqrt(np.diag(one.covariance)[:3])).min() > 0.1
+    depth = float(known.depths.min())
+    assert one.sigma > 0.002 * depth
