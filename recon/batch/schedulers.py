@@ -19,6 +19,18 @@ from recon.threads import num_processors, num_threads
 
 Call = Callable[[], Outcome]
 """Runs one job."""
+_LOCAL = {
+    # Not Dask's own environment, in which memory freed goes back to the system at once, and has to
+    # be got again page by page.
+    "distributed.nanny.pre-spawn-environ": dict.fromkeys(THREAD_VARIABLES, "1")
+    | {"MALLOC_ARENA_MAX": "1"},
+    # By default its threads interrupt a job hundreds of times per second to observe it.
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.system-monitor.gil.enabled": False,
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.tick.interval": "500ms",
+}
+"""Configuration of a local Dask cluster."""
 TOPIC = "recon-progress"
 """Topic of Dask events for the progress of jobs."""
 MAX_TRIES = 3
@@ -71,7 +83,8 @@ class Processes:
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
             for pool in self._pools:
-                pool.shutdown(wait=True, cancel_futures=True)
+                # They end while the summary is written.
+                pool.shutdown(wait=False, cancel_futures=True)
 
     def _new_pool(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(
@@ -149,11 +162,8 @@ class Dask:
                 return self._distributed.Client(self._address, timeout="10s")
             except (OSError, ValueError) as error:
                 raise InputError(f"no Dask scheduler answers at {self._address}") from error
-        # Not Dask's own environment, in which memory freed goes back to the system at once, and has
-        # to be got again page by page.
-        environment = dict.fromkeys(THREAD_VARIABLES, "1") | {"MALLOC_ARENA_MAX": "1"}
         config = load_extra("dask.config", "cluster")
-        with config.set({"distributed.nanny.pre-spawn-environ": environment}):
+        with config.set(_LOCAL):
             # A client without a cluster creates one and stops it when closed.
             return self._distributed.Client(
                 n_workers=self._num_workers, threads_per_worker=1, dashboard_address=None
