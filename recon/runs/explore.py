@@ -13,7 +13,7 @@ from recon.records import StereoPair, View
 from recon.records.objects import from_json
 from recon.runfolder import RunFolder
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import write_run_figures
+from recon.runs.figures import drawable, write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, move_cloud, write_outputs, write_places
 from recon.runs.replay import SavedPairs
@@ -111,7 +111,8 @@ def _write(done: Exploration, work: Work) -> None:
         if done.true_trajectory is not None:
             run.write_text("trajectory_true.txt", done.true_trajectory.as_tum())
     with work.stage("figures"):
-        work.artist.draw(write_run_figures, run.path, done.reconstruction, done.clearest)
+        shows = drawable(done.reconstruction), done.clearest
+        work.artist.draw(write_run_figures, run.path, *shows)
         work.artist.finish()
 
 

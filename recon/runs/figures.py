@@ -71,6 +71,12 @@ def write_run_figures(
         _write(run_path, "overview", KINDS.load("overview"), replace(subject, kept=arrays), Wish())
 
 
+def drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:
+    """What figures show of a result, to be sent to another process: the map only if it has rays."""
+    has_rays = "rays" in getattr(contents.map, "channels", ())
+    return contents if has_rays else replace(contents, map=None)
+
+
 def leave_figure(run_path: Path, kind: str, arrays: Arrays, name: str | None = None) -> None:
     """Write a figure, and `figures/NAME.npz`, from which it can be redrawn."""
     name = name or kind

@@ -20,7 +20,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import ALWAYS, NAMELESS, write_run_figures
+from recon.runs.figures import ALWAYS, NAMELESS, drawable, write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
@@ -179,11 +179,12 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
             [name for name in figures if (name in NAMELESS) == is_nameless]
             for is_nameless in (True, False)
         )
-        work.artist.draw(write_run_figures, run.path, nameless, None, without)
+        work.artist.draw(write_run_figures, run.path, drawable(nameless), None, without)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
     reconstruction = replace(nameless, objects=recognition.objects)
     with work.stage("figures"):
-        work.artist.draw(write_run_figures, run.path, reconstruction, mapper.clearest, named)
+        shows = drawable(reconstruction), mapper.clearest, named
+        work.artist.draw(write_run_figures, run.path, *shows)
     with work.stage("write"):
         write_outputs(run, reconstruction, recognition)
     with work.stage("figures"):
