@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from recon.exploration.floor import RAY_SPACING, Array, Floor, Mask
-from recon.geometry import invert, transform
+from recon.geometry import invert
 from recon.records import StereoPair
 
 NEAR_SAMPLES, TEXTURED_SHARE = 8, 0.2
 """The ground is textured if more than this share of its nearest samples are edges."""
-SMOOTHING_PX = 1.0
+SMOOTHING_PX, BORDER_PX = 1.0, 5
+"""Blur before contrasts are measured, and number of rows away that can affect a contrast."""
+OUTSIDE = -1
 MIN_CONTRAST = 8.0
 """Minimum difference of grey levels across an edge ..."""
 CONTRAST_RATIO = 4.0
@@ -41,13 +43,13 @@ def foot_distances(
     reach = _reach(pair, height, end)
     step = RAY_SPACING * floor.cell_size
     radii = step * np.arange(1, max(2, int(reach / step)))
-    directions = np.column_stack([np.cos(azimuths_rad), np.sin(azimuths_rad)])
-    x, z = np.moveaxis(place + directions[:, None] * radii[:, None], -1, 0)
-    pixels, inside = _pixels(pair, np.stack([x, np.full_like(x, height), z], axis=-1))
-    contrast = _contrast(pair.left)
-    seen = contrast[pixels[..., 1], pixels[..., 0]]
+    size, projection = (pair.rig.width, pair.rig.height), _projection(pair)
+    start = projection @ np.array([place[0], height, place[1], 1.0])
+    pixel = _pixels(projection, start, azimuths_rad, radii, size)
+    inside = pixel != OUTSIDE
+    seen = np.where(inside, _contrast_at(pair.left, pixel), 0.0)
     typical = float(np.median(seen[inside])) if inside.any() else 0.0
-    is_edge = inside & (seen > max(MIN_CONTRAST, CONTRAST_RATIO * typical))
+    is_edge = seen > max(MIN_CONTRAST, CONTRAST_RATIO * typical)
     if _is_textured(is_edge, inside):
         return np.full(len(azimuths_rad), np.inf)
     return np.where(is_edge.any(axis=1), radii[is_edge.argmax(axis=1)], np.inf)
@@ -67,17 +69,51 @@ def _reach(pair: StereoPair, height: float, end: float) -> float:
     return float(1.0 / (1.0 / end + HORIZON_PX / (pair.rig.focal_px * eye_height)))
 
 
-def _pixels(pair: StereoPair, points_world: Array) -> tuple[NDArray[np.intp], Mask]:
-    """Pixels (..., 2) of points (..., 3) in the left image, and a mask of those inside it."""
+def _projection(pair: StereoPair) -> Array:
+    """(3, 4) projection of world points to the left image."""
     T_left_world = invert(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
-    points_left = transform(T_left_world, points_world.reshape(-1, 3))
-    ahead = points_left[:, 2] > 0.0
-    points_left[~ahead, 2] = 1.0
-    pixels = np.rint(pair.rig.project_left(points_left)).astype(np.intp)
-    size = np.array([pair.rig.width, pair.rig.height])
-    inside = ahead & (pixels >= 0).all(axis=1) & (pixels < size).all(axis=1)
-    shape = points_world.shape[:-1]
-    return pixels.clip(0, size - 1).reshape(*shape, 2), inside.reshape(shape)
+    rig = pair.rig
+    middle = np.array([[rig.cx_left_px], [rig.cy_px], [1.0]])
+    return np.diag([rig.focal_px, rig.focal_px, 0.0]) @ T_left_world[:3] + middle * T_left_world[2]
+
+
+@njit(cache=True)
+def _pixels(
+    projection: Array, start: Array, azimuths: Array, radii: Array, size: tuple[int, int]
+) -> NDArray[np.int64]:
+    """Flat index (A, R) of the pixel of each ground point around a `start`, or `OUTSIDE`.
+
+    Parameters
+    ----------
+    projection, start : (3, 4), (3,)
+        Projection of world points, and of the point in the middle.
+    """
+    pixel = np.full((len(azimuths), len(radii)), OUTSIDE)
+    for a in range(len(azimuths)):
+        rise = projection[:, 0] * np.cos(azimuths[a]) + projection[:, 2] * np.sin(azimuths[a])
+        for r in range(len(radii)):
+            pixel[a, r] = _pixel(start, rise, radii[r], size)
+    return pixel
+
+
+@njit(cache=True)
+def _pixel(start: Array, rise: Array, radius: float, size: tuple[int, int]) -> int:
+    """Flat index of the pixel of a homogeneous image point `start` + radius * `rise` (3,)."""
+    depth = start[2] + radius * rise[2]
+    if depth <= 0.0:
+        return OUTSIDE
+    u = np.rint((start[0] + radius * rise[0]) / depth)
+    v = np.rint((start[1] + radius * rise[1]) / depth)
+    return int(v) * size[0] + int(u) if 0 <= u < size[0] and 0 <= v < size[1] else OUTSIDE
+
+
+def _contrast_at(image: NDArray[np.uint8], pixel: NDArray[np.int64]) -> Array:
+    """Contrast (A, R) at the pixels with some flat indices (A, R); undefined `OUTSIDE`."""
+    height, width = image.shape[:2]
+    first = int(pixel[pixel != OUTSIDE].min(initial=height * width - 1)) // width
+    top = max(0, first - BORDER_PX)
+    contrast: Array = _contrast(image[top:]).ravel()[np.maximum(pixel - top * width, 0)]
+    return contrast
 
 
 def _contrast(image: NDArray[np.uint8]) -> Array:

@@ -201,9 +201,10 @@ class Floor:
         np.minimum.at(self.barred_from, tuple(cells[inside].T), distance[inside])
 
     def touch(self, place_xz: Array, radius: float) -> bool:
-        """Record that a body of some radius cannot stand at a position; False if already known."""
-        is_new = not self.touched[tuple(self.cells(place_xz))]
-        self.touched |= self.disc(place_xz, radius + self.cell_size)
+        """Record that a body of some radius cannot stand at a position; False if nothing is new."""
+        disc = self.disc(place_xz, radius + self.cell_size)
+        is_new = not self.touched[disc].all()
+        self.touched |= disc
         return is_new
 
     def azimuths(self, heading_rad: float, field_rad: float, reach: float) -> Array:

@@ -1,12 +1,14 @@
 """Shortest paths over the floor that keep away from obstacles and unknown ground."""
 
 import itertools
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import label
 
 from recon.exploration.floor import NEIGHBOURS, RAY_SPACING, Array, Floor, Mask
 from recon.exploration.obstacles import Obstacle
@@ -109,7 +111,8 @@ def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
 def _walkable(state: State, unknown: Mask | None) -> Mask:
     """Free cells with enough clearance.
 
-    If the agent itself is too close to something, it may stay that close while it moves away.
+    If the agent itself is too close to something, it may stay that close while it moves away; if it
+    stands in the middle of something, it may leave.
     """
     floor, scales = state.floor, state.scales
     here = tuple(floor.cells(state.place))
@@ -120,21 +123,61 @@ def _walkable(state: State, unknown: Mask | None) -> Mask:
     if unknown is not None:
         clearance = scales.cells(scales.unknown_clearance)
         walkable &= floor.known_free & _away_from(unknown | floor.barred, clearance, here)
+    around = tuple(slice(max(0, index - 1), index + 2) for index in here)
+    if obstacles[around].all():
+        _open_exit(walkable, here)
     walkable[here] = True
     return walkable
 
 
+def _open_exit(walkable: Mask, here: tuple[int, ...]) -> None:
+    """Add the cells between a cell and the nearest walkable one to the walkable ones (X, Z)."""
+    cells = np.argwhere(walkable)
+    if len(cells):
+        end = cells[np.hypot(*(cells - here).T).argmin()]
+        between = np.linspace(here, end, 1 + 2 * int(np.abs(end - here).max()))
+        walkable[tuple(np.rint(between).astype(np.intp).T)] = True
+
+
 def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
     """Mask (X, Z) of cells with a clearance (in cells), near `here` at most the clearance there."""
-    if not cells.any():
-        return np.ones_like(cells)
-    room: Array = distance_transform_edt(~cells)
-    if room[here] >= clearance:
-        return room >= clearance
+    away = ~_near(cells, clearance)
+    if away[here]:
+        return away
+    room = float(np.hypot(*(np.argwhere(cells) - here).T).min())
     offset = np.indices(cells.shape) - np.reshape(here, (2, 1, 1))
     close = np.hypot(*offset) <= 2.0 * clearance
-    away: Mask = room >= np.where(close, min(clearance, float(room[here])), clearance)
-    return away
+    found: Mask = away | (close & ~_near(cells, room))
+    return found
+
+
+@njit(cache=True)
+def _near(cells: Mask, distance: float) -> Mask:
+    """Mask (X, Z) of the cells closer than a distance (in cells) to some cells (X, Z)."""
+    near = np.zeros_like(cells)
+    for x in range(cells.shape[0]):
+        for z in range(cells.shape[1]):
+            if cells[x, z] and _is_rim(cells, x, z):
+                _mark(near, x, z, distance)
+    return near | cells if distance > 0.0 else near
+
+
+@njit(cache=True)
+def _mark(near: Mask, x: int, z: int, distance: float) -> None:
+    """Mark the cells (X, Z) closer than a distance (in cells) to a cell."""
+    reach = math.ceil(distance)
+    for i in range(max(0, x - reach), min(near.shape[0], x + reach + 1)):
+        for k in range(max(0, z - reach), min(near.shape[1], z + reach + 1)):
+            near[i, k] |= math.hypot(i - x, k - z) < distance
+
+
+@njit(cache=True)
+def _is_rim(cells: Mask, x: int, z: int) -> bool:
+    """True if one of the four neighbours of a cell is not among some cells (X, Z)."""
+    size_x, size_z = cells.shape
+    is_lower = (x > 0 and not cells[x - 1, z]) or (z > 0 and not cells[x, z - 1])
+    is_upper = (x + 1 < size_x and not cells[x + 1, z]) or (z + 1 < size_z and not cells[x, z + 1])
+    return is_lower or is_upper
 
 
 def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from recon.exploration.floor import Array, Floor, Mask
 from recon.exploration.gains import AZIMUTHS_RAD, SPACING_RAD, turn
+from recon.exploration.gaps import values_of
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
 from recon.exploration.sight import are_open
@@ -20,12 +21,6 @@ or four views all around."""
 MARGIN_RAD = math.radians(4.0)
 """Views are planned closer together by this angle, since positions are never reached exactly."""
 BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
-LAST = 0.5
-"""A view that shows all that is missing of an obstacle is worth at least this share of a whole
-side, since it makes the obstacle known."""
-LEAST = 0.4
-"""A view that shows less than this share of a new side does not count, unless little more is
-missing."""
 CENTRED = 0.1
 """Share of its value that an obstacle loses at the edge of the image."""
 
@@ -33,6 +28,10 @@ MAX_LOOKS = 2
 """A side that was not seen well in this number of views is given up."""
 
 Wanted = Sequence[Obstacle | Detection]
+Seen = tuple[Array, Array, Array]
+"""`azimuth`, `slack` and `arc` of some sides."""
+Left = tuple[Mask, Array, Array]
+"""`missing`, `shown` and `worth` of some sides."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,17 +75,16 @@ class Sides:
         looks: Sequence[Look] = (),
     ) -> "Sides":
         """The sides of obstacles within reach of positions (C, 2), after some looks."""
-        azimuth = np.empty((len(wanted), len(places)))
-        slack = np.full(azimuth.shape, -1.0)
-        for row, obstacle in enumerate(wanted):
-            offset = obstacle.centre - places
-            azimuth[row], apart = np.arctan2(offset[:, 1], offset[:, 0]), np.hypot(*offset.T)
-            own = obstacle.radius + floor.cell_size
-            near = np.flatnonzero((apart - obstacle.radius <= reach) & (apart > 0.0))
-            starts, end = floor.in_cells(places[near]), floor.in_cells(obstacle.centre)
-            seen = near[are_open(floor.occupied, starts, end, own / floor.cell_size)]
-            half_width = np.arcsin(np.minimum(obstacle.radius / apart[seen], 1.0))
-            slack[row, seen] = np.maximum(field_rad / 2.0 - half_width, SPACING_RAD)
+        centres = np.array([one.centre for one in wanted]).reshape(-1, 2)
+        radii = np.array([one.radius for one in wanted]).reshape(-1, 1)
+        x, z = np.moveaxis(centres[:, None] - places, -1, 0)
+        azimuth, apart = np.arctan2(z, x), np.hypot(x, z)
+        is_near = (apart - radii <= reach) & (apart > 0.0)
+        own = (radii[:, 0] + floor.cell_size) / floor.cell_size
+        lines = (floor.in_cells(places), floor.in_cells(centres), own)
+        is_seen = are_open(floor.occupied, *lines, is_near)
+        half_width = np.arcsin(np.minimum(radii / np.where(is_near, apart, np.inf), 1.0))
+        slack = np.where(is_seen, np.maximum(field_rad / 2.0 - half_width, SPACING_RAD), -1.0)
         arc, looked = np.array([_arc(one) for one in wanted]), _looked(looks)
         of_each = [_missing(one, looked) for one in wanted]
         missing = np.array(of_each, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD))
@@ -104,16 +102,13 @@ class Sides:
             worth=worth,
         )
 
-    def after(self, place: int, azimuth_rad: float) -> "Sides":
-        """The sides that are left after a view from a position."""
+    def after(self, place: int, azimuth_rad: float) -> "tuple[Sides, NDArray[np.intp]]":
+        """The sides left after a view, and the positions from which less is left to see."""
         missing, shown, worth = self.missing.copy(), self.shown.copy(), self.worth.copy()
-        rows = self._in_view(place, azimuth_rad)
-        bearings = self.azimuth[rows, place] + math.pi
-        missing[rows] &= turn(BEARINGS_RAD, bearings[:, None]) > self.arc[rows, None]
-        shown[rows] = _shown(self.azimuth[rows], self.slack[rows], missing[rows], self.arc[rows])
-        changed = np.flatnonzero((shown[rows] != self.shown[rows]).any(axis=0))
-        _add_up(worth, changed, shown, self.azimuth, self.slack)
-        return replace(self, missing=missing, shown=shown, worth=worth)
+        changed = _cover(
+            (self.azimuth, self.slack, self.arc), (missing, shown, worth), place, azimuth_rad
+        )
+        return replace(self, missing=missing, shown=shown, worth=worth), changed
 
     def looks(self, place: int, azimuth_rad: float) -> list[Look]:
         """The looks at obstacles of which a view from a position would show something new."""
@@ -199,38 +194,50 @@ def _apart(a_rad: float, b_rad: float) -> float:
 
 
 @njit(cache=True)
-def _before(missing: Mask) -> NDArray[np.intp]:
-    """Number of missing bearings before each one, over three turns."""
-    number = len(missing)
-    before = np.zeros(3 * number + 1, np.intp)
-    for bearing in range(3 * number):
-        before[bearing + 1] = before[bearing] + missing[bearing % number]
-    return before
-
-
-@njit(cache=True)
 def _shown(azimuth: Array, slack: Array, missing: Mask, arc: Array) -> Array:
     """Share (O, C) of a side of each obstacle that views from each position would cover."""
-    shown, number = np.zeros(azimuth.shape), len(BEARINGS_RAD)
+    shown = np.zeros(azimuth.shape)
     for row in range(azimuth.shape[0]):
-        before = _before(missing[row])
-        total, half = before[number], arc[row] * number / (2.0 * math.pi)
-        for c in range(azimuth.shape[1] if total > 0 else 0):
-            if slack[row, c] >= 0.0:
-                # Bearings are half a spacing off the multiples of it; those of the middle turn.
-                middle = (azimuth[row, c] / (2.0 * math.pi) + 0.5) % 1.0 * number - 0.5 + number
-                first, last = math.ceil(middle - half), math.floor(middle + half)
-                new = before[last + 1] - before[first]
-                shown[row, c] = _share(new, total, 2.0 * half)
+        _show(azimuth[row], slack[row], missing[row], arc[row], shown[row])
     return shown
 
 
 @njit(cache=True)
-def _share(new: int, total: int, side: float) -> float:
-    """Value of new bearings as a share of a side, given the total number missing."""
-    if new == total:
-        return max(new / side, LAST)
-    return new / side if new >= LEAST * side or total < 2.0 * LEAST * side else 0.0
+def _show(azimuth: Array, slack: Array, missing: Mask, arc: float, shown: Array) -> None:
+    """Set what is `shown` (C,) of one obstacle from each position."""
+    number, half = len(BEARINGS_RAD), arc * len(BEARINGS_RAD) / (2.0 * math.pi)
+    values = values_of(missing, 2.0 * half)
+    for c in range(len(azimuth)):
+        shown[c] = 0.0
+        if slack[c] >= 0.0:
+            # Bearings are half a spacing off the multiples of it.
+            middle = (azimuth[c] / (2.0 * math.pi) + 0.5) % 1.0 * number - 0.5
+            first, last = math.ceil(middle - half), math.floor(middle + half)
+            shown[c] = values[last - first + 1 - int(2.0 * half), first % number]
+
+
+@njit(cache=True)
+def _cover(seen: Seen, left: Left, place: int, azimuth_rad: float) -> NDArray[np.intp]:
+    """Remove the sides that a view from a position shows from what is `left`, in place.
+
+    Returns
+    -------
+    (K,) int
+        The positions from which less is left to see.
+    """
+    azimuth, slack, arc = seen
+    missing, shown, worth = left
+    changed = np.zeros(shown.shape[1], np.bool_)
+    for row in range(len(arc)):
+        if _apart(azimuth[row, place], azimuth_rad) <= slack[row, place]:
+            before, behind = shown[row].copy(), azimuth[row, place] + math.pi
+            for number in range(len(BEARINGS_RAD)):
+                missing[row, number] &= _apart(BEARINGS_RAD[number], behind) > arc[row]
+            _show(azimuth[row], slack[row], missing[row], arc[row], shown[row])
+            changed |= shown[row] != before
+    places = np.flatnonzero(changed)
+    _add_up(worth, places, shown, azimuth, slack)
+    return places
 
 
 @njit(cache=True)

@@ -193,21 +193,28 @@ def best_place(
 
 
 @njit(cache=True)
-def best_rays(worth: Array, barred: Mask) -> Best:
-    """The views of highest worth (C, A), of those not `barred` (C, A)."""
-    number = len(worth)
-    best = (np.zeros(number), np.zeros(number, np.intp))
-    for c in range(number):
-        for a in range(worth.shape[1]):
-            if worth[c, a] > best[0][c] and not barred[c, a]:
-                best[0][c] = worth[c, a]
-    slack = ROUNDING * best[0].max()
-    for c in range(number):
-        for a in range(worth.shape[1]):
-            if worth[c, a] >= best[0][c] - slack and not barred[c, a]:
-                best[1][c] = a
-                break
-    return best
+def update_best(
+    best: Best,
+    places: NDArray[np.intp],
+    sides: Array,
+    ground: Array,
+    barred: Mask,
+    side_area: float,
+) -> None:
+    """Set the best views from some positions, of those that show a side and are not `barred`.
+
+    Parameters
+    ----------
+    best : Best
+        Updated in place.
+    sides, ground : (C, A), (C, A)
+        Number of sides and area of ground that a view along each ray shows; a side counts as
+        `side_area`.
+    """
+    for c in places:
+        worth = np.where((sides[c] > 0.0) & ~barred[c], side_area * sides[c] + ground[c], 0.0)
+        ray = _first_best(worth, ROUNDING * worth.max())
+        best[0][c], best[1][c] = worth[ray], ray
 
 
 @njit(cache=True)
@@ -222,11 +229,19 @@ def see(unknown: Mask, blocking: Mask, place: Array, azimuths: Array, radii: Arr
 
 
 @njit(cache=True)
-def are_open(occupied: Mask, starts: Array, end: Array, own: float) -> Mask:
-    """Mask (C,) of the positions (C, 2) with a free line of sight to another."""
-    is_seen = np.empty(len(starts), np.bool_)
-    for c in range(len(starts)):
-        is_seen[c] = is_open(occupied, starts[c], end, own)
+def are_open(occupied: Mask, starts: Array, ends: Array, own: Array, wanted: Mask) -> Mask:
+    """Mask (O, C) of the free ones of the `wanted` lines of sight from positions to others.
+
+    Parameters
+    ----------
+    starts, ends : (C, 2), (O, 2)
+    own : (O,)
+        Length at the end of the lines where occupied cells do not block them.
+    """
+    is_seen = np.zeros_like(wanted)
+    for o in range(len(ends)):
+        for c in range(len(starts)):
+            is_seen[o, c] = wanted[o, c] and is_open(occupied, starts[c], ends[o], own[o])
     return is_seen
 
 

@@ -12,7 +12,7 @@ from recon.exploration.gains import AZIMUTHS_RAD, Visibility
 from recon.exploration.oracle import improved
 from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
-from recon.exploration.sight import best_rays
+from recon.exploration.sight import update_best
 
 MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 8
 """Maximum number of stops of a round: further ones hardly change where it begins."""
@@ -33,6 +33,13 @@ class Tour:
     """(C,) lengths of the paths from here, world units."""
     stops: list[tuple[int, int]] = field(default_factory=list)
     """Indices of the position and the ray of each view, in order."""
+    _legs: list[Array] = field(default_factory=list)
+    """Distances (C,) of the positions from each stop."""
+
+    def insert(self, position: int, place: int, ray: int) -> None:
+        """Insert a view before the stop at an index of the path."""
+        self.stops.insert(position, (place, ray))
+        self._legs.insert(position, np.hypot(*(self.places - self.places[place]).T))
 
     def detours(self, early: float = 1.0) -> tuple[Array, NDArray[np.intp]]:
         """The detour (C,) that each position adds to the path, and its index (C,) on the path.
@@ -44,10 +51,8 @@ class Tour:
         """
         if not self.stops:
             return self.lengths, np.zeros(len(self.lengths), dtype=np.intp)
-        points = self.places[[place for place, _ in self.stops]]
-        along = np.append(self.lengths[self.stops[0][0]], np.hypot(*np.diff(points, axis=0).T))
         found: tuple[Array, NDArray[np.intp]] = _detours(
-            self.lengths, cdist(self.places, points), along, early
+            self.lengths, np.array(self._legs), np.array([place for place, _ in self.stops]), early
         )
         return found
 
@@ -57,29 +62,31 @@ class Tour:
         legs = np.zeros((len(numbers) + 1, len(numbers) + 1))
         legs[0, 1:] = legs[1:, 0] = self.lengths[numbers]
         legs[1:, 1:] = cdist(self.places[numbers], self.places[numbers])
-        order = improved(list(range(len(legs))), legs)
-        self.stops = [self.stops[number - 1] for number in order[1:]]
+        order = improved(list(range(len(legs))), legs)[1:]
+        self.stops = [self.stops[number - 1] for number in order]
+        self._legs = [self._legs[number - 1] for number in order]
 
 
 @njit(cache=True)
 def _detours(
-    lengths: Array, legs: Array, along: Array, early: float
+    lengths: Array, legs: Array, stops: NDArray[np.intp], early: float
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Smallest detour (C,) and its position (C,) on a path with S stops.
+    """Smallest detour (C,) and its position (C,) on a path past some of C positions.
 
     Parameters
     ----------
-    lengths, legs : (C,), (C, S)
+    lengths, legs : (C,), (S, C)
         Distances of the positions from the start of the path and from its stops.
-    along : (S,)
-        Distance of each stop from the one before it.
+    stops : (S,)
+        Positions of the stops.
     """
-    num_places, num_stops = legs.shape
-    detour, position = legs[:, num_stops - 1].copy(), np.full(num_places, num_stops)
-    for c in range(num_places):
-        for stop in range(num_stops - 1, -1, -1):
-            before = lengths[c] if stop == 0 else legs[c, stop - 1]
-            between = max(early * (before + legs[c, stop] - along[stop]), 0.0)
+    last = len(stops) - 1
+    detour, position = legs[last].copy(), np.full(len(lengths), last + 1)
+    for stop in range(last, -1, -1):
+        before = lengths if stop == 0 else legs[stop - 1]
+        along = before[stops[stop]]
+        for c in range(len(lengths)):
+            between = max(early * (before[c] + legs[stop, c] - along), 0.0)
             # Of detours equal up to rounding, the first is taken.
             if between <= detour[c] + ROUNDING * lengths[c]:
                 detour[c], position[c] = min(between, detour[c]), stop
@@ -120,18 +127,19 @@ def add_objects(
     """Insert views of new sides of obstacles into a round; ground in these views counts too."""
     if not sides.missing.any():
         return
-    area = visibility.area(unknown, np.flatnonzero(sides.shown.any(axis=0)))
+    changed = np.flatnonzero(sides.shown.any(axis=0))
+    area = visibility.area(unknown, changed)
     ground = scales.much_area * area / (area + scales.much_area)
+    most, ray = np.zeros(len(area)), np.zeros(len(area), dtype=np.intp)
     for _ in range(MAX_OBJECT_STOPS):
-        worth = np.where(sides.worth > 0.0, scales.side_area * sides.worth + ground, 0.0)
-        most, ray = best_rays(worth, visibility.barred)
+        update_best((most, ray), changed, sides.worth, ground, visibility.barred, scales.side_area)
         detour, position = tour.detours()
         score = most / (detour + scales.pair_cost)
         best = int(first_best(score))
         if score[best] == 0.0:
             return
-        tour.stops.insert(position[best], (best, int(ray[best])))
-        sides = sides.after(best, AZIMUTHS_RAD[ray[best]])
+        tour.insert(int(position[best]), best, int(ray[best]))
+        sides, changed = sides.after(best, AZIMUTHS_RAD[ray[best]])
 
 
 def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales) -> None:
@@ -150,7 +158,7 @@ def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales
         stop = visibility.best_place(unknown, best, detour + scales.stop_cost, least)
         if stop is None:
             return
-        tour.stops.insert(position[stop[0]], stop)
+        tour.insert(int(position[stop[0]]), *stop)
         place, azimuth = tour.places[stop[0]], float(AZIMUTHS_RAD[stop[1]])
         unknown = visibility.left(unknown, place, azimuth)
         visibility = visibility.without([(place, azimuth)], scales.same_place)

@@ -13,6 +13,7 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.exploration.obstacles import Observations, Obstacle, find_obstacles
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
+from recon.exploration.sides import OPEN_SURE_RAD, widest_gap
 from recon.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
@@ -24,7 +25,8 @@ NEARLY_ALL = 0.9
 NUM_VIEWS = 3
 """An obstacle is first named when this number of views have seen it well ..."""
 GROWTH, SURE_GROWTH = 1.25, 2.0
-"""... and again when it has grown by this factor, without and with a sure label."""
+"""... and again when it has grown by this factor; by the second one if its label is sure, and it is
+not yet seen from all around."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -140,7 +142,8 @@ class WorldModel:
 
         It was noise if a closer view saw the ground there as free.
         """
-        seen_from = self.floor.seen_from[self.floor.disc(detection.centre, detection.radius)]
+        around = self.floor.window(detection.centre, detection.radius)
+        seen_from = around.seen_from[around.disc(detection.centre, detection.radius)]
         if not len(seen_from) or np.median(seen_from) < detection.distance - detection.radius:
             return True
         return bool(self._is_mapped(detection.centre[None], detection.sigma)[0])
@@ -167,7 +170,8 @@ class WorldModel:
 
 
 def _is_due(obstacle: Obstacle) -> bool:
-    growth = SURE_GROWTH if obstacle.is_sure else GROWTH
+    is_open = widest_gap(obstacle.bearings_rad) > OPEN_SURE_RAD
+    growth = SURE_GROWTH if obstacle.is_sure and is_open else GROWTH
     has_grown = len(obstacle.voxels) > growth * obstacle.num_named
     return has_grown and len(obstacle.bearings_rad) >= NUM_VIEWS
 

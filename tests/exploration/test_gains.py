@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 
 from recon.exploration.floor import Floor
 from recon.exploration.gains import NUM_RAYS, Visibility, ray_of
+from recon.exploration.gaps import LAST, LEAST
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
-from recon.exploration.sides import LAST, MAX_LOOKS, Look, Sides, is_given_up, widest_gap
+from recon.exploration.sides import MAX_LOOKS, Look, Sides, is_given_up, widest_gap
 from recon.exploration.tour import EARLY, Tour, first_stop
 from recon.settings import Settings
 
@@ -72,7 +73,8 @@ def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
     shown = []
     for place in range(3):
         shown.append(sides.shown[0, place])
-        sides = sides.after(place, sides.azimuth[0, place])
+        sides, changed = sides.after(place, sides.azimuth[0, place])
+        assert place in changed
         assert sides.shown[0, place] == 0.0
         assert sides.worth.max(axis=1) == pytest.approx(sides.shown[0], abs=0.01)
     assert not sides.missing.any()
@@ -81,9 +83,18 @@ def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
     assert LAST <= shown[2] < shown[1]
 
 
+def test_a_view_from_behind_is_worth_little_as_two_gaps_are_left(floor):
+    opposite, *others = (-13.0, 0.0), *ALL_ROUND
+    sides, _ = sides_from(floor, *others, opposite).after(0, np.pi)
+    assert 0.0 < sides.shown[0, 3] <= LEAST
+    assert (sides.shown[0, 1:3] > 0.7).all()
+
+
 def test_a_view_away_from_a_thing_leaves_its_sides_missing(floor):
     sides = sides_from(floor, (13.0, 0.0))
-    assert sides.after(0, 0.0).missing.all()
+    left, changed = sides.after(0, 0.0)
+    assert left.missing.all()
+    assert not len(changed)
     assert sides.target(0, np.pi) is OBSTACLE
     assert sides.target(0, np.pi / 2) is None
 
@@ -119,7 +130,10 @@ def test_the_widest_gap_of_three_even_views_is_a_third():
 
 def tour_past(*stops, places):
     places = np.array(places, dtype=float)
-    return Tour(places=places, lengths=np.hypot(*places.T), stops=[(stop, 0) for stop in stops])
+    tour = Tour(places=places, lengths=np.hypot(*places.T))
+    for position, stop in enumerate(stops):
+        tour.insert(position, stop, 0)
+    return tour
 
 
 PLACES = [(10.0, 0.0), (20.0, 0.0), (5.0, 0.0), (15.0, 3.0), (25.0, 0.0), (-5.0, 0.0)]

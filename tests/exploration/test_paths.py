@@ -4,10 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
 
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle, covered_by
-from recon.exploration.paths import ShortestPaths, plan, unexplored
+from recon.exploration.paths import ShortestPaths, _near, plan, unexplored
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
 from recon.exploration.state import State
@@ -146,6 +149,23 @@ def test_sightings_bar_the_way(floor):
 def test_who_stands_too_near_can_get_away(floor):
     paths = planned(state_on(floor, place=(9.0, 0.0)))
     assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
+
+
+@pytest.mark.parametrize("radius", [0.5, 4.0])
+def test_who_stands_where_something_was_touched_can_leave(floor, radius):
+    floor.touch(np.zeros(2), radius)
+    paths = planned(state_on(floor))
+    assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
+    assert not planned(state_on(floor, place=(-20.0, 0.0))).reaches(np.zeros((1, 2)))[0]
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 5.0))
+def test_the_cells_near_others_are_those_of_the_distance_transform(seed, distance):
+    rng = np.random.default_rng(seed)
+    cells = rng.random((20, 30)) < rng.choice([0.02, 0.3, 0.9])
+    cells[rng.integers(20), rng.integers(30)] = True
+    assert np.array_equal(_near(cells, distance), distance_transform_edt(~cells) < distance)
 
 
 def test_the_inside_of_a_thing_and_chinks_are_not_unexplored():
