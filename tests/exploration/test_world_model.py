@@ -1,0 +1,43 @@
+"""The agent's model of the world: when obstacles are named again."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.world_model import _is_due
+from recon.records import UNKNOWN
+
+AROUND, IN_FRONT = (0.0, 2.1, 4.2), (0.0, 0.5, 1.0)
+
+
+def obstacle(num_cells, bearings, label="house"):
+    """An obstacle that was named when it had 100 cells."""
+    none = np.empty((0, 2), dtype=np.intp)
+    return Obstacle(
+        cells=none,
+        covered=none,
+        centre=np.zeros(2),
+        radius=3.0,
+        top=5.0,
+        voxels=range(num_cells),
+        bearings_rad=np.array(bearings),
+        found=SimpleNamespace(label=label, probability=0.95),
+        num_named=100,
+    )
+
+
+@pytest.mark.parametrize(
+    ("num_cells", "bearings", "label", "is_due"),
+    [
+        (130, IN_FRONT, "house", False),
+        (210, IN_FRONT, "house", True),
+        (130, AROUND, "house", True),
+        (120, AROUND, "house", False),
+        (130, IN_FRONT, UNKNOWN, True),
+        (210, IN_FRONT[:2], UNKNOWN, False),
+    ],
+)
+def test_a_name_is_asked_for_again_as_its_obstacle_grows(num_cells, bearings, label, is_due):
+    assert _is_due(obstacle(num_cells, bearings, label)) == is_due
