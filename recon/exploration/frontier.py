@@ -28,8 +28,8 @@ from recon.records import View
 HORIZON = 1.5
 """Rounds are planned over the floor within this number of sight ranges if they find a view
 there."""
-MAX_WANTED = 24
-"""Maximum number of obstacles of a round: the nearest."""
+MAX_WANTED = 12
+"""Maximum number of obstacles of a round, the nearest: there are stops for two views of each."""
 
 
 @dataclass(slots=True, kw_only=True)

@@ -135,20 +135,19 @@ class WorldModel:
         new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
         for detection in detections(new, seen.place, self.scales):
             self._note(detection)
-        self.detections = tuple(one for one in self.detections if not self._is_settled(one))
+        centres = np.array([one.centre for one in self.detections]).reshape(-1, 2)
+        mapped = self._is_mapped(centres, np.array([one.sigma for one in self.detections]))
+        unmapped = itertools.compress(self.detections, ~mapped)
+        self.detections = tuple(one for one in unmapped if not self._is_noise(one))
 
-    def _is_settled(self, detection: Detection) -> bool:
-        """True if a detection is now in the map, or was noise.
-
-        It was noise if a closer view saw the ground there as free.
-        """
+    def _is_noise(self, detection: Detection) -> bool:
+        """True if a closer view saw the ground below a detection as free."""
         around = self.floor.window(detection.centre, detection.radius)
         seen_from = around.seen_from[around.disc(detection.centre, detection.radius)]
-        if not len(seen_from) or np.median(seen_from) < detection.distance - detection.radius:
-            return True
-        return bool(self._is_mapped(detection.centre[None], detection.sigma)[0])
+        nearest = detection.distance - detection.radius
+        return not len(seen_from) or bool(np.median(seen_from) < nearest)
 
-    def _is_mapped(self, points_xz: Array, sigma: Array | float) -> Mask:
+    def _is_mapped(self, points_xz: Array, sigma: Array) -> Mask:
         """Mask (N,) of the points that belong, within their errors, to a mapped obstacle."""
         centres = np.array([one.centre for one in self.obstacles]).reshape(-1, 2)
         reach = np.array([one.radius for one in self.obstacles]) + self.scales.same_obstacle
