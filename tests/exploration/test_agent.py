@@ -139,7 +139,7 @@ def test_objects_that_touch_are_walked_round_together(explore_discs):
 
 
 def test_an_obstacle_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
-    done = explore_discs([(33.0, 0.0, 6.0, 12.0)], size=80.0)
+    done = explore_discs([(35.0, 0.0, 6.0, 12.0)], size=80.0)
     assert done.stop_reason == "all known"
     assert "cannot be reached" in done.message
     assert len(done.recognition.objects) >= 1
