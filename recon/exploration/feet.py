@@ -73,8 +73,11 @@ def _projection(pair: StereoPair) -> Array:
     """(3, 4) projection of world points to the left image."""
     T_left_world = invert(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
     rig = pair.rig
-    middle = np.array([[rig.cx_left_px], [rig.cy_px], [1.0]])
-    return np.diag([rig.focal_px, rig.focal_px, 0.0]) @ T_left_world[:3] + middle * T_left_world[2]
+    K = np.array(
+        [[rig.focal_px, 0.0, rig.cx_left_px], [0.0, rig.focal_px, rig.cy_px], [0.0, 0.0, 1.0]]
+    )
+    projection: Array = K @ T_left_world[:3]
+    return projection
 
 
 @njit(cache=True)

@@ -65,7 +65,8 @@ def _needed(missing: Mask, first: int, width: int, side: float) -> float:
             gap += 1
         elif gap:
             needed, gap = needed + _views(gap / side), 0
-    return needed + _views(gap / side)
+    rest: float = _views(gap / side)
+    return needed + rest
 
 
 @njit(cache=True)

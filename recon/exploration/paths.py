@@ -141,7 +141,7 @@ def _open_exit(walkable: Mask, here: tuple[int, ...]) -> None:
 
 def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
     """Mask (X, Z) of cells with a clearance (in cells), near `here` at most the clearance there."""
-    away = ~_near(cells, clearance)
+    away: Mask = ~_near(cells, clearance)
     if away[here]:
         return away
     room = float(np.hypot(*(np.argwhere(cells) - here).T).min())

@@ -18,7 +18,7 @@ from recon.exploration.sight import are_open
 OPEN_SURE_RAD, OPEN_RAD = math.radians(150.0), math.radians(110.0)
 """An obstacle is known if no gap between its views is wider, with and without a sure label: three
 or four views all around."""
-MARGIN_RAD = math.radians(6.0)
+MARGIN_RAD = math.radians(8.0)
 """Views are planned closer together by this angle, since positions are never reached exactly."""
 BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
 CENTRED = 0.1
