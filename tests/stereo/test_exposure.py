@@ -26,9 +26,9 @@ def pair():
 @given(gain=st.floats(1.1, 1.3), offset=st.floats(-20, 10))
 def test_a_gain_is_measured_whatever_the_offset(pair, gain, offset):
     left, right, _ = pair
-    assert gain_between(left, seen_through(right, gain, offset)) == pytest.approx(gain, rel=0.02)
+    assert gain_between(left, seen_through(right, gain, offset)) == pytest.approx(gain, rel=0.03)
     assert gain_between(seen_through(left, gain, offset), right) == pytest.approx(
-        1 / gain, rel=0.02
+        1 / gain, rel=0.03
     )
 
 
