@@ -18,17 +18,17 @@ def seen_through(image, gain, offset=0.0):
 @pytest.fixture(scope="module")
 def pair():
     left, right, truth = textured_pair(noise=1.0)
-    # Away from black and white, where a camera would cut its levels off.
-    return seen_through(left, 0.7, 30), seen_through(right, 0.7, 30), truth
+    # So far from white that no gain or offset of these tests clips it.
+    return seen_through(left, 0.6, 20), seen_through(right, 0.6, 20), truth
 
 
 @settings(max_examples=20, deadline=None)
 @given(gain=st.floats(1.1, 1.3), offset=st.floats(-20, 10))
 def test_a_gain_is_measured_whatever_the_offset(pair, gain, offset):
     left, right, _ = pair
-    assert gain_between(left, seen_through(right, gain, offset)) == pytest.approx(gain, rel=0.03)
+    assert gain_between(left, seen_through(right, gain, offset)) == pytest.approx(gain, rel=0.02)
     assert gain_between(seen_through(left, gain, offset), right) == pytest.approx(
-        1 / gain, rel=0.03
+        1 / gain, rel=0.02
     )
 
 
