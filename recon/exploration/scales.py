@@ -48,7 +48,7 @@ class Scales:
     @property
     def pair_cost(self) -> float:
         """Cost of a pair as a walking distance."""
-        return 0.5 * self.viewing_distance
+        return 0.75 * self.viewing_distance
 
     @property
     def stop_cost(self) -> float:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from recon.geometry import pose, rotation_about_y, transform
 from recon.recognition import components, recognise
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings
@@ -133,3 +134,17 @@ def test_probabilities_come_true():
                 rights.append(one.label == kind)
     assert len(rights) > 20
     assert np.mean(rights) == pytest.approx(np.mean(chances), abs=0.12)
+
+
+@pytest.mark.parametrize("top", [13.0, 14.0])
+def test_the_lower_half_of_a_crown_is_not_the_cone_of_a_pine(top):
+    tree = Composite(
+        shapes=("cylinder", "sphere"),
+        axis=np.array([3.0, 4.0]),
+        heights=np.array([0.0, 9.5, 19.5]),
+        radii=(np.array([1.7]), np.array([])),
+    )
+    seen = observe(tree, COLOURS, NEAR, np.random.default_rng(0))
+    voxels = voxelise(seen.select(seen.points[:, 1] < top))
+    found = recognise(voxels, SETTINGS).objects
+    assert [one.label for one in found] in (["unknown"], ["apple tree"])

@@ -59,10 +59,13 @@ class Composite:
 
     @property
     def slenderness(self) -> Array:
-        """Height over radius (parts,); for a cone, over the decrease of its radius."""
-        spans = np.diff(self.heights)
-        narrowing = [abs(float(r[0] - r[1])) if len(r) > 1 else np.inf for r in self.radii]
-        ratios: Array = spans / np.maximum(np.minimum(self.widest, narrowing), 1e-9)
+        """Height over radius (parts,); for a cone, over the decrease of its radius.
+
+        Negative for a cone that widens upwards.
+        """
+        falls = np.array([float(r[0] - r[1]) if len(r) > 1 else np.inf for r in self.radii])
+        breadths = np.maximum(np.minimum(self.widest, np.abs(falls)), 1e-9)
+        ratios: Array = np.copysign(np.diff(self.heights) / breadths, falls)
         return ratios
 
     @property
