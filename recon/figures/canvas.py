@@ -162,7 +162,6 @@ def load_libraries() -> None:
     """Load everything that is needed to draw, which takes as long as some figures."""
     importlib.import_module("matplotlib.figure")
     importlib.import_module("matplotlib.backends.backend_agg")
-    importlib.import_module("recon.figures.table")
     getattr(load_pyvista(), "Plotter")  # noqa: B009
 
 

@@ -1,6 +1,5 @@
 """Drawing of figures: by this process, or by a second one while the run goes on."""
 
-import importlib
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -32,25 +31,30 @@ class Artist:
 
 
 class SecondProcess(Artist):
-    """Draws in another process, which loads the libraries for figures ahead.
+    """Draws in another process, which prepares for it ahead.
 
     The process imports the main module: a program without a guard would start again.
+
+    Parameters
+    ----------
+    prepare : callable
+        What the process does first, as loading libraries.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, prepare: Callable[[], object]) -> None:
         context = get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with _without_ctrl_c():
             self._process.start()
         theirs.close()
+        self._send(prepare)
         self._waiting: list[Call] = []
 
     def draw(self, call: Callable[..., object], *arguments: Any) -> None:
         """Request a call that writes figures."""
         self._waiting.append((call, arguments))
-        with suppress(BrokenPipeError):  # noticed when the call is waited for
-            self._pipe.send((call, arguments))
+        self._send((call, arguments))
 
     def finish(self) -> None:
         """Wait for all figures; those of a process that was killed are drawn by this one."""
@@ -69,6 +73,11 @@ class SecondProcess(Artist):
         self._process.kill()
         self._process.join()
         self._pipe.close()
+
+    def _send(self, message: object) -> None:
+        """Send a message; a process that has ended is noticed when figures are waited for."""
+        with suppress(BrokenPipeError):
+            self._pipe.send(message)
 
 
 @contextmanager
@@ -90,11 +99,9 @@ def _serve(pipe: Connection) -> None:
     begin_worker(1)
     calls: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, calls), daemon=True).start()
-    # Late: the limit of threads has to be set before.
-    from recon.figures.canvas import load_libraries
-
-    load_libraries()
-    importlib.import_module("recon.runs.figures")
+    # Functions are loaded with their modules: the limit of threads has to be set before.
+    prepare = ForkingPickler.loads(calls.get())
+    prepare()
     while True:
         call, arguments = ForkingPickler.loads(calls.get())
         try:

@@ -3,6 +3,7 @@
 from contextlib import closing
 from pathlib import Path
 
+from recon.figures.canvas import load_libraries
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder
 from recon.runs.artist import Artist, SecondProcess
@@ -56,7 +57,7 @@ def execute(
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
     kind = KINDS.load(job.kind)
-    artist = SecondProcess() if draws_apart and kind.has_artist else Artist()
+    artist = SecondProcess(load_libraries) if draws_apart and kind.has_artist else Artist()
     with closing(artist), collected_notices() as notices, stopwatch.counting_compilation():
         job = job.resolved()
         path = folder or kind.folder(job)

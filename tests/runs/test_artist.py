@@ -10,7 +10,7 @@ from recon.runs.artist import SecondProcess
 
 @pytest.fixture
 def artist():
-    second = SecondProcess()
+    second = SecondProcess(Path.cwd)
     yield second
     second.close()
 
