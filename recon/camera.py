@@ -40,6 +40,13 @@ class StereoRig:
         return self.cx_left_px - self.cx_right_px
 
     @property
+    def K_left(self) -> Array:
+        """(3, 3) matrix that projects from the left camera's frame to homogeneous pixels."""
+        return np.array(
+            [[self.focal_px, 0.0, self.cx_left_px], [0.0, self.focal_px, self.cy_px], [0, 0, 1.0]]
+        )
+
+    @property
     def T_left_right(self) -> Array:
         """(4, 4) transform from the right camera's frame to the left one's."""
         T = np.eye(4)

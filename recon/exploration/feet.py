@@ -72,11 +72,7 @@ def _reach(pair: StereoPair, height: float, end: float) -> float:
 def _projection(pair: StereoPair) -> Array:
     """(3, 4) projection of world points to the left image."""
     T_left_world = invert(np.eye(4) if pair.T_world_left is None else pair.T_world_left)
-    rig = pair.rig
-    K = np.array(
-        [[rig.focal_px, 0.0, rig.cx_left_px], [0.0, rig.focal_px, rig.cy_px], [0.0, 0.0, 1.0]]
-    )
-    projection: Array = K @ T_left_world[:3]
+    projection: Array = pair.rig.K_left @ T_left_world[:3]
     return projection
 
 

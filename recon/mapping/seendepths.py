@@ -32,7 +32,7 @@ class SeenDepths:
     def __init__(self, at_px: Array, depth: Array, sigma: Array, size: tuple[int, int]) -> None:
         self._num_blocks = tuple(int(side / MAX_OFFSET_PX) + 1 for side in size)
         columns, rows = self._num_blocks
-        block = _blocks(at_px, columns, rows)
+        block = _blocks(at_px, (columns, rows))
         order = np.argsort(block, kind="stable")
         self._starts = np.searchsorted(block[order], np.arange(columns * rows + 1))
         self._seen = np.column_stack([at_px, depth, sigma])[order]
@@ -43,11 +43,13 @@ class SeenDepths:
         return _agree(self._seen, self._starts, self._num_blocks, given)  # type: ignore[no-any-return]
 
 
-def _blocks(at_px: Array, columns: int, rows: int) -> Integers:
-    with np.errstate(invalid="ignore"):
-        place = np.clip(np.nan_to_num(at_px // MAX_OFFSET_PX), 0, (columns - 1, rows - 1))
-    column, row = place.astype(np.int64).T
-    blocks: Integers = row * columns + column
+@njit(cache=True, nogil=True, error_model="numpy")
+def _blocks(at_px: Array, num_blocks: tuple[int, int]) -> Integers:
+    """Number (N,) of the block of each image point."""
+    columns, rows = num_blocks
+    blocks = np.empty(len(at_px), np.int64)
+    for k in range(len(at_px)):
+        blocks[k] = _block(at_px[k, 1], rows) * columns + _block(at_px[k, 0], columns)
     return blocks
 
 

@@ -56,10 +56,13 @@ def execute(
     """
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
-    kind = KINDS.load(job.kind)
-    artist = SecondProcess(load_libraries) if draws_apart and kind.has_artist else Artist()
-    with closing(artist), collected_notices() as notices, stopwatch.counting_compilation():
+    with (
+        collected_notices() as notices,
+        stopwatch.counting_compilation(),
+        closing(_artist(job, draws_apart)) as artist,
+    ):
         job = job.resolved()
+        kind = KINDS.load(job.kind)
         path = folder or kind.folder(job)
         if path is None:
             work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
@@ -76,6 +79,12 @@ def execute(
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)
                 run.write_json("metrics.json", report.as_json())
     return read_report(job.kind, run.path)
+
+
+def _artist(job: Job, draws_apart: bool) -> Artist:
+    """One that has time to load its libraries, as it begins before the job."""
+    is_apart = draws_apart and KINDS.load(job.kind).has_artist
+    return SecondProcess(load_libraries) if is_apart else Artist()
 
 
 def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:

@@ -72,7 +72,7 @@ def write_run_figures(
 
 
 def drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:
-    """What figures show of a result, to be sent to another process: the map only if it has rays."""
+    """The part of a result that figures show, small to send: the map only if it has rays."""
     has_rays = "rays" in getattr(contents.map, "channels", ())
     return contents if has_rays else replace(contents, map=None)
 

@@ -175,16 +175,14 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
         map=shown_map, voxels=voxels, objects=(), trajectory=mapper.trajectory
     )
     with work.stage("figures"):
-        without, named = (
-            [name for name in figures if (name in NAMELESS) == is_nameless]
-            for is_nameless in (True, False)
-        )
-        work.artist.draw(write_run_figures, run.path, drawable(nameless), None, without)
+        early = [name for name in figures if name in NAMELESS]
+        work.artist.draw(write_run_figures, run.path, drawable(nameless), None, early)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
     reconstruction = replace(nameless, objects=recognition.objects)
     with work.stage("figures"):
-        shows = drawable(reconstruction), mapper.clearest, named
-        work.artist.draw(write_run_figures, run.path, *shows)
+        shows = drawable(reconstruction), mapper.clearest
+        named = [name for name in figures if name not in NAMELESS]
+        work.artist.draw(write_run_figures, run.path, *shows, named)
     with work.stage("write"):
         write_outputs(run, reconstruction, recognition)
     with work.stage("figures"):

@@ -66,7 +66,7 @@ class Assembly:
         """Add the mesh of the next region, with the colours of its vertices."""
         mesh = Mesh(vertices=found.vertices.astype(np.float64), triangles=found.triangles)
         piece = vertex_pieces(mesh)
-        areas = piece_areas(mesh, piece[mesh.triangles[:, 0]])
+        areas = piece_areas(mesh, piece)
         piece = piece + sum(map(len, self._areas))
         self._areas.append(areas)
         self._places.append(found.vertices[found.shared])
@@ -126,7 +126,7 @@ class MeshParts:
     def of(cls, mesh: Mesh) -> "MeshParts":
         """A mesh in one part, whole as it is."""
         piece = vertex_pieces(mesh)
-        areas = piece_areas(mesh, piece[mesh.triangles[:, 0]])
+        areas = piece_areas(mesh, piece)
         normals = with_normals(mesh).normals if mesh.normals is None else mesh.normals
         assert normals is not None
         colours = np.zeros(mesh.vertices.shape, np.uint8) if mesh.colours is None else mesh.colours

@@ -27,15 +27,9 @@ def vertex_pieces(mesh: Mesh) -> NDArray[np.int64]:
     return found
 
 
-def pieces(mesh: Mesh) -> NDArray[np.int64]:
-    """(T,) index of the connected piece of each triangle."""
-    found: NDArray[np.int64] = vertex_pieces(mesh)[mesh.triangles[:, 0]]
-    return found
-
-
 def piece_areas(mesh: Mesh, piece: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Area of each connected piece, given those of the triangles (T,)."""
-    areas: NDArray[Any] = np.bincount(piece, weights=mesh.triangle_areas)
+    """Area of each connected piece, given those of the vertices (V,)."""
+    areas: NDArray[Any] = np.bincount(piece[mesh.triangles[:, 0]], weights=mesh.triangle_areas)
     return areas.astype(np.float64)
 
 
@@ -43,9 +37,9 @@ def without_floaters(mesh: Mesh, smallest_share: float = SMALLEST_SHARE) -> Mesh
     """The mesh without connected pieces that have less than a share of its area."""
     if not len(mesh):
         return mesh
-    piece = pieces(mesh)
+    piece = vertex_pieces(mesh)
     areas = piece_areas(mesh, piece)
-    return mesh.select(areas[piece] >= smallest_share * areas.sum())
+    return mesh.select(areas[piece[mesh.triangles[:, 0]]] >= smallest_share * areas.sum())
 
 
 def mesh_of_pixels(view: DepthMap) -> Mesh:

@@ -60,10 +60,7 @@ class Case:
     @cached_property
     def pieces(self) -> list[FlatPieces]:
         """Planes and bars of the cells, for every order of extraction."""
-        return [
-            self.faces,
-            *(flat_pieces(self.dense, way) for way in OTHER_WAYS),
-        ]
+        return [self.faces, *(flat_pieces(self.dense, way) for way in OTHER_WAYS)]
 
     def dense_criterion(self, bic: float) -> float:
         """The same for a fit to the dense cells."""

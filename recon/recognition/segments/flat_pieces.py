@@ -94,18 +94,27 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
     planes: list[FlatPiece] = []
     for step in way:
         least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
-        found = _boards if step == "board" else _peeled
-        for plane, own in found(cells.means[rest], step, cells.cell_size, least):
+        is_left = np.ones(len(rest), np.bool_)
+        for plane, own in _found(cells.means[rest], step, cells.cell_size, least):
             planes.append(_piece(cells, rest[own], plane))
-        taken = [piece.rows for piece in planes]
-        rest = np.setdiff1d(np.arange(len(cells)), np.concatenate(taken)) if taken else rest
+            is_left[own] = False
+        rest = rest[is_left]
     return FlatPieces(cells=cells, planes=tuple(planes), rest=rest)
+
+
+def _found(points: Array, step: Step, cell_size: float, least: int) -> Iterator[tuple[Plane, Rows]]:
+    """Planes of one step and their points."""
+    if step != "board":
+        yield from _peeled(points, step, cell_size, least)
+    elif len(points) >= least:
+        board = _board(points, cell_size, least)
+        yield from [] if board is None else [board]
 
 
 def _peeled(
     points: Array, step: Step, cell_size: float, least: int
 ) -> Iterator[tuple[Plane, Rows]]:
-    """Planes of one step, at most `MOST_PLANES`, and their points.
+    """Planes of any tilt, or upright, at most `MOST_PLANES`, and their points.
 
     Each is chosen among the planes of the points' neighbourhoods, and the level ones through them:
     a low rim has no neighbourhood that shows its plane. Strips, and points that do not hang
@@ -139,15 +148,6 @@ def _choice(points: Array, is_upright: bool, cell_size: float) -> tuple[Array, A
         return middles, normals
     level = np.broadcast_to(np.array(WORLD_UP), points.shape)
     return np.concatenate([middles, points]), np.concatenate([normals, level])
-
-
-def _boards(
-    points: Array, step: Step, cell_size: float, least: int
-) -> Iterator[tuple[Plane, Rows]]:
-    """The board, if there is one."""
-    board = _board(points, cell_size, least) if len(points) >= least else None
-    if board is not None:
-        yield board
 
 
 def _board(points: Array, cell_size: float, least: int) -> tuple[Plane, Rows] | None:

@@ -106,12 +106,11 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
 
 def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] | None:
     """A motion (4, 4) and the indices of the tracks that agree on it."""
-    K = np.array([[rig.focal_px, 0, rig.cx_left_px], [0, rig.focal_px, rig.cy_px], [0, 0, 1]])
     try:
         found, turn, step, inliers = cv2.solvePnPRansac(
             rig.triangulate(tracks.first.points_px, tracks.first.disparity_px),
             tracks.second.points_px,
-            K,
+            rig.K_left,
             None,
             iterationsCount=200,
             reprojectionError=RANSAC_PX,
