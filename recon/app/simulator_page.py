@@ -1,7 +1,7 @@
 """The simulator's page: four panes, movable cameras, and a live exploration."""
 
 from recon.app.camera_card import CameraCard
-from recon.app.eye_panes import EyePanes
+from recon.app.image_panes import ImagePanes
 from recon.app.map_views import MapViews
 from recon.app.run_card import RunCard
 from recon.app.settings_card import SettingsCard
@@ -25,12 +25,12 @@ class SimulatorPage:
         with ui.element("div").classes("recon-page"):
             with ui.element("div").classes("recon-main"):
                 with ui.element("div").classes("recon-panes recon-four"):
-                    self.eyes = EyePanes(self.simulation, self.say)
+                    self.images = ImagePanes(self.simulation, self.say)
                     self.maps = MapViews(visit, self.moved, self.say)
                 self.message = note("message", "", "recon-message")
             with side():
                 self.camera = CameraCard(self.simulation, self.moved, self.say)
-                self.eyes.add_card()
+                self.images.add_card()
                 self.run = RunCard(visit, self.say)
                 SettingsCard(self.simulation, self.changed, self.say)
         self._drawn = -1
@@ -46,7 +46,7 @@ class SimulatorPage:
         self.say("")
         self.camera.show()
         self.maps.mark()
-        self.eyes.painter.ask()
+        self.images.painter.ask()
 
     def changed(self) -> None:
         """Update the page after the look of the world has changed."""
@@ -54,7 +54,7 @@ class SimulatorPage:
         self.moved()
 
     def _poll(self) -> None:
-        if self.eyes.sight is not None:
+        if self.images.sight is not None:
             # Late: the images come first.
             self.run.introduce()
         walk = self.visit.walk
@@ -78,5 +78,5 @@ class SimulatorPage:
             except ReconError as error:
                 self.say(str(error))
             self.camera.show()
-            self.eyes.painter.ask()
+            self.images.painter.ask()
         self.maps.painter.ask()

@@ -11,7 +11,7 @@ from recon.errors import InputError
 from recon.files.documents import read_json
 from recon.sequences.images import ENDINGS as IMAGE_ENDINGS
 from recon.sequences.images import MAX_BYTES, decode_pixels
-from recon.sequences.pfm import decode_pfm, is_pfm, write_pfm
+from recon.sequences.pfm import decode_pfm, is_pfm
 from recon.sequences.text import read_bytes
 
 NAMES = ("disp_left", "disp0GT", "disp0", "disp1", "disp2", "disp_occ_0", "disp_occ", "disp_noc_0")
@@ -69,11 +69,6 @@ def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTr
         disparity = stored.astype(np.float64) / truth_scale
     disparity[~np.isfinite(disparity) | (stored == 0)] = np.nan
     return DisparityTruth(disparity, _step_px(disparity, truth_scale) if whole else 0.0)
-
-
-def write_disparity(path: Path, disparity_px: NDArray[np.float64]) -> None:
-    """Write a disparity (H, W) as PFM, unknown values (NaN) as infinite, as in Middlebury."""
-    write_pfm(path, np.where(np.isnan(disparity_px), np.inf, disparity_px))
 
 
 def _step_px(disparity: NDArray[np.float64], scale: float) -> float:

@@ -8,7 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from recon.app.eye_panes import PLAIN_COLOUR
+from recon.app.image_panes import PLAIN_COLOUR
 from recon.runfolder import read_manifest
 from tests.app.conftest import (
     PATIENCE_S,

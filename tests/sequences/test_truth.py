@@ -11,7 +11,8 @@ from recon.notices import collected_notices
 from recon.records import Matches
 from recon.sequences import read_truth
 from recon.sequences.contradictions.truth import check_truth
-from recon.sequences.truth import DisparityTruth, read_truth_file, write_disparity
+from recon.sequences.pfm import write_pfm
+from recon.sequences.truth import DisparityTruth, read_truth_file
 from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
 
 
@@ -58,7 +59,7 @@ def test_a_missing_or_broken_truth_is_refused(tmp_path):
 
 def test_what_was_found_is_read_back_as_truth(tmp_path):
     found = np.array([[1.5, np.nan, -3.25], [0.5, 20.0, np.nan]])
-    write_disparity(tmp_path / "dense.pfm", found)
+    write_pfm(tmp_path / "dense.pfm", found)
     again = read_truth_file(tmp_path / "dense.pfm")
     np.testing.assert_array_equal(again.disparity_px, found)
     assert again.quantisation_px == 0.0

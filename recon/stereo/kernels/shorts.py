@@ -106,17 +106,6 @@ def lesser(typing_context: Any, a: Any, b: Any) -> Any:
     return _shorts(_shorts, _shorts), generate
 
 
-@intrinsic
-def where_less(typing_context: Any, a: Any, b: Any, chosen: Any, other: Any) -> Any:
-    """The entries of `chosen` where ``a < b``, those of `other` elsewhere."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        a, b, chosen, other = arguments
-        return builder.select(builder.icmp_signed("<", a, b), chosen, other)
-
-    return _shorts(_shorts, _shorts, _shorts, _shorts), generate
-
-
 def _lesser(builder: Any, a: Any, b: Any) -> Any:
     return builder.select(builder.icmp_signed("<", a, b), a, b)
 

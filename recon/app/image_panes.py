@@ -23,12 +23,12 @@ REACH_PX = 6.0
 SIDES = ("left", "right")
 PLAIN_COLOUR = np.array([20, 20, 20], np.uint8)
 MARK = "#e8650a"
-HINT = "show the feature points, then click one in an eye"
+HINT = "show the feature points, then click one"
 FRAMES = Path("frames")
 """Folder of exported frames, in the working directory."""
 
 
-class EyePanes:
+class ImagePanes:
     """The panes of both cameras, and the card for their options."""
 
     def __init__(self, simulation: Simulation, complain: Callable[[str], Any]) -> None:
@@ -116,7 +116,7 @@ class EyePanes:
         points = None if self.sight is None else self.sight.points
         eyes = self.simulation.settings.eyes
         for side in SIDES:
-            content = marks.caption(f"{side} eye", (eyes.width, eyes.height))
+            content = marks.caption(f"{side} image", (eyes.width, eyes.height))
             if points is not None and self.shown[side] and self.channel != PLAIN:
                 unit = UNITS.get(self.channel, "")
                 label = f"{self.channel} [{unit}]" if unit else self.channel
