@@ -44,7 +44,7 @@ class FrontierController:
 
     def info(self) -> str:
         """The name of the strategy."""
-        return "a round past unseen sides of obstacles and unknown ground, the most gain for its length"
+        return "a round past unseen sides of obstacles and unknown ground, by gain per length"
 
     def result(self) -> str:
         """Why it ended."""
