@@ -150,11 +150,10 @@ def _boxes(
     points: NDArray[np.float64], label: NDArray[np.int32]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lowest and highest corner (L, 3) of every component."""
-    count = int(label.max(initial=-1)) + 1
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, label, points)
-    np.maximum.at(high, label, points)
-    return low, high
+    order = np.argsort(label, kind="stable")
+    starts = np.searchsorted(label[order], np.arange(int(label.max(initial=-1)) + 1))
+    ordered = points[order]
+    return np.minimum.reduceat(ordered, starts), np.maximum.reduceat(ordered, starts)
 
 
 def _on_one_axis(

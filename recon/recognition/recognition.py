@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -16,11 +17,12 @@ from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming
 from recon.recognition.naming.recognisers import RECOGNISERS
-from recon.recognition.segments.convexity import convex_pieces
+from recon.recognition.segments.convexity import Relief, convex_pieces, relief_of
 from recon.recognition.segments.focus import Focus, find_focus
 from recon.recognition.separation import (
     Namer,
     Piece,
+    Reliefs,
     Rows,
     cut_at_creases,
     reunite,
@@ -64,7 +66,7 @@ def recognise(
     _warn_of_scale(kinds, settings)
     focus = None if T_world_left is None else find_focus(T_world_left)
     layout = lay_out(voxels, settings, focus)
-    namer = _namer(layout, settings, kinds)
+    namer, reliefs = _namer(layout, settings, kinds), _reliefs(layout)
     failures: Counter[str] = Counter()
     pieces = [(namer(rows), rows) for rows in _clumps(layout, settings, failures)]
     if settings.recogniser != "thesis":
@@ -72,13 +74,14 @@ def recognise(
             pieces = reunite(pieces, namer)
             pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
         if layout.has_floor and not _is_one(focus):
-            eyes = None if T_world_left is None else T_world_left[:, :3, 3]
-            pieces = _cut(pieces, layout, eyes, settings, namer)
+            eyes = None if T_world_left is None else _level_positions(T_world_left, layout)
+            cut = partial(cut_at_creases, relief_of=reliefs, eyes=eyes, name=namer)
+            pieces = [p for piece in pieces for p in cut(piece, layout.cells, settings.min_voxels)]
     held = [piece for piece in pieces if not piece[0].is_hovering]
     failures[HOVERING] += len(pieces) - len(held)
     for naming, _ in held:
         failures.update(naming.failures)
-    return _numbered(held, layout, settings, +failures)
+    return _numbered(held, layout, reliefs, settings, +failures)
 
 
 def components(voxels: Voxels, settings: RecognitionSettings) -> NDArray[np.int32]:
@@ -113,6 +116,19 @@ def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...
     return name
 
 
+def _reliefs(layout: Layout) -> Reliefs:
+    """The function that gives the surface of the object in some rows, worked out once."""
+    known: dict[bytes, Relief] = {}
+
+    def relief(rows: Rows) -> Relief:
+        key = rows.tobytes()
+        if key not in known:
+            known[key] = relief_of(layout.cells.select(rows))
+        return known[key]
+
+    return relief
+
+
 def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str]) -> list[Rows]:
     """Components that may be objects; the others are counted as failures."""
     found = []
@@ -135,27 +151,20 @@ def _is_one(focus: Focus | None) -> bool:
     return focus is not None
 
 
-def _cut(
-    pieces: list[Piece],
-    layout: Layout,
-    eyes: Array | None,
-    settings: RecognitionSettings,
-    namer: Namer,
-) -> list[Piece]:
-    """Split unnamed objects into convex pieces that solids explain."""
-    level = None if eyes is None else transform(invert(layout.T_world_level), eyes)
-    return [
-        part
-        for piece in pieces
-        for part in cut_at_creases(piece, layout.cells, level, settings.min_voxels, namer)
-    ]
+def _level_positions(T_world_left: Array, layout: Layout) -> Array:
+    """Positions (V, 3) of the views in the level frame."""
+    return transform(invert(layout.T_world_level), T_world_left[:, :3, 3])
 
 
 def _numbered(
-    pieces: list[Piece], layout: Layout, settings: RecognitionSettings, failures: Counter[str]
+    pieces: list[Piece],
+    layout: Layout,
+    reliefs: Reliefs,
+    settings: RecognitionSettings,
+    failures: Counter[str],
 ) -> Recognition:
     """The objects in order of position, in the world frame."""
-    placed = [(_in_world(naming, rows, layout, settings), rows) for naming, rows in pieces]
+    placed = [(_in_world(*piece, layout, reliefs, settings), piece[1]) for piece in pieces]
     placed.sort(key=lambda pair: (pair[0].centre[0], pair[0].centre[2]))
     label = np.full(len(layout.cells), -1, dtype=np.int32)
     for number, (_, rows) in enumerate(placed):
@@ -169,11 +178,11 @@ def _numbered(
 
 
 def _in_world(
-    naming: Naming, rows: Rows, layout: Layout, settings: RecognitionSettings
+    naming: Naming, rows: Rows, layout: Layout, reliefs: Reliefs, settings: RecognitionSettings
 ) -> FoundObject:
     cells = layout.cells.select(rows)
     found = described(naming.found(0, len(rows)), naming.solid, cells, settings.unit)
-    pieces = 1 + int(convex_pieces(cells, None, settings.min_voxels).max())
+    pieces = 1 + int(convex_pieces(reliefs(rows), None, settings.min_voxels).max())
     return moved_object(
         replace(found, support=layout.support(cells), pieces=pieces), layout.T_world_level
     )

@@ -4,12 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from recon.recognition.connectivity import neighbours, overhanging
+from recon.recognition.connectivity import overhanging
 from recon.recognition.fitting.ransac import find_solids
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
-from recon.recognition.segments.convexity import fewest_pieces
+from recon.recognition.segments.convexity import Relief, fewest_pieces
 from recon.records import UNKNOWN, FitFailure, Solid, Voxels
 from recon.settings import RecognitionSettings
 
@@ -19,6 +20,8 @@ Mask = NDArray[np.bool_]
 Piece = tuple[Naming, Rows]
 Namer = Callable[[Rows], Naming]
 """Names the object in some rows of the map."""
+Reliefs = Callable[[Rows], Relief]
+"""The surface of the object in some rows of the map."""
 
 EXPLAINED = 1.0
 """Deviance per cell below that of a formless object from which one object is enough."""
@@ -105,7 +108,13 @@ def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
 
 
 def cut_at_creases(
-    whole: Piece, voxels: Voxels, eyes: Array | None, min_voxels: int, name: Namer
+    whole: Piece,
+    voxels: Voxels,
+    min_voxels: int,
+    *,
+    relief_of: Reliefs,
+    eyes: Array | None,
+    name: Namer,
 ) -> list[Piece]:
     """Split an unnamed object into its convex pieces, if solids explain these.
 
@@ -122,7 +131,7 @@ def cut_at_creases(
         return [whole]
     cells = voxels.select(rows)
     smallest = max(min_voxels, int(SMALLEST_PIECE * len(rows)))
-    piece = fewest_pieces(cells, eyes, smallest)
+    piece = fewest_pieces(relief_of(rows), eyes, smallest)
     piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
     explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
@@ -218,9 +227,8 @@ def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[Mask, float]]:
     if len(found) == 2:
         first, second = (solid.distances(cells.means) for solid in found)
         cuts.append(second < first)
-    pairs = neighbours(cells.index)
     whole = [cut for cut in _distinct(cuts) if min(cut.sum(), (~cut).sum()) >= min_voxels]
-    touches = [_touch(cut, pairs) for cut in whole]
+    touches = [_touch(cut, cells.index) for cut in whole]
     return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
 
 
@@ -242,10 +250,17 @@ def _distinct(cuts: list[Mask]) -> list[Mask]:
     return kept
 
 
-def _touch(second: Mask, pairs: NDArray[np.intp]) -> float:
+def _touch(second: Mask, index: NDArray[np.int64]) -> float:
     """Touching cells of the two sides over the root of the smaller side's cells."""
-    across = pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]
-    return len(np.unique(across)) / 2.0 / float(np.sqrt(min(second.sum(), (~second).sum())))
+    sides = index[~second], index[second]
+    touching = sum(_num_near(one, other) for one, other in (sides, sides[::-1]))
+    return touching / 2.0 / float(np.sqrt(min(map(len, sides))))
+
+
+def _num_near(index: NDArray[np.int64], others: NDArray[np.int64]) -> int:
+    """Number of cells (K, 3) that have one of the others (L, 3) among their 26 neighbours."""
+    away, _ = cKDTree(others).query(index, p=np.inf, distance_upper_bound=1.5)
+    return int(np.isfinite(away).sum())
 
 
 def _two_means(floor: Array, axis: Array) -> Mask:

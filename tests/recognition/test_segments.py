@@ -8,7 +8,7 @@ from recon.recognition import recognise, recognise_cloud
 from recon.recognition.cells import gather
 from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.surface_points import surface
-from recon.recognition.segments.convexity import convex_pieces, fewest_pieces
+from recon.recognition.segments.convexity import convex_pieces, fewest_pieces, relief_of
 from recon.recognition.segments.focus import find_focus
 from recon.records import Box, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
@@ -107,14 +107,14 @@ def test_a_box_on_a_box_is_two_pieces_and_a_ball_is_one():
 
     stacked = [seen(box([0, 0.5, 0], [1.4, 1.0, 1.4])), seen(box([0, 1.3, 0], [0.7, 0.6, 0.7]))]
     cells = gather(cloud_of(*stacked), 0.06)
-    piece = convex_pieces(cells, eye, 12)
+    piece = convex_pieces(relief_of(cells), eye, 12)
     lower = cells.means[:, 1] < 0.95
     assert np.bincount(piece[lower]).max() > 0.9 * lower.sum()
     assert (
         np.bincount(piece[lower]).argmax() != np.bincount(piece[cells.means[:, 1] > 1.1]).argmax()
     )
     ball = gather(cloud_of(seen(Sphere(centre=np.zeros(3), radius=0.8))), 0.06)
-    assert convex_pieces(ball, eye, 12).max() == 0
+    assert convex_pieces(relief_of(ball), eye, 12).max() == 0
 
 
 def ring_of_views(radius, beside):
@@ -132,8 +132,8 @@ def test_a_box_and_a_thin_wall_that_were_seen_from_all_round_are_one_piece_each(
     faces = gather(cloud_of((whole.points + rng.normal(0, 0.2, (720, 3)))[is_seen]), 1.0)
     wall = gather(cloud_of(rng.uniform([-12, 0, -0.9], [12, 5, 0.9], (900, 3))), 1.0)
     for cells in (faces, wall):
-        assert fewest_pieces(cells, views, 12).max() == 0
-    assert convex_pieces(faces, views.mean(axis=0), 12).max() > 0
+        assert fewest_pieces(relief_of(cells), views, 12).max() == 0
+    assert convex_pieces(relief_of(faces), views.mean(axis=0), 12).max() > 0
 
 
 def test_a_crown_overhangs_its_trunk_and_a_box_on_a_box_does_not():

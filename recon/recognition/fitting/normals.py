@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from recon.recognition.fitting.principal_axes import principal_normals
+
 Array = NDArray[np.float64]
 
 NUM_NEIGHBOURS = 12
@@ -32,14 +34,11 @@ def estimate_normals(points: Array) -> Array:
 def neighbourhoods(points: Array) -> Neighbourhoods:
     """The neighbourhoods of points (N, 3)."""
     count = min(NUM_NEIGHBOURS, len(points))
-    away, near = map(np.asarray, cKDTree(points).query(points, k=count))
-    patches = points[near.reshape(len(points), -1)]
-    patches = patches - patches.mean(axis=1, keepdims=True)
-    values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
-    normals = vectors[:, :, 0]
+    away, near = cKDTree(points).query(points, k=np.arange(1, count + 1))
+    normals, variances = principal_normals(np.ascontiguousarray(points), near)
     outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0))
     return Neighbourhoods(
         normals=np.where(outward < 0, -1.0, 1.0)[:, None] * normals,
-        thickness=np.sqrt(np.maximum(values[:, 0], 0.0) / count),
-        spacing=away.reshape(len(points), -1)[:, min(1, count - 1)],
+        thickness=np.sqrt(variances),
+        spacing=away[:, min(1, count - 1)],
     )

@@ -38,8 +38,14 @@ def principal_axes(moments: Array) -> tuple[Array, Array]:
         _rotate(a, v, 0, 1)
         _rotate(a, v, 0, 2)
         _rotate(a, v, 1, 2)
-    order = np.argsort(np.diag(a))
-    return np.diag(a)[order], v.T[order]
+    values, axes = np.empty(3), np.empty((3, 3))
+    for k in range(3):
+        # The rank of the kth value; the earlier of two equal ones comes first.
+        rank = 0
+        for j in range(3):
+            rank += a[j, j] < a[k, k] or (a[j, j] == a[k, k] and j < k)
+        values[rank], axes[rank] = a[k, k], v[:, k]
+    return values, axes
 
 
 @njit(cache=True)
@@ -57,6 +63,32 @@ def _rotate(a: Array, v: Array, p: int, q: int) -> None:
         a[p, k], a[q, k] = c * a[p, k] - s * a[q, k], s * a[p, k] + c * a[q, k]
     for k in range(3):
         v[k, p], v[k, q] = c * v[k, p] - s * v[k, q], s * v[k, p] + c * v[k, q]
+
+
+@njit(cache=True)
+def principal_normals(points: Array, near: Numbers) -> tuple[Array, Array]:
+    """The direction in which the neighbours of each point vary least.
+
+    Parameters
+    ----------
+    points : (N, 3)
+    near : (N, K)
+        Rows of the neighbours of each point.
+
+    Returns
+    -------
+    normals : (N, 3)
+    variances : (N,)
+        Of the neighbours along them.
+    """
+    normals, variances = np.empty(points.shape), np.empty(len(points))
+    some, equal = np.empty((near.shape[1], 3)), np.ones(near.shape[1])
+    for i in range(len(points)):
+        for k in range(near.shape[1]):
+            some[k] = points[near[i, k]]
+        values, axes = principal_axes(weighted_spread(some, equal)[1])
+        normals[i], variances[i] = axes[0], max(values[0], 0.0) / near.shape[1]
+    return normals, variances
 
 
 @njit(cache=True)

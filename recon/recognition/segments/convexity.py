@@ -1,6 +1,7 @@
 """Convex pieces: a concave crease separates two surfaces (Stein et al., LCCP, 2014)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from recon.recognition.cells import coarser, distinct, means
 from recon.recognition.connectivity import in_order_of_appearance, joined
+from recon.recognition.fitting.normals import estimate_normals
 from recon.records import Voxels
 
 Array = NDArray[np.float64]
@@ -20,7 +22,6 @@ PATCH_CELLS = 3.0
 """Size of a patch: wide enough for a normal, narrower than an object."""
 NUM_ROUNDS = 3
 """Rounds of moving the patches to the mean of their cells."""
-NUM_NEIGHBOURS = 12
 LINK_CELLS = 2.5
 """Patches touch if they have cells within this distance, in cells."""
 SMALLEST_TOUCH = 2
@@ -39,47 +40,88 @@ class _Patches:
     normals: Array
 
 
-def convex_pieces(cells: Voxels, eyes: Array | None, smallest: int) -> Labels:
-    """Convex piece (K,) of each cell, numbered by descending size.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Relief:
+    """The surface of one object as its creases need it, whatever the positions that saw it."""
+
+    cells: Voxels
+    """At most `MOST_CELLS` cells."""
+    cell: NDArray[np.intp]
+    """(N,) the one of them around each cell of the object."""
+
+    @cached_property
+    def normals(self) -> Array:
+        """(K, 3) normals, away from the middle."""
+        return estimate_normals(self.cells.means)
+
+    @cached_property
+    def touching(self) -> NDArray[np.intp]:
+        """Pairs (E, 2) of touching cells."""
+        reach = LINK_CELLS * self.cells.cell_size
+        return cKDTree(self.cells.means).query_pairs(reach, output_type="ndarray")
+
+    @cached_property
+    def rounded(self) -> Labels:
+        """Convex piece (K,) of each cell, with outside away from the middle."""
+        return _pieces(self, self.normals)
+
+
+def relief_of(cells: Voxels) -> Relief:
+    """The surface of the cells of one component."""
+    if len(cells) > MOST_CELLS:
+        coarse, _, cell = coarser(cells, COARSE_CELLS)
+        return Relief(cells=coarse, cell=cell)
+    return Relief(cells=cells, cell=np.arange(len(cells)))
+
+
+def convex_pieces(relief: Relief, eyes: Array | None, smallest: int) -> Labels:
+    """Convex piece (N,) of each cell of an object, numbered by descending size.
 
     Parameters
     ----------
-    cells : Voxels
-        Cells of one component.
     eyes : (3,) or (K, 3) float64, optional
-        A position that sees the outer side of most of the surface, or of each cell; if None,
-        outside is away from the centre.
+        A position that sees the outer side of most of the surface, or one for each cell of the
+        relief; if None, outside is away from the centre.
     smallest : int
-        Pieces with fewer cells join the nearest larger one.
+        Pieces with fewer cells of the object join the nearest larger one.
     """
-    if len(cells) > MOST_CELLS:
-        coarse, first, cell = coarser(cells, COARSE_CELLS)
-        eyes = eyes[first] if eyes is not None and eyes.ndim == 2 else eyes
-        return convex_pieces(coarse, eyes, smallest * len(coarse) // len(cells))[cell]
-    patches = _patches(cells, eyes)
-    touching = _touching(cells, patches)
-    convex = touching[_is_convex(patches, touching)]
-    piece = joined(_twice_held(convex, len(patches.middles)), len(patches.middles))[patches.label]
-    return _by_size(_absorbed(cells, piece, smallest))
+    few = smallest * len(relief.cells) // len(relief.cell)
+    piece = relief.rounded if eyes is None else _pieces(relief, _outwards(relief, eyes))
+    return _by_size(_absorbed(relief.cells, piece, few))[relief.cell]
 
 
-def fewest_pieces(cells: Voxels, views: Array | None, smallest: int) -> Labels:
-    """Convex pieces (K,), with outside towards the middle of the views or the nearest of them.
+def fewest_pieces(relief: Relief, views: Array | None, smallest: int) -> Labels:
+    """Convex pieces (N,), with outside towards the middle of the views or the nearest of them.
 
     The middle of the views (V, 3) is behind some faces of an object seen from all around, and the
     nearest view on either side of a thin sheet. Either breaks single objects, so the one that gives
     fewer pieces is taken.
     """
     if views is None:
-        return convex_pieces(cells, None, smallest)
-    nearest = views[cKDTree(views).query(cells.means)[1]]
-    readings = [convex_pieces(cells, eyes, smallest) for eyes in (views.mean(axis=0), nearest)]
+        return convex_pieces(relief, None, smallest)
+    nearest = views[cKDTree(views).query(relief.cells.means)[1]]
+    readings = [convex_pieces(relief, eyes, smallest) for eyes in (views.mean(axis=0), nearest)]
     return min(readings, key=np.max)
 
 
-def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
+def _outwards(relief: Relief, eyes: Array) -> Array:
+    """Normals (K, 3) towards the positions that saw the cells."""
+    towards = np.einsum("ij,ij->i", relief.normals, eyes - relief.cells.means)
+    oriented: Array = np.where(towards < 0, -1.0, 1.0)[:, None] * relief.normals
+    return oriented
+
+
+def _pieces(relief: Relief, normals: Array) -> Labels:
+    """Convex piece (K,) of each cell, those of few cells included."""
+    patches = _patches(relief.cells, normals)
+    touching = _touching(relief.touching, patches)
+    convex = touching[_is_convex(patches, touching)]
+    count = len(patches.middles)
+    return joined(_twice_held(convex, count), count)[patches.label]
+
+
+def _patches(cells: Voxels, normals: Array) -> _Patches:
     reach = PATCH_CELLS * cells.cell_size
-    normals = _normals(cells.means, eyes)
     # Positions in units of a patch, with normals: a patch ends where its surface bends.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
@@ -96,21 +138,8 @@ def _patches(cells: Voxels, eyes: Array | None) -> _Patches:
     )
 
 
-def _normals(points: Array, eyes: Array | None) -> Array:
-    _, near = cKDTree(points).query(points, k=min(NUM_NEIGHBOURS, len(points)))
-    patches = points[near.reshape(len(points), -1)]
-    patches = patches - patches.mean(axis=1, keepdims=True)
-    _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", patches, patches))
-    normals = vectors[:, :, 0]
-    outwards = points - points.mean(axis=0) if eyes is None else eyes - points
-    towards = np.einsum("ij,ij->i", normals, outwards)
-    oriented: Array = np.where(towards < 0, -1.0, 1.0)[:, None] * normals
-    return oriented
-
-
-def _touching(cells: Voxels, patches: _Patches) -> NDArray[np.intp]:
-    """Pairs (E, 2) of patches that meet, the smaller number first."""
-    pairs = cKDTree(cells.means).query_pairs(LINK_CELLS * cells.cell_size, output_type="ndarray")
+def _touching(pairs: NDArray[np.intp], patches: _Patches) -> NDArray[np.intp]:
+    """Pairs (E, 2) of patches that meet, the smaller number first, from those of cells."""
     first, second = patches.label[pairs].T.astype(np.int64)
     low, high = np.minimum(first, second), np.maximum(first, second)
     numbers = (low * len(patches.middles) + high)[low != high]

@@ -13,13 +13,8 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
-from recon.recognition.fitting.principal_axes import principal_axes, weighted_spread
-from recon.recognition.segments.plane_votes import (
-    best_plane,
-    fitted_plane,
-    largest_group,
-    local_planes,
-)
+from recon.recognition.segments.peeling import LINK_CELLS, ON_PLANE_CELLS, peeled
+from recon.recognition.segments.plane_votes import largest_group, local_planes
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -30,17 +25,9 @@ Step = Literal["board", "upright", "any"]
 NEIGHBOUR_CELLS = 3.5
 """Maximum distance of the cells that a plane is first fitted to: some 40 are so near on a
 surface."""
-ON_PLANE_CELLS = 0.5
-"""Maximum distance of a cell on a plane."""
-LINK_CELLS = 2.0
 LEAST_PLANE, LEAST_SHARE = 8, 0.03
 """Minimum number of cells of a plane, and their minimum share of the object's."""
-LEAST_WIDTH_CELLS = 1.8
-"""Narrower strips are bars, not planes."""
 LEAST_BAR = 3
-MOST_PLANES = 10
-ALIKE = 0.9
-"""Cosine of the angle below which planes through the same cells are one and the same."""
 FILLED = 0.5
 """Minimum share of a board's area with cells: a ring of walls has few."""
 
@@ -114,34 +101,20 @@ def _found(points: Array, step: Step, cell_size: float, least: int) -> Iterator[
 def _peeled(
     points: Array, step: Step, cell_size: float, least: int
 ) -> Iterator[tuple[Plane, Rows]]:
-    """Planes of any tilt, or upright, at most `MOST_PLANES`, and their points.
-
-    Each is chosen among the planes of the points' neighbourhoods, and the level ones through them:
-    a low rim has no neighbourhood that shows its plane. Strips, and points that do not hang
-    together, are out of the choice.
-    """
-    is_upright, reach = step == "upright", ON_PLANE_CELLS * cell_size
+    """Planes of any tilt, or upright, and their points."""
+    is_upright = step == "upright"
     middles, normals = _choice(points, is_upright, cell_size)
-    rest, choice = np.arange(len(points)), np.arange(len(middles))
-    for _ in range(MOST_PLANES):
-        if len(rest) < least or not len(choice):
-            return
-        some = points[rest]
-        best = best_plane(some, middles[choice], normals[choice], is_upright, reach)
-        near = _near(some, Plane(point=best[0], normal=best[1]), reach)
-        found = _refined(some, near, step, cell_size, least)
-        near = near if found is None else found[1]
-        out = np.isin(choice % len(points), rest[near])
-        if found is not None:
-            yield found[0], rest[near]
-            rest = np.delete(rest, near)
-        else:
-            out &= np.abs(normals[choice] @ best[1]) > ALIKE
-        choice = choice[~out]
+    places, directions, number = peeled(points, middles, normals, is_upright, cell_size, least)
+    for plane, (place, direction) in enumerate(zip(places, directions, strict=True)):
+        yield Plane(point=place, normal=direction), np.flatnonzero(number == plane)
 
 
 def _choice(points: Array, is_upright: bool, cell_size: float) -> tuple[Array, Array]:
-    """Points and normals (P, 3) of planes to choose from; row n, modulo N, is that of point n."""
+    """Points and normals (P, 3) of planes to choose from; row n, modulo N, is that of point n.
+
+    They are the planes of the points' neighbourhoods, and the level ones through the points: a low
+    rim has no neighbourhood that shows its plane.
+    """
     reach = NEIGHBOUR_CELLS * cell_size, ON_PLANE_CELLS * cell_size
     middles, normals = local_planes(points, is_upright, reach)
     if is_upright:
@@ -169,44 +142,6 @@ def _footprint(points: Array) -> float:
         return float(ConvexHull(points[:, ::2]).volume)
     except QhullError:
         return 0.0
-
-
-def _near(points: Array, plane: Plane, reach: float) -> Rows:
-    """Rows of the points within reach of a plane."""
-    return np.flatnonzero(plane.distances(points) < reach)
-
-
-def _refined(
-    points: Array, near: Rows, step: Step, cell_size: float, least: int
-) -> tuple[Plane, Rows] | None:
-    """The plane of connected points; None if they are too few or a strip.
-
-    Parameters
-    ----------
-    near : (N,)
-        Rows of the points that it is first fitted to.
-    """
-    if len(near) < least:
-        return None
-    best = _near(points, _through(points[near], step), ON_PLANE_CELLS * cell_size)
-    if len(best) < least:
-        return None
-    best = best[largest_group(points[best], LINK_CELLS * cell_size)]
-    if len(best) < least or _width(points[best]) < LEAST_WIDTH_CELLS * cell_size:
-        return None
-    return _through(points[best], step), best
-
-
-def _width(points: Array) -> float:
-    """Width of a uniform strip: its standard deviation times the root of 12."""
-    spread = principal_axes(weighted_spread(points, np.ones(len(points)))[1])[0]
-    return float(np.sqrt(12.0 * max(spread[1], 0.0) / len(points)))
-
-
-def _through(points: Array, step: Step) -> Plane:
-    """The least-squares plane, with any tilt or upright."""
-    middle, normal = fitted_plane(points, np.ones(len(points)), step == "upright")
-    return Plane(point=middle, normal=normal)
 
 
 def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
