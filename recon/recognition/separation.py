@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.recognition.connectivity import overhanging
-from recon.recognition.fitting.ransac import find_solids
+from recon.recognition.fitting.ransac import find_solids, same_solid
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
 from recon.recognition.segments.convexity import Relief, fewest_pieces
@@ -237,7 +237,8 @@ def _main_solids(points: Array, min_points: int) -> list[Solid]:
     rng = np.random.default_rng(0)
     if len(points) > MOST_DRAWN:
         points = points[np.sort(rng.choice(len(points), MOST_DRAWN, replace=False))]
-    return [one.solid for one in find_solids(points, min_points, rng, most=2)]
+    found = find_solids(points, min_points, rng, most=2, refit=same_solid)
+    return [one.solid for one in found]
 
 
 def _distinct(cuts: list[Mask]) -> list[Mask]:

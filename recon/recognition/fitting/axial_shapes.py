@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
-from recon.recognition.fitting.axes import across_axis
+from recon.recognition.fitting.algebra import quantiles, round_line, spread
 from recon.records import Cone, Cylinder, FitFailure, Solid, TruncatedCone
 
 Array = NDArray[np.float64]
@@ -60,27 +60,15 @@ class AxialModel:
         return [lines[row] for row in np.argsort(away, kind="stable")[:NUM_STARTS]]
 
     def _algebraic(self, axes: Array) -> tuple[list[Line], Array]:
-        """Lines round given axes (A, 3), and the median distances (A,) of the points to them.
-
-        ``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` is linear.
-        """
+        """Lines round given axes (A, 3), and the median distances (A,) of the points to them."""
         middle = self.points.mean(axis=0)
-        across = np.stack([across_axis(axis) for axis in axes])
-        local = np.concatenate([across, axes[:, None]], axis=1) @ (self.points - middle).T
-        xy, t = local[:, :2], local[:, 2]
-        columns = [*(2.0 * xy).swapaxes(0, 1), np.ones_like(t)]
-        columns += [t, t * t] if self.is_cone else []
-        centres = _least_squares(np.stack(columns, axis=1), (xy**2).sum(axis=1))[:, :2]
-        rho = np.linalg.norm(xy - centres[:, :, None], axis=1)
-        angles = _slopes(t, rho) if self.is_cone else np.zeros(len(axes))
-        level = np.cos(angles)[:, None] * rho - np.sin(angles)[:, None] * t
-        offsets = np.median(level, axis=1)
-        points = middle + np.einsum("ak,akj->aj", centres, across)
+        local = self.points - middle
+        fits = [round_line(local, axis, self.is_cone) for axis in axes]
         lines = [
-            Line(point=point, axis=axis, offset=float(offset), angle=float(angle))
-            for point, axis, offset, angle in zip(points, axes, offsets, angles, strict=True)
+            Line(point=middle + point, axis=axis, offset=offset, angle=angle)
+            for (point, offset, angle, _), axis in zip(fits, axes, strict=True)
         ]
-        return lines, np.median(np.abs(level - offsets[:, None]), axis=1)
+        return lines, np.array([away for *_, away in fits])
 
     def packed(self, state: Line) -> Array:
         """The numbers (8,) of a line."""
@@ -137,31 +125,15 @@ def _cone(
 
 def _within(t: Array) -> Array:
     """Positions along the axis without outliers: up to a fifth of the bulk's length beyond it."""
-    low, high = np.quantile(t, [0.02, 0.98])
+    low, high = quantiles(t, np.array([0.02, 0.98]))
     margin = 0.2 * (high - low)
     inside: Array = t[(t >= low - margin) & (t <= high + margin)]
     return inside
 
 
-def _least_squares(columns: Array, values: Array) -> Array:
-    """Solutions (A, P) of linear systems with columns (A, P, N) for values (A, N)."""
-    normal = columns @ columns.swapaxes(1, 2)
-    solutions = np.linalg.pinv(normal, hermitian=True) @ (columns @ values[:, :, None])
-    found: Array = solutions[:, :, 0]
-    return found
-
-
-def _slopes(t: Array, rho: Array) -> Array:
-    """Angles (A,) of the principal directions of points (A, N) to the axis."""
-    t, rho = (values - values.mean(axis=1, keepdims=True) for values in (t, rho))
-    twice = np.arctan2(2.0 * (t * rho).sum(axis=1), (t**2).sum(axis=1) - (rho**2).sum(axis=1))
-    angles: Array = twice / 2.0
-    return angles
-
-
 def _axes(points: Array, normals: Array) -> Array:
     """Candidate directions (A, 3): where normals vary least, and the principal axes of points."""
-    moments = (normals.T @ normals, np.cov(normals.T), np.cov(points.T))
+    moments = (normals.T @ normals, spread(normals), spread(points))
     vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
     axes: list[Array] = []
     for axis in (vectors[0][0], vectors[1][0], *vectors[2]):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
+from recon.recognition.fitting.algebra import column_quantiles, quantiles
 from recon.recognition.fitting.least_squares import Estimate, minimise
 from recon.recognition.fitting.profiles import NUM_RADII, OUTLINES, to_parts
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
@@ -28,11 +29,11 @@ BELOW_CELLS = 0.3
 below, it is nearly 0."""
 NOISE_FLOOR = 0.05
 """Minimum noise assumed for a cell's mean, in cells."""
-BULK = (0.1, 0.9)
+BULK = np.array([0.1, 0.9])
 """Quantiles that bound the bulk of the points, in whose middle the axis starts."""
 INLIER_SIGMAS = 3.0
 """Points within this number of scales are on the fit."""
-ENDS = (0.005, 0.99)
+ENDS = np.array([0.005, 0.99])
 """Quantiles of a part's points at which it ends; its narrow end has few points."""
 POINTED = 0.05
 """A truncated cone whose top is narrower than this share of its bottom is a cone."""
@@ -166,7 +167,7 @@ def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Compo
     )
     if not own.any():
         return composite
-    ends = np.quantile(points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
+    ends = quantiles(points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
     ends = np.clip(ends, *composite.heights[-2:])
     if len(composite.shapes) == 1:
         ends[0] = composite.heights[0]
@@ -197,7 +198,7 @@ def _splits(num_parts: int) -> list[tuple[float, ...]]:
 
 def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Composite]:
     """Composites round the middle of the bulk, their boundaries at several heights."""
-    low, high = np.quantile(points, BULK, axis=0)
+    low, high = column_quantiles(points, BULK)
     axis = (low + high)[::2] / 2.0
     rho, top = np.hypot(*(points[:, ::2] - axis).T), float(points[:, 1].max())
     found = []

@@ -6,10 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
+from recon.recognition.fitting.algebra import column_quantiles, num_parallel
 from recon.records import Box, FitFailure, Plane, Solid
 
 Array = NDArray[np.float64]
 
+ENDS = np.array([0.01, 0.99])
+"""Quantiles of the points between which a box starts."""
 THINNEST = 6.0
 """Thickness, in noise scales, below which two sheets cannot be distinguished from one noisy
 sheet."""
@@ -70,7 +73,7 @@ class BoxModel:
 
     def _around(self, axes: Array) -> Box:
         local = self.points @ axes.T
-        low, high = np.quantile(local, [0.01, 0.99], axis=0)
+        low, high = column_quantiles(local, ENDS)
         return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
 
     def packed(self, state: Box) -> Array:
@@ -108,7 +111,7 @@ class BoxModel:
 
 def _commonest(normals: Array) -> Array:
     """(3, 3) unit rows: the most common normal, and the most common one perpendicular to it."""
-    votes = (np.abs(normals @ normals.T) > ALIKE).sum(axis=0)
+    votes = num_parallel(normals, ALIKE)
     first = normals[np.argmax(votes)]
     flat = normals - (normals @ first)[:, None] * first
     length = np.linalg.norm(flat, axis=1)

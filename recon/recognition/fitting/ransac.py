@@ -5,6 +5,7 @@ neighbouring points with their normals gives a plane, sphere, cylinder or cone; 
 best of these are fitted again, and BIC chooses among all solids.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from recon.errors import check_finite, check_shape
 from recon.recognition.connectivity import joined
 from recon.recognition.fitting.draws import drawn, ranked_neighbours, solid, votes
 from recon.recognition.fitting.normals import NUM_NEIGHBOURS, neighbourhoods
-from recon.recognition.fitting.shapes import candidates
+from recon.recognition.fitting.shapes import fit, from_points
 from recon.records import FitFailure, Solid
 
 Array = NDArray[np.float64]
@@ -33,6 +34,21 @@ LINK = 4.0
 """Maximum distance between neighbouring points of one solid, in median spacings."""
 
 
+Refit = Callable[[Solid, Array], Solid | FitFailure]
+"""The fit to the points on a drawn solid."""
+
+
+def best_solid(rough: Solid, points: Array) -> Solid | FitFailure:
+    """The solid of any shape that points on a drawn one lie on."""
+    return fit(points)
+
+
+def same_solid(rough: Solid, points: Array) -> Solid | FitFailure:
+    """The solid of the drawn shape that points on it lie on."""
+    found = from_points(rough.kind, points)
+    return found if isinstance(found, FitFailure) else found.solid
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundSolid:
     """One solid of a scene."""
@@ -44,7 +60,11 @@ class FoundSolid:
 
 
 def find_solids(
-    points: Array, min_points: int, rng: np.random.Generator, most: int = MOST_SOLIDS
+    points: Array,
+    min_points: int,
+    rng: np.random.Generator,
+    most: int = MOST_SOLIDS,
+    refit: Refit = best_solid,
 ) -> list[FoundSolid]:
     """The solids of a scene in the order of their removal: the largest first.
 
@@ -55,6 +75,8 @@ def find_solids(
         Minimum number of points of a solid.
     most : int
         Maximum number of solids.
+    refit : Callable
+        Fits the points on a drawn solid again: `best_solid`, or faster `same_solid`.
 
     Raises
     ------
@@ -67,7 +89,7 @@ def find_solids(
     found: list[FoundSolid] = []
     while len(rest) >= max(min_points, NUM_NEIGHBOURS) and len(found) < most:
         scene = _scene(points[rest])
-        one = _largest(scene, rng)
+        one = _largest(scene, rng, refit)
         if one is None or len(one.rows) < min_points:
             break
         found.append(FoundSolid(solid=one.solid, rows=rest[one.rows], rms=one.rms))
@@ -97,7 +119,7 @@ def _scene(points: Array) -> _Scene:
     )
 
 
-def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
+def _largest(scene: _Scene, rng: np.random.Generator, refit: Refit) -> FoundSolid | None:
     """The solid with the most points on it, refined on these."""
     voters = scene.points[rng.permutation(len(scene.points))[:NUM_VOTERS]]
     size = float(np.ptp(scene.points, axis=0).max())
@@ -108,7 +130,7 @@ def _largest(scene: _Scene, rng: np.random.Generator) -> FoundSolid | None:
     if not counts[best]:
         return None
     place, axis, number = (values[best] for values in found)
-    return _refined(scene, solid(int(best[1]), place, axis, float(number), size))
+    return _refined(scene, solid(int(best[1]), place, axis, float(number), size), refit)
 
 
 def _draws(points: Array, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -120,12 +142,11 @@ def _draws(points: Array, rng: np.random.Generator) -> NDArray[np.int64]:
     return rows
 
 
-def _refined(scene: _Scene, rough: Solid) -> FoundSolid | None:
+def _refined(scene: _Scene, rough: Solid, refit: Refit) -> FoundSolid | None:
     rows = _connected(scene, np.flatnonzero(rough.distances(scene.points) < scene.tolerance))
-    ranked = candidates(scene.points[rows])
-    if isinstance(ranked, FitFailure):
+    best = refit(rough, scene.points[rows])
+    if isinstance(best, FitFailure):
         return None
-    best = ranked[0].solid
     away = best.distances(scene.points)
     rows = _connected(scene, np.flatnonzero(away < scene.tolerance))
     if not len(rows):

@@ -24,14 +24,16 @@ LARGE_SAMPLE = 10_000
 """Points used to refine the chosen solid."""
 FEW = 8
 """Points that are looked at first for enough distinct ones."""
+SURE_SPREAD = 1e-6
+"""Share of the variance in a second direction above which squares are exact enough to tell."""
 RELATIVE_FLOOR = 1e-4
 """Minimum noise as a share of the cloud's size, because of facets and rounding."""
 AS_GOOD = 0.1
 """Fits whose BIC per point differs by less (5 percent of noise), or whose BIC differs by less than
 one parameter, are equally good: errors of cells and facets are correlated, which a criterion over
 single points ignores."""
-ROUGH_STEPS = 4
-"""Steps used to choose the most promising start."""
+ROUGH_POINTS, ROUGH_STEPS = 150, 4
+"""Approximate maximum number of points, and steps, used to choose the most promising start."""
 SMALLEST, LARGEST = 1e-60, 1e60
 """Extent and coordinates whose fourth powers are still finite and nonzero."""
 INLIER_SIGMAS = 4.0
@@ -139,10 +141,19 @@ def _fault(points: Array) -> str:
     extent = float(np.ptp(points, axis=0).max())
     if not (extent > SMALLEST and np.abs(points).max() < LARGEST):
         return f"the points span {extent:g}, outside the computable range"
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if spread[1] < 1e-6 * spread[0]:
+    if _are_on_a_line(points):
         return "the points lie on one line"
     return ""
+
+
+def _are_on_a_line(points: Array) -> bool:
+    """True if points (N, 3) spread in one direction only."""
+    local = points - points.mean(axis=0)
+    _, middle, most = np.linalg.eigvalsh(local.T @ local)
+    if middle > SURE_SPREAD * most:
+        return False
+    spread = np.linalg.svd(local, compute_uv=False)
+    return bool(spread[1] < 1e-6 * spread[0])
 
 
 def _num_distinct(points: Array) -> int:
@@ -158,12 +169,13 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
     if spare < 1:
         return FitFailure("too few points for the shape")
     floor = RELATIVE_FLOOR * float(np.sqrt(points.var(axis=0).sum()))
-    search = partial(minimise, model, floor=floor, weights=weights)
     starts = model.starts()
     if len(starts) > 1:
-        rough = [search(start, max_steps=ROUGH_STEPS) for start in starts]
-        starts = [min(rough, key=lambda one: one.deviance).state]
-    estimate = search(starts[0])
+        some = slice(None, None, -(-len(points) // ROUGH_POINTS))
+        few = make(points[some], sample.normals[some])
+        search = partial(minimise, few, floor=floor, weights=weights[some], max_steps=ROUGH_STEPS)
+        starts = [min(map(search, starts), key=lambda one: one.deviance).state]
+    estimate = minimise(model, starts[0], floor=floor, weights=weights)
     inliers = points[np.abs(estimate.residuals) <= INLIER_SIGMAS * estimate.sigma]
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):

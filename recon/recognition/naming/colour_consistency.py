@@ -18,8 +18,8 @@ def colour_opinions(composites: list[Composite], voxels: Voxels) -> list[float]:
     composites : list of Composite
         Fits of the same cells.
     """
-    segments = split_colours(voxels)
-    if isinstance(segments, FitFailure) or not composites:
+    segments = split_colours(voxels) if len(composites) > 1 else FitFailure("no rival")
+    if isinstance(segments, FitFailure):
         return [0.0] * len(composites)
     above = [composite.nearest(voxels.means)[1] > 0 for composite in composites]
     shares = [float(np.mean(upper == (segments.label == 1))) for upper in above]
