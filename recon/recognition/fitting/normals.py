@@ -34,7 +34,7 @@ def estimate_normals(points: Array) -> Array:
 def neighbourhoods(points: Array) -> Neighbourhoods:
     """The neighbourhoods of points (N, 3)."""
     count = min(NUM_NEIGHBOURS, len(points))
-    away, near = cKDTree(points).query(points, k=np.arange(1, count + 1))
+    away, near = map(np.asarray, cKDTree(points).query(points, k=np.arange(1, count + 1)))
     normals, variances = principal_normals(np.ascontiguousarray(points), near)
     outward = np.einsum("ij,ij->i", normals, points - points.mean(axis=0))
     return Neighbourhoods(

@@ -78,7 +78,8 @@ def _near(points: Array, place: Array, normal: Array, reach: float) -> Rows:
         if abs(away) < reach:
             rows[count] = i
             count += 1
-    return rows[:count]
+    near: Rows = rows[:count]
+    return near
 
 
 @njit(cache=True)
@@ -90,17 +91,17 @@ def _surface(points: Array, near: Rows, is_upright: bool, cell_size: float, leas
     near : (N,)
         Rows of the points that it is first fitted to.
     """
-    none = np.empty(0, dtype=np.int64)
+    none: Rows = np.empty(0, dtype=np.int64)
     if len(near) < least:
         return none
     place, normal = fitted_plane(points[near], np.ones(len(near)), is_upright)
     own = _near(points, place, normal, ON_PLANE_CELLS * cell_size)
     if len(own) < least:
         return none
-    own = own[largest_group(points[own], LINK_CELLS * cell_size)]
-    if len(own) < least or _width(points[own]) < LEAST_WIDTH_CELLS * cell_size:
+    group: Rows = own[largest_group(points[own], LINK_CELLS * cell_size)]
+    if len(group) < least or _width(points[group]) < LEAST_WIDTH_CELLS * cell_size:
         return none
-    return own
+    return group
 
 
 @njit(cache=True)
