@@ -5,6 +5,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.stereo.kernels.sorting import median
+
 Grey = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
@@ -36,8 +38,8 @@ def gain_between(left: Grey, right: Grey) -> float:
     ratios = np.log(theirs[usable] / ours[usable])
     if len(ratios) < 2:
         return 1.0
-    middle = float(np.median(ratios))
-    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    middle = median(ratios)
+    spread = 1.4826 * median(np.abs(ratios - middle))
     error = 1.25 * spread / np.sqrt(len(ratios))
     agreeing = float(np.mean(ratios * middle > 0))
     surely = max(float(np.log(_LEAST_RATIO)), _NUM_ERRORS * error)
@@ -65,7 +67,7 @@ def _contrasts(grey: Grey) -> Array:
     for v in range(0, height, _ROW_STEP):
         row, total = grey[v], np.float32(0)
         for u in range(width - _REACH_PX):
-            step = np.float32(np.int16(row[u + _REACH_PX]) - np.int16(row[u]))
+            step = np.float32(row[u + _REACH_PX]) - np.float32(row[u])
             total += step * step
         energy[v // _BAND_ROWS] += total
         count[v // _BAND_ROWS] += max(width - _REACH_PX, 1)

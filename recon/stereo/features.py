@@ -12,7 +12,7 @@ from recon.records import Features
 from recon.settings import FeatureSettings
 from recon.stereo import filters, population
 from recon.stereo.kernels.angle import angles
-from recon.stereo.kernels.simd import Floats, kernel
+from recon.stereo.kernels.simd import Floats, Integers, kernel
 from recon.stereo.kernels.threads import run
 from recon.stereo.noise import estimate, floor_modulus
 
@@ -49,7 +49,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
         lowest = settings.threshold
         middle = settings.widths_px[len(settings.widths_px) // 2]
         modulus, cosine, sine = population.encode(grey, filters.WAVELENGTH_OF_WIDTH * middle)
-    ridge = np.flatnonzero(_ridges(modulus, cosine, sine))
+    ridge = _ridges(modulus, cosine, sine)
     strength = modulus.reshape(-1)[ridge]
     threshold = _threshold(strength, modulus.size, settings.share, lowest)
     rows = np.flatnonzero(strength >= threshold)
@@ -57,7 +57,7 @@ def detect(image: NDArray[np.uint8], settings: FeatureSettings) -> Features:
     v, u = np.divmod(place, grey.shape[1])
     return Features(
         points_px=np.column_stack([u, v]).astype(np.float64),
-        orientation_rad=_orientation(cosine.reshape(-1)[place], sine.reshape(-1)[place]),
+        orientation_rad=_orientations(cosine.reshape(-1)[place], sine.reshape(-1)[place]),
         modulus=strength[rows],
         grey=grey,
         widths_px=settings.widths_px,
@@ -75,12 +75,15 @@ def detect_both(
     return first, second
 
 
-def _orientation(cosine: Floats, sine: Floats) -> Floats:
+@njit(cache=True, error_model="numpy", nogil=True)
+def _orientations(cosine: Floats, sine: Floats) -> Floats:
     """Angles in [0, pi) from vectors with doubled angle."""
-    double = np.empty_like(cosine)
-    angles(cosine, sine, double)
-    half = np.where(double < 0, double / 2 + _HALF_TURN, double / 2)
-    half[half >= _HALF_TURN] = 0.0
+    half = np.empty_like(cosine)
+    angles(cosine, sine, half)
+    for i in range(half.size):
+        angle = half[i] / np.float32(2)
+        angle = angle + _HALF_TURN if angle < 0 else angle
+        half[i] = angle if angle < _HALF_TURN else np.float32(0)
     return half
 
 
@@ -108,14 +111,17 @@ def _threshold(strength: Floats, num_pixels: int, share: float, lowest: float) -
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> NDArray[np.bool_]:
-    """Mask of the pixels whose modulus is maximal along the edge normal."""
+def _ridges(modulus: Floats, cosine: Floats, sine: Floats) -> Integers:
+    """Flat indices of the pixels whose modulus is maximal along the edge normal."""
     height, width = modulus.shape
-    ridge = np.zeros((height, width), np.bool_)
+    ridge, places, num = np.zeros(width, np.bool_), np.empty(height * width, np.int64), 0
     for v in range(1, height - 1):
         rows = modulus[v - 1], modulus[v], modulus[v + 1]
-        _find_ridges(rows, cosine[v], sine[v], ridge[v])
-    return ridge
+        _find_ridges(rows, cosine[v], sine[v], ridge)
+        for u in range(width):
+            places[num] = v * width + u
+            num += ridge[u]
+    return places[:num]
 
 
 @kernel

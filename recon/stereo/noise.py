@@ -5,7 +5,7 @@ noise.
 """
 
 from functools import cache
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numba import njit
@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from recon.records import ImageNoise
 from recon.stereo import filters
 from recon.stereo.harmonics import DESCRIPTORS
-from recon.stereo.kernels.simd import FAST, Floats
+from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, kernel, load, spread, total
+
+Array = NDArray[np.float64]
 
 ROUNDING_VARIANCE = 1.0 / 12.0
 """Variance of rounding to integer grey levels."""
@@ -25,6 +27,7 @@ _CALM_FACTOR = 1.10**2
 """True variance of white noise, relative to that quantile over blocks of 256 pixels."""
 _DARKEST, _BRIGHTEST = 5.0, 250.0
 """Mean grey levels beyond which a block is saturated and uninformative."""
+_GREYS = np.arange(256.0)
 _NUM_GREYS = 4
 """Number of equally large groups of blocks, by grey level."""
 _LEAST_BLOCKS = 16
@@ -65,9 +68,7 @@ def noise_level(grey: NDArray[np.uint8]) -> float:
     return float(np.sqrt(_calm(_usable_blocks(grey)[1])))
 
 
-def _usable_blocks(
-    grey: NDArray[np.uint8],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _usable_blocks(grey: NDArray[np.uint8]) -> tuple[Array, Array]:
     """Mean grey level and energy of the unsaturated blocks; of all blocks if there are none."""
     means, energies = _block_energies(grey, _BLOCK_PX)
     usable = (means >= _DARKEST) & (means <= _BRIGHTEST)
@@ -103,14 +104,14 @@ def step_modulus(widths_px: tuple[float, ...]) -> float:
     return float(filters.respond(step, widths_px).modulus.max()) / 255.0
 
 
-def _calm(energies: NDArray[np.float64]) -> float:
+def _calm(energies: Array) -> float:
     """Variance of white noise, from the energies of blocks."""
     rank = int(_CALM_SHARE * (len(energies) - 1)) if len(energies) else 0
     lowest = float(np.partition(energies, rank)[rank]) if len(energies) else 0.0
     return max(_CALM_FACTOR * lowest, ROUNDING_VARIANCE)
 
 
-def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArray[np.float64]:
+def _by_grey(means: Array, energies: Array) -> Array:
     """(256,) variance by grey level, interpolated between groups of blocks.
 
     Sensor noise does not decrease with the light, nor does it grow faster than the light: a group
@@ -120,22 +121,22 @@ def _by_grey(means: NDArray[np.float64], energies: NDArray[np.float64]) -> NDArr
     if num == 1:
         return np.full(256, _calm(energies))
     order = np.argsort(means, kind="stable")
+    means, energies = means[order], energies[order]
     edges = [len(order) * k // num for k in range(num + 1)]
-    groups = [order[first:end] for first, end in pairwise(edges)]
-    greys = np.array([means[group].mean() for group in groups])
-    variances = np.array([_calm(energies[group]) for group in groups])
+    groups = [slice(first, end) for first, end in pairwise(edges)]
+    greys = [max(float(means[group].mean()), _DARKEST) for group in groups]
+    variances = [_calm(energies[group]) for group in groups]
     # Pure shot noise has a variance proportional to the light.
-    steepest = np.minimum.accumulate(variances / greys) * greys
-    flattest = np.minimum.accumulate(variances[::-1])[::-1]
-    variances = np.maximum(np.minimum(steepest, flattest), ROUNDING_VARIANCE)
-    between: NDArray[np.float64] = np.interp(np.arange(256), greys, variances)
+    steepest = accumulate((v / grey for v, grey in zip(variances, greys, strict=True)), min)
+    limited = [slope * grey for slope, grey in zip(steepest, greys, strict=True)]
+    flattest = [*accumulate(reversed(variances), min)][::-1]
+    limited = [max(min(pair), ROUNDING_VARIANCE) for pair in zip(limited, flattest, strict=True)]
+    between: Array = np.interp(_GREYS, greys, limited)
     return between
 
 
-@njit(cache=True, nogil=True)
-def _block_energies(
-    grey: NDArray[np.uint8], side: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _block_energies(grey: NDArray[np.uint8], side: int) -> tuple[Array, Array]:
     """Mean grey level of each block, and mean square of its second differences in x and y, / 36.
 
     For white noise the latter is its variance. Every second row is enough.
@@ -143,24 +144,44 @@ def _block_energies(
     height, width = grey.shape
     rows, columns = max(0, height - 2) // side, max(0, width - 2) // side
     means, energies = np.zeros((rows, columns)), np.zeros((rows, columns))
-    line = np.empty(width, np.int32)
+    bent, light = np.empty(width, np.float32), np.empty(width, np.float32)
     for v in range(0, rows * side, 2):
-        above, middle, below = grey[v], grey[v + 1], grey[v + 2]
-        for u in range(width):
-            line[u] = np.int32(above[u]) - 2 * np.int32(middle[u]) + np.int32(below[u])
+        _bend(grey[v], grey[v + 1], grey[v + 2], bent, light)
         for b in range(columns):
-            energy = light = np.int32(0)
-            for u in range(b * side, (b + 1) * side):
-                difference = line[u] - 2 * line[u + 1] + line[u + 2]
-                energy += difference * difference
-                light += np.int32(middle[u + 1])
+            energy, sum_of_light = _block_sums(bent, light, b * side, side)
             energies[v // side, b] += energy / (18.0 * side * side)
-            means[v // side, b] += light / (0.5 * side * side)
+            means[v // side, b] += sum_of_light / (0.5 * side * side)
     return means.reshape(-1), energies.reshape(-1)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArray[np.float64]:
+@kernel
+def _bend(
+    above: NDArray[np.uint8],
+    middle: NDArray[np.uint8],
+    below: NDArray[np.uint8],
+    bent: Floats,
+    light: Floats,
+) -> None:
+    """Write the second differences between three rows, and the grey levels of the middle one."""
+    for u in range(bent.size):
+        light[u] = np.float32(middle[u])
+        bent[u] = np.float32(above[u]) - np.float32(2) * light[u] + np.float32(below[u])
+
+
+@kernel
+def _block_sums(bent: Floats, light: Floats, start: int, side: int) -> tuple[float, float]:
+    """Sums of squared second differences along a row, and of grey levels, of some columns."""
+    energy = together = spread(0.0)
+    for u in range(start, start + side, NUM_LANES):
+        middle = load(bent, u + 1)
+        difference = load(bent, u) - (middle + middle) + load(bent, u + 2)
+        energy += difference * difference
+        together += load(light, u + 1)
+    return total(energy), total(together)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> Array:
     """Mean energy of one scale's responses in each block, over all directions."""
     height, _, directions, _, _ = planes.shape
     rows, columns = height // side, width // side
@@ -172,12 +193,13 @@ def _scale_energies(planes: Floats, scale: int, width: int, side: int) -> NDArra
     return energies.reshape(-1)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _add_energy(response: Floats, side: int, count: int, energies: NDArray[np.float64]) -> None:
+@kernel
+def _add_energy(response: Floats, side: int, count: int, energies: Array) -> None:
     """Add the mean energies of a row's responses (2, W') to its blocks'."""
-    real, imag = response
+    real, imag = response[0], response[1]
     for b in range(energies.size):
-        energy = np.float32(0.0)
-        for u in range(b * side, (b + 1) * side):
-            energy += real[u] * real[u] + imag[u] * imag[u]
-        energies[b] += energy / count
+        energy = spread(0.0)
+        for u in range(b * side, (b + 1) * side, NUM_LANES):
+            re, im = load(real, u), load(imag, u)
+            energy += re * re + im * im
+        energies[b] += total(energy) / count

@@ -80,8 +80,8 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
 def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Integers) -> None:
     """Refuse pixels outside the image, since compiled loops do not check bounds."""
     height, width = shape
-    columns = np.concatenate([u, u_right])
-    if ((columns < 0) | (columns >= width)).any() or ((v < 0) | (v >= height)).any():
+    pixels = ((v, height), (u, width), (u_right, width))
+    if any(x.min(initial=0) < 0 or x.max(initial=0) >= size for x, size in pixels):
         raise InputError(
             f"matches lie outside the image of {width} x {height} pixels, in the left or the right"
         )

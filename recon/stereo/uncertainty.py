@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from recon.records import Features
 from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.simd import FAST, Floats, Integers
+from recon.stereo.kernels.sorting import median
 from recon.stereo.noise import gain
 
 Array = NDArray[np.float64]
@@ -160,7 +161,7 @@ def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:
     """(S,) energy of noise in a scale's responses, relative to that of single-pixel noise."""
     if not scatter.shape[1]:
         return np.maximum(calm_ratio, 1.0)
-    limit = _SCATTER_FACTOR * np.median(scatter, axis=1)
+    limit = _SCATTER_FACTOR * np.array([median(of_scale) for of_scale in scatter])
     return np.asarray(np.maximum(np.minimum(calm_ratio, limit), 1.0), dtype=np.float64)
 
 
@@ -186,7 +187,7 @@ def updated_probability(prior: Array, noise_variance: Floats) -> Array:
     If noise alone moves a disparity considerably, it may have created the pair, too.
     """
     noise = np.clip(noise_variance, _LEAST_NOISE, _MOST_NOISE)
+    ratio = np.exp(np.float32(-_NOISE_ODDS) * np.log(noise / np.float32(_NOISE_OF_EVEN_ODDS)))
     # If no filter is wide enough, the odds are unchanged.
-    ratio = np.nan_to_num((noise / _NOISE_OF_EVEN_ODDS) ** -_NOISE_ODDS, nan=1.0)
-    wrong = (1.0 - prior) * ratio
+    wrong = (1.0 - prior) * np.where(np.isnan(ratio), np.float32(1), ratio)
     return np.asarray(prior / (prior + wrong))

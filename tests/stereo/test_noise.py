@@ -48,6 +48,11 @@ def test_without_noise_rounding_is_left(rng):
     assert noise_of(exposed(scene(rng), 0.0, rng)).level == pytest.approx(12**-0.5)
 
 
+def test_black_images_have_the_noise_of_rounding():
+    noise = noise_of(np.zeros(SHAPE, np.uint8))
+    assert noise.by_grey == pytest.approx(12**-0.5)
+
+
 def test_noise_that_grows_with_the_light(rng):
     light = np.tile(np.linspace(20, 220, SHAPE[1]), (SHAPE[0], 1))
     noise = noise_of(exposed(light, 0.5 * np.sqrt(light), rng))

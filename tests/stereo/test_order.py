@@ -1,4 +1,4 @@
-"""The quick order is the stable one."""
+"""The quick order is the stable one, and the quick median numpy's."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from recon.stereo.kernels.sorting import falling, order
+from recon.stereo.kernels.sorting import falling, median, order
 
 
 @given(arrays(np.float32, st.integers(0, 60), elements=st.floats(-3, 3, width=16)))
@@ -22,3 +22,8 @@ def test_order_is_the_stable_order_of_integers(keys):
 @pytest.mark.parametrize("extreme", [2**31 - 1, -(2**31)])
 def test_order_takes_what_fits_into_32_bits(extreme):
     np.testing.assert_array_equal(order(np.array([extreme, 0])), [1, 0] if extreme > 0 else [0, 1])
+
+
+@given(arrays(np.float64, st.integers(1, 40), elements=st.floats(-3, 3, width=16)))
+def test_median_is_that_of_numpy(values):
+    assert median(values) == np.median(values)

@@ -95,19 +95,19 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
         side=np.zeros(size, np.float32),
         row_shift=np.full(size, search.row_shift, np.int64),
     )
-    ring = make_ring(base, search)
-    task = _Task(base, other, points, search, *_windows(base, ring))
-    claims = _make_claims(task, ring)
-    result = support.shift, support.score, support.rival, support.side
-
-    def work_on(rows: tuple[int, int]) -> None:
-        # Each band has its own ring; the results do not depend on the limits of the bands.
-        own = make_ring(base, search)
-        _aggregate(task, own, _make_room(task, own, claims), rows, result)
-
     height, width = base.mask.shape
     cost = points.starts + _POINTS_PER_PIXEL * width * np.arange(height + 1)
-    run([partial(work_on, rows) for rows in bands(height, _LEAST_BAND, cost)])
+    # Each band has its own ring; the results do not depend on the limits of the bands.
+    rings = [(make_ring(base, search), rows) for rows in bands(height, _LEAST_BAND, cost)]
+    first, _ = rings[0]
+    task = _Task(base, other, points, search, *_windows(base, first))
+    claims = _make_claims(task, first)
+    result = support.shift, support.score, support.rival, support.side
+
+    def work_on(ring: Ring, rows: tuple[int, int]) -> None:
+        _aggregate(task, ring, _make_room(task, ring, claims), rows, result)
+
+    run([partial(work_on, *part) for part in rings])
     return support
 
 

@@ -81,7 +81,7 @@ def _chosen(matches: Matches, settings: MatchingSettings) -> Matches:
     """The most confident matches, as many as the settings keep."""
     if settings.per_block is not None:
         matches = matches.select(_is_among_best_of_block(matches, settings.per_block))
-    return matches.select(slice(0, settings.keep))
+    return matches if settings.keep is None else matches.select(slice(0, settings.keep))
 
 
 def _is_among_best_of_block(matches: Matches, quota: int) -> NDArray[np.bool_]:

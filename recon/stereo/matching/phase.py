@@ -123,21 +123,22 @@ def _ranked(
 ) -> Matches:
     """The pairs as matches, most confident first; of those at the same pixel only the first."""
     rows = rows[falling(confidence[rows])]
-    step = np.where(np.abs(support.side) > _DEAD_ZONE, np.sign(support.side), 0).astype(np.int64)
-    pixels = np.empty((len(rows), 2), np.int64)
+    pixels = np.empty((len(rows), 2))
     is_taken = np.zeros(right.grey.shape, np.bool_)
-    keep = np.flatnonzero(_settle(points, (support.shift, step), rows, is_taken, pixels))
-    rows, disparity = rows[keep], -support.shift[rows[keep]]
+    step = (support.side > _DEAD_ZONE).astype(np.int64) - (support.side < -_DEAD_ZONE)
+    num = _settle(points, (support.shift, step), rows, is_taken, pixels)
+    rows, disparity = rows[:num], -support.shift[rows[:num]]
     return Matches(
-        points_px=pixels[keep].astype(np.float64),
+        points_px=pixels[:num],
         disparity_px=disparity.astype(np.float64),
-        sigma_px=np.full(len(keep), np.nan),
+        sigma_px=np.full(num, np.nan),
         score=confidence[rows].astype(np.float64),
         index_left=rows.astype(np.int32),
-        index_right=_index_at(
-            right, points.u[rows] - disparity, points.v[rows] + support.row_shift[rows]
+        index_right=_rows_at(
+            right.points_px, right.grey.shape, points.u[rows] - disparity,
+            points.v[rows] + support.row_shift[rows],
         ),
-    )
+    )  # fmt: skip
 
 
 @njit(cache=True)
@@ -146,24 +147,26 @@ def _settle(
     moves: tuple[Rows, Rows],
     rows: Rows,
     is_taken: NDArray[np.bool_],
-    pixels: Rows,
-) -> NDArray[np.bool_]:
+    pixels: NDArray[np.float64],
+) -> int:
     """Move pairs along their normals toward the side of the edge that has the disparity.
 
-    `moves` are the points' shifts and their steps along the normal. Writes the pixels, and returns
-    the mask of pairs kept: the first at each pixel, if it lies in both images.
+    `moves` are the points' shifts and their steps along the normal. The first pair at each pixel is
+    kept, if it lies in both images: writes the rows and pixels of these to the front, and returns
+    their number.
     """
     height, width = is_taken.shape
     shift, step = moves
-    stays = np.zeros(len(rows), np.bool_)
-    for k, i in enumerate(rows):
+    num = 0
+    for i in rows:
         du, dv = _neighbour(points.orientation[i])
         u, v = points.u[i] + step[i] * du, points.v[i] + step[i] * dv
-        pixels[k] = u, v
         inside = min(u, u + shift[i]) >= 0 and max(u, u + shift[i]) < width and 0 <= v < height
         if inside and not is_taken[v, u]:
-            is_taken[v, u] = stays[k] = True
-    return stays
+            is_taken[v, u] = True
+            rows[num], pixels[num, 0], pixels[num, 1] = i, u, v
+            num += 1
+    return num
 
 
 @njit(cache=True)
@@ -175,10 +178,15 @@ def _neighbour(orientation: float) -> tuple[int, int]:
     return du, dv
 
 
-def _index_at(features: Features, u: Rows, v: Rows) -> NDArray[np.int32]:
-    """Rows of the features at some pixels; -1 = none."""
-    index = np.full(features.grey.shape, -1, np.int32)
-    columns, lines = features.points_px.astype(np.int64).T
-    index[lines, columns] = np.arange(len(features))
-    found: NDArray[np.int32] = index[v, u]
+@njit(cache=True)
+def _rows_at(
+    pixels: NDArray[np.float64], shape: tuple[int, int], u: Rows, v: Rows
+) -> NDArray[np.int32]:
+    """Rows of an image's features, which are at `pixels`, at other pixels; -1 = none."""
+    row = np.full(shape, -1, np.int32)
+    for k in range(len(pixels)):
+        row[int(pixels[k, 1]), int(pixels[k, 0])] = k
+    found = np.empty(len(u), np.int32)
+    for k in range(len(u)):
+        found[k] = row[v[k], u[k]]
     return found
