@@ -11,6 +11,8 @@ from tqdm import tqdm
 if TYPE_CHECKING:
     from recon.runs.events import Events
 
+tqdm.monitor_interval = 0
+"""No thread of its own, which would keep a command from forking."""
 MAX_NAMED = 3
 """Running jobs that are named beside the bar."""
 

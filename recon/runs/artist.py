@@ -1,14 +1,17 @@
 """Drawing of figures: by this process, or by a second one while the run goes on."""
 
+import gc
 import signal
+import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from queue import SimpleQueue
-from typing import Any
+from typing import Any, Literal
 
 from recon.processes import begin_worker
 
@@ -33,7 +36,9 @@ class Artist:
 class SecondProcess(Artist):
     """Draws in another process, which prepares for it ahead.
 
-    The process imports the main module: a program without a guard would start again.
+    A process that has loaded nothing that threads or draws yet is forked, so that only the rest is
+    loaded twice. Otherwise the new process imports the main module: a program without a guard would
+    start again.
 
     Parameters
     ----------
@@ -42,10 +47,13 @@ class SecondProcess(Artist):
     """
 
     def __init__(self, prepare: Callable[[], object]) -> None:
-        context = get_context("spawn")
+        self.start_method: Literal["fork", "spawn"] = "fork" if _may_fork() else "spawn"
+        context = get_context(self.start_method)
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
-        with _without_ctrl_c():
+        with _without_ctrl_c(), warnings.catch_warnings():
+            # Python 3.12 warns of any thread; those of BLAS end before a fork.
+            warnings.simplefilter("ignore", DeprecationWarning)
             self._process.start()
         theirs.close()
         self._send(prepare)
@@ -80,6 +88,16 @@ class SecondProcess(Artist):
             self._pipe.send(message)
 
 
+_UNFORKABLE = "vtkmodules", "open3d"
+"""Libraries whose own threads a fork would lose."""
+
+
+def _may_fork() -> bool:
+    """True on Linux, as long as there is one thread and no library that draws or threads."""
+    is_fresh = not any(name in sys.modules for name in _UNFORKABLE)
+    return sys.platform == "linux" and threading.active_count() == 1 and is_fresh
+
+
 @contextmanager
 def _without_ctrl_c() -> Iterator[None]:
     """Hold Ctrl-C back inside the block, and in the processes that it starts."""
@@ -96,6 +114,10 @@ def _without_ctrl_c() -> Iterator[None]:
 def _serve(pipe: Connection) -> None:
     """Do the calls until the process is ended; Ctrl-C is for the first process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for ending in ("SIGTERM", "SIGHUP"):  # a fork has the handlers of the first process
+        if hasattr(signal, ending):
+            signal.signal(getattr(signal, ending), signal.SIG_DFL)
+    gc.freeze()
     begin_worker(1)
     calls: SimpleQueue[bytes] = SimpleQueue()
     threading.Thread(target=_receive, args=(pipe, calls), daemon=True).start()

@@ -1,5 +1,8 @@
 """Figures drawn by a second process are those of the first; without it nothing is lost."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -54,3 +57,30 @@ def test_a_command_alone_draws_the_same_figures(tmp_path, monkeypatch):
         path.unlink()
         assert main(["figure", str(run), "--kind", kind]) == 0
         assert path.read_bytes() == drawn
+
+
+FRESH = """
+import sys
+from pathlib import Path
+from recon.runs.artist import SecondProcess
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        sys.modules["vtkmodules"] = sys
+    artist = SecondProcess(Path.cwd)
+    artist.draw(Path.write_text, Path("figure"), "drawn")
+    artist.finish()
+    artist.close()
+    print(artist.start_method, Path("figure").read_text())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot fork safely")
+@pytest.mark.parametrize(("argument", "method"), [((), "fork"), (("drawn before",), "spawn")])
+def test_a_process_that_has_not_drawn_is_forked(tmp_path, argument, method):
+    (tmp_path / "fresh.py").write_text(FRESH)
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    call = [sys.executable, "fresh.py", *argument]
+    done = subprocess.run(
+        call, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == [method, "drawn"]
