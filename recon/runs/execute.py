@@ -12,6 +12,7 @@ from recon.runs.job import KINDS, Job, Numbers
 from recon.runs.outputs import as_document
 from recon.runs.report import Report, read_report
 from recon.runs.work import Work
+from recon.sequences.calibration.refinement import shared_estimates
 from recon.stopwatch import Stopwatch
 
 
@@ -59,6 +60,7 @@ def execute(
     with (
         collected_notices() as notices,
         stopwatch.counting_compilation(),
+        shared_estimates(),
         closing(_artist(job, draws_apart)) as artist,
     ):
         job = job.resolved()

@@ -1,14 +1,15 @@
 """Opening of recordings of any format."""
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from recon.errors import InputError
 from recon.geometry import LEVEL_CAMERA
 from recon.plugins import Registry, say_once
 from recon.records import PairSource, StereoPair
-from recon.sequences.calibration.refinement import RefinedPairs, row_residual
+from recon.sequences.calibration.refinement import RefinedPairs, shared_row_residual
 from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.estimated_poses import EstimatedPoses
 from recon.sequences.frames import DerivedSource
@@ -70,12 +71,18 @@ def open_sequence(
     elif settings.poses == "estimated":
         source = EstimatedPoses(recording)
     else:
-        source = RefinedPairs(recording, row_residual)
+        source = RefinedPairs(recording, partial(shared_row_residual, _images(path, settings)))
     if settings.poses == "given":
         source = PosedPairs(source)
     elif settings.poses == "none":
         source = UnposedPairs(source)
     return source if settings.roi is None else RegionSource(source, settings.roi)
+
+
+def _images(path: Path, settings: SequenceSettings) -> Hashable:
+    """The images that a recording consists of, however it is posed and cropped."""
+    topics = settings.left_topic, settings.right_topic
+    return Path(path).resolve(), settings.format, settings.every, topics
 
 
 class RangedPairs(DerivedSource):

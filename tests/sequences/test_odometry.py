@@ -11,9 +11,14 @@ from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import StereoPair
-from recon.sequences.calibration.refinement import RefinedPairs, row_residual
+from recon.sequences.calibration.refinement import (
+    RefinedPairs,
+    row_residual,
+    shared_estimates,
+    shared_row_residual,
+)
 from recon.sequences.estimated_poses import EstimatedPoses
-from recon.sequences.frames import Frame, Recording
+from recon.sequences.frames import DerivedSource, Frame, Recording
 from recon.sequences.odometry.errors import drift_percent, paired_poses, trajectory_errors
 from recon.sequences.odometry.tracking import sight
 from recon.sequences.poses import GivenPoses
@@ -117,6 +122,26 @@ def test_a_straight_rig_is_left_alone_and_so_are_pairs_of_many_rigs(drive):
     source = RefinedPairs(recording([lowered(pair) for pair in rigs]), row_residual)
     assert not source.residual.row.coefficients.any()
     assert len(list(source)) == len(drive)
+
+
+def test_inside_a_job_a_recording_is_estimated_once_and_another_one_anew(drive):
+    passes = []
+
+    class Watched(DerivedSource):
+        def __iter__(self):
+            passes.append(len(self))
+            return super().__iter__()
+
+    low, straight = recording([lowered(pair) for pair in drive]), recording(drive)
+    with shared_estimates():
+        first = shared_row_residual("low", Watched(low))
+        assert shared_row_residual("low", Watched(low)) is first
+        other = shared_row_residual("straight", Watched(straight))
+    assert len(passes) == 2
+    assert first.row.coefficients.any()
+    assert not other.row.coefficients.any()
+    assert not shared_row_residual("low", Watched(straight)).row.coefficients.any()
+    assert len(passes) == 3
 
 
 def test_a_frame_that_cannot_be_tracked_gets_the_last_motion(drive):

@@ -4,19 +4,23 @@ A row offset of a third of a pixel costs a matcher a fifth of its points.
 """
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 
 import cv2
 
+from recon.camera import StereoRig
 from recon.errors import InputError
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.row_error import Maps, Residual
 from recon.sequences.calibration.selfcalibration import estimate_residual, estimate_row_residual
 from recon.sequences.frames import DerivedSource, Metrics
 from recon.sequences.odometry.tracking import Tracks, sight, track
+from recon.threads import in_threads
 
 log = logging.getLogger(__name__)
 
@@ -67,16 +71,43 @@ def _resampled(pair: StereoPair, maps: Maps) -> StereoPair:
     return replace(pair, right=right)
 
 
+_estimates: ContextVar[dict[Hashable, Residual] | None] = ContextVar("estimates", default=None)
+
+
+@contextmanager
+def shared_estimates() -> Iterator[None]:
+    """Estimate the rows of a recording once, however often it is opened inside the block."""
+    token = _estimates.set({})
+    try:
+        yield
+    finally:
+        _estimates.reset(token)
+
+
+def shared_row_residual(recording: Hashable, source: PairSource) -> Residual:
+    """`row_residual` of a recording, estimated by the first of the sources that read it."""
+    known = _estimates.get()
+    if known is None:
+        return row_residual(source)
+    if recording not in known:
+        known[recording] = row_residual(source)
+    return known[recording]
+
+
 def row_residual(source: PairSource) -> Residual:
     """Residual of rows in the first pairs; zero if their rigs differ."""
-    pairs = islice(source, NUM_ROW_PAIRS)
-    first = next(pairs)
-    seen = [sight(first)]
-    for pair in pairs:
-        if pair.rig != first.rig:
-            return Residual()
-        seen.append(sight(pair))
-    return estimate_row_residual(seen, first.rig)
+    rigs: list[StereoRig] = []
+
+    def alike() -> Iterator[StereoPair]:
+        """The pairs up to one of another rig."""
+        for pair in islice(source, NUM_ROW_PAIRS):
+            rigs.append(pair.rig)
+            if pair.rig != rigs[0]:
+                return
+            yield pair
+
+    seen = [*in_threads(sight, alike())]
+    return estimate_row_residual(seen, rigs[0]) if len(seen) == len(rigs) else Residual()
 
 
 def full_residual(source: PairSource) -> Residual:
