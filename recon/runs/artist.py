@@ -48,7 +48,7 @@ class SecondProcess(Artist):
 
     def __init__(self, prepare: Callable[[], object]) -> None:
         self.start_method: Literal["fork", "spawn"] = "fork" if _may_fork() else "spawn"
-        context = get_context(self.start_method)
+        context = get_context("fork") if self.start_method == "fork" else get_context("spawn")
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
         with _without_ctrl_c(), warnings.catch_warnings():
