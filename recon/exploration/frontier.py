@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from recon.exploration.doubts import CLOSE, doubts
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import ShortestPaths, plan, unexplored
 from recon.exploration.scan import Detection, field_of_view
-from recon.exploration.sides import Look, Sides, is_given_up, is_known
+from recon.exploration.sides import MAX_LOOKS, Look, Sides, Wanted, is_given_up, is_known
 from recon.exploration.state import State
 from recon.exploration.tour import MAX_UNKNOWN, first_stop
 from recon.exploration.viewpoints import (
@@ -32,6 +33,25 @@ MAX_WANTED = 12
 """Maximum number of obstacles of a round, the nearest: there are stops for two views of each."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Search:
+    """What is looked for, and how."""
+
+    wanted: Wanted
+    clearance: float
+    """Distance from which obstacles are viewed, world units."""
+    reach: float
+    """Distance up to which a view shows an obstacle well enough, world units."""
+    looks: list[Look]
+    """Earlier views that were meant to show these; the next one is added."""
+    max_looks: int = MAX_LOOKS
+    """A side that was not seen well in this number of views is given up."""
+
+    def nearest(self, place: Array) -> Wanted:
+        """What is wanted nearest to a position (2,)."""
+        return sorted(self.wanted, key=lambda one: math.dist(one.centre, place))[:MAX_WANTED]
+
+
 @dataclass(slots=True, kw_only=True)
 class FrontierController:
     """Goes on a round of the unknown sides of obstacles and the unknown ground."""
@@ -40,6 +60,8 @@ class FrontierController:
     """Position (2,) and azimuth of every view so far."""
     looks: list[Look] = field(default_factory=list)
     """Views that were meant to show sides of obstacles."""
+    second_looks: list[Look] = field(default_factory=list)
+    """Views that were meant to remove doubts."""
     reason: str = ""
 
     def info(self) -> str:
@@ -55,33 +77,57 @@ class FrontierController:
         gaze = (state.view.target - state.view.position)[[0, 2]]
         self.taken.append((state.place, azimuth_of(gaze)))
         reach = HORIZON * state.settings.exploration.sight_range
-        view = self._plan(state.within(reach))
+        near = state.within(reach)
+        view = self._plan(near, self._first(near))
         if view is None and max(state.floor.shape) * state.floor.cell_size > reach:
-            view = self._plan(state)
+            view = self._plan(state, self._first(state))
+        if view is None:
+            view = self._plan(state, self._second(state))
         if view is None:
             self._end(state)
         return view
 
-    def _plan(self, state: State) -> View | None:
+    def _first(self, state: State) -> Search:
+        return Search(
+            wanted=wanted_of(state),
+            clearance=state.scales.clearance,
+            reach=state.sure_range,
+            looks=self.looks,
+        )
+
+    def _second(self, state: State) -> Search:
+        clearance = CLOSE * state.scales.clearance
+        return Search(
+            wanted=doubts(state),
+            clearance=clearance,
+            reach=clearance,
+            looks=self.second_looks,
+            max_looks=1,
+        )
+
+    def _plan(self, state: State, search: Search) -> View | None:
         """Plan a round and return its first view."""
         unknown = unexplored(state.floor, state.obstacles)
         paths = plan(state, unknown)
-        wanted = sorted(wanted_of(state), key=lambda one: math.dist(one.centre, state.place))
-        wanted = wanted[:MAX_WANTED]
+        wanted = search.nearest(state.place)
         vantage = vantage_points(paths, unknown, state.scales)
-        places = np.vstack([state.place, vantage, viewpoints_round(paths, wanted, state)])
-        field_rad, reach = field_of_view(state.pair), state.settings.exploration.sight_range
-        visibility = Visibility.over(state.floor, places, field_rad, reach, unknown)
+        around = viewpoints_round(paths, wanted, search.clearance)
+        places = np.vstack([state.place, vantage, around])
+        field_rad, sight_range = field_of_view(state.pair), state.settings.exploration.sight_range
+        visibility = Visibility.over(state.floor, places, field_rad, sight_range, unknown)
         visibility = visibility.without(self.taken, state.scales.same_place)
-        sides = Sides.of(wanted, places, state.floor, field_rad, state.sure_range, self.looks)
+        looks = search.looks, search.max_looks
+        sides = Sides.of(wanted, places, state.floor, field_rad, search.reach, *looks)
         stop = first_stop(paths.length(places), visibility, sides, unknown, state.scales)
-        return None if stop is None else self._look(state, paths, sides, *stop)
+        if stop is None:
+            return None
+        search.looks.extend(sides.looks(*stop))
+        return self._look(state, paths, sides, *stop)
 
     def _look(
         self, state: State, paths: ShortestPaths, sides: Sides, number: int, azimuth_rad: float
     ) -> View:
         """The view from a position of the round, aimed at an obstacle if one is in its centre."""
-        self.looks += sides.looks(number, azimuth_rad)
         target = sides.target(number, azimuth_rad)
         if target is None:
             return look_along(paths, sides.places[number], azimuth_rad, state)

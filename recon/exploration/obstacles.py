@@ -15,8 +15,8 @@ from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
 MIN_POINTS_OF_VIEW = 30
 """A view has seen an obstacle well if it has this number of reliable points on it."""
 
-SURE = 0.9
-"""Minimum probability of a trusted label."""
+SURE, POSSIBLE = 0.9, 0.1
+"""Minimum probability of a trusted label, and of one that is worth another look."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,12 +41,20 @@ class Obstacle:
     """Its name and shape, as last recognised."""
     num_named: int = 0
     """Number of its occupied cells at that time."""
+    views_named: int = 0
+    """Number of views that had seen it well at that time."""
 
     @property
     def is_sure(self) -> bool:
         """True if it has a trusted label from a catalogue."""
         found = self.found
         return found is not None and found.label != UNKNOWN and (found.probability or 0.0) >= SURE
+
+    @property
+    def is_doubtful(self) -> bool:
+        """True if it resembles a kind of a catalogue, but has no trusted label."""
+        nearest = () if self.found is None or self.is_sure else self.found.nearest
+        return bool(nearest) and nearest[0][1] >= POSSIBLE
 
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
         """Mask (N,) of the points (N, 2) within its disc, widened by a margin."""

@@ -25,7 +25,7 @@ CENTRED = 0.1
 """Share of its value that an obstacle loses at the edge of the image."""
 
 MAX_LOOKS = 2
-"""A side that was not seen well in this number of views is given up."""
+"""A side that was not seen well in this number of views is usually given up."""
 
 Wanted = Sequence[Obstacle | Detection]
 Seen = tuple[Array, Array, Array]
@@ -73,8 +73,12 @@ class Sides:
         field_rad: float,
         reach: float,
         looks: Sequence[Look] = (),
+        max_looks: int = MAX_LOOKS,
     ) -> "Sides":
-        """The sides of obstacles within reach of positions (C, 2), after some looks."""
+        """The sides of obstacles within reach of positions (C, 2), after some looks.
+
+        A side that was not seen well in `max_looks` of these is given up.
+        """
         centres = np.array([one.centre for one in wanted]).reshape(-1, 2)
         radii = np.array([one.radius for one in wanted]).reshape(-1, 1)
         x, z = np.moveaxis(centres[:, None] - places, -1, 0)
@@ -86,7 +90,7 @@ class Sides:
         half_width = np.arcsin(np.minimum(radii / np.where(is_near, apart, np.inf), 1.0))
         slack = np.where(is_seen, np.maximum(field_rad / 2.0 - half_width, SPACING_RAD), -1.0)
         arc, looked = np.array([_arc(one) for one in wanted]), _looked(looks)
-        of_each = [_missing(one, looked) for one in wanted]
+        of_each = [_missing(one, looked, max_looks) for one in wanted]
         missing = np.array(of_each, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD))
         shown = _shown(azimuth, slack, missing, arc)
         worth = np.zeros((len(places), len(AZIMUTHS_RAD)))
@@ -167,7 +171,7 @@ def _looked(looks: Sequence[Look]) -> Array:
     return np.array([(*look.centre, *look.place) for look in looks]).reshape(-1, 2, 2)
 
 
-def _missing(obstacle: Obstacle | Detection, looks: Array) -> Mask:
+def _missing(obstacle: Obstacle | Detection, looks: Array, max_looks: int = MAX_LOOKS) -> Mask:
     """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain.
 
     Parameters
@@ -182,7 +186,7 @@ def _missing(obstacle: Obstacle | Detection, looks: Array) -> Mask:
     looked = np.arctan2(z, x)
     is_seen = turn(BEARINGS_RAD[:, None], seen) <= arc
     num_looks = (turn(BEARINGS_RAD[:, None], looked) <= arc).sum(axis=1)
-    missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= MAX_LOOKS))
+    missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= max_looks))
     return missing
 
 

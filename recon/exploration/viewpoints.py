@@ -109,11 +109,11 @@ def viewpoint(
 
 
 def viewpoints_round(
-    paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], state: State
+    paths: ShortestPaths, wanted: Sequence[Obstacle | Detection], clearance: float
 ) -> Array:
     """Reachable positions (N, 2) around obstacles, on some bearings of each."""
     bearings_rad = np.linspace(0.0, 2.0 * math.pi, NUM_BEARINGS, endpoint=False)
-    return _viewpoints(paths, wanted, bearings_rad, state.scales.clearance)
+    return _viewpoints(paths, wanted, bearings_rad, clearance)
 
 
 def _viewpoints(

@@ -26,7 +26,7 @@ NUM_VIEWS = 3
 """An obstacle is first named when this number of views have seen it well ..."""
 GROWTH, SURE_GROWTH = 1.25, 2.0
 """... and again when it has grown by this factor; by the second one if its label is sure, and it is
-not yet seen from all around."""
+not yet seen from all around. One that resembles a kind is named again after every view."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -127,7 +127,12 @@ class WorldModel:
     def _named(self, obstacle: Obstacle) -> Obstacle:
         objects = recognise(obstacle.voxels, self.settings.recognition).objects
         largest = max(objects, key=lambda found: found.num_voxels, default=None)
-        return replace(obstacle, found=largest, num_named=len(obstacle.voxels))
+        return replace(
+            obstacle,
+            found=largest,
+            num_named=len(obstacle.voxels),
+            views_named=len(obstacle.bearings_rad),
+        )
 
     def _detect(self, seen: Scan, standing: PointCloud) -> None:
         """Update the obstacles that are not in the map."""
@@ -172,24 +177,30 @@ def _is_due(obstacle: Obstacle) -> bool:
     is_open = widest_gap(obstacle.bearings_rad) > OPEN_SURE_RAD
     growth = SURE_GROWTH if obstacle.is_sure and is_open else GROWTH
     has_grown = len(obstacle.voxels) > growth * obstacle.num_named
-    return has_grown and len(obstacle.bearings_rad) >= NUM_VIEWS
+    num_views = len(obstacle.bearings_rad)
+    is_seen_again = obstacle.is_doubtful and num_views > obstacle.views_named
+    return (has_grown or is_seen_again) and num_views >= NUM_VIEWS
 
 
 def with_names(obstacles: tuple[Obstacle, ...], named: list[Obstacle]) -> tuple[Obstacle, ...]:
     """The obstacles with their previous names, if they had one."""
     if not obstacles or not named:
-        return tuple(_with_name(one, None, 0) for one in obstacles)
+        return tuple(_with_name(one, None) for one in obstacles)
     apart = cdist([one.centre for one in obstacles], [one.centre for one in named])
     nearest = [named[number] for number in apart.argmin(axis=1)]
     is_same = apart.min(axis=1) <= [one.radius for one in obstacles]
     return tuple(
-        _with_name(one, old.found if same else None, old.num_named if same else 0)
+        _with_name(one, old if same else None)
         for one, old, same in zip(obstacles, nearest, is_same, strict=True)
     )
 
 
-def _with_name(obstacle: Obstacle, found: FoundObject | None, num_named: int) -> Obstacle:
-    """The obstacle with a name and the number of cells that it was named by."""
-    if obstacle.found is found and obstacle.num_named == num_named:
+def _with_name(obstacle: Obstacle, named: Obstacle | None) -> Obstacle:
+    """The obstacle with the name of another one, and with what that was named by."""
+    if named is None:
+        return replace(obstacle, found=None, num_named=0, views_named=0)
+    if obstacle.found is named.found and obstacle.num_named == named.num_named:
         return obstacle
-    return replace(obstacle, found=found, num_named=num_named)
+    return replace(
+        obstacle, found=named.found, num_named=named.num_named, views_named=named.views_named
+    )

@@ -12,8 +12,8 @@ from recon.records import UNKNOWN
 AROUND, IN_FRONT = (0.0, 2.1, 4.2), (0.0, 0.5, 1.0)
 
 
-def obstacle(num_cells, bearings, label="house"):
-    """An obstacle that was named when it had 100 cells."""
+def obstacle(num_cells, bearings, label="house", nearest=()):
+    """An obstacle that was named when it had 100 cells, after three views."""
     none = np.empty((0, 2), dtype=np.intp)
     return Obstacle(
         cells=none,
@@ -23,8 +23,9 @@ def obstacle(num_cells, bearings, label="house"):
         top=5.0,
         voxels=range(num_cells),
         bearings_rad=np.array(bearings),
-        found=SimpleNamespace(label=label, probability=0.95),
+        found=SimpleNamespace(label=label, probability=0.95, nearest=nearest),
         num_named=100,
+        views_named=3,
     )
 
 
@@ -41,3 +42,10 @@ def obstacle(num_cells, bearings, label="house"):
 )
 def test_a_name_is_asked_for_again_as_its_obstacle_grows(num_cells, bearings, label, is_due):
     assert _is_due(obstacle(num_cells, bearings, label)) == is_due
+
+
+@pytest.mark.parametrize(("chance", "is_due"), [(0.4, True), (0.02, False)])
+def test_a_name_is_asked_for_again_after_every_view_of_what_resembles_a_kind(chance, is_due):
+    nearest = (("cottage", chance),)
+    assert _is_due(obstacle(110, (*AROUND, 1.0), UNKNOWN, nearest)) == is_due
+    assert not _is_due(obstacle(110, AROUND, UNKNOWN, nearest))

@@ -1,0 +1,51 @@
+"""Doubts: what the agent looks at once more, from nearby, before it ends."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt, label
+
+from recon.exploration.floor import NEIGHBOURS, Array, Floor
+from recon.exploration.obstacles import Obstacle
+from recon.exploration.paths import unexplored
+from recon.exploration.scan import Detection
+from recon.exploration.state import State
+
+CLOSE = 0.5
+"""Distance of a second look, as a share of the usual one: errors of depth grow with its square."""
+
+
+def doubts(state: State) -> list[Detection]:
+    """Obstacles that resemble a kind but have no sure name, and ground that may hide one."""
+    doubtful = [_once_more(one.centre, one.radius) for one in state.obstacles if one.is_doubtful]
+    least = state.scales.unknown_clearance
+    return [*doubtful, *hiding_places(state.floor, state.obstacles, least)]
+
+
+def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:
+    """Patches of unexplored ground with a foot of something and room for it.
+
+    An edge on plain ground is taken for a foot as well, but hides nothing: the ground behind it is
+    seen from other sides.
+
+    Parameters
+    ----------
+    least : float
+        Minimum distance of the middle of a patch from the explored ground, world units.
+    """
+    unknown = unexplored(floor, obstacles)
+    depth = distance_transform_edt(unknown) * floor.cell_size
+    number, num_patches = label(unknown, NEIGHBOURS)
+    for patch in range(1, num_patches + 1):
+        cells = np.argwhere(number == patch)
+        rows = tuple(cells.T)
+        if depth[rows].max() > least and floor.barred[rows].any():
+            points = floor.centres(cells)
+            centre = (points.min(axis=0) + points.max(axis=0)) / 2.0
+            radius = float(np.hypot(*(points - centre).T).max())
+            yield _once_more(centre, radius)
+
+
+def _once_more(centre: Array, radius: float) -> Detection:
+    """A disc on the floor to look at as if no view had seen it."""
+    return Detection(centre=centre, radius=radius, distance=0.0, sigma=0.0)

@@ -1,0 +1,52 @@
+"""Doubts: what is looked at once more before the agent ends."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from recon.exploration import world_model
+from recon.exploration.doubts import CLOSE, hiding_places
+from recon.exploration.floor import Floor
+from recon.records import UNKNOWN
+from recon.settings import Settings
+
+
+def floor_with_pocket(size, feet):
+    """Ground seen from 20 units, except a square of some size with feet on its edge."""
+    floor = Floor(size_x=60.0, size_z=60.0)
+    floor.seen_from[:] = 20.0
+    floor.seen_from[30 : 30 + size, 20 : 20 + size] = np.inf
+    floor.barred_from[30, 20 : 20 + feet] = 15.0
+    return floor
+
+
+def test_unseen_ground_behind_a_foot_may_hide_an_object():
+    (found,) = hiding_places(floor_with_pocket(size=7, feet=3), (), 2.0)
+    assert np.allclose(found.centre, [3.5, -6.5])
+    assert 4.0 < found.radius < 4.5
+
+
+@pytest.mark.parametrize(("size", "feet"), [(7, 0), (4, 3), (0, 20)])
+def test_ground_without_a_foot_or_room_hides_none(size, feet):
+    assert not list(hiding_places(floor_with_pocket(size, feet), (), 2.0))
+
+
+def test_what_resembles_a_kind_is_looked_at_from_nearby_before_the_end(explore_discs, monkeypatch):
+    x, z, radius, _ = disc = (20.0, 5.0, 4.0, 12.0)
+    recognise = world_model.recognise
+    near = []
+    for chance in (0.02, 0.4):
+
+        def doubting(voxels, settings, chance=chance):
+            found = recognise(voxels, settings)
+            name = {"label": UNKNOWN, "probability": 1 - chance, "nearest": (("cottage", chance),)}
+            return replace(found, objects=tuple(replace(one, **name) for one in found.objects))
+
+        monkeypatch.setattr(world_model, "recognise", doubting)
+        done = explore_discs([disc], observe=lambda step: None)
+        assert done.stop_reason == "all known"
+        aimed = [one for one in done.views if np.allclose(one.target[[0, 2]], (x, z), atol=1.0)]
+        apart = [np.hypot(*(one.position[[0, 2]] - (x, z))) - radius for one in aimed]
+        near.append(sum(one <= CLOSE * Settings().exploration.clearance + 1.0 for one in apart))
+    assert near[0] + 1 <= near[1] <= near[0] + 3
