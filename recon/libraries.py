@@ -41,6 +41,9 @@ def load_open3d() -> ModuleType:
                 sys.modules[_LATE] = _late_plots()
             return importlib.import_module("open3d")
     except (ImportError, OSError) as error:
+        # Its compiled part reports Ctrl-C as a failed import.
+        if KeyboardInterrupt.__name__ in str(error):
+            raise KeyboardInterrupt from error
         raise MissingLibraryError(f"Open3D does not load ({error}); run: {APT_LINE}") from error
 
 

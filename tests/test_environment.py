@@ -7,10 +7,12 @@ import stat
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from recon import environment, libraries
+from recon.errors import MissingLibraryError
 
 SOURCE = Path(environment.__file__).parent
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE = 24, 1
@@ -114,3 +116,20 @@ def test_names_of_folders_and_the_locale_do_not_matter(tmp_path, name):
         [sys.executable, "-c", code], env=os.environ | poor, capture_output=True, check=False
     )
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize(
+    ("message", "raised"),
+    [
+        ("KeyboardInterrupt: <EMPTY MESSAGE>", KeyboardInterrupt),
+        ("libGL.so.1: cannot open shared object file", MissingLibraryError),
+    ],
+)
+def test_ctrl_c_while_open3d_loads_is_ctrl_c(monkeypatch, message, raised):
+    def fail(name):
+        raise ImportError(message)
+
+    monkeypatch.setattr(libraries, "importlib", SimpleNamespace(import_module=fail))
+    monkeypatch.setitem(sys.modules, "open3d", None)
+    with pytest.raises(raised):
+        libraries.load_open3d.__wrapped__()

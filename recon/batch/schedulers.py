@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing.context import BaseContext
 from typing import Any, Protocol
 
 from recon.batch.progress import Pipes, begin_telling
+from recon.batch.server import SPAWN
 from recon.batch.worker import Outcome, Progress, hear_with, unheard
 from recon.errors import InputError
 from recon.files import Limits
@@ -57,11 +58,16 @@ class Processes:
         processors for them.
     progress : callable
         Called with the progress of each job.
+    start : multiprocessing context
+        How workers are started.
     """
 
-    def __init__(self, num_workers: int, progress: Progress = unheard) -> None:
+    def __init__(
+        self, num_workers: int, progress: Progress = unheard, start: BaseContext = SPAWN
+    ) -> None:
         self._num_workers = num_workers
         self._progress = progress
+        self._start = start
         self._lock = threading.Lock()
 
     def outcomes(self, calls: Sequence[tuple[str, Call]]) -> Iterator[Outcome]:
@@ -89,7 +95,7 @@ class Processes:
     def _new_pool(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(
             1,
-            mp_context=get_context("spawn"),
+            mp_context=self._start,
             initializer=begin_telling,
             initargs=(self._num_threads, self._pipes.new()),
         )
@@ -185,11 +191,14 @@ def lost(name: str) -> Outcome:
 
 
 def make_scheduler(
-    address: str | None, num_workers: int, progress: Progress = unheard
+    address: str | None,
+    num_workers: int,
+    progress: Progress = unheard,
+    start: BaseContext = SPAWN,
 ) -> Scheduler:
     """Local processes if no address is given, else a Dask cluster."""
     if address is None:
-        return Processes(num_workers, progress)
+        return Processes(num_workers, progress, start)
     return Dask(address, num_workers, progress)
 
 

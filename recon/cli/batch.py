@@ -49,6 +49,7 @@ def batch(jobs: str, **given: Any) -> int:
     input (a path, a glob or a list), settings, seed; a [sweep] table lists values of settings.
     """
     start_logging(given)
+    start = _way_to_start(given)  # first: it loads while this process does
     from recon.batch.batch import run_batch
     from recon.batch.schedulers import make_scheduler
     from recon.batch.sheets import load_ahead, print_of
@@ -66,7 +67,7 @@ def batch(jobs: str, **given: Any) -> int:
     folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
     with shown_jobs(given["quiet"]) as shown:
         scheduler = make_scheduler(
-            given["scheduler"], given["num_workers"] or num_processors(), shown.progress
+            given["scheduler"], given["num_workers"] or num_processors(), shown.progress, start
         )
 
         def heard(outcome: Any, done: int, total: int) -> None:
@@ -87,6 +88,15 @@ def batch(jobs: str, **given: Any) -> int:
     elif not given["quiet"]:
         _say(document, folder)
     return SOME_FAILED if report.num_failed else 0
+
+
+def _way_to_start(given: dict[str, Any]) -> Any:
+    """How workers are started: forked from a server if this process serves the batch only."""
+    from recon.batch.server import SPAWN, start_server
+
+    is_alone = click.get_current_context().find_root().obj
+    forks = is_alone and not given["dry_run"] and given["scheduler"] is None
+    return start_server() if forks else SPAWN
 
 
 def _named_jobs(jobs: str, command: str | None) -> Any:

@@ -156,10 +156,13 @@ def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
 
 
 LONELY = """
+import sys
 from recon.batch.schedulers import Processes
+from recon.batch.server import SPAWN, start_server
 from tests.batch.test_batch import wait_for_ever
 if __name__ == "__main__":
-    for _ in Processes(1).outcomes([("a", wait_for_ever)]): pass
+    start = start_server() if sys.argv[1] == "forked" else SPAWN
+    for _ in Processes(1, start=start).outcomes([("a", wait_for_ever)]): pass
 """
 
 
@@ -168,11 +171,14 @@ def wait_for_ever():
     time.sleep(600)
 
 
-def test_a_worker_does_not_outlive_the_batch(tmp_path):
+@pytest.mark.parametrize("way", ["forked", "spawned"])
+def test_a_worker_does_not_outlive_the_batch(tmp_path, way):
     (tmp_path / "lonely.py").write_text(LONELY)
     here = {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     with subprocess.Popen(
-        [sys.executable, tmp_path / "lonely.py"], stdout=subprocess.PIPE, env=os.environ | here
+        [sys.executable, tmp_path / "lonely.py", way],
+        stdout=subprocess.PIPE,
+        env=os.environ | here,
     ) as parent:
         assert int(parent.stdout.readline()) != parent.pid
         parent.kill()

@@ -1,0 +1,8 @@
+"""What most jobs need, loaded by importing this module: no thread starts, and nothing is drawn."""
+
+from recon.processes import collect_rarely
+from recon.runs.job import KINDS
+
+collect_rarely()
+for _kind in ("reconstruct", "explore"):
+    KINDS.load(_kind)
