@@ -11,7 +11,8 @@ from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
 from recon.recognition.naming.probability import EXPLAINED, SHOWN
-from recon.recognition.segments.flat_pieces import FlatPiece, FlatPieces
+from recon.recognition.segments.flat_pieces import FlatPiece
+from recon.recognition.segments.solid_pieces import Pieces
 from recon.records import Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -23,6 +24,9 @@ ON_SOLID_CELLS = 0.75
 MOST = 0.75
 """Minimum share of the cells of a part below the middle of what lies on it."""
 UPRIGHT_DEG = 45.0
+COST_OF_SOLID = 0.5
+"""Seven numbers times the log of sixty, by sixty: no more cells than these are independent, and a
+further solid takes up what is only noise at a crease."""
 NUMBERS_OF_PIECE = 3
 """Parameters of a plane; a bar counts the same."""
 
@@ -56,26 +60,36 @@ class Assembly:
         """True if one of its planes is nearer to upright than to level."""
         return any((one.tilt_deg or 0.0) > UPRIGHT_DEG for one in self.pieces)
 
+    @property
+    def has_planes(self) -> bool:
+        """True if one of its pieces is a plane."""
+        return any(isinstance(one, Plane) for one in self.solids)
+
+    @property
+    def cost(self) -> float:
+        """Deviance per cell that the solids beyond the first have to save."""
+        return 0.0 if self.has_planes else COST_OF_SOLID * (len(self.pieces) - 1)
+
     def sizes(self, cells: Voxels) -> list[dict[str, float]]:
         """Height, width, depth and radius of each piece."""
         return [box_sizes(cells.means[one.rows]) | solid_sizes(one.solid) for one in self.pieces]
 
 
-def assemblies(ways: Sequence[FlatPieces], kind: Kind) -> list[Assembly]:
+def assemblies(ways: Sequence[Pieces], kind: Kind) -> list[Assembly]:
     """The kind assembled from the pieces of an object, once per split with all its parts."""
     found = [_assembled(pieces, kind) for pieces in ways]
     return [one for one in found if one is not None]
 
 
-def _assembled(pieces: FlatPieces, kind: Kind) -> Assembly | None:
+def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
     """The kind assembled from the pieces; None if a part is missing."""
     cells, before, shown = pieces.cells, list[FlatPiece](), 1.0
     parts: list[tuple[PartRule, FlatPiece]] = []
     touch = TOUCH_CELLS * cells.cell_size
     for rule in kind.parts:
         own = [one for _, one in parts]
-        waiting = pieces.planes if "plane" in rule.shapes else pieces.bars
-        fitting = [one for one in waiting if one not in own and _has_form(rule, one)]
+        waiting = [one for one in pieces.of(rule.shapes) if not _is_taken(one, own)]
+        fitting = [one for one in waiting if _has_form(rule, one)]
         fitting = [one for one in fitting if _is_placed(rule, one, before, cells)]
         fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
@@ -94,6 +108,11 @@ def _assembled(pieces: FlatPieces, kind: Kind) -> Assembly | None:
         pieces=tuple(own),
         rules=tuple(rule for rule, _ in parts),
     )
+
+
+def _is_taken(piece: FlatPiece, own: list[FlatPiece]) -> bool:
+    """True if the cells of a piece are those of a part already."""
+    return any(piece.rows is one.rows for one in own)
 
 
 def _num_explained(piece: FlatPiece, cells: Voxels) -> int:
@@ -115,9 +134,11 @@ def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:
 
 
 def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
-    """True if the tilt of a plane, and its height over its horizontal extent, fit a part."""
+    """True if the slenderness of a piece, and the tilt of a plane, fit a part."""
     if piece.tilt_deg is None:
-        return True
+        sizes = solid_sizes(piece.solid)
+        ratio = sizes["height"] / sizes["radius"] if {"height", "radius"} <= sizes.keys() else None
+        return ratio is None or _is_within(rule.slenderness, ratio)
     x, y, z = (piece.high - piece.low).tolist()
     slenderness = y / max(math.hypot(x, z), 1e-9)
     return _is_within(rule.tilt_deg, piece.tilt_deg) and _is_within(rule.slenderness, slenderness)
@@ -131,11 +152,14 @@ def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells:
     """True where a piece lies on, beside or under the part before it.
 
     Most of a part is below what lies on it: a shelf between two walls is not their roof. What is
-    under it may be beside its lower half: the back of a bench extends down to the ground.
+    under it may be beside its lower half: the back of a bench extends down to the ground. The
+    middle of what is beside it is at one of its heights: a crown is not beside its trunk.
     """
-    if rule.place == "beside" or not before:
+    if not before:
         return True
     middle = float(piece.low[1] + piece.high[1]) / 2.0
+    if rule.place == "beside":
+        return any(bool(one.low[1] <= middle <= one.high[1]) for one in before)
     if rule.place == "under":
         ends = [one.low[1] for one in before], [one.high[1] for one in before]
         return middle < float(min(ends[0]) + max(ends[1])) / 2.0

@@ -1,5 +1,6 @@
 """The cells of one object, and their properties that do not depend on the kind."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,9 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.cells import coarser
+from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.fitting.shapes import Candidate, candidates
+from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
 from recon.recognition.segments.flat_pieces import FlatPieces, Step, flat_pieces
+from recon.recognition.segments.solid_pieces import NOISE_FLOOR, Pieces, solid_pieces
 from recon.records import Box, FitFailure, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
@@ -27,6 +31,8 @@ independent cells. Chosen so that the probabilities are calibrated on simulated 
 ON_SURFACE_CELLS = 0.75
 """Only a cell nearer than this shows a place on the face of a box: a table is open at its sides,
 whose rims are near to its board and its legs."""
+MOST_SOLIDS = 6
+"""Maximum number of solids that an object is taken apart into."""
 OTHER_WAYS: tuple[tuple[Step, ...], ...] = (("board", "upright"), ("upright", "any"), ("board",))
 """Orders in which planes are extracted from an object, besides that of their size alone; under a
 board alone the rest are bars."""
@@ -62,6 +68,15 @@ class Case:
         """Planes and bars of the cells, for every order of extraction."""
         return [self.faces, *(flat_pieces(self.dense, way) for way in OTHER_WAYS)]
 
+    def ways(self, kind: Kind) -> Sequence[Pieces]:
+        """The splits of the cells that may show the parts of a kind."""
+        if any("plane" in part.shapes for part in kind.parts):
+            return self.pieces
+        shapes = {shape for part in kind.parts for shape in part.shapes}
+        counts = {sum(part.count[end] for part in kind.parts) for end in (0, 1)}
+        solids = [solid_pieces(self.dense, shapes, n) for n in sorted(counts) if n <= MOST_SOLIDS]
+        return [*self.pieces, *solids]
+
     def dense_criterion(self, bic: float) -> float:
         """The same for a fit to the dense cells."""
         return bic / len(self.dense) - formless(self.dense)
@@ -73,6 +88,14 @@ class Case:
     def lone_criterion(self, one: Candidate) -> float:
         """The same for a single solid."""
         return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - formless(self.cells)
+
+    @cached_property
+    def dense_lone_criterion(self) -> float:
+        """The lowest criterion of the single solids on the dense cells."""
+        floor = NOISE_FLOOR * self.dense.cell_size
+        away = [one.solid.distances(self.dense.means) for one in self.alone]
+        found = [self.dense_criterion(student_deviance(one, floor)) for one in away]
+        return min(found, default=0.0)
 
     @cached_property
     def seen_criterion(self) -> float:

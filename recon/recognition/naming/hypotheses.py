@@ -25,6 +25,7 @@ from recon.recognition.naming.probability import (
     FILLED,
     FORM,
     FORMED,
+    LEAD,
     NEARNESS,
     ORDERED,
     Evidence,
@@ -238,15 +239,14 @@ def _assembled(case: Case, kinds: tuple[Kind, ...], fits: list[Hypothesis]) -> I
     rival = min((one.criterion for one in fits if one.composite), default=0.0)
     for kind in kinds:
         if len(kind.parts) > 1 and not kind.is_upright:
-            found = [_ordered(case, one, rival) for one in assemblies(case.pieces, kind)]
+            found = [_ordered(case, one, rival) for one in assemblies(case.ways(kind), kind)]
             yield from sorted(found, key=lambda one: -one.whole)[:1]
 
 
 def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
     """An assembly as an object of its kind; `rival`: criterion of the best fit on one axis."""
-    criterion = case.dense_criterion(one.bic)
-    lead = case.seen_criterion - criterion
-    chance = float(FORM.chance(-criterion) * ORDERED.chance(lead)) * one.explained
+    criterion = case.dense_criterion(one.bic) + one.cost
+    chance = float(FORM.chance(-criterion)) * _lead_chance(case, one, criterion) * one.explained
     chance *= float(FORMED.chance(rival - criterion)) if one.has_upright_planes else 1.0
     looks = hue_chance(one.rules, one.solids, case.dense)
     if case.is_metric:
@@ -260,6 +260,13 @@ def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
         solids=one.solids,
         roles=one.roles,
     )
+
+
+def _lead_chance(case: Case, one: Assembly, criterion: float) -> float:
+    """Chance that an assembly is more than one solid, which several always explain no worse."""
+    if one.has_planes:
+        return float(ORDERED.chance(case.seen_criterion - criterion))
+    return float(LEAD.chance(case.dense_lone_criterion - criterion))
 
 
 def _learned(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:

@@ -1,7 +1,7 @@
 """Flat pieces of an object and the remainder between them."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -28,13 +28,14 @@ surface."""
 LEAST_PLANE, LEAST_SHARE = 8, 0.03
 """Minimum number of cells of a plane, and their minimum share of the object's."""
 LEAST_BAR = 3
+BAR_SHAPES = frozenset({"box", "cylinder"})
 FILLED = 0.5
 """Minimum share of a board's area with cells: a ring of walls has few."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FlatPiece:
-    """A plane patch, or an upright bar."""
+    """A plane patch, an upright bar, or a convex piece."""
 
     rows: Rows
     """Cells of the object."""
@@ -45,7 +46,7 @@ class FlatPiece:
 
     @property
     def tilt_deg(self) -> float | None:
-        """Angle between a plane's normal and the vertical; None for a bar."""
+        """Angle between a plane's normal and the vertical; None for another solid."""
         if not isinstance(self.solid, Plane):
             return None
         return math.degrees(math.acos(min(abs(float(self.solid.normal[1])), 1.0)))
@@ -61,6 +62,12 @@ class FlatPieces:
     """By step, and of each step by descending size."""
     rest: Rows
     """Cells on none of them."""
+
+    def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
+        """The pieces that may have one of some shapes: planes or, as boxes and cylinders, bars."""
+        if "plane" in shapes:
+            return self.planes
+        return self.bars if BAR_SHAPES.intersection(shapes) else ()
 
     @cached_property
     def bars(self) -> tuple[FlatPiece, ...]:
@@ -83,7 +90,7 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
         least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
         is_left = np.ones(len(rest), np.bool_)
         for plane, own in _found(cells.means[rest], step, cells.cell_size, least):
-            planes.append(_piece(cells, rest[own], plane))
+            planes.append(piece_of(cells, rest[own], plane))
             is_left[own] = False
         rest = rest[is_left]
     return FlatPieces(cells=cells, planes=tuple(planes), rest=rest)
@@ -160,7 +167,7 @@ def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
     order = np.argsort(label, kind="stable")
     borders = np.searchsorted(label[order], np.arange(int(label.max()) + 2))
     groups = [rest[order[low:high]] for low, high in pairwise(borders) if high - low >= LEAST_BAR]
-    return [_piece(cells, rows, _bar(cells.means[rows])) for rows in groups]
+    return [piece_of(cells, rows, _bar(cells.means[rows])) for rows in groups]
 
 
 def _bar(points: Array) -> Cylinder:
@@ -175,6 +182,7 @@ def _bar(points: Array) -> Cylinder:
     )
 
 
-def _piece(cells: Voxels, rows: Rows, solid: Solid) -> FlatPiece:
+def piece_of(cells: Voxels, rows: Rows, solid: Solid) -> FlatPiece:
+    """A piece of an object with its box."""
     points = cells.means[rows]
     return FlatPiece(rows=rows, solid=solid, low=points.min(axis=0), high=points.max(axis=0))
