@@ -50,7 +50,10 @@ def parse_roi(
     help="Region of interest, pixels.",
 )
 @click.option(
-    "-j", "num_workers", type=click.IntRange(min=1), help="Number of processes that match pairs."
+    "-j",
+    "num_workers",
+    type=click.IntRange(min=1),
+    help="Match pairs in N processes; threads, one per processor, by default.",
 )
 @click.option(
     "--chunk",

@@ -23,9 +23,11 @@ from recon.runs.labels import write_labels
 from recon.runs.maps import map_path
 from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 
-ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory")
+PAIRED = ("disparity", "overview")
+"""Figures that show the pair with the most matches, if there is one."""
+ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory", *PAIRED)
 """Figures that every run with a map writes by default."""
-NAMELESS = ("occupancy", "trajectory")
+NAMELESS = ("occupancy", "trajectory", "disparity")
 """Those of them that show no objects."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
@@ -58,17 +60,18 @@ def write_run_figures(
     run_path : Path
     contents : Reconstruction
     clearest : Step, optional
-        The step with the most matches, for its disparity and an overview.
+        The step with the most matches; without it, there are no figures of a pair.
     names : sequence of str
-        All other kinds of figures.
+        Their kinds, in the order of drawing.
     """
-    subject = _subject(run_path, contents)
+    kept = None if clearest is None else kept_pair(clearest.pair.left, clearest.matches)
+    subject = replace(_subject(run_path, contents), kept=kept)
     for name in names:
+        if name in PAIRED and kept is None:
+            continue
+        if kept is not None and name == "disparity":
+            _write_arrays(run_path, name, {"kind": np.array(name), **kept})
         _write(run_path, name, KINDS.load(name), subject, Wish())
-    if clearest is not None:
-        arrays = kept_pair(clearest.pair.left, clearest.matches)
-        leave_figure(run_path, "disparity", arrays)
-        _write(run_path, "overview", KINDS.load("overview"), replace(subject, kept=arrays), Wish())
 
 
 def drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:

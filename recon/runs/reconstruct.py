@@ -20,7 +20,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import ALWAYS, NAMELESS, drawable, write_run_figures
+from recon.runs.figures import ALWAYS, NAMELESS, PAIRED, drawable, write_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
@@ -163,8 +163,8 @@ def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:
 
 
 def _figures_of(job: Job) -> Sequence[str]:
-    """Figures besides the overview: none of a part, an arbitrary piece of the map."""
-    return () if "part" in job.arguments else ALWAYS
+    """The figures of a run; of a part only those of a pair: its map is an arbitrary piece."""
+    return PAIRED if "part" in job.arguments else ALWAYS
 
 
 def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -> int:
@@ -176,7 +176,8 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
     )
     with work.stage("figures"):
         early = [name for name in figures if name in NAMELESS]
-        work.artist.draw(write_run_figures, run.path, drawable(nameless), None, early)
+        shows = drawable(nameless), mapper.clearest
+        work.artist.draw(write_run_figures, run.path, *shows, early)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
     reconstruction = replace(nameless, objects=recognition.objects)
     with work.stage("figures"):
