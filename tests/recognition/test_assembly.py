@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from recon.recognition import recognise
+from recon.recognition.fitting.composite import Composite
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.synthetic import Orbit, observe, voxelise
@@ -85,6 +86,42 @@ def test_a_board_without_legs_and_a_plain_box_are_no_table():
     rng = np.random.default_rng(3)
     assert label_of([box([0, 3.5, 0], [9, 0.6, 6])], rng) != "table"
     assert label_of([box([0, 2.5, 0], [9, 5.0, 6])], rng) not in ("table", "house", "bench")
+
+
+def bulged(points, walls, by):
+    """Points (N, 3) of a house whose walls bend outwards in their middle."""
+    bent, halves = points.copy(), walls.sizes / 2.0
+    for axis, across in ((0, 2), (2, 0)):
+        outside = np.abs(points[:, axis]) > 0.8 * halves[axis]
+        on_wall = outside & (points[:, 1] < walls.sizes[1])
+        share = np.clip(1.0 - (points[:, across] / halves[across]) ** 2, 0.0, None)
+        bent[:, axis] += on_wall * by * np.sign(points[:, axis]) * share
+    return bent
+
+
+@pytest.mark.parametrize(("by", "is_house"), [(0.0, True), (0.3, True), (1.5, False)])
+@pytest.mark.parametrize("seed", range(3))
+def test_curved_walls_are_not_those_of_a_house(by, is_house, seed):
+    rng = np.random.default_rng(seed)
+    parts = house(rng.uniform)
+    cloud = observe(parts, rng.uniform(40, 200, (len(parts), 3)), ORBIT, rng)
+    voxels = voxelise(replace(cloud, points=bulged(cloud.points, parts[0], by)))
+    found = max(recognise(voxels, SETTINGS).objects, key=lambda one: one.num_voxels)
+    assert (found.label == "house") == is_house
+
+
+@pytest.mark.parametrize(("rise", "low", "high"), [(0.9, 0.0, 0.8), (3.0, 0.9, 1.0)])
+def test_a_roof_thinner_than_two_cells_is_doubtful(rise, low, high):
+    cottage = Composite(
+        shapes=("cylinder", "truncated cone"),
+        axis=np.zeros(2),
+        heights=np.array([0.0, 7.0, 7.0 + rise]),
+        radii=(np.array([4.0]), np.array([4.8, 1.2])),
+    )
+    rng = np.random.default_rng(0)
+    cloud = observe(cottage, rng.uniform(40, 200, (2, 3)), Orbit(eye_height=9.0), rng)
+    (found,) = recognise(voxelise(cloud), SETTINGS).objects
+    assert low <= dict(found.nearest)["cottage"] <= high
 
 
 @pytest.mark.parametrize("name", ["village", "household"])

@@ -56,9 +56,9 @@ class Assembly:
         return tuple(rule.role for rule in self.rules)
 
     @property
-    def has_upright_planes(self) -> bool:
-        """True if one of its planes is nearer to upright than to level."""
-        return any((one.tilt_deg or 0.0) > UPRIGHT_DEG for one in self.pieces)
+    def upright(self) -> list[FlatPiece]:
+        """Its planes that are nearer to upright than to level."""
+        return [one for one in self.pieces if (one.tilt_deg or 0.0) > UPRIGHT_DEG]
 
     @property
     def has_planes(self) -> bool:

@@ -11,6 +11,7 @@ from recon.recognition.fitting.least_squares import Estimate
 from recon.recognition.naming.assembly import Assembly, assemblies, bic_of_pieces
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
+from recon.recognition.naming.curvature import bend
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.lead import lead_of_parts
@@ -23,6 +24,7 @@ from recon.recognition.naming.limits import (
 )
 from recon.recognition.naming.probability import (
     FILLED,
+    FLAT,
     FORM,
     FORMED,
     LEAD,
@@ -143,7 +145,9 @@ def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Arra
     """Evidence for a fit of upright parts."""
     rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
     composite = fit.state
-    narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights))
+    # The two radii of a cone differ only if there is a layer of cells for each.
+    layers = [max(1, len(radii)) for radii in composite.radii]
+    narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights) / layers)
     return Evidence(
         criterion=criterion,
         lead=max(rival - criterion, lead_of_parts(fit, case.cells, case.alone)),
@@ -247,7 +251,9 @@ def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
     """An assembly as an object of its kind; `rival`: criterion of the best fit on one axis."""
     criterion = case.dense_criterion(one.bic) + one.cost
     chance = float(FORM.chance(-criterion)) * _lead_chance(case, one, criterion) * one.explained
-    chance *= float(FORMED.chance(rival - criterion)) if one.has_upright_planes else 1.0
+    if one.upright:
+        chance *= float(FORMED.chance(rival - criterion))
+        chance *= float(FLAT.chance(-bend(case.dense, one.upright)))
     looks = hue_chance(one.rules, one.solids, case.dense)
     if case.is_metric:
         looks *= size_chance(one.kind, one.rules, one.sizes(case.dense), case.dense)

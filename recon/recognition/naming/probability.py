@@ -51,6 +51,9 @@ SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
 FORMED = Logistic(middle=-0.5, steepness=6.0)
 """Lead of parts of revolution over planes, and of upright planes over parts of revolution: either
 fits anything a little."""
+FLAT = Logistic(middle=-0.3, steepness=20.0)
+"""BIC per cell by which upright planes explain their cells better than curved surfaces: walls of
+simulated houses and benches have -0.2 and more, rocks and cylinders -0.4 and less."""
 FILLED = Logistic(middle=0.55, steepness=25.0)
 """Share of the faces of a box that cells fill, of those that are seen at all."""
 NEARNESS = Logistic(middle=0.0, steepness=6.0)
@@ -68,7 +71,7 @@ class Evidence:
     seen: Array
     """(parts,) share of each part's surface with a cell nearby."""
     widths: Array
-    """(parts,) minimum width of each part in cells."""
+    """(parts,) minimum width of each part in cells, of a cone that of a layer per radius."""
     num_cells: int
 
     @property
