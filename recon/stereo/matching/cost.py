@@ -18,6 +18,8 @@ from recon.stereo.kernels.simd import (
     kernel,
     larger,
     load,
+    one_earlier,
+    one_later,
     repeat,
     smaller,
     spread,
@@ -86,7 +88,7 @@ class Ring(NamedTuple):
     """(C * 3 * reach,) the same for the row of the other image."""
     reach: int
     line: Floats
-    """(2, ...) the scores of two pixels, each with zeros for `NUM_LANES` before and after."""
+    """The scores of a pixel, with zeros for `NUM_LANES` before and after."""
 
 
 def make_ring(base: Responses, search: Search) -> Ring:
@@ -108,7 +110,7 @@ def make_ring(base: Responses, search: Search) -> Ring:
         here=aligned_zeros(channels * 3 * reach),
         there=aligned_zeros(channels * 3 * reach),
         reach=reach,
-        line=np.zeros((2, lanes + 2 * NUM_LANES), np.float32),
+        line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
     )
 
 
@@ -175,16 +177,12 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
 @kernel
 def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
     """Write the scores, exact and with slack, of every second pixel of a row."""
-    # Pixels in twos: scores that were just stored are slow to load from other positions.
-    for first in range(0, ring.columns, 2):
-        for k in range(2):
-            u = 2 * (first + k)
-            _score_pixel(ring, here + u, there + u, search, ring.line[k])
-        for k in range(2):
-            start = (first + k) * ring.lanes
-            _slacken(ring.line[k], start, lines)
-            for i in range(search.num_shifts, ring.lanes):
-                lines[1][start + i] = 0.0
+    for column in range(ring.columns):
+        start = column * ring.lanes
+        _score_pixel(ring, here + 2 * column, there + 2 * column, search, ring.line)
+        _slacken(ring.line, start, lines)
+        for i in range(search.num_shifts, ring.lanes):
+            lines[1][start + i] = 0.0
 
 
 @kernel
@@ -267,10 +265,13 @@ def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
 
     The neighbours are weighted by `SLACK`.
     """
-    nothing = spread(0.0)
+    before, here = load(line, 0), load(line, NUM_LANES)
     for i in range(NUM_LANES, line.size - NUM_LANES, NUM_LANES):
-        exact = larger(load(line, i), nothing)
-        beside = larger(load(line, i - 1), load(line, i + 1))
+        # Scores that were just stored are slow to load from other positions.
+        after = load(line, i + NUM_LANES)
+        exact = larger(here, spread(0.0))
+        beside = larger(one_earlier(before, here), one_later(here, after))
+        before, here = here, after
         place = start + i - NUM_LANES
         store(lines[0], place, exact)
         store(lines[1], place, larger(exact, SLACK * beside))
