@@ -41,7 +41,7 @@ def gain_between(left: Grey, right: Grey) -> float:
     middle = median(ratios)
     spread = 1.4826 * median(np.abs(ratios - middle))
     error = 1.25 * spread / np.sqrt(len(ratios))
-    agreeing = float(np.mean(ratios * middle > 0))
+    agreeing = np.count_nonzero(ratios * middle > 0) / len(ratios)
     surely = max(float(np.log(_LEAST_RATIO)), _NUM_ERRORS * error)
     if agreeing < _SHARE_AGREEING or not surely < abs(middle) < np.log(_LARGEST_RATIO):
         return 1.0

@@ -124,7 +124,8 @@ def _by_grey(means: Array, energies: Array) -> Array:
     means, energies = means[order], energies[order]
     edges = [len(order) * k // num for k in range(num + 1)]
     groups = [slice(first, end) for first, end in pairwise(edges)]
-    greys = [max(float(means[group].mean()), _DARKEST) for group in groups]
+    sizes = [group.stop - group.start for group in groups]
+    greys = np.maximum(np.add.reduceat(means, edges[:-1]) / sizes, _DARKEST).tolist()
     variances = [_calm(energies[group]) for group in groups]
     # Pure shot noise has a variance proportional to the light.
     steepest = accumulate((v / grey for v, grey in zip(variances, greys, strict=True)), min)

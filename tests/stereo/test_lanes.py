@@ -16,6 +16,8 @@ from recon.stereo.kernels.simd import (
     larger,
     largest,
     load,
+    one_earlier,
+    one_later,
     repeat,
     smaller,
     spread,
@@ -55,6 +57,21 @@ def test_reductions_take_in_every_number_once(a):
     highest, added = reduce(a)
     assert highest == a[1 : 1 + NUM_LANES].max()
     assert added == pytest.approx(a[1 : 1 + NUM_LANES].sum(dtype=float), abs=1e-3)
+
+
+@kernel
+def slide(a, out):
+    store(out, 0, one_earlier(load(a, 0), load(a, NUM_LANES)))
+    store(out, NUM_LANES, one_later(load(a, 0), load(a, NUM_LANES)))
+
+
+@settings(deadline=None, max_examples=20)
+@given(numbers)
+def test_neighbours_are_those_of_a_shifted_load(a):
+    out = np.zeros_like(a)
+    slide(a, out)
+    np.testing.assert_array_equal(out[:NUM_LANES], a[NUM_LANES - 1 : -1])
+    np.testing.assert_array_equal(out[NUM_LANES:], a[1 : NUM_LANES + 1])
 
 
 def test_a_store_writes_eight_numbers_and_no_more():
