@@ -70,3 +70,23 @@ def test_sigma_is_honest_on_recorded_pairs(data_dir, name):
     error = matches.disparity_px - truth[v, u]
     good = np.abs(error) <= 1
     assert 0.75 < np.sqrt(np.mean((error[good] / matches.sigma_px[good]) ** 2)) < 1.25
+
+
+def miscalibration(probability, is_right):
+    """Mean distance of the probability from the share that is right, over bins."""
+    number = np.digitize(probability, [0.5, 0.8, 0.95, 0.99])
+    gaps = [abs((probability - is_right)[number == k].sum()) for k in range(5)]
+    return sum(gaps) / len(probability)
+
+
+@pytest.mark.parametrize("name", ["middlebury2005/Moebius", "middlebury2006/Baby1"])
+@pytest.mark.parametrize("quality", ["fast", "best"])
+def test_of_likely_matches_that_share_is_right(data_dir, name, quality):
+    matches, truth = solve(data_dir / name, quality, 110)
+    u, v = matches.points_px.astype(int).T
+    error = np.abs(matches.disparity_px - truth[v, u])
+    known = np.isfinite(error)
+    probability, is_right = matches.probability[known], error[known] <= 1
+    assert miscalibration(probability, is_right) < 0.04
+    in_disorder = np.random.default_rng(5).permutation(probability)
+    assert miscalibration(in_disorder, is_right) > 0.045
