@@ -17,6 +17,7 @@ from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming
 from recon.recognition.naming.recognisers import RECOGNISERS
+from recon.recognition.reunion import reunite
 from recon.recognition.segments.convexity import Relief, convex_pieces, relief_of
 from recon.recognition.segments.focus import Focus, find_focus
 from recon.recognition.separation import (
@@ -25,7 +26,6 @@ from recon.recognition.separation import (
     Reliefs,
     Rows,
     cut_at_creases,
-    reunite,
     separate,
 )
 from recon.records import FoundObject, Recognition, Voxels
@@ -73,6 +73,8 @@ def recognise(
         if kinds:
             pieces = reunite(pieces, namer)
             pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
+            # A crown that touched another object is now free to join its trunk.
+            pieces = reunite(pieces, namer)
         if layout.has_floor and not _is_one(focus):
             eyes = None if T_world_left is None else _level_positions(T_world_left, layout)
             cut = partial(cut_at_creases, relief_of=reliefs, eyes=eyes, name=namer)

@@ -1,4 +1,4 @@
-"""Components that contain several objects, and objects split into several components."""
+"""Objects in one component of the map."""
 
 from collections.abc import Callable
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.connectivity import overhanging
+from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.ransac import find_solids, same_solid
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
@@ -25,13 +25,14 @@ Reliefs = Callable[[Rows], Relief]
 
 EXPLAINED = 1.0
 """Deviance per cell below that of a formless object from which one object is enough."""
+STRAYS, STRAY_CELLS = 0.1, 1.5
+"""Share of an object's cells that are farther than so many cells from its solids, above which there
+may be another object."""
 LONG = 2.0
 """Length over width of a footprint, in standard deviations, above which it may be two objects."""
 SHEET = 1.0
 """Standard deviation across a footprint, in cells, below which it is a sheet, such as a wall or a
 fence: every cut through a sheet touches little, so that no cut is a waist."""
-TOGETHER = 0.5
-"""Maximum increase of the deviance per cell for one object instead of several."""
 WAIST, WIDE_WAIST = 1.6, 2.4
 """Maximum number of touching cells over the root of a side's cells, without and with a name: 2.5
 for a closed shell cut in half."""
@@ -51,6 +52,8 @@ MOST_DRAWN = 600
 """Approximate maximum number of cells among which cuts are searched."""
 SAME_CUT = 0.99
 """Minimum share of the cells on the same side of two cuts that count as one."""
+TOUCHING = 1.5
+"""Cells of one side of a cut that are closer than this, in cells, are in one piece."""
 MOST_ROUNDS = 20
 APART = 0.5
 """Minimum decrease of the deviance per cell for two objects instead of one."""
@@ -77,33 +80,6 @@ def separate(
         waiting.extend(halves)
         if not halves:
             done.append(piece)
-    return done
-
-
-def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
-    """Merge pieces of one object, such as a crown seen from two sides.
-
-    Parameters
-    ----------
-    pieces : list of (Naming, rows)
-    name : Callable
-        Names the object in some rows.
-    """
-    waiting, done = list(pieces), []
-    while waiting:
-        naming, rows = waiting.pop(0)
-        inside = [_in_one_place(naming, other) for other, _ in waiting]
-        others = [piece for piece, is_in in zip(waiting, inside, strict=True) if is_in]
-        together = np.sort(np.concatenate([rows, *(own for _, own in others)]))
-        union = name(together) if others else naming
-        rivals = [other for other, _ in others]
-        apart = naming.deviance + sum(other.deviance for other in rivals)
-        is_known = union.label != UNKNOWN or any(n.label != UNKNOWN for n in (naming, *rivals))
-        if not others or not is_known or union.deviance > apart + TOGETHER * len(together):
-            done.append((naming, rows))
-        else:
-            waiting = [piece for piece, is_in in zip(waiting, inside, strict=True) if not is_in]
-            waiting.append((union, together))
     return done
 
 
@@ -162,53 +138,50 @@ def _explained(cells: Voxels) -> float:
     return float(on_it.mean())
 
 
-def _in_one_place(first: Naming, second: Naming) -> bool:
-    """True if two pieces may be one object.
-
-    With names, if the centre of one is inside the other. A piece without a name, or held by nothing
-    visible, may be beside the other. Two without names are the ends of one object if they are no
-    farther apart than one is wide: nobody saw its middle.
-    """
-    apart = float(np.hypot(*(first.centre - second.centre)[::2]))
-    widths = [float(one.size[::2].max()) for one in (first, second)]
-    num_named = sum(one.label != UNKNOWN for one in (first, second))
-    if num_named == 1 or first.is_hovering or second.is_hovering:
-        return apart < sum(widths) / 2.0
-    return apart < max(widths) / (2.0 if num_named else 1.0)
-
-
 def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
     across, along = _spread(voxels.means[rows][:, ::2])
-    if naming.deviance < -EXPLAINED * len(rows) and along < LONG * across:
+    is_explained = naming.deviance < -EXPLAINED * len(rows)
+    if is_explained and along < LONG * across and _strays(naming, voxels.select(rows)) < STRAYS:
         return []
     waist = 0.0 if across < SHEET * voxels.cell_size else WAIST
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
+    num_names = 1 if naming.label != UNKNOWN else 0
     for second, touch in _cuts(voxels.select(rows), min_voxels):
-        needs_names = naming.label != UNKNOWN or touch >= waist
-        halves = _objects((rows[~second], rows[second]), needs_names, name)
+        sides = (rows[~second], rows[second])
+        halves = _objects(sides, 2 if touch >= waist else num_names, name)
         deviance = sum(half.deviance for half, _ in halves)
         if halves and deviance < least:
             best, least = halves, deviance
     return best
 
 
-def _objects(sides: tuple[Rows, Rows], needs_names: bool, name: Namer) -> list[Piece]:
+def _strays(naming: Naming, cells: Voxels) -> float:
+    """Share of the cells that are far from the solids of a naming; 0 without solids."""
+    if not naming.parts:
+        return 0.0
+    away = np.min([part.solid.distances(cells.means) for part in naming.parts], axis=0)
+    return float((away > STRAY_CELLS * cells.cell_size).mean())
+
+
+def _objects(sides: tuple[Rows, Rows], num_names: int, name: Namer) -> list[Piece]:
     """The objects on both sides of a cut; empty as soon as one side is not an object.
 
     Parameters
     ----------
-    needs_names : bool
-        True if solids alone are not objects: neither a named object nor one without a waist is
-        split into unnamed ones.
+    num_names : int
+        Number of sides that must have a name; others need a solid.
     """
     halves: list[Piece] = []
+    spare = len(sides) - num_names
     for rows in sides:
         half = name(rows)
-        if half.label == UNKNOWN and (needs_names or not half.parts):
-            return []
+        if half.label == UNKNOWN:
+            spare -= 1
+            if spare < 0 or not half.parts:
+                return []
         halves.append((half, rows))
     return halves
 
@@ -226,10 +199,29 @@ def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[Mask, float]]:
     found = _main_solids(cells.means, min_voxels)
     if len(found) == 2:
         first, second = (solid.distances(cells.means) for solid in found)
-        cuts.append(second < first)
+        cuts.append(_gathered(second < first, cells))
     whole = [cut for cut in _distinct(cuts) if min(cut.sum(), (~cut).sum()) >= min_voxels]
     touches = [_touch(cut, cells.index) for cut in whole]
     return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
+
+
+def _gathered(second: Mask, cells: Voxels) -> Mask:
+    """A cut whose islands, apart from the rest of their side, join the side they are nearer to.
+
+    A solid goes on behind the other object: cells beyond it, such as a trunk, are not its own.
+    """
+    mains = []
+    for side in (~second, second):
+        rows = np.flatnonzero(side)
+        if not len(rows):
+            return second
+        label = linked(cells.means[rows], TOUCHING * cells.cell_size)
+        mains.append(rows[label == np.argmax(np.bincount(label))])
+    islands = np.setdiff1d(np.arange(len(cells)), np.concatenate(mains), assume_unique=True)
+    away = [cKDTree(cells.means[own]).query(cells.means[islands])[0] for own in mains]
+    gathered = second.copy()
+    gathered[islands] = away[1] < away[0]
+    return gathered
 
 
 def _main_solids(points: Array, min_points: int) -> list[Solid]:

@@ -102,3 +102,30 @@ def test_a_fence_is_never_parted(monkeypatch):
     assert [one.label for one in recognise(voxels, SETTINGS).objects] == ["unknown"]
     monkeypatch.setattr(separation, "SHEET", 0.0)
     assert len(recognise(voxels, SETTINGS).objects) == 2
+
+
+@pytest.mark.parametrize("seed", [2, 4, 7, 8])
+def test_a_crown_that_touches_a_cottage_joins_the_trunk_that_stands_apart(seed):
+    rng = np.random.default_rng(seed)
+    cottage, tree = (random_composite(kind, rng) for kind in ("cottage", "pine tree"))
+    away = cottage.widest.max() + tree.widest.max()
+    tree = dataclasses.replace(tree, axis=np.add(cottage.axis, [away, 0.0]))
+    cloud = seen(tree, rng)
+    # Nobody saw the upper part of the trunk.
+    height = cloud.points[:, 1]
+    gap = (height > tree.heights[1] - 2.5) & (height < tree.heights[1] + 0.4)
+    voxels = voxelise(together(seen(cottage, rng), cloud.select(~gap)))
+    sizes = np.bincount(components(voxels, SETTINGS)[components(voxels, SETTINGS) >= 0])
+    assert (sizes >= SETTINGS.min_voxels).sum() == 2
+    found = recognise(voxels, SETTINGS).objects
+    assert [one.label for one in found] == ["cottage", "pine tree"]
+    assert found[1].centre[::2] == pytest.approx(tree.axis, abs=0.3)
+
+
+def test_what_a_solid_reaches_beyond_the_other_object_is_not_its_own():
+    index = np.array([[x, y, 0] for x in range(12) for y in range(4)])
+    cells = voxelise(together(*[PointCloud(points=np.repeat(index + 0.5, 5, axis=0))]))
+    second = cells.means[:, 0] > 6.0
+    reaching = second ^ (cells.means[:, 0] > 10.0)  # the first solid's again, at the far end
+    assert np.array_equal(separation._gathered(reaching, cells), second)
+    assert np.array_equal(separation._gathered(second, cells), second)
