@@ -71,10 +71,10 @@ def recognise(
     pieces = [(namer(rows), rows) for rows in _clumps(layout, settings, failures)]
     if settings.recogniser != "thesis":
         if kinds:
-            pieces = reunite(pieces, namer)
+            pieces = reunite(pieces, layout.cells, namer)
             pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
             # A crown that touched another object is now free to join its trunk.
-            pieces = reunite(pieces, namer)
+            pieces = reunite(pieces, layout.cells, namer)
         if layout.has_floor and not _is_one(focus):
             eyes = None if T_world_left is None else _level_positions(T_world_left, layout)
             cut = partial(cut_at_creases, relief_of=reliefs, eyes=eyes, name=namer)

@@ -3,21 +3,24 @@
 import numpy as np
 
 from recon.recognition.naming.naming import Naming
-from recon.recognition.separation import EXPLAINED, Namer, Piece
-from recon.records import UNKNOWN
+from recon.recognition.separation import EXPLAINED, Namer, Piece, stray_share
+from recon.records import UNKNOWN, Voxels
 
 TOGETHER = 0.5
 """Maximum increase of the deviance per cell for one object instead of several."""
+STRAYS = 0.3
+"""Share of a piece's cells far from the solids of a named object, below which the piece, unlike a
+neighbour, may belong to it at any increase."""
 
 
-def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
+def reunite(pieces: list[Piece], voxels: Voxels, name: Namer) -> list[Piece]:
     """Merge pieces of one object, such as a crown seen from two sides.
 
     Parameters
     ----------
     pieces : list of (Naming, rows)
     name : Callable
-        Names the object in some rows.
+        Names the object in some rows of `voxels`.
     """
     waiting, done = list(pieces), []
     while waiting:
@@ -25,7 +28,7 @@ def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
         others = [other for other in waiting if _in_one_place(piece[0], other[0])]
         # All of them, or else one: a crown is also near to the house that it touches.
         groups = [others, *([other] for other in others)] if len(others) > 1 else [others]
-        unions = ((group, _union([piece, *group], name)) for group in groups if group)
+        unions = ((group, _union([piece, *group], voxels, name)) for group in groups if group)
         group, union = next((found for found in unions if found[1]), ([], None))
         if union is None:
             done.append(piece)
@@ -35,16 +38,17 @@ def reunite(pieces: list[Piece], name: Namer) -> list[Piece]:
     return done
 
 
-def _union(pieces: list[Piece], name: Namer) -> Piece | None:
+def _union(pieces: list[Piece], voxels: Voxels, name: Namer) -> Piece | None:
     """Pieces as one object; None if that explains their cells worse, or knows none of them."""
     rows = np.sort(np.concatenate([own for _, own in pieces]))
     union = name(rows)
-    had_names = any(naming.label != UNKNOWN for naming, _ in pieces)
-    if union.label == UNKNOWN and not had_names:
+    num_names = sum(naming.label != UNKNOWN for naming, _ in pieces)
+    if union.label == UNKNOWN and not num_names:
         return None
     most = sum(naming.deviance for naming, _ in pieces) + TOGETHER * len(rows)
-    if not had_names:
-        most = max(most, -EXPLAINED * len(rows))
+    if num_names < 2 and union.label != UNKNOWN:
+        strays = max(stray_share(union, voxels.select(own)) for _, own in pieces)
+        most = max(most, -EXPLAINED * len(rows)) if strays < STRAYS else most
     return (union, rows) if union.deviance <= most else None
 
 

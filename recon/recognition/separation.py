@@ -143,7 +143,7 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     naming, rows = whole
     across, along = _spread(voxels.means[rows][:, ::2])
     is_explained = naming.deviance < -EXPLAINED * len(rows)
-    if is_explained and along < LONG * across and _strays(naming, voxels.select(rows)) < STRAYS:
+    if is_explained and along < LONG * across and stray_share(naming, voxels.select(rows)) < STRAYS:
         return []
     waist = 0.0 if across < SHEET * voxels.cell_size else WAIST
     best: list[Piece] = []
@@ -158,7 +158,7 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     return best
 
 
-def _strays(naming: Naming, cells: Voxels) -> float:
+def stray_share(naming: Naming, cells: Voxels) -> float:
     """Share of the cells that are far from the solids of a naming; 0 without solids."""
     if not naming.parts:
         return 0.0
