@@ -27,6 +27,8 @@ def check(file: str, **given: Any) -> None:
         entries = [{"name": kind.name, "accepts": accepted(kind)} for kind in kinds]
         print_json({"catalogue": str(Path(file)), "objects": entries})
     elif not given["quiet"]:
+        if not kinds:
+            click.echo("no kinds: nothing is named")
         for kind in kinds:
             click.echo(kind.name)
             for line in accepted(kind):

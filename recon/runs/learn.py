@@ -44,7 +44,8 @@ def read_example(text: str, settings: Settings) -> Voxels:
     if not whole:
         found = recognise(cells, _settings_of(Path(name), settings), scene.T_world_left)
         if int(number) >= len(found.objects):
-            raise InputError(f"{text}: {name} has {len(found.objects)} objects, numbered from 0")
+            numbers = ", ".join(str(one.id) for one in found.objects) or "none"
+            raise InputError(f"{text}: the objects of {name} are {numbers}")
         cells = cells.select(np.flatnonzero(found.label == int(number)))
     if len(cells) < LEAST_CELLS:
         raise InputError(f"{text} has {len(cells)} cells, but {LEAST_CELLS} are needed to learn")

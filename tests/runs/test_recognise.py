@@ -79,6 +79,11 @@ def test_names_with_sizes_need_a_scale(desk, capsys):
     assert {one["box"]["unit"] for one in without["objects"]} == {None}
 
 
+def test_the_empty_catalogue_says_that_it_names_nothing(capsys):
+    assert main(["catalogue", "check", "none"]) == 0
+    assert capsys.readouterr().out == "no kinds: nothing is named\n"
+
+
 def test_a_catalogue_is_checked_with_the_line_that_is_wrong(tmp_path, capsys):
     assert main(["catalogue", "check", "household"]) == 0
     assert "body: sphere, radius 0.02 to 0.15 m" in capsys.readouterr().out
