@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
@@ -34,10 +35,9 @@ from recon.localisation.texture import Texture
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate
 
 Array = NDArray[np.float64]
-Image = NDArray[np.float32]
 
 NUM_FEW = 250
-"""Points that decide between poses."""
+"""Points that are registered."""
 NUM_BEARINGS, DEPTH_SHARES = 8, (0.2, 0.5)
 """Sides from which an object is tried, and the share of its width by which its axis lies behind its
 front."""
@@ -46,10 +46,10 @@ NUM_CLIMBED, NUM_ORBITS = 3, 3
 MOST_WORSE = 25.0
 """Fits with so much less evidence than the best are not carried round."""
 SAME_DISTANCE_CELLS = 1.0
-ORBIT_STEP_DEG, NUM_PEAKS = 2.0, 5
+ORBIT_STEP_DEG, NUM_PEAKS = 2.0, 4
 NUM_BARE = 12
 """Poses of an orbit that are contenders whatever their texture ..."""
-NUM_LIKELY = 3
+NUM_LIKELY = 2
 """... and the most likely of them by shape, which are improved."""
 TWINS_DEG = (90.0, 120.0, 180.0, 240.0, 270.0)
 """Turns that may leave the texture of a round object as it is."""
@@ -58,14 +58,14 @@ BLUR_PX = 1.5
 STEPS = np.array([1.5, 0.6, 0.02])
 """First steps of a pose that is improved: degrees about an object, degrees about the camera, and
 share of the distance."""
-MOST_TRIED = 45
+MOST_TRIED = 35
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fit:
     """A pose at which a pair fits an object of the map."""
 
-    T_world_left: Array
+    estimate: PoseEstimate
     evidence: float
     centre: Array
     """(3,) of the object."""
@@ -73,7 +73,11 @@ class Fit:
     @property
     def distance(self) -> float:
         """Horizontal distance of the camera from the axis of the object."""
-        return math.hypot(*(self.T_world_left[:3, 3] - self.centre)[[0, 2]])
+        return math.hypot(*(self.estimate.T_world_left[:3, 3] - self.centre)[[0, 2]])
+
+    def turned(self, degrees: float) -> Array:
+        """The pose after a turn round the object."""
+        return turned(self.estimate.T_world_left, self.centre, degrees)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,9 +121,7 @@ class Orbits:
             found = self.search.registered(taken.few, T_world_left)
             if found is not None:
                 evidence = self._evidence(taken, found.T_world_left)
-                fits.append(
-                    Fit(T_world_left=found.T_world_left, evidence=evidence, centre=one.centre)
-                )
+                fits.append(Fit(estimate=found, evidence=evidence, centre=one.centre))
         return self._distinct(fits)
 
     def _distinct(self, fits: list[Fit]) -> list[Fit]:
@@ -149,18 +151,17 @@ class Orbits:
     def _round(self, taken: "Taken", fit: Fit) -> list[Contender]:
         """Contenders on the orbit of a fit."""
         turns = np.arange(0.0, 360.0, ORBIT_STEP_DEG)
-        value = np.array(
-            [
-                self._value(taken.blurred, taken, turned(fit.T_world_left, fit.centre, turn))
-                for turn in turns
-            ]
-        )
+        value = np.array([self._value(taken.blurred, taken, fit.turned(turn)) for turn in turns])
         tops = np.flatnonzero((value >= np.roll(value, 1)) & (value >= np.roll(value, -1)))
         tops = tops[np.argsort(-value[tops], kind="stable")][:NUM_PEAKS]
-        bare = [turned(fit.T_world_left, fit.centre, 360.0 * k / NUM_BARE) for k in range(NUM_BARE)]
-        likely = sorted(bare, key=lambda T: -self._evidence(taken, T))[:NUM_LIKELY]
-        starts = [*(turned(fit.T_world_left, fit.centre, turns[top]) for top in tops), *likely]
-        return self._contenders(taken, starts, bare, fit.centre)
+        bare = [fit.turned(360.0 * k / NUM_BARE) for k in range(NUM_BARE)]
+        others = [self._judged(taken, replace(fit.estimate, T_world_left=T)) for T in bare]
+        likely = sorted(others, key=lambda one: -one.evidence)[:NUM_LIKELY]
+        starts = [
+            *(fit.turned(turns[top]) for top in tops),
+            *(one.estimate.T_world_left for one in likely),
+        ]
+        return [*others, *(one for T in starts for one in self._twins(taken, T, fit.centre))]
 
     def _known(self, taken: "Taken", estimate: PoseEstimate) -> list[Contender]:
         """The pose of a known place and its twins."""
@@ -168,21 +169,35 @@ class Orbits:
         depth = float(np.median(taken.points.points_left[:, 2]))
         ahead = T_world_left[:3, 3] + T_world_left[:3, 2] * depth
         one = min(self.objects, key=lambda one: float(np.linalg.norm(one.centre - ahead)))
-        return self._contenders(taken, [T_world_left], [], one.centre)
+        return self._twins(taken, T_world_left, one.centre)
 
-    def _contenders(
-        self, taken: "Taken", starts: list[Array], others: list[Array], centre: Array
-    ) -> list[Contender]:
-        """Improved starts and their twins, and other poses round the same centre."""
-        best = [self._improved(taken, T, centre) for T in starts]
-        twins = [turned(T, centre, twin) for T in best for twin in TWINS_DEG]
-        found = [self._contender(taken, T, centre) for T in [*best, *twins, *others]]
-        return [one for one in found if one is not None]
+    def _twins(self, taken: "Taken", T_world_left: Array, centre: Array) -> list[Contender]:
+        """A pose after it is improved, and its twins; nothing if it is not on the map."""
+        best = self._improved(taken, T_world_left, centre)
+        found = self.search.registered(taken.few, best)
+        if found is None:
+            return []
+        value = self._value(taken.sharp, taken, best)
+        if value > 0.0:
+            # Texture is more precise than shape.
+            information = self._information(taken, best, centre, value)
+            covariance = inverse(inverse(found.covariance) + information)
+            found = replace(found, T_world_left=best, covariance=covariance)
+        poses = [turned(found.T_world_left, centre, twin) for twin in (0.0, *TWINS_DEG)]
+        return [self._judged(taken, replace(found, T_world_left=T)) for T in poses]
+
+    def _judged(self, taken: "Taken", estimate: PoseEstimate) -> Contender:
+        """A pose with its evidence."""
+        return Contender(
+            estimate=estimate,
+            evidence=self._evidence(taken, estimate.T_world_left),
+            likeness=self.texture.likeness(taken.sharp, taken.rig, estimate.T_world_left),
+        )
 
     def _evidence(self, taken: "Taken", T_world_left: Array) -> float:
-        return self.search.evidence(taken.few, taken.rig, T_world_left)
+        return self.search.evidence(taken.points, taken.rig, T_world_left)
 
-    def _value(self, image: Image, taken: "Taken", T_world_left: Array) -> float:
+    def _value(self, image: NDArray[np.float32], taken: "Taken", T_world_left: Array) -> float:
         return self.texture.likeness(image, taken.rig, T_world_left).total
 
     def _improved(self, taken: "Taken", T_world_left: Array, centre: Array) -> Array:
@@ -190,37 +205,24 @@ class Orbits:
         found = self.search.registered(taken.few, T_world_left)
         best = T_world_left if found is None else found.T_world_left
         for image, size in ((taken.blurred, 1.0), (taken.sharp, 0.4)):
-            start = best
-
-            def cost(step: Array, image: Image = image, start: Array = start) -> float:
-                return -self._value(image, taken, stepped(start, centre, step))
-
-            simplex = np.vstack([np.zeros(3), size * np.diag(STEPS)])
-            options = {
-                "initial_simplex": simplex,
-                "maxfev": MOST_TRIED,
-                "xatol": 0.02,
-                "fatol": 0.1,
-            }
-            solved = minimize(cost, np.zeros(3), method="Nelder-Mead", options=options)
-            best = stepped(start, centre, solved.x)
+            best = self._climbed(image, taken, best, (centre, size))
         return best
 
-    def _contender(self, taken: "Taken", T_world_left: Array, centre: Array) -> Contender | None:
-        """A pose with its evidence; None if its surfaces are not those of the map."""
-        found = self.search.registered(taken.few, T_world_left)
-        if found is None:
-            return None
-        likeness = self.texture.likeness(taken.sharp, taken.rig, T_world_left)
-        if likeness.total > 0.0:
-            # Texture is more precise than shape.
-            information = self._information(taken, T_world_left, centre, likeness.total)
-            covariance = inverse(inverse(found.covariance) + information)
-            found = replace(found, T_world_left=T_world_left, covariance=covariance)
-        else:
-            likeness = self.texture.likeness(taken.sharp, taken.rig, found.T_world_left)
-        evidence = self._evidence(taken, found.T_world_left)
-        return Contender(estimate=found, evidence=evidence, likeness=likeness)
+    def _climbed(
+        self, image: NDArray[np.float32], taken: "Taken", start: Array, about: tuple[Array, float]
+    ) -> Array:
+        """The pose of best texture from steps of a size about a centre."""
+        centre, size = about
+
+        def cost(step: Array) -> float:
+            return -self._value(image, taken, stepped(start, centre, step))
+
+        options: Any = {
+            "initial_simplex": np.vstack([np.zeros(3), size * np.diag(STEPS)]),
+            "maxfev": MOST_TRIED, "fatol": 0.1,
+        }  # fmt: skip
+        solved = minimize(cost, np.zeros(3), method="Nelder-Mead", options=options)
+        return stepped(start, centre, np.asarray(solved.x, np.float64))
 
     def _information(
         self, taken: "Taken", T_world_left: Array, centre: Array, value: float
@@ -250,14 +252,14 @@ class Taken:
         return some(self.points, NUM_FEW)
 
     @cached_property
-    def sharp(self) -> Image:
+    def sharp(self) -> NDArray[np.float32]:
         """The image as numbers."""
         return self.image.astype(np.float32)
 
     @cached_property
-    def blurred(self) -> Image:
+    def blurred(self) -> NDArray[np.float32]:
         """The image in which poses are searched: a small error does not matter."""
-        blurred: Image = cv2.GaussianBlur(self.sharp, (0, 0), BLUR_PX)
+        blurred: NDArray[np.float32] = cv2.GaussianBlur(self.sharp, (0, 0), BLUR_PX)
         return blurred
 
     def directions(self, pitch: float, degrees: float) -> Directions:

@@ -112,7 +112,7 @@ class Texture:
             cell_size=surfels.cell_size,
         )  # fmt: skip
 
-    def likeness(self, image: Array, rig: StereoRig, T_world_left: Array) -> Likeness:
+    def likeness(self, image: NDArray[np.float32], rig: StereoRig, T_world_left: Array) -> Likeness:
         """The evidence of the grey levels of a left image (H, W) float32 for a pose."""
         rows, pixels = self._visible(rig, T_world_left)
         if not len(rows):
@@ -198,12 +198,12 @@ def _compared(known: Array, seen: Array, patch: Indices, place: Array) -> Likene
     counts = (number >= MIN_TEXELS) & (variance[0] > MIN_CONTRAST**2)
     # A side without contrast does not agree.
     correlation = both / np.sqrt(variance[0] * np.maximum(variance[1], MIN_CONTRAST**2) + 1e-9)
-    evidence = np.where(counts, PER_TEXEL * (number - 1) * _log_ratio(correlation), 0.0)
+    evidence: Array = np.where(counts, PER_TEXEL * (number - 1) * _log_ratio(correlation), 0.0)
     middle = [np.bincount(patch, one) / number for one in place.T]
     column, row = (np.minimum((NUM_TILES * one).astype(np.intp), NUM_TILES - 1) for one in middle)
     tile = row * NUM_TILES + column
     return Likeness(
-        evidence=np.bincount(tile, evidence, NUM_TILES**2),
+        evidence=np.bincount(tile, evidence, NUM_TILES**2).astype(np.float64),
         is_covered=np.bincount(tile, counts, NUM_TILES**2) > 0,
     )
 

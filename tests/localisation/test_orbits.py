@@ -87,7 +87,7 @@ def test_texture_shows_the_side_and_repeats_with_its_period(surfels):
         texture, image = texture_of(repeats, surfels), image_of(true, repeats)
         value = {
             turn: texture.likeness(image, RIG, turned(true, np.zeros(3), float(turn))).total
-            for turn in range(0, 360, 40)
+            for turn in (0, 40, 80, 120, 180, 240, 300)
         }
         assert {turn for turn, one in value.items() if one > 0.5 * value[0] > 5.0} == set(same)
         others = [one for turn, one in value.items() if turn not in same]
