@@ -32,8 +32,8 @@ AS_GOOD = 0.1
 """Fits whose BIC per point differs by less (5 percent of noise), or whose BIC differs by less than
 one parameter, are equally good: errors of cells and facets are correlated, which a criterion over
 single points ignores."""
-ROUGH_POINTS, ROUGH_STEPS = 150, 4
-"""Approximate maximum number of points, and steps, used to choose the most promising start."""
+ROUGH_STEPS = 4
+"""Steps used to choose the most promising start."""
 SMALLEST, LARGEST = 1e-60, 1e60
 """Extent and coordinates whose fourth powers are still finite and nonzero."""
 INLIER_SIGMAS = 4.0
@@ -169,13 +169,12 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
     if spare < 1:
         return FitFailure("too few points for the shape")
     floor = RELATIVE_FLOOR * float(np.sqrt(points.var(axis=0).sum()))
+    search = partial(minimise, model, floor=floor, weights=weights)
     starts = model.starts()
     if len(starts) > 1:
-        some = slice(None, None, -(-len(points) // ROUGH_POINTS))
-        few = make(points[some], sample.normals[some])
-        search = partial(minimise, few, floor=floor, weights=weights[some], max_steps=ROUGH_STEPS)
-        starts = [min(map(search, starts), key=lambda one: one.deviance).state]
-    estimate = minimise(model, starts[0], floor=floor, weights=weights)
+        rough = [search(start, max_steps=ROUGH_STEPS) for start in starts]
+        starts = [min(rough, key=lambda one: one.deviance).state]
+    estimate = search(starts[0])
     inliers = points[np.abs(estimate.residuals) <= INLIER_SIGMAS * estimate.sigma]
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):
