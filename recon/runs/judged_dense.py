@@ -19,9 +19,10 @@ from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_truth, read_truth_file
 from recon.settings import Settings
 from recon.stereo.dense.cost import Search
-from recon.stereo.dense.dense import grey_of, match_every_pixel
+from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.dense.evaluation import judge
 from recon.stereo.dense.peers import PEERS, SIGMA_PX
+from recon.stereo.features import to_grey
 
 Found = dict[str, tuple[DisparityMap, float]]
 """Disparities and their computation time in seconds, by matcher."""
@@ -60,7 +61,7 @@ def _matched(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settin
     found = {OWN: (match_every_pixel(left, right, settings), time.perf_counter() - began)}
     asked = settings.matching
     search = Search(asked.min_disparity, asked.max_disparity - asked.min_disparity + 1)
-    greys = grey_of(left), grey_of(right)
+    greys = to_grey(left), to_grey(right)
     for name, match in PEERS.items():
         began = time.perf_counter()
         disparity = match(*greys, search)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from recon.stereo.dense.borders import at_image_edges
 from recon.stereo.dense.cost import Search
 from recon.stereo.dense.holes import filled_behind, without_specks
 from recon.stereo.dense.paths import Penalties, aggregate
@@ -26,18 +27,20 @@ def reference_paths(cost, grey, penalties):
             last = path[v - dv, u - du]
             up, down = np.append(last[1:], 10**6), np.append(10**6, last[:-1])
             sides = np.minimum(up, down) + penalties.small_step
-            jump = last.min() + penalties.large_step[abs(int(grey[v, u]) - int(there))]
+            unlike = np.abs(np.subtract(grey[v, u], there, dtype=np.int64)).max()
+            jump = last.min() + penalties.large_step[unlike]
             best = np.minimum(np.minimum(last, sides), jump) - last.min()
             path[v, u] = cost[v, u] + best
         total += path[:height, :width]
     return total
 
 
+@pytest.mark.parametrize("colours", [(), (3,)])
 @pytest.mark.parametrize("shape", [(9, 11, 32), (1, 7, 16), (6, 1, 16), (1, 1, 16)])
-def test_paths_are_those_of_the_reference(shape):
+def test_paths_are_those_of_the_reference(shape, colours):
     rng = np.random.default_rng(sum(shape))
     cost = rng.integers(0, 1000, shape).astype(np.int16)
-    grey = rng.integers(0, 256, shape[:2]).astype(np.uint8)
+    grey = rng.integers(0, 256, shape[:2] + colours).astype(np.uint8)
     penalties = Penalties(200, np.linspace(900, 300, 256).astype(np.int16))
     np.testing.assert_array_equal(
         aggregate(cost, grey, penalties), reference_paths(cost, grey, penalties)
@@ -130,3 +133,37 @@ def test_the_right_image_has_to_choose_alike_where_opencv_matches():
     wrong = [np.abs(found - truth) > 1 for found in (alone, confirmed)]
     assert wrong[1].sum() <= 0.8 * wrong[0].sum()
     assert kept[~hidden].mean() > 0.9 * np.isfinite(alone[~hidden]).mean()
+
+
+def test_borders_move_to_the_edge_of_the_image():
+    image = np.full((30, 40, 3), (90, 60, 100), np.uint8)
+    image[:, 20:] = (60, 75, 100)
+    fattened = np.full((30, 40), 4, np.float32)
+    fattened[:, 19:] = 12  # a column too far
+    fattened[5, 30] = NAN
+    found = at_image_edges(fattened, image)
+    assert (found[:, :20] == 4).all()
+    assert (np.delete(found[:, 20:], 10, axis=1) == 12).all()
+    assert np.isnan(found[5, 30])
+    # Negative controls: no edge in the image, no border in the disparities.
+    np.testing.assert_array_equal(at_image_edges(fattened, np.full_like(image, 90)), fattened)
+    plane = slanted((30, 40))
+    np.testing.assert_array_equal(at_image_edges(plane, image), plane)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_medians_at_borders_are_those_of_the_definition(seed):
+    rng = np.random.default_rng(seed)
+    image = rng.integers(0, 60, (9, 11)).astype(np.uint8)
+    disparity = rng.uniform(0, 9, (9, 11)).astype(np.float32)
+    disparity[rng.random((9, 11)) < 0.2] = NAN
+    found = at_image_edges(disparity, image)
+    rows, columns = np.indices(image.shape)
+    for v, u in np.argwhere(np.isfinite(disparity)):
+        near = (abs(rows - v) <= 3) & (abs(columns - u) <= 3) & np.isfinite(disparity)
+        unlike = np.abs(image[near].astype(int) - int(image[v, u]))
+        apart_sq = (rows[near] - v) ** 2 + (columns[near] - u) ** 2
+        weight = np.exp(-unlike / 8 - apart_sq / 32)
+        below = weight[disparity[near] < found[v, u]].sum()
+        above = weight[disparity[near] > found[v, u]].sum()
+        assert max(below, above) <= weight.sum() / 2 + 1e-4

@@ -16,9 +16,10 @@ from recon.sequences.open import open_sequence
 from recon.sequences.truth import read_truth_file
 from recon.settings import Quality, SequenceSettings
 from recon.stereo.dense.cost import Search
-from recon.stereo.dense.dense import grey_of, match_dense
+from recon.stereo.dense.dense import match_dense
 from recon.stereo.dense.evaluation import judge
 from recon.stereo.dense.peers import PEERS, SIGMA_PX
+from recon.stereo.features import to_grey
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 HIGHEST = 79
@@ -42,7 +43,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 
 def _peer(pair: StereoPair) -> DisparityMap:
-    greys = grey_of(pair.left), grey_of(pair.right)
+    greys = to_grey(pair.left), to_grey(pair.right)
     disparity = PEERS["hh"](*greys, Search(0, HIGHEST + 1))
     sigma = np.where(np.isfinite(disparity), SIGMA_PX, np.float32(np.nan))
     return DisparityMap(disparity_px=disparity, sigma_px=sigma)
@@ -63,7 +64,7 @@ def _against(quality: str, own: DisparityMap, peer: DisparityMap) -> list[Measur
 
 def _ratio(quality: Quality, pair: StereoPair, repeats: int) -> Measurement:
     """CPU time of a whole pair, of MODE_HH's, alternating."""
-    greys = grey_of(pair.left), grey_of(pair.right)
+    greys = to_grey(pair.left), to_grey(pair.right)
 
     def own() -> Any:
         return match_dense(pair.left, pair.right, max_disparity=HIGHEST, quality=quality)

@@ -1,12 +1,12 @@
 """A disparity and its uncertainty for every pixel of a pair (the thesis's future work, chapter 5).
 
-All pixels are matched by one semi-global cost and confirmed by the right image; planes through
-similar neighbours smooth each surface, and narrow holes are filled with the surface behind.
+All pixels are matched by one semi-global cost and confirmed by the right image; borders of surfaces
+are moved to edges of the image, planes through similar neighbours smooth each surface, and narrow
+holes are filled with the surface behind. The fast method leaves borders where they are.
 """
 
 from collections.abc import Callable
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +15,7 @@ from recon.records import DisparityMap, Matches, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.settings.stereo import DenseSettings, MatchingSettings
 from recon.stereo.dense import uncertainty
+from recon.stereo.dense.borders import at_image_edges
 from recon.stereo.dense.choice import Choice, choose
 from recon.stereo.dense.cost import UNIT, Search, cost_volume
 from recon.stereo.dense.holes import filled_behind, without_specks
@@ -22,12 +23,13 @@ from recon.stereo.dense.paths import Penalties, aggregate
 from recon.stereo.dense.peers import confirmed_three_ways
 from recon.stereo.dense.surfaces import median, smooth
 from recon.stereo.exposure import with_gain_of
+from recon.stereo.features import to_grey
 from recon.stereo.kernels.simd import Floats
 
-Grey = NDArray[np.uint8]
+Image = NDArray[np.uint8]
 
 _EDGE_LEVELS = 12.0
-"""Decay of the cost of a disparity jump with the grey-level difference."""
+"""Decay of the cost of a disparity jump with the difference of the levels."""
 _SMALL_STEP, _LARGEST_STEP = 35.0, 100.0
 """Cost of a step of a pixel, and of a jump without a visible edge, in grey levels."""
 _LARGE_STEP = _SMALL_STEP + (_LARGEST_STEP - _SMALL_STEP) * np.exp(-np.arange(256) / _EDGE_LEVELS)
@@ -91,10 +93,9 @@ def match_every_pixel(
         If the images differ in size, or the search range lies outside them.
     """
     check_images(left, right)
-    grey = grey_of(left)
-    greys = grey, with_gain_of(grey, grey_of(right))
+    left, right = np.ascontiguousarray(left), with_gain_of(left, np.ascontiguousarray(right))
     search = _search(settings.matching.searching(stated_range), left.shape[1])
-    found = _METHODS[settings.dense.method](*greys, search, settings.dense)
+    found = _METHODS[settings.dense.method](left, right, search, settings.dense)
     disparity = filled_behind(found.disparity_px, settings.dense.fill_px)
     is_filled = np.isnan(found.disparity_px) & np.isfinite(disparity)
     sigma = np.where(is_filled, uncertainty.FILLED_PX, found.sigma_px)
@@ -117,14 +118,6 @@ def as_matches(found: DisparityMap) -> Matches:
     )
 
 
-def grey_of(image: NDArray[np.uint8]) -> Grey:
-    """The brightness (H, W) of an image, grey or RGB."""
-    if image.ndim == 2:
-        return np.ascontiguousarray(image)
-    grey: Grey = cv2.cvtColor(np.ascontiguousarray(image), cv2.COLOR_RGB2GRAY)
-    return grey
-
-
 def _search(asked: MatchingSettings, width: int) -> Search:
     """The part of a search range that lies inside images of a given width."""
     first, last = max(asked.min_disparity, 1 - width), min(asked.max_disparity, width - 1)
@@ -136,18 +129,23 @@ def _search(asked: MatchingSettings, width: int) -> Search:
     return Search(first, last - first + 1)
 
 
-def _semi_global(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
+def _semi_global(
+    left: Image, right: Image, search: Search, settings: DenseSettings
+) -> DisparityMap:
     choice = _by_strips(left, right, search)
     patches = without_specks(median(choice.disparity_px), settings.speck_px)
-    smoothed = smooth(patches, left)
-    sigma = uncertainty.of_choice(choice, smoothed.spread_px, left)
+    grey = to_grey(left)
+    smoothed = smooth(at_image_edges(patches, left), grey)
+    sigma = uncertainty.of_choice(choice, smoothed.spread_px, grey)
     return _with_sigma(smoothed.disparity_px, sigma)
 
 
-def _opencv(left: Grey, right: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
-    patches = without_specks(confirmed_three_ways(left, right, search), settings.speck_px)
-    smoothed = smooth(patches, left)
-    return _with_sigma(smoothed.disparity_px, uncertainty.of_image(smoothed.spread_px, left))
+def _opencv(left: Image, right: Image, search: Search, settings: DenseSettings) -> DisparityMap:
+    grey = to_grey(left)
+    found = confirmed_three_ways(grey, to_grey(right), search)
+    patches = without_specks(found, settings.speck_px)
+    smoothed = smooth(patches, grey)
+    return _with_sigma(smoothed.disparity_px, uncertainty.of_image(smoothed.spread_px, grey))
 
 
 def _with_sigma(disparity: Floats, sigma: Floats) -> DisparityMap:
@@ -158,20 +156,20 @@ def _with_sigma(disparity: Floats, sigma: Floats) -> DisparityMap:
     )
 
 
-_METHODS: dict[str, Callable[[Grey, Grey, Search, DenseSettings], DisparityMap]] = {
+_METHODS: dict[str, Callable[[Image, Image, Search, DenseSettings], DisparityMap]] = {
     "semi-global": _semi_global,
     "opencv": _opencv,
 }
 
 
-def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
+def _by_strips(left: Image, right: Image, search: Search) -> Choice:
     """The choice at every pixel, in strips of rows that respect the memory limit."""
-    height, width = left.shape
+    height, width = left.shape[:2]
     bytes_per_row = 2 * np.int16().nbytes * width * search.depth
     rows = max(_STRIP_BYTES // bytes_per_row, 3 * _STRIP_MARGIN)
     if rows >= height:
         return _strip(left, right, search)
-    whole = Choice(*(np.empty(left.shape, np.float32) for _ in Choice._fields))
+    whole = Choice(*(np.empty((height, width), np.float32) for _ in Choice._fields))
     step = rows - 2 * _STRIP_MARGIN
     for first in range(0, height, step):
         top, end = max(0, first - _STRIP_MARGIN), min(height, first + step + _STRIP_MARGIN)
@@ -181,7 +179,7 @@ def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
     return whole
 
 
-def _strip(left: Grey, right: Grey, search: Search) -> Choice:
-    cost = cost_volume(left, right, search)
+def _strip(left: Image, right: Image, search: Search) -> Choice:
+    cost = cost_volume(to_grey(left), to_grey(right), search)
     total = aggregate(cost, left, PENALTIES)
     return choose(cost, total, search.first, search.size)
