@@ -100,9 +100,13 @@ def read(path: Path) -> PointCloud | Voxels:
 
 
 def _check_cells(image: Any) -> None:
+    from recon.voxelmap.table import MAX_INDEX
+
     spacing, counts = np.array(image.spacing), np.asarray(image.cell_data["counts"])
     if not ((spacing == spacing[0]).all() and 0 < spacing[0] < np.inf):
         raise InputError(f"its cells have sides {spacing.tolist()}, but cubes are needed")
+    if not (np.abs(image.origin) < float(spacing[0]) * MAX_INDEX).all():
+        raise InputError(f"its origin {list(image.origin)} is out of reach")
     num_cells = int(np.prod(np.array(image.dimensions) - 1))
     is_whole = counts.shape == (num_cells,) and counts.dtype.kind in "iu"
     if not (is_whole and (counts >= 0).all()):
@@ -130,7 +134,9 @@ def of_image(image: Any) -> Voxels:
     place = np.flatnonzero(image.cell_data["counts"])
     shape = np.array(image.dimensions) - 1
     index = low + np.column_stack(np.unravel_index(place, shape, order="F"))
-    fields = {name: np.asarray(image.cell_data[name])[place] for name in image.cell_data}
+    placed = {"index", "centres", "cell_size"}
+    known = [name for name in Voxels.__slots__ if name in image.cell_data and name not in placed]
+    fields = {name: np.asarray(image.cell_data[name])[place] for name in known}
     voxels = Voxels(
         index=index,
         centres=(index.astype(np.float64) + 0.5) * cell_size,

@@ -2,6 +2,7 @@
 
 import dataclasses
 import logging
+import re
 import sys
 
 import cv2
@@ -401,3 +402,14 @@ def test_a_building_of_octomap_s_own_reads_right(data_dir):
     # A storey: the floor is the fullest layer.
     layers = np.bincount(voxels.index[:, 1] - voxels.index[:, 1].min())
     assert abs((layers.argmax() + voxels.index[:, 1].min()) * 0.08) < 0.3
+
+
+def test_a_block_of_cells_out_of_reach_is_refused_and_foreign_values_are_left_out(tmp_path):
+    path = tmp_path / "map.vti"
+    write(a_map(()), path)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b'Name="colours"', b'Name="cOlours"'))
+    assert read(path).colours is None
+    path.write_bytes(re.sub(rb'Origin="[^ ]+', b'Origin="1e20', content))
+    with pytest.raises(InputError, match="out of reach"):
+        read(path)

@@ -1,5 +1,7 @@
 """What is wrong with a recording is said by frame and reason, skipped where it can be, counted."""
 
+import re
+
 import cv2
 import numpy as np
 import pytest
@@ -259,6 +261,14 @@ def test_a_reason_of_many_lines_becomes_one(tmp_path):
     with pytest.raises(InputError, match="cannot be read as a bag") as caught:
         read(path)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("number", ["many", "9" * 30])
+def test_numbers_of_messages_that_no_bag_has_are_refused(tmp_path, number):
+    path = write_ros2(tmp_path / "recording") / "metadata.yaml"
+    path.write_text(re.sub(r"message_count: \d+", f"message_count: {number}", path.read_text()))
+    with pytest.raises(InputError, match=r"many|claims 9+ messages"):
+        read(path.parent)
 
 
 def test_times_that_are_no_numbers_are_refused(folder):

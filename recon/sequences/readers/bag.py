@@ -16,7 +16,7 @@ from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.depth import Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording
 from recon.sequences.poses import GivenPoses
-from recon.sequences.readers.bag_file import opened, read_messages, topics_of
+from recon.sequences.readers.bag_file import num_messages, read_messages, topics_of
 from recon.sequences.readers.bag_messages import (
     CAMERA_TYPE,
     IMAGE_TYPES,
@@ -115,14 +115,10 @@ class _BagFrames:
     wanted: slice
 
     def __len__(self) -> int:
-        with opened(self.path) as reader:
-            lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
-        return len(range(int(sum(lefts)))[self.wanted])
+        return len(range(num_messages(self.path, self.topics["left"]))[self.wanted])
 
     def __getitem__(self, part: slice) -> "_BagFrames":
-        with opened(self.path) as reader:
-            lefts = [c.msgcount for c in reader.connections if c.topic == self.topics["left"]]
-        rows = range(int(sum(lefts)))[self.wanted][part]
+        rows = range(num_messages(self.path, self.topics["left"]))[self.wanted][part]
         return replace(self, wanted=slice(rows.start, rows.stop, rows.step))
 
     def __iter__(self) -> Iterator[Frame]:

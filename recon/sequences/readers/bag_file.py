@@ -8,6 +8,9 @@ from typing import Any
 from recon.errors import InputError
 from recon.libraries import load_extra
 
+MAX_MESSAGES = 1 << 40
+"""Maximum number of messages of a topic."""
+
 
 def topics_of(path: Path, types: tuple[str, ...]) -> list[str]:
     """Names of the topics of a bag with the given types, sorted."""
@@ -19,6 +22,15 @@ def connections(path: Path) -> list[tuple[str, str, int]]:
     """Every topic of a bag, sorted, with the type and the number of its messages."""
     with opened(path) as reader:
         return sorted((c.topic, c.msgtype, int(c.msgcount)) for c in reader.connections)
+
+
+def num_messages(path: Path, topic: str) -> int:
+    """Number of messages of a topic, as the bag states it."""
+    with opened(path) as reader:
+        number = sum(int(c.msgcount) for c in reader.connections if c.topic == topic)
+        if not 0 <= number <= MAX_MESSAGES:
+            raise InputError(f"{path} claims {number} messages, but 0 to {MAX_MESSAGES} are needed")
+    return number
 
 
 def read_messages(path: Path, topics: list[str]) -> Iterator[tuple[str, int, Any]]:
