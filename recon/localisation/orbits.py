@@ -14,10 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
-from recon.geometry import pose, rotation_about_y
 from recon.localisation.contest import Contender, decide
 from recon.localisation.directions import Directions
 from recon.localisation.registration import Points, inverse
@@ -31,6 +29,7 @@ from recon.localisation.search import (
 )
 from recon.localisation.silhouettes import agreement
 from recon.localisation.stance import tilt_by
+from recon.localisation.steps import difference, stepped, turned
 from recon.localisation.texture import Texture
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate
 
@@ -59,6 +58,8 @@ STEPS = np.array([1.5, 0.6, 0.02])
 """First steps of a pose that is improved: degrees about an object, degrees about the camera, and
 share of the distance."""
 MOST_TRIED = 35
+OWN_CELLS, OWN_DEG = 0.12, 0.2
+"""Standard deviations of the places of texels: all of an object share them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -181,10 +182,15 @@ class Orbits:
         if value > 0.0:
             # Texture is more precise than shape.
             information = self._information(taken, best, centre, value)
-            covariance = inverse(inverse(found.covariance) + information)
+            covariance = inverse(inverse(found.covariance) + information) + self._own()
             found = replace(found, T_world_left=best, covariance=covariance)
         poses = [turned(found.T_world_left, centre, twin) for twin in (0.0, *TWINS_DEG)]
         return [self._judged(taken, replace(found, T_world_left=T)) for T in poses]
+
+    def _own(self) -> Array:
+        """Covariance (6, 6) that the errors of the map's texture add."""
+        shift = OWN_CELLS * self.search.shape.size
+        return np.diag(np.repeat([np.radians(OWN_DEG), shift], 3) ** 2)
 
     def _judged(self, taken: "Taken", estimate: PoseEstimate) -> Contender:
         """A pose with its evidence."""
@@ -233,7 +239,7 @@ class Orbits:
             there = stepped(T_world_left, centre, step)
             back = stepped(T_world_left, centre, -step)
             sides = self._value(taken.sharp, taken, there) + self._value(taken.sharp, taken, back)
-            way = _difference(T_world_left, there)
+            way = difference(T_world_left, there)
             information += max(0.0, 2.0 * value - sides) * np.outer(way, way) / (way @ way) ** 2
         return information
 
@@ -267,12 +273,6 @@ class Taken:
         return directions(self.points, self.rig, tilt_by(pitch), degrees)
 
 
-def turned(T_world_left: Array, centre: Array, degrees: float) -> Array:
-    """A pose after a turn about the upright axis through a centre."""
-    turn = rotation_about_y(math.radians(degrees))
-    return pose(turn, centre - turn @ centre) @ T_world_left
-
-
 def _places(one: FoundObject, ahead: float, aside: float) -> list[Array]:
     """Places x, z, azimuth from which an object is where something is seen."""
     bearing, reach = math.atan2(aside, ahead), math.hypot(ahead, aside)
@@ -284,16 +284,3 @@ def _places(one: FoundObject, ahead: float, aside: float) -> list[Array]:
             z = one.centre[2] - away * math.sin(side)
             places.append(np.array([x, z, side - bearing]))
     return places
-
-
-def stepped(T_world_left: Array, centre: Array, step: Array) -> Array:
-    """A pose after steps (3,): degrees about an object, about the camera, and a share nearer."""
-    near = T_world_left.copy()
-    near[:3, 3] += step[2] * (centre - near[:3, 3]) * np.array([1.0, 0.0, 1.0])
-    return turned(turned(near, near[:3, 3], step[1]), centre, step[0])
-
-
-def _difference(T_world_left: Array, other: Array) -> Array:
-    """Small rotation and shift (6,) that lead from a pose to another."""
-    turn = Rotation.from_matrix(other[:3, :3] @ T_world_left[:3, :3].T).as_rotvec()
-    return np.concatenate([turn, other[:3, 3] - T_world_left[:3, 3]])

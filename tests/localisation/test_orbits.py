@@ -6,9 +6,9 @@ import pytest
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, transform
 from recon.localisation.contest import Contender, decide
-from recon.localisation.orbits import stepped, turned
 from recon.localisation.registration import Contacts, Points, touch
 from recon.localisation.stance import tilt_by
+from recon.localisation.steps import stepped, turned
 from recon.localisation.surfels import Surfels
 from recon.localisation.texture import NUM_TILES, Likeness, Texture
 from recon.records import PointCloud, PoseEstimate
