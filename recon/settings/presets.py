@@ -29,12 +29,12 @@ QUALITIES: dict[Quality, dict[str, dict[str, Any]]] = {
     "best": {
         "features": {"share": 0.10, "widths_px": (1.5, 3.0, 6.0)},
         "matching": {"cross_check": "exact", "support_sampling": "half"},
-        "dense": {"method": "semi-global", "fill_px": 16},
+        "dense": {"method": "semi-global"},
     },
     "fast": {
         "features": {"share": 0.05, "widths_px": (2.0,)},
         "matching": {"cross_check": "row", "support_sampling": "quarter"},
-        "dense": {"method": "opencv", "fill_px": 8},
+        "dense": {"method": "opencv"},
     },
 }
 

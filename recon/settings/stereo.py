@@ -86,5 +86,5 @@ class DenseSettings:
     """recon's own costs aggregated along eight directions, or OpenCV's StereoSGBM along three."""
     speck_px: int = Field(default=100, ge=0)
     """Smallest isolated patch that is kept, pixels."""
-    fill_px: int = Field(default=16, ge=0)
+    fill_px: int = Field(default=8, ge=0)
     """Largest width of holes filled along the row with the background, pixels; 0 = none."""
