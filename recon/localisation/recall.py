@@ -1,6 +1,5 @@
 """Recall: the pose of a pair in a known map without a guess (the kidnapped robot problem)."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +9,6 @@ from scipy.special import logsumexp
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
-from recon.localisation.orbits import Orbits
 from recon.localisation.outlook import Outlook
 from recon.localisation.registration import Points, Prior, inverse
 from recon.localisation.search import Search
@@ -21,7 +19,6 @@ from recon.mapping.pair import match_points
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate, StereoPair, Voxels
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
-from recon.sequences.pair_images import grey
 from recon.settings import Settings
 
 Array = NDArray[np.float64]
@@ -97,8 +94,6 @@ class KnownWorld:
     settings: Settings
     search: Search | None
     """The search of all positions; None if the run's cameras do not stand level."""
-    orbits: Orbits | None
-    """The objects from all sides; None without a search, objects or coloured points."""
 
     @classmethod
     def of(
@@ -107,16 +102,8 @@ class KnownWorld:
         atlas: Atlas,
         settings: Settings,
         objects: tuple[FoundObject, ...] = (),
-        views: Iterable[tuple[PointCloud, Array]] = (),
     ) -> "KnownWorld":
-        """A map, its places and its objects, ready to be searched.
-
-        Parameters
-        ----------
-        views : iterable of (PointCloud, (3,) array), optional
-            World points of the map with colours and sigma, by the position of their camera.
-        """
-        search = Search.of(voxels, objects, atlas)
+        """A map, its places and its objects, ready to be searched."""
         return cls(
             voxels=voxels,
             surfels=Surfels.of(voxels),
@@ -125,8 +112,7 @@ class KnownWorld:
             depths=atlas.depths,
             trust=trust_in(atlas),
             settings=settings,
-            search=search,
-            orbits=Orbits.of(search, objects, views) if search and objects else None,
+            search=Search.of(voxels, objects, atlas),
         )
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
@@ -137,9 +123,6 @@ class KnownWorld:
                 return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         known = self._by_places(pair, points_of(cloud, pair.rig, self.voxels.cell_size))
-        if self.orbits is not None:
-            near = [one for one, _ in known]
-            return self.orbits.recall(all_points(cloud, pair.rig), pair.rig, grey(pair.left), near)
         trusted = [(one, self.trust * number / TRUSTED_AGREEING) for one, number in known]
         return self.search.recall(all_points(cloud, pair.rig), pair.rig, trusted)
 

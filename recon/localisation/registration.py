@@ -83,8 +83,6 @@ class Contacts:
     """Number of points near a piece of surface."""
     num_points: int
     """Number of points on it, within 3 standard deviations."""
-    num_rough: int
-    """Number of points near cells without a normal."""
 
     @property
     def spread(self) -> float:
@@ -179,9 +177,7 @@ def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -
     """The cells that the points are on, and their distances."""
     R, eye = T_world_left[:3, :3], T_world_left[:3, 3]
     offset = points.points_left @ R.T
-    rows, cell = surfels.near(offset + eye, reach)
-    is_flat = surfels.is_flat[cell]
-    num_rough, rows, cell = int((~is_flat).sum()), rows[is_flat], cell[is_flat]
+    rows, cell = surfels.under(offset + eye, reach)
     offset = offset[rows]
     normal = surfels.normals[cell]
     gap = np.einsum("ni,ni->n", normal, offset + eye - surfels.means[cell])
@@ -192,9 +188,8 @@ def touch(points: Points, surfels: Surfels, T_world_left: Array, reach: float) -
     is_near = np.abs(gap) < MAX_SIGMAS * np.sqrt(variance + surface**2)
     residual, by_pose = _by_cell(cell, surfels, np.column_stack([gap, offset]), variance)
     return Contacts(
-        residual=residual, by_pose=by_pose, num_near=len(rows), num_points=int(is_near.sum()),
-        num_rough=num_rough,
-    )  # fmt: skip
+        residual=residual, by_pose=by_pose, num_near=len(rows), num_points=int(is_near.sum())
+    )
 
 
 def _by_cell(

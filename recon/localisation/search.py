@@ -124,17 +124,17 @@ class Search:
         self, points: Points, rig: StereoRig, known: list[tuple[PoseEstimate, float]]
     ) -> list[Candidate]:
         """The distinct poses that may be true, the likeliest first."""
-        few = some(points, NUM_REGISTERED)
-        found = [self.registered(few, T) for T in self._summits(points, rig)]
+        few = _some(points, NUM_REGISTERED)
+        found = [self._registered(few, T) for T in self._summits(points, rig)]
         judged = [
-            Candidate(estimate=one, evidence=more + self.evidence(points, rig, one.T_world_left))
+            Candidate(estimate=one, evidence=more + self._evidence(points, rig, one.T_world_left))
             for one, more in [*((one, 0.0) for one in found if one is not None), *known]
         ]
         if judged:
             best = max(judged, key=lambda one: one.evidence).estimate
-            again = [self.registered(few, T) for T in _turned(few, best.T_world_left)]
+            again = [self._registered(few, T) for T in _turned(few, best.T_world_left)]
             judged += [
-                Candidate(estimate=one, evidence=self.evidence(points, rig, one.T_world_left))
+                Candidate(estimate=one, evidence=self._evidence(points, rig, one.T_world_left))
                 for one in again
                 if one is not None
             ]
@@ -152,15 +152,14 @@ class Search:
             (self.coarse, COARSE_DEG, NUM_CLIMBED), (self.shape, MIDDLE_DEG, NUM_CANDIDATES),
         ):  # fmt: skip
             seen = {
-                pitch: directions(points, rig, tilt_by(pitch), degrees)
+                pitch: _directions(points, rig, tilt_by(pitch), degrees)
                 for pitch in self.stance.pitches
             }
-            found = _distinct([self.climbed(one, shape, seen[one.pitch]) for one in found], cell)
+            found = _distinct([self._climbed(one, shape, seen[one.pitch]) for one in found], cell)
             found = found[:most]
         return [self.stance.at(one.place, one.pitch) for one in found]
 
-    def climbed(self, start: "Summit", shape: Shape, seen: Directions) -> "Summit":
-        """The summit that steps from a start lead to."""
+    def _climbed(self, start: "Summit", shape: Shape, seen: Directions) -> "Summit":
         step = self.shape.size
         place, value = climb(shape, start.place, self.stance.height, seen.grid, seen.seen, step)
         return Summit(place=place, pitch=start.pitch, value=value)
@@ -168,7 +167,7 @@ class Search:
     def _starts(self, points: Points, rig: StereoRig) -> list["Summit"]:
         """The best bounds at each pitch."""
         grid, views = all_round(
-            [directions(points, rig, tilt_by(p), COARSE_DEG) for p in self.stance.pitches]
+            [_directions(points, rig, tilt_by(p), COARSE_DEG) for p in self.stance.pitches]
         )
         slack = SLACK_SHARE * self.coarse.size
         bound = sweep(self.coarse, self.places, slack, grid, views)
@@ -193,25 +192,23 @@ class Search:
             if np.isfinite(value[one])
         ]
 
-    def registered(self, points: Points, T_world_left: Array) -> PoseEstimate | None:
-        """The pose near another at which points are on the surfaces; None if too few are."""
+    def _registered(self, points: Points, T_world_left: Array) -> PoseEstimate | None:
         prior = self.stance.prior(T_world_left, self.shape.size)
         found = register(points, self.surfels, prior, slides=True)
         if found is None:
             return None
         return estimate_of(replace(found, information=found.information / SHARED), points, prior)
 
-    def evidence(self, points: Points, rig: StereoRig, T_world_left: Array) -> float:
+    def _evidence(self, points: Points, rig: StereoRig, T_world_left: Array) -> float:
         """Log likelihood of a pose: of what is seen and not seen, and how well surfaces fit."""
-        fine = directions(points, rig, tilt_of(T_world_left), FINE_DEG)
+        fine = _directions(points, rig, tilt_of(T_world_left), FINE_DEG)
         near = np.empty((fine.grid.num_columns, fine.grid.num_rows))
         place = planar(T_world_left)
         seen: float = agreement(self.shape, place, self.stance.height, fine.grid, fine.seen, near)
-        few = some(points, NUM_REGISTERED)
+        few = _some(points, NUM_REGISTERED)
         reach = LAST_REACH * self.shape.size
         fit = touch(slid(few, self.surfels, T_world_left), self.surfels, T_world_left, reach)
-        # Points on cells that have no normal are neither on the map nor off it.
-        share = max(fit.num_points, 1) / max(len(few) - fit.num_rough, 1)
+        share = max(fit.num_points, 1) / len(few)
         off = float(np.minimum(fit.residual**2, MOST_SIGMAS_SQ).sum())
         # Points off the map count as cells would.
         off += MOST_SIGMAS_SQ * len(fit.residual) * (1.0 - share) / share
@@ -242,8 +239,7 @@ def _distinct(summits: list[Summit], cell_size: float) -> list[Summit]:
     return kept
 
 
-def directions(points: Points, rig: StereoRig, tilt: Array, degrees: float) -> Directions:
-    """The directions of a pair's points for a rotation (3, 3) from the camera to the level."""
+def _directions(points: Points, rig: StereoRig, tilt: Array, degrees: float) -> Directions:
     level = points.points_left @ tilt.T
     return Directions.of(level, points.sigma, rig, tilt, math.radians(degrees))
 
@@ -273,7 +269,7 @@ def _turned(points: Points, T_world_left: Array) -> list[Array]:
     return [pose(turn, pivot - turn @ pivot) @ T_world_left for turn in turns]
 
 
-def some(points: Points, number: int) -> Points:
+def _some(points: Points, number: int) -> Points:
     """Evenly chosen points."""
     rows = np.unique(np.linspace(0, len(points) - 1, number).astype(np.intp))
     return points.select(rows)

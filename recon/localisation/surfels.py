@@ -70,8 +70,10 @@ class Surfels:
             self, means=means, normals=self.normals @ T_a_b[:3, :3].T, tree=cKDTree(means)
         )
 
-    def near(self, points: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """The rows of points (N, 3) with a surfel within reach, and the surfels' rows."""
+    def under(self, points: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The rows of points (N, 3) with a flat surfel within reach, and the surfels' rows."""
         distance, nearest = self.tree.query(points, distance_upper_bound=reach)
+        surfel = np.asarray(nearest, dtype=np.intp)
         rows = np.flatnonzero(np.isfinite(distance))
-        return rows, np.asarray(nearest, dtype=np.intp)[rows]
+        rows = rows[self.is_flat[surfel[rows]]]
+        return rows, surfel[rows]

@@ -1,27 +1,22 @@
 """Poses of pairs in the map of a run."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.localisation.atlas import Atlas
 from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.recall import KnownWorld
-from recon.records import FitFailure, PointCloud, PoseEstimate, StereoPair, Trajectory
+from recon.records import FitFailure, PoseEstimate, StereoPair, Trajectory
 from recon.runs.arguments import path
 from recon.runs.job import Job, Kind, Numbers, Tree
-from recon.runs.outputs import clouds_of
 from recon.runs.reading import read_reconstruction, read_settings
 from recon.runs.seen_again import SeenAgain
 from recon.runs.work import Work
 from recon.sequences.open import open_sequence
 from recon.settings import SequenceSettings, given_tree
 
-PLACES, CLOUD = "places.npz", "cloud.ply"
+PLACES = "places.npz"
 
 
 def _localise(job: Job, work: Work) -> Numbers:
@@ -30,9 +25,7 @@ def _localise(job: Job, work: Work) -> Numbers:
     made = read_reconstruction(run)
     with work.stage("places"):
         atlas = read_places(run, job)
-    known = KnownWorld.of(
-        made.voxels, atlas, job.settings, tuple(made.objects), _views(run, made.trajectory)
-    )
+    known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):
@@ -40,13 +33,6 @@ def _localise(job: Job, work: Work) -> Numbers:
             poses.append(as_entry(pair, known.recall(pair)))
         work.progress(number, len(pairs))
     return {"poses": poses, "num_found": sum(one["T_world_left"] is not None for one in poses)}
-
-
-def _views(run: Path, trajectory: Trajectory) -> Iterator[tuple[PointCloud, NDArray[np.float64]]]:
-    """The points of each pair of a run, with the position of its camera; none without a cloud."""
-    if (run / CLOUD).is_file():
-        for cloud, pair in clouds_of(run / CLOUD):
-            yield cloud, trajectory.T_world_left[pair, :3, 3]
 
 
 def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, Any]:
