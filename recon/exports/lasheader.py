@@ -8,11 +8,11 @@ from typing import BinaryIO
 import numpy as np
 
 from recon.errors import InputError
+from recon.exports.lazchunks import Packing, check_chunks, read_packing
 from recon.files import check_memory
 
 _MIN_HEADER_BYTES = 227
 _RECORD_BYTES, _EXTENDED_BYTES = 54, 60
-_NO_TABLE = -1
 
 # The highest bit of the format marks compressed points.
 _COMPRESSED = 0x80
@@ -33,6 +33,10 @@ class Header:
     is_compressed: bool
 
 
+_LASZIP = b"laszip encoded", 22204
+"""User and number of the record that describes the compression."""
+
+
 def check_header(path: Path) -> Header:
     """The header of a file, checked against the file's size.
 
@@ -47,10 +51,10 @@ def check_header(path: Path) -> Header:
         try:
             found = _parsed(head)
             _check_scales(head)
-            _check_records(file, head, found, size)
+            packing = _check_records(file, head, found, size)
         except (struct.error, ValueError, IndexError) as error:
             raise InputError(f"not a whole LAS file ({error})") from error
-        _check_points(file, found, size)
+        _check_points(file, found, size, packing)
     check_memory(path, 3.0 * found.num_points * found.point_bytes)
     return found
 
@@ -77,17 +81,19 @@ def _check_scales(head: bytes) -> None:
         raise ValueError(f"its scales are {numbers[:3].tolist()}, offsets {numbers[3:].tolist()}")
 
 
-def _check_records(file: BinaryIO, head: bytes, found: Header, size: int) -> None:
-    """Check that variable records precede the points, and extended ones follow them."""
+def _check_records(file: BinaryIO, head: bytes, found: Header, size: int) -> Packing | None:
+    """The packing of the points; variable records precede these, and extended ones follow them."""
     header_bytes, _, count = struct.unpack_from("<HII", head, 94)
     if not header_bytes <= found.start <= size:
         raise ValueError(f"its points begin at byte {found.start} of {size}")
-    at = header_bytes
+    at, packing = header_bytes, None
     if count * _RECORD_BYTES > found.start - header_bytes:
         raise ValueError(f"{count} variable records are claimed")
     for _ in range(count):
-        file.seek(at + 20)
-        (length,) = struct.unpack("<H", file.read(2))
+        file.seek(at)
+        user, number, length = struct.unpack("<2x16sHH32x", file.read(_RECORD_BYTES))
+        if (user.rstrip(b"\0"), number) == _LASZIP:
+            packing = read_packing(file.read(length))
         at += _RECORD_BYTES + length
     if at > found.start:
         raise ValueError("its variable records reach into its points")
@@ -95,9 +101,10 @@ def _check_records(file: BinaryIO, head: bytes, found: Header, size: int) -> Non
         first, count = struct.unpack_from("<QI", head, 235)
         if count and (first < found.start or first + count * _EXTENDED_BYTES > size):
             raise ValueError(f"{count} extended records are claimed")
+    return packing
 
 
-def _check_points(file: BinaryIO, found: Header, size: int) -> None:
+def _check_points(file: BinaryIO, found: Header, size: int, packing: Packing | None) -> None:
     held = size - found.start
     claim = f"{found.num_points} points are claimed, but {held} bytes follow"
     if not found.is_compressed:
@@ -106,24 +113,7 @@ def _check_points(file: BinaryIO, found: Header, size: int) -> None:
         return
     if found.num_points > _MAX_POINTS_OF_BYTE * held:
         raise InputError(claim)
+    if packing is None:
+        raise InputError("not a whole LAZ file (its LASzip record is missing)")
     if found.num_points:
-        _check_chunks(file, found, size)
-
-
-def _check_chunks(file: BinaryIO, found: Header, size: int) -> None:
-    """Check that the table of chunks lies after the points and inside the file."""
-    file.seek(found.start)
-    place = _int64(file.read(8))
-    if place == _NO_TABLE:
-        file.seek(size - 8)
-        place = _int64(file.read(8))
-    if not found.start + 8 <= place <= size - 8:
-        raise InputError("not a whole LAZ file (its table of chunks is missing)")
-    file.seek(place)
-    version, count = struct.unpack("<II", file.read(8))
-    if version or count > found.num_points or count > size:
-        raise InputError(f"not a whole LAZ file ({count} chunks are claimed)")
-
-
-def _int64(content: bytes) -> int:
-    return int.from_bytes(content, "little", signed=True)
+        check_chunks(file, found.start, size, found.point_bytes, packing)
