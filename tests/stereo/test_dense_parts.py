@@ -27,20 +27,18 @@ def reference_paths(cost, grey, penalties):
             last = path[v - dv, u - du]
             up, down = np.append(last[1:], 10**6), np.append(10**6, last[:-1])
             sides = np.minimum(up, down) + penalties.small_step
-            unlike = np.abs(np.subtract(grey[v, u], there, dtype=np.int64)).max()
-            jump = last.min() + penalties.large_step[unlike]
+            jump = last.min() + penalties.large_step[abs(int(grey[v, u]) - int(there))]
             best = np.minimum(np.minimum(last, sides), jump) - last.min()
             path[v, u] = cost[v, u] + best
         total += path[:height, :width]
     return total
 
 
-@pytest.mark.parametrize("colours", [(), (3,)])
 @pytest.mark.parametrize("shape", [(9, 11, 32), (1, 7, 16), (6, 1, 16), (1, 1, 16)])
-def test_paths_are_those_of_the_reference(shape, colours):
+def test_paths_are_those_of_the_reference(shape):
     rng = np.random.default_rng(sum(shape))
     cost = rng.integers(0, 1000, shape).astype(np.int16)
-    grey = rng.integers(0, 256, shape[:2] + colours).astype(np.uint8)
+    grey = rng.integers(0, 256, shape[:2]).astype(np.uint8)
     penalties = Penalties(200, np.linspace(900, 300, 256).astype(np.int16))
     np.testing.assert_array_equal(
         aggregate(cost, grey, penalties), reference_paths(cost, grey, penalties)

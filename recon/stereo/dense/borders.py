@@ -11,14 +11,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.simd import Floats, Integers
+from recon.stereo.kernels.simd import Floats, Integers, kernel_with_nan
 
 Image = NDArray[np.uint8]
 Levels = NDArray[np.int16]
 Shares = NDArray[np.int32]
 
-_inner = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-"""Like `kernel`, but for numbers that may be NaN."""
 
 _RADIUS_PX = 3
 _SIDE_PX = 2 * _RADIUS_PX + 1
@@ -82,7 +80,7 @@ def _take_medians(
         found[v, u] = _weighted_median(values, shares, found[v, u])
 
 
-@_inner
+@kernel_with_nan
 def _weigh(
     wide: Floats,
     colours: Levels,
@@ -104,7 +102,7 @@ def _weigh(
         window[1][at] = np.int32(weight) if np.isfinite(value) else 0
 
 
-@_inner
+@kernel_with_nan
 def _weighted_median(values: Floats, weights: Shares, start: Any) -> Any:
     """The least value up to which half of the weight is reached, by steps from one of the values.
 

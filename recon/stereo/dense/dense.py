@@ -29,7 +29,7 @@ from recon.stereo.kernels.simd import Floats
 Image = NDArray[np.uint8]
 
 _EDGE_LEVELS = 12.0
-"""Decay of the cost of a disparity jump with the difference of the levels."""
+"""Decay of the cost of a disparity jump with the grey-level difference."""
 _SMALL_STEP, _LARGEST_STEP = 35.0, 100.0
 """Cost of a step of a pixel, and of a jump without a visible edge, in grey levels."""
 _LARGE_STEP = _SMALL_STEP + (_LARGEST_STEP - _SMALL_STEP) * np.exp(-np.arange(256) / _EDGE_LEVELS)
@@ -180,6 +180,7 @@ def _by_strips(left: Image, right: Image, search: Search) -> Choice:
 
 
 def _strip(left: Image, right: Image, search: Search) -> Choice:
-    cost = cost_volume(to_grey(left), to_grey(right), search)
-    total = aggregate(cost, left, PENALTIES)
+    grey = to_grey(left)
+    cost = cost_volume(grey, to_grey(right), search)
+    total = aggregate(cost, grey, PENALTIES)
     return choose(cost, total, search.first, search.size)

@@ -1,7 +1,7 @@
 """Semi-global aggregation: the cost of the best path to each pixel along eight directions.
 
 Hirschmueller's method (2008): along each direction a step of one disparity costs `small_step`, a
-larger one `large_step`, which is lower where the colour changes, since surfaces end there.
+larger one `large_step`, which is lower where the grey level changes, since surfaces end there.
 """
 
 from typing import NamedTuple
@@ -34,17 +34,17 @@ class Penalties(NamedTuple):
     small_step: int
     """For a change of one between neighbouring pixels."""
     large_step: ShortArray
-    """(256,) for larger changes, by the largest difference of a colour's levels."""
+    """(256,) for larger changes, by the difference of the grey levels."""
 
 
-def aggregate(cost: ShortArray, image: NDArray[np.uint8], penalties: Penalties) -> ShortArray:
+def aggregate(cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties) -> ShortArray:
     """Sum of the costs of the best paths to each pixel from eight directions.
 
     Parameters
     ----------
     cost : (H, W, D) int16
         D a multiple of `NUM_SHORTS`.
-    image : (H, W) or (H, W, 3) uint8
+    grey : (H, W) uint8
     penalties : Penalties
 
     Returns
@@ -52,9 +52,8 @@ def aggregate(cost: ShortArray, image: NDArray[np.uint8], penalties: Penalties) 
     total : (H, W, D) int16
     """
     total = np.empty_like(cost)
-    colours = image.reshape(*cost.shape[:2], -1)
-    _sweep(cost, colours, penalties, total, False)
-    _sweep(cost, colours, penalties, total, True)
+    _sweep(cost, grey, penalties, total, False)
+    _sweep(cost, grey, penalties, total, True)
     return total
 
 
@@ -69,7 +68,7 @@ class _Ends(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def _sweep(
-    cost: ShortArray, image: NDArray[np.uint8], penalties: Penalties, total: ShortArray, back: bool
+    cost: ShortArray, grey: NDArray[np.uint8], penalties: Penalties, total: ShortArray, back: bool
 ) -> None:
     """Add four directions in one sweep: along the row, and from three pixels of the previous one.
 
@@ -90,22 +89,19 @@ def _sweep(
             u = width - 1 - column if back else column
             behind, ahead = (u - step if column else u), min(max(u + step, 0), width - 1)
             jumps = (
-                _jump(image[v, u], image[v, behind], penalties),
-                _jump(image[v, u], image[above, behind], penalties),
-                _jump(image[v, u], image[above, u], penalties),
-                _jump(image[v, u], image[above, ahead], penalties),
+                _jump(grey[v, u], grey[v, behind], penalties),
+                _jump(grey[v, u], grey[above, behind], penalties),
+                _jump(grey[v, u], grey[above, u], penalties),
+                _jump(grey[v, u], grey[above, ahead], penalties),
             )
             small = penalties.small_step
             _go_on(cost[v, u], total[v, u], now, before, column + 1, (small, jumps, back))
 
 
 @kernel
-def _jump(here: NDArray[np.uint8], there: NDArray[np.uint8], penalties: Penalties) -> int:
-    """The cost of a jump of disparity between two colours."""
-    apart = np.int64(0)
-    for k in range(here.size):
-        apart = max(apart, np.abs(np.int64(here[k]) - np.int64(there[k])))
-    large: int = penalties.large_step[apart]
+def _jump(here: int, there: int, penalties: Penalties) -> int:
+    """The cost of a jump of disparity between two grey levels."""
+    large: int = penalties.large_step[abs(np.int64(here) - np.int64(there))]
     return large
 
 

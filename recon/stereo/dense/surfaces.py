@@ -6,12 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.simd import Floats
+from recon.stereo.kernels.simd import Floats, kernel_with_nan
 
 Grey = NDArray[np.uint8]
 
-_inner = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-"""Like `kernel`, but for numbers that may be NaN."""
 
 _RADIUS_PX = 3
 _STEP_PX = 1.0
@@ -69,7 +67,7 @@ def _fit_planes(disparity: Floats, grey: Floats, found: Smoothed) -> None:
         _solve(disparity[v, middle], sums, found.disparity_px[v], found.spread_px[v])
 
 
-@_inner
+@kernel_with_nan
 def _add_pixel(
     here: Floats, level: Floats, there: Floats, other: Floats, x: float, parts: Floats
 ) -> None:
@@ -87,7 +85,7 @@ def _add_pixel(
         parts[5, u] += w * e * e
 
 
-@_inner
+@kernel_with_nan
 def _add_row(parts: Floats, y: float, sums: Floats) -> None:
     """Add the moments of a row that is y rows away."""
     for u in range(sums.shape[1]):
@@ -103,7 +101,7 @@ def _add_row(parts: Floats, y: float, sums: Floats) -> None:
         sums[9, u] += parts[5, u]
 
 
-@_inner
+@kernel_with_nan
 def _solve(here: Floats, sums: Floats, disparity: Floats, spread: Floats) -> None:
     """Write the planes' values at the centre of their windows; unknown pixels stay NaN."""
     for u in range(here.size):
@@ -132,7 +130,7 @@ def median(disparity: Floats) -> Floats:
     return found
 
 
-@_inner
+@kernel_with_nan
 def _middle(disparity: Floats, v: int, u: int, window: Floats) -> float:
     """The median of a window, by insertion sort."""
     height, width = disparity.shape

@@ -27,6 +27,8 @@ FAST = {"contract", "nsz", "nnan"}
 kernel = njit(cache=True, fastmath=FAST, error_model="numpy", _nrt=False, forceinline=True)
 """Compiles loops that allocate nothing. They do not count references to views: each count would be
 a locked instruction, a fifth of the time of a whole pair."""
+kernel_with_nan = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+"""Like `kernel`, but for numbers that may be NaN."""
 
 Lanes = Any
 """`NUM_LANES` float32, for compiled code only; supports +, -, * and /."""
