@@ -73,6 +73,24 @@ def test_a_nav2_map_that_lies_out_of_reach(tmp_path, origin, size):
     refused(path, "resolution is .*, origin")
 
 
+@pytest.mark.parametrize(
+    ("at", "found"), [("layer", "chunk 0 reaches beyond"), ("item", "items are not points of")]
+)
+def test_a_laz_whose_claims_do_not_fit_its_points(tmp_path, at, found):
+    pytest.importorskip("lazrs")
+    path = tmp_path / "a.laz"
+    write(a_cloud(num=500), path)
+    content = bytearray(path.read_bytes())
+    (start,) = struct.unpack_from("<I", content, 96)
+    (point_bytes,) = struct.unpack_from("<H", content, 105)
+    record = content.index(b"laszip encoded")
+    # The first of the chunk's layers, after its first point and count; the first item's bytes.
+    place = {"layer": start + 8 + point_bytes + 4, "item": record + 52 + 36}[at]
+    content[place : place + 2] = b"\xff\xff"
+    path.write_bytes(content)
+    refused(path, found)
+
+
 @pytest.mark.parametrize("cut", [0.5, 0.9, 0.99])
 def test_a_laz_without_its_table_of_chunks(tmp_path, cut, capfd):
     pytest.importorskip("lazrs")
