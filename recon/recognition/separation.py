@@ -142,13 +142,14 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
     across, along = _spread(voxels.means[rows][:, ::2])
+    has_strays = stray_share(naming, voxels.select(rows)) > STRAYS
     is_explained = naming.deviance < -EXPLAINED * len(rows)
-    if is_explained and along < LONG * across and stray_share(naming, voxels.select(rows)) < STRAYS:
+    if is_explained and along < LONG * across and not has_strays:
         return []
     waist = 0.0 if across < SHEET * voxels.cell_size else WAIST
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
-    num_names = 1 if naming.label != UNKNOWN else 0
+    num_names = 0 if naming.label == UNKNOWN else 1 if has_strays else 2
     for second, touch in _cuts(voxels.select(rows), min_voxels):
         sides = (rows[~second], rows[second])
         halves = _objects(sides, 2 if touch >= waist else num_names, name)
