@@ -116,4 +116,4 @@ def _check_points(file: BinaryIO, found: Header, size: int, packing: Packing | N
     if packing is None:
         raise InputError("not a whole LAZ file (its LASzip record is missing)")
     if found.num_points:
-        check_chunks(file, found.start, size, found.point_bytes, packing)
+        check_chunks(file, size, (found.start, found.point_bytes, found.num_points), packing)

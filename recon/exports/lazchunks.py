@@ -10,6 +10,10 @@ from recon.errors import InputError
 
 _NO_TABLE = -1
 _LAYERED = 3
+_VARIABLE = 2**32 - 1
+_MAX_CHUNK = 1_000_000
+"""Points of a chunk (50,000 by default) for which the reader may allocate memory whatever the file
+contains."""
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}
 """Number of layers of each kind of item: points, RGB, RGB with infrared, waveforms. Any other kind
 has one per byte."""
@@ -23,6 +27,8 @@ class Packing:
     """Kind and number of bytes of each."""
     is_layered: bool
     """True if every chunk has a layer, with its length, for each attribute."""
+    chunk_size: int
+    """Number of points of a chunk; `_VARIABLE` if each has its own."""
 
     @property
     def num_layers(self) -> int:
@@ -32,25 +38,30 @@ class Packing:
 
 def read_packing(record: bytes) -> Packing:
     """The content of the LASzip record."""
-    (compressor,) = struct.unpack_from("<H", record)
+    compressor, chunk_size = struct.unpack_from("<H10xI", record)
     (count,) = struct.unpack_from("<H", record, 32)
     items = tuple(struct.unpack_from("<HH", record, 34 + 6 * number) for number in range(count))
-    return Packing(items=items, is_layered=compressor == _LAYERED)
+    return Packing(items=items, is_layered=compressor == _LAYERED, chunk_size=chunk_size)
 
 
-def check_chunks(file: BinaryIO, start: int, size: int, point_bytes: int, packing: Packing) -> None:
+def check_chunks(file: BinaryIO, size: int, points: tuple[int, int, int], packing: Packing) -> None:
     """Check the table of chunks of a file of some size, and the layers of the chunks before it.
 
     Parameters
     ----------
-    start : int
-        Byte offset of the points.
+    points : (int, int, int)
+        Byte offset of the points, bytes of one, and their number.
 
     Raises
     ------
     InputError
         If they do not fit the file.
     """
+    start, point_bytes, num_points = points
+    if max(num_points, _MAX_CHUNK) < packing.chunk_size < _VARIABLE:
+        raise InputError(
+            f"not a whole LAZ file (chunks of {packing.chunk_size} points are claimed)"
+        )
     if sum(num_bytes for _, num_bytes in packing.items) != point_bytes:
         raise InputError(f"not a whole LAZ file (its items are not points of {point_bytes} bytes)")
     place = _place_of_table(file, start, size)

@@ -74,7 +74,12 @@ def test_a_nav2_map_that_lies_out_of_reach(tmp_path, origin, size):
 
 
 @pytest.mark.parametrize(
-    ("at", "found"), [("layer", "chunk 0 reaches beyond"), ("item", "items are not points of")]
+    ("at", "found"),
+    [
+        ("layer", "chunk 0 reaches beyond"),
+        ("item", "items are not points of"),
+        ("size", "chunks of .* points are claimed"),
+    ],
 )
 def test_a_laz_whose_claims_do_not_fit_its_points(tmp_path, at, found):
     pytest.importorskip("lazrs")
@@ -84,8 +89,10 @@ def test_a_laz_whose_claims_do_not_fit_its_points(tmp_path, at, found):
     (start,) = struct.unpack_from("<I", content, 96)
     (point_bytes,) = struct.unpack_from("<H", content, 105)
     record = content.index(b"laszip encoded")
-    # The first of the chunk's layers, after its first point and count; the first item's bytes.
-    place = {"layer": start + 8 + point_bytes + 4, "item": record + 52 + 36}[at]
+    # The first of the chunk's layers, after its first point and count; the first item's bytes; the
+    # upper half of the chunk size.
+    packing = record + 52
+    place = {"layer": start + 8 + point_bytes + 4, "item": packing + 36, "size": packing + 14}[at]
     content[place : place + 2] = b"\xff\xff"
     path.write_bytes(content)
     refused(path, found)
