@@ -5,10 +5,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.stereo.features import to_grey
 from recon.stereo.kernels.sorting import median
 
-Image = NDArray[np.uint8]
 Grey = NDArray[np.uint8]
 Array = NDArray[np.float64]
 
@@ -50,20 +48,13 @@ def gain_between(left: Grey, right: Grey) -> float:
     return float(np.exp(middle))
 
 
-def with_gain_of(left: Image, right: Image) -> Image:
-    """The right image with contrast and means of the left one, if their gains differ.
-
-    Parameters
-    ----------
-    left, right : (H, W) or (H, W, 3) uint8
-    """
-    gain = gain_between(to_grey(left), to_grey(right))
+def with_gain_of(left: Grey, right: Grey) -> Grey:
+    """The right image (H, W) with contrast and mean of the left one, if their gains differ."""
+    gain = gain_between(left, right)
     if gain == 1.0:
         return right
-    means = left.mean(axis=(0, 1)), right.mean(axis=(0, 1))
-    levels = (np.arange(256)[:, None] - means[1]) / gain + means[0]
-    table = np.rint(levels).clip(0, 255).astype(np.uint8)
-    brought: Image = cv2.LUT(right, table.reshape(256, 1, -1)).reshape(right.shape)
+    levels = (np.arange(256) - right.mean()) / gain + left.mean()
+    brought: Grey = cv2.LUT(right, np.rint(levels).clip(0, 255).astype(np.uint8))
     return brought
 
 

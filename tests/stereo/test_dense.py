@@ -50,10 +50,10 @@ def test_a_slanted_plane_is_matched_everywhere(plane, quality, median_px):
 
 def test_negative_disparities_are_searched(plane):
     left, right, truth = plane
-    found = matched(right, left, min_disparity=-20, max_disparity=0, fill_px=0)
+    found = matched(right, left, min_disparity=-20, max_disparity=0)
     # The right image's pixels lie on the other side.
     assert np.nanmedian(found.disparity_px) == pytest.approx(-np.median(truth), abs=0.3)
-    outside = matched(right, left, min_disparity=0, max_disparity=20, fill_px=0)
+    outside = matched(right, left, min_disparity=0, max_disparity=20)
     assert outside.coverage < found.coverage / 2
 
 

@@ -17,7 +17,6 @@ Image = NDArray[np.uint8]
 Levels = NDArray[np.int16]
 Shares = NDArray[np.int32]
 
-
 _RADIUS_PX = 3
 _SIDE_PX = 2 * _RADIUS_PX + 1
 _JUMP_PX = 1.5

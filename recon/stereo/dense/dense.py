@@ -27,6 +27,7 @@ from recon.stereo.features import to_grey
 from recon.stereo.kernels.simd import Floats
 
 Image = NDArray[np.uint8]
+Grey = NDArray[np.uint8]
 
 _EDGE_LEVELS = 12.0
 """Decay of the cost of a disparity jump with the grey-level difference."""
@@ -93,9 +94,9 @@ def match_every_pixel(
         If the images differ in size, or the search range lies outside them.
     """
     check_images(left, right)
-    left, right = np.ascontiguousarray(left), with_gain_of(left, np.ascontiguousarray(right))
+    other = with_gain_of(to_grey(left), to_grey(right))
     search = _search(settings.matching.searching(stated_range), left.shape[1])
-    found = _METHODS[settings.dense.method](left, right, search, settings.dense)
+    found = _METHODS[settings.dense.method](left, other, search, settings.dense)
     disparity = filled_behind(found.disparity_px, settings.dense.fill_px)
     is_filled = np.isnan(found.disparity_px) & np.isfinite(disparity)
     sigma = np.where(is_filled, uncertainty.FILLED_PX, found.sigma_px)
@@ -129,21 +130,18 @@ def _search(asked: MatchingSettings, width: int) -> Search:
     return Search(first, last - first + 1)
 
 
-def _semi_global(
-    left: Image, right: Image, search: Search, settings: DenseSettings
-) -> DisparityMap:
-    choice = _by_strips(left, right, search)
-    patches = without_specks(median(choice.disparity_px), settings.speck_px)
+def _semi_global(left: Image, other: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
     grey = to_grey(left)
+    choice = _by_strips(grey, other, search)
+    patches = without_specks(median(choice.disparity_px), settings.speck_px)
     smoothed = smooth(at_image_edges(patches, left), grey)
     sigma = uncertainty.of_choice(choice, smoothed.spread_px, grey)
     return _with_sigma(smoothed.disparity_px, sigma)
 
 
-def _opencv(left: Image, right: Image, search: Search, settings: DenseSettings) -> DisparityMap:
+def _opencv(left: Image, other: Grey, search: Search, settings: DenseSettings) -> DisparityMap:
     grey = to_grey(left)
-    found = confirmed_three_ways(grey, to_grey(right), search)
-    patches = without_specks(found, settings.speck_px)
+    patches = without_specks(confirmed_three_ways(grey, other, search), settings.speck_px)
     smoothed = smooth(patches, grey)
     return _with_sigma(smoothed.disparity_px, uncertainty.of_image(smoothed.spread_px, grey))
 
@@ -156,20 +154,20 @@ def _with_sigma(disparity: Floats, sigma: Floats) -> DisparityMap:
     )
 
 
-_METHODS: dict[str, Callable[[Image, Image, Search, DenseSettings], DisparityMap]] = {
+_METHODS: dict[str, Callable[[Image, Grey, Search, DenseSettings], DisparityMap]] = {
     "semi-global": _semi_global,
     "opencv": _opencv,
 }
 
 
-def _by_strips(left: Image, right: Image, search: Search) -> Choice:
+def _by_strips(left: Grey, right: Grey, search: Search) -> Choice:
     """The choice at every pixel, in strips of rows that respect the memory limit."""
-    height, width = left.shape[:2]
+    height, width = left.shape
     bytes_per_row = 2 * np.int16().nbytes * width * search.depth
     rows = max(_STRIP_BYTES // bytes_per_row, 3 * _STRIP_MARGIN)
     if rows >= height:
         return _strip(left, right, search)
-    whole = Choice(*(np.empty((height, width), np.float32) for _ in Choice._fields))
+    whole = Choice(*(np.empty(left.shape, np.float32) for _ in Choice._fields))
     step = rows - 2 * _STRIP_MARGIN
     for first in range(0, height, step):
         top, end = max(0, first - _STRIP_MARGIN), min(height, first + step + _STRIP_MARGIN)
@@ -179,8 +177,7 @@ def _by_strips(left: Image, right: Image, search: Search) -> Choice:
     return whole
 
 
-def _strip(left: Image, right: Image, search: Search) -> Choice:
-    grey = to_grey(left)
-    cost = cost_volume(grey, to_grey(right), search)
-    total = aggregate(cost, grey, PENALTIES)
+def _strip(left: Grey, right: Grey, search: Search) -> Choice:
+    cost = cost_volume(left, right, search)
+    total = aggregate(cost, left, PENALTIES)
     return choose(cost, total, search.first, search.size)
