@@ -14,6 +14,9 @@ from recon.files import check_memory
 _MIN_HEADER_BYTES = 227
 _RECORD_BYTES, _EXTENDED_BYTES = 54, 60
 
+_LASZIP = b"laszip encoded", 22204
+"""User and number of the record that describes the compression."""
+
 # The highest bit of the format marks compressed points.
 _COMPRESSED = 0x80
 _MIN_POINT_BYTES = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
@@ -31,10 +34,6 @@ class Header:
     start: int
     """Byte offset of the points."""
     is_compressed: bool
-
-
-_LASZIP = b"laszip encoded", 22204
-"""User and number of the record that describes the compression."""
 
 
 def check_header(path: Path) -> Header:

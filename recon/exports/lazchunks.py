@@ -69,7 +69,7 @@ def check_chunks(file: BinaryIO, size: int, points: tuple[int, int, int], packin
         raise InputError("not a whole LAZ file (its table of chunks is missing)")
     file.seek(place)
     version, count = struct.unpack("<II", file.read(8))
-    if version or count > size:
+    if version or count > min(num_points, size):
         raise InputError(f"not a whole LAZ file ({count} chunks are claimed)")
     if packing.is_layered:
         _check_layers(file, (start + 8, place), count, (point_bytes, packing.num_layers))
