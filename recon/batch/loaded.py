@@ -1,4 +1,4 @@
-"""What most jobs need, loaded by importing this module: no thread starts, and nothing is drawn."""
+"""The kinds of most jobs, loaded by importing this module: no thread starts, nothing is drawn."""
 
 from recon.processes import collect_rarely
 from recon.runs.job import KINDS

@@ -59,7 +59,7 @@ class Processes:
     progress : callable
         Called with the progress of each job.
     start : multiprocessing context
-        How workers are started.
+        The way to start workers.
     """
 
     def __init__(

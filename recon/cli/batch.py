@@ -91,7 +91,7 @@ def batch(jobs: str, **given: Any) -> int:
 
 
 def _way_to_start(given: dict[str, Any]) -> Any:
-    """How workers are started: forked from a server if this process serves the batch only."""
+    """The way to start workers: forked from a server if this process serves the batch only."""
     from recon.batch.server import SPAWN, start_server
 
     is_alone = click.get_current_context().find_root().obj

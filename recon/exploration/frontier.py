@@ -35,7 +35,7 @@ MAX_WANTED = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Search:
-    """What is looked for, and how."""
+    """Things to look for, and the way to view them."""
 
     wanted: Wanted
     clearance: float
@@ -48,7 +48,7 @@ class Search:
     """A side that was not seen well in this number of views is given up."""
 
     def nearest(self, place: Array) -> Wanted:
-        """What is wanted nearest to a position (2,)."""
+        """The wanted things nearest to a position (2,)."""
         return sorted(self.wanted, key=lambda one: math.dist(one.centre, place))[:MAX_WANTED]
 
 

@@ -1,9 +1,11 @@
 """Recognition: from occupied cells to named objects (thesis 4.5)."""
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +20,7 @@ from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming
 from recon.recognition.naming.recognisers import RECOGNISERS
 from recon.recognition.reunion import reunite
-from recon.recognition.segments.convexity import Relief, convex_pieces, relief_of
+from recon.recognition.segments.convexity import convex_pieces, relief_of
 from recon.recognition.segments.focus import Focus, find_focus
 from recon.recognition.separation import (
     Namer,
@@ -32,6 +34,7 @@ from recon.records import FoundObject, Recognition, Voxels
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 HOVERING = "hovers over the ground, held by nothing known"
 SEEN_ONCE = "seen once: it moves, or is false"
@@ -115,20 +118,25 @@ def _namer(layout: Layout, settings: RecognitionSettings, kinds: tuple[Kind, ...
         cells = layout.cells.select(rows)
         return recogniser(cells, layout.height_under(cells), kinds, settings)
 
-    return name
+    return _once(name)
 
 
 def _reliefs(layout: Layout) -> Reliefs:
-    """The function that gives the surface of the object in some rows, worked out once."""
-    known: dict[bytes, Relief] = {}
+    """The function that gives the surface of the object in some rows."""
+    return _once(lambda rows: relief_of(layout.cells.select(rows)))
 
-    def relief(rows: Rows) -> Relief:
+
+def _once(work: Callable[[Rows], T]) -> Callable[[Rows], T]:
+    """The same function, which does its work once for the same rows."""
+    known: dict[bytes, T] = {}
+
+    def result(rows: Rows) -> T:
         key = rows.tobytes()
         if key not in known:
-            known[key] = relief_of(layout.cells.select(rows))
+            known[key] = work(rows)
         return known[key]
 
-    return relief
+    return result
 
 
 def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str]) -> list[Rows]:

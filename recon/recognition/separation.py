@@ -141,8 +141,9 @@ def _explained(cells: Voxels) -> float:
 def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
-    across, along = _spread(voxels.means[rows][:, ::2])
-    has_strays = stray_share(naming, voxels.select(rows)) > STRAYS
+    cells = voxels.select(rows)
+    across, along = _spread(cells.means[:, ::2])
+    has_strays = stray_share(naming, cells) > STRAYS
     is_explained = naming.deviance < -EXPLAINED * len(rows)
     if is_explained and along < LONG * across and not has_strays:
         return []
@@ -150,7 +151,7 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
     num_names = 0 if naming.label == UNKNOWN else 1 if has_strays else 2
-    for second, touch in _cuts(voxels.select(rows), min_voxels):
+    for second, touch in _cuts(cells, min_voxels):
         sides = (rows[~second], rows[second])
         halves = _objects(sides, 2 if touch >= waist else num_names, name)
         deviance = sum(half.deviance for half, _ in halves)

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.cells import coarser
+from recon.recognition.fitting.composite import NOISE_FLOOR
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.fitting.shapes import Candidate, candidates
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
 from recon.recognition.segments.flat_pieces import FlatPieces, Step, flat_pieces
-from recon.recognition.segments.solid_pieces import NOISE_FLOOR, Pieces, solid_pieces
+from recon.recognition.segments.solid_pieces import Pieces, solid_pieces
 from recon.records import Box, FitFailure, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]

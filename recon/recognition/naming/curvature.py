@@ -6,18 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import WORLD_UP
+from recon.recognition.fitting.composite import NOISE_FLOOR
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Voxels
 
 Array = NDArray[np.float64]
 
-EXACT_CELLS = 0.05
-"""Noise of a cell at least, in cells."""
-
 
 def bend(cells: Voxels, walls: Sequence[FlatPiece]) -> float:
     """BIC per cell by which quadratic surfaces explain upright planes better than planes."""
-    least = EXACT_CELLS * cells.cell_size
+    least = NOISE_FLOOR * cells.cell_size
     gains = [_gain(cells.means[wall.rows], least) for wall in walls]
     return sum(gains) / max(1, sum(len(wall.rows) for wall in walls))
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.fitting.composite import NOISE_FLOOR
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.fitting.shapes import AS_GOOD, SAMPLE, Candidate, candidates, from_points
 from recon.recognition.segments.flat_pieces import LEAST_PLANE, FlatPiece, FlatPieces, piece_of
@@ -20,8 +21,6 @@ SPLITS = (0.5, 0.35, 0.65)
 """Shares of the cells in the first of two solids at the start."""
 FEW_ROUNDS, MOST_ROUNDS = 2, 8
 """Rounds of assignment that choose the most promising start, and that follow it."""
-NOISE_FLOOR = 0.05
-"""Minimum noise assumed for a cell's mean, in cells."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
