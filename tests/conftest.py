@@ -6,11 +6,21 @@ from pathlib import Path
 
 import pytest
 
+TESTS = Path(__file__).parent
+SLOWEST = (
+    "batch/test_determinism.py", "test_pages.py", "batch/test_chunks.py", "app/test_inspector.py",
+    "test_readme.py", "app/test_simulator.py", "sequences/test_contradictions.py",
+    "batch/test_batch.py", "runs/test_explore_run.py", "runs/test_ahead.py",
+    "sequences/test_recorded.py", "test_examples.py", "runs/test_evaluate.py",
+    "runs/test_localise.py", "exports/test_fuzz.py", "runs/test_recorded.py", "test_packaging.py",
+)  # fmt: skip
+"""Files that start first, so that no process is left alone with one of them at the end."""
+
 
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """The folder of recorded data, which is not part of the project."""
-    default = Path(__file__).parents[2] / "shared" / "data"
+    default = TESTS.parents[1] / "shared" / "data"
     folder = Path(os.environ.get("RECON_DATA", default))
     if not folder.is_dir():
         message = f"recorded data is missing: {folder} (set RECON_DATA)"
@@ -30,10 +40,17 @@ def without_figures() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out what is marked `slow`, unless marks are chosen: -m slow."""
+    """Put the slowest files first; leave out what is marked `slow`, unless marks are chosen."""
+    items.sort(key=_place)
     if config.getoption("markexpr"):
         return
     left_out = pytest.mark.skip(reason="slow; chosen by -m slow")
     for item in items:
         if item.get_closest_marker("slow"):
             item.add_marker(left_out)
+
+
+def _place(item: pytest.Item) -> int:
+    """The place of an item's file in the order of files; all but the slowest share the last."""
+    file = item.path.relative_to(TESTS).as_posix()
+    return SLOWEST.index(file) if file in SLOWEST else len(SLOWEST)

@@ -20,10 +20,11 @@ HELD = {
     "recon/world/shipped/brick.png", "recon/recognition/naming/catalogues/village.toml",
 }  # fmt: skip
 WITHOUT_LIBRARIES = """
-import compileall, recon, sys
+import ast, recon, sys
 from pathlib import Path
-folder = Path(recon.__file__).parent
-sys.exit(not compileall.compile_dir(folder, quiet=1) or recon.__version__ != sys.argv[1])
+for file in Path(recon.__file__).parent.rglob("*.py"):
+    ast.parse(file.read_bytes(), file)
+sys.exit(recon.__version__ != sys.argv[1])
 """
 FROM_ELSEWHERE = """
 import recon
@@ -117,7 +118,7 @@ def environment(python, folder, wheel):
     """A fresh environment with the wheel in it, and nothing that it depends on."""
     run(python, "-m", "venv", "--without-pip", folder)
     inner = folder / "bin" / "python"
-    pip = [sys.executable, "-m", "pip", "--python", inner, "install"]
+    pip = [sys.executable, "-m", "pip", "--python", inner, "install", "--no-compile"]
     run(*pip, "--quiet", "--no-index", "--no-deps", "--disable-pip-version-check", wheel)
     return inner
 
