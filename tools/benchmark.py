@@ -51,7 +51,7 @@ def measure(room: str, quick: bool) -> list[Measurement]:
 
 
 def is_behind(number: Measurement, baseline: float | None) -> bool:
-    """Whether a number is worse than its baseline by more than its tolerance."""
+    """True if a number is worse than its baseline by more than its tolerance."""
     if baseline is None:
         return False
     slack = number.tolerance * abs(baseline)

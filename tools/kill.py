@@ -96,7 +96,7 @@ def untimed(document: Any) -> Any:
 
 
 def trial(argv: list[str], whole: Path, seconds: float, rng: np.random.Generator) -> str | None:
-    """What is wrong after some kills and a last resumption; None where nothing is."""
+    """The fault found after some kills and a last resumption; None if there is none."""
     target = whole.with_name("cut")
     shutil.rmtree(target, ignore_errors=True)
     call = [*argv, "-o", str(target), "--resume"]

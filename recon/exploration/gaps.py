@@ -8,8 +8,8 @@ from numba import njit
 from recon.exploration.floor import Array, Mask
 
 ROOM, RISK = 0.3, 0.5
-"""If the views of a gap overlap by less than this share of a side, up to this number of further
-views is expected, since not all positions are reachable."""
+"""Share of a side, and the number of further views expected at most if the views of a gap overlap
+by less than it: not all positions are reachable."""
 LEAST = 0.3
 """Share of its value that is left of a view after which as many are needed as before."""
 LAST = 0.5

@@ -111,4 +111,4 @@ class Kind:
     needs_mesh: bool = False
     """True if it shows the run's mesh."""
     lack: Callable[[Subject], str | None] = _drawable
-    """What a run with a map lacks for it; None if it can be drawn."""
+    """Names the part that a run with a map lacks for it; None if it can be drawn."""

@@ -54,7 +54,7 @@ def close_drive(source: PairSource, mapper: Mapper, places: PlaceKeeper, work: W
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class DriveInMemory:
-    """What a drive with estimated poses saw, without a run folder; its loops are closed at last."""
+    """A drive with estimated poses, kept without a run folder; its loops are closed at the end."""
 
     places: PlaceKeeper = field(default_factory=PlaceKeeper)
     steps: list[Step] = field(default_factory=list)

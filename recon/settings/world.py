@@ -45,7 +45,7 @@ class EyesSettings:
     """Height of the cameras above the ground, world units; from below 5, the village's roofs give
     hardly any points."""
     gaze: Literal["shift", "toe-in"] = "shift"
-    """How both cameras look at the target: by shifted principal points, or by turning inwards."""
+    """Both cameras look at the target by shifted principal points, or by turning inwards."""
     auto_focus: bool = False
     """Take each view twice: the second time the cameras look at the nearest thing seen, and
     disparities are searched from infinity to a little nearer than it."""

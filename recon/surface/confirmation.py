@@ -14,7 +14,7 @@ NUM_NEIGHBOURS = 6
 _NUM_SIGMAS = np.float32(2.5)
 _NUM_NEEDED = 2
 _FEW = 2
-"""If at most this many views see a point, one confirmation is enough."""
+"""Number of views up to which one confirmation of a point is enough."""
 
 
 def confirmed(view: DepthMap, others: Sequence[DepthMap]) -> DepthMap:

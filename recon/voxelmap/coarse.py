@@ -17,7 +17,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 
 class _Level(Protocol):
-    """What a voxel map of one level provides."""
+    """A voxel map of one level."""
 
     has_colour: bool
 

@@ -163,7 +163,7 @@ def _united(
 
 @njit(cache=True, nogil=True, inline="always")
 def _order(a: Index, i: int, b: Index, j: int) -> tuple[bool, bool]:
-    """Whether column i of `a` is before column j of `b`, and whether they are equal.
+    """Flags: column i of `a` is before column j of `b`; they are equal.
 
     Without branches: which of two maps has the next cell cannot be predicted.
     """

@@ -1,4 +1,4 @@
-"""What is measured, room by room. Nothing in `recon` imports this."""
+"""The benchmark, room by room. Nothing in `recon` imports this."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,4 +15,4 @@ class Measurement:
     """"of StereoSGBM's time", "percent", "bytes/cell", ..."""
     better: Literal["lower", "higher"]
     tolerance: float
-    """How far it may fall behind the baseline, as a share of it."""
+    """Share of the baseline by which it may fall behind."""

@@ -21,7 +21,7 @@ GAPS = (22.0, 4.0, 12.0, 6.0, 16.0, 4.0, 8.0, 5.0, 10.0, 14.0, 4.0)
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """What the frontier controller needs beside the thesis's, and that nothing is lost."""
+    """The frontier controller's costs beside the thesis's, with nothing lost."""
     return [*village(), square(), *random_worlds(2 if quick else 20)]
 
 
@@ -81,7 +81,7 @@ def world_of(seed: int, settings: Settings) -> World:
 
 
 def is_found(done: Exploration, true: Any) -> bool:
-    """Whether an object of the right name stands within a unit of a true one."""
+    """True if an object of the right name stands within a unit of a true one."""
     return any(
         found.label == true.label and np.linalg.norm((found.centre - true.centre)[[0, 2]]) < 1.0
         for found in done.recognition.objects

@@ -115,7 +115,7 @@ def solids(count: int) -> Iterator[Measurement]:
 
 
 def is_told(shape: str, seed: int, sigma_px: float, weighted: bool) -> bool:
-    """Whether one random solid is told from its cells."""
+    """True if one random solid is recognised from its cells."""
     rng = np.random.default_rng(seed)
     voxels = voxelise(observe(a_part(shape, rng), COLOURS[:1], Orbit(sigma_px=sigma_px), rng))
     weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)

@@ -43,7 +43,7 @@ LENGTHS = {
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """What is less than perfect in some worlds."""
+    """Imperfections of some worlds."""
 
     render: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Settings of the renderer."""
@@ -85,7 +85,7 @@ class Thing:
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What stands in a world, and its exploration."""
+    """The objects of a world, and its exploration."""
 
     things: Sequence[Thing]
     done: Exploration

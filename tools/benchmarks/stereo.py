@@ -23,7 +23,7 @@ SIZES = {(256, 256): 32, (384, 288): 32, (741, 500): 80}
 GROWTH = (256, 512, 1024, 2048)
 """Sides of the square images that show how time grows."""
 NUM_KEPT = 5742
-"""How many of the pair's matches are judged."""
+"""Number of the pair's matches that are judged."""
 QUALITIES: tuple[Quality, ...] = ("fast", "best")
 
 Images = tuple[np.ndarray, np.ndarray]
@@ -112,7 +112,7 @@ def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
 
 
 def accuracy(quality: Quality) -> list[Measurement]:
-    """How right the most confident matches of the whole pair are."""
+    """Accuracy of the most confident matches of the whole pair."""
     (truth_path,) = PAIR.glob("disp_left.*")
     truth = cv2.imread(str(truth_path), cv2.IMREAD_UNCHANGED).astype(np.float64)
     truth[~np.isfinite(truth) | (truth == 0)] = np.nan

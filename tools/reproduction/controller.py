@@ -1,4 +1,4 @@
-"""Which activity of the thesis's controller follows which, counted on a walk."""
+"""Transitions between activities of the thesis's controller, counted on a walk."""
 
 import itertools
 from collections import Counter
@@ -50,7 +50,7 @@ for _name in ACTIVITIES:
 
 
 def transitions(scene: str) -> dict[tuple[str, str], int]:
-    """How often one activity followed another."""
+    """Number of times that one activity followed another."""
     settings = explorers(with_preset(Settings(), "thesis"))
     controller = Told()
     explore(World.from_file(find_scene(scene), settings), settings, controller=controller)

@@ -257,7 +257,7 @@ def _longest_edge(
 
 
 def _steadiness(disparity_px: NDArray[np.float64]) -> float:
-    """How far a straight line through the disparities climbs, for what it leaves over."""
+    """Climb of a straight line through the disparities, in units of its residual."""
     steps = np.arange(len(disparity_px))
     line = np.polyval(np.polyfit(steps, disparity_px, 1), steps)
     return float(np.ptp(line)) / (float(np.std(disparity_px - line)) + 0.05)

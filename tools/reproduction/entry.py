@@ -10,7 +10,7 @@ Row = tuple[str, ...]
 
 
 class Absent(Exception):
-    """What an entry needs is not there; the page says so."""
+    """An entry lacks something that it needs; the page says so."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +23,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Result:
-    """What recon gives for an entry."""
+    """The result of recon for an entry."""
 
     figures: tuple[Figure, ...] = ()
     images: tuple[Path, ...] = ()
@@ -39,7 +39,7 @@ class Entry:
     """"figure 12", "table 3"."""
     title: str
     thesis: str
-    """What the thesis says of it, in a sentence, with its numbers."""
+    """The statement of the thesis, in a sentence, with its numbers."""
     difference: str
     """Why recon's differs, in a sentence."""
     make: Callable[[], Result] = field(repr=False)

@@ -22,7 +22,7 @@ FLAGS = [
 PATIENCE_MS = 120_000
 WINDOW = {"width": 1280, "height": 860}
 PLACE = {"x": -6, "z": 34, "target-x": 4, "target-z": -8, "target-y": 6}
-"""Where the cottage and trees of both kinds are seen."""
+"""A place from which the cottage and trees of both kinds are seen."""
 IS_DRAWN = """([name, before]) => {
   const image = document.querySelector(`[data-testid=${name}] img`);
   return image && image.src.startsWith('data:') && image.complete && image.src !== before; }"""

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 State = TypeVar("State")
 
 NO_PARTS: NDArray[np.int64] = np.empty((2, 0), dtype=np.int64)
-"""Layout of a surface that is no composite."""
+"""Layout of a surface that is not a composite."""
 
 
 class Model(Protocol[State]):

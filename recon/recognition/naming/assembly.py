@@ -43,7 +43,7 @@ class Assembly:
     """Share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
     rules: tuple[PartRule, ...]
-    """What each of them must be."""
+    """The rule that each of them fulfils."""
 
     @property
     def solids(self) -> tuple[Solid, ...]:

@@ -31,7 +31,7 @@ def name_by_quadrics(
     for kind in kinds:
         if _fulfils(kind, [str(shape) for shape in shapes], ratio):
             return _named(voxels, ground, kind, parts, [str(shape) for shape in shapes])
-    return unknown(voxels, ground, f"{shapes[1]} on {shapes[0]} is no kind of the catalogue")
+    return unknown(voxels, ground, f"{shapes[1]} on {shapes[0]} is not a kind of the catalogue")
 
 
 def _shape(part: Voxels) -> str | FitFailure:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 MAX_SPREAD = 3.0
 """Multiple of the median residual beyond which a pair is an outlier."""
 ROUGH_PX = 3.0
-"""Residuals below this are no outliers before the joint solution of both cameras."""
+"""Residuals below this are not outliers before the joint solution of both cameras."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

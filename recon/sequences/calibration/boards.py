@@ -24,7 +24,7 @@ MIN_PAIRS = 3
 MIN_CORNERS = 8
 """Fewer corners common to both images constrain a lens too little."""
 FINE_PX = 0.5
-"""Residuals below this are no outliers."""
+"""Residuals below this are not outliers."""
 MAX_RMS_PX = 1.0
 """Maximum for a usable calibration; beyond, boards were mismatched."""
 

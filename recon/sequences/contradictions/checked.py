@@ -113,7 +113,7 @@ class _Watch:
 
 
 def _holds(code: str, pairs: list[list[Finding]], *, is_end: bool) -> bool:
-    """Whether enough of the checked pairs show a finding of this code."""
+    """True if enough of the checked pairs show a finding of this code."""
     number = sum(any(finding.code == code for finding in pair) for pair in pairs)
     is_lasting = is_end and number >= 2 and number > LASTING_SHARE * len(pairs)
     return 2 * number > len(pairs) or is_lasting

@@ -23,9 +23,9 @@ class Carousel:
         return View(position=middle + self.radius * outwards, target=middle, fov_deg=90.0)
 
     def info(self) -> str:
-        """Who it is."""
+        """The plan, in a line."""
         return "once round the middle of the world"
 
     def result(self) -> str:
-        """What came of it."""
+        """The result, in a line."""
         return f"{self.num_views} views on a circle"

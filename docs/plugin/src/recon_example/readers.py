@@ -11,7 +11,7 @@ from recon.sequences.readers.reader import Reader
 
 
 def fits(path: Path) -> bool:
-    """Whether it is such a file."""
+    """True if it is such a file."""
     if path.suffix != ".npz" or not path.is_file():
         return False
     with np.load(path, allow_pickle=False) as file:
