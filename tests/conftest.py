@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -30,12 +31,19 @@ def data_dir() -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def without_figures() -> Iterator[None]:
+@contextmanager
+def figureless() -> Iterator[None]:
     """Leave no figures in runs: they take most of a small run, and other tests draw them."""
     with pytest.MonkeyPatch.context() as patch:
         for kind in ("explore", "reconstruct", "merge"):
             patch.setattr(f"recon.runs.{kind}.write_run_figures", lambda *_: None)
+        yield
+
+
+@pytest.fixture(scope="module")
+def without_figures() -> Iterator[None]:
+    """Make runs without figures in all tests of a file."""
+    with figureless():
         yield
 
 

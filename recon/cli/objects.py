@@ -1,5 +1,6 @@
 """Objects as the terminal shows them."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,17 +15,30 @@ def say_objects(objects: Sequence[dict[str, Any]]) -> None:
 
 def object_line(found: dict[str, Any]) -> str:
     """One object of an `objects.json`."""
-    place = ", ".join(f"{value:.2f}" for value in found["centre"])
     chance = found["probability"]
     said = "" if chance is None else f"   {chance:.0%}"
-    return f"{found['label']:14} at {place}{_size(found.get('box'))}{said}{_reason(found)}"
+    box = found.get("box")
+    decimals = _decimals(box)
+    place = ", ".join(_rounded(value, decimals) for value in found["centre"])
+    return f"{found['label']:14} at {place}{_size(box, decimals)}{said}{_reason(found)}"
 
 
-def _size(box: dict[str, Any] | None) -> str:
+def _size(box: dict[str, Any] | None, decimals: int) -> str:
     if box is None:
         return ""
-    edges = " x ".join(f"{edge:.2f}" for edge in box["sizes"])
+    edges = " x ".join(_rounded(edge, decimals) for edge in box["sizes"])
     return f"   {edges} {box['unit'] or ''}".rstrip()
+
+
+def _decimals(box: dict[str, Any] | None) -> int:
+    """Decimals that leave two digits of the longest edge; at least two."""
+    longest = max(box["sizes"]) if box else 0.0
+    return max(2, 1 - math.floor(math.log10(longest))) if longest > 0 else 2
+
+
+def _rounded(value: float, decimals: int) -> str:
+    """The number as text, without a minus before zero."""
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
 def _reason(found: dict[str, Any]) -> str:

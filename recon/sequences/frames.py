@@ -83,7 +83,7 @@ class Recording:
             last = frame
             yield pair
         if last is None:
-            raise InputError(f"no pair could be read; the first error: {self._first_reason()}")
+            raise InputError(f"no pair could be read; {self._first_reason()}")
         self._say_skipped()
 
     def _say_skipped(self) -> None:
@@ -99,7 +99,9 @@ class Recording:
             )
 
     def _first_reason(self) -> str:
-        return self.skipped[0].reason if self.skipped else "the sequence is empty"
+        if not self.skipped:
+            return "the sequence is empty"
+        return "the first is {}: {}".format(*self.skipped[0])
 
 
 Metrics = dict[str, float | list[float]]

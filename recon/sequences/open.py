@@ -141,7 +141,10 @@ def _recording(path: Path, settings: SequenceSettings) -> PairSource:
     found = find_recording(path)
     if found is None:
         known = ", ".join(READERS.names())
-        raise InputError(f"{path} is not a known recording ({known})")
+        raise InputError(
+            f"{path} is not a known recording ({known}); the simplest is a folder with left/, "
+            "right/ and calib.txt"
+        )
     return found[0].open(found[1], settings)
 
 

@@ -66,7 +66,7 @@ def _folders(left: Path, right: Path, calib: Path, output: Path) -> Rectified:
         for side, image in zip(("left", "right"), pair, strict=True):
             _write(output / side / f"{entry.name}.png", image)
     if len(skipped) == len(listed):
-        raise InputError(f"no pair could be read; the first error: {skipped[0]}")
+        raise InputError(f"no pair could be read; the first is {skipped[0]}")
     _write_calibration(output, rectify.rig)
     return Rectified(rig=rectify.rig, num_pairs=len(listed) - len(skipped), skipped=tuple(skipped))
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from recon.cli import main
+from tests.conftest import figureless
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = "import sys; sys.argv[0] = 'recon'; from recon.cli import entry; sys.exit(entry())"
@@ -79,7 +80,8 @@ def served(*argv, folder, path=()):
 def explored(folder):
     """A small run of the explorer."""
     argv = ["explore", "village", "--max-pairs", "6", "-o", str(folder), "-q"]
-    assert main(argv) == 0
+    with figureless():
+        assert main(argv) == 0
     return folder
 
 

@@ -152,3 +152,12 @@ def test_a_signal_that_ends_a_process_is_ctrl_c(number, tmp_path, monkeypatch, c
     assert capsys.readouterr().err.strip() == "recon: interrupted"
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["state"] == "interrupted"
     assert signal.getsignal(number) == before
+
+
+@pytest.mark.parametrize(
+    ("size", "said"), [(2.125, "2.12 x 1.06"), (0.02125, "0.021 x 0.011"), (0.0, "0.00 x 0.00")]
+)
+def test_an_object_of_any_unit_has_readable_numbers(size, said):
+    box = {"sizes": [size, size / 2], "unit": None}
+    found = {"label": "unknown", "centre": [-1e-9], "box": box, "probability": None}
+    assert object_line(found).split(maxsplit=2)[1:] == ["at", f"{0:.{len(said) // 2 - 3}f}   {said}"]

@@ -1,6 +1,7 @@
 """What is wrong with a recording is said by frame and reason, skipped where it can be, counted."""
 
 import re
+import shutil
 
 import cv2
 import numpy as np
@@ -12,6 +13,7 @@ from recon.settings import SequenceSettings
 from tests.sequences.recordings import (
     DISPARITY_PX,
     NUM_PAIRS,
+    RIG,
     kitti_poses,
     middlebury_keys,
     write_euroc,
@@ -149,12 +151,16 @@ def test_more_poses_than_frames_need_numbers_in_the_names(folder):
 
 def test_a_calibration_for_another_size_is_refused(folder):
     (folder / "calib.txt").write_text(middlebury_keys().replace("width=96", "width=192"))
-    with pytest.raises(InputError, match=r"96 x 64 pixels, but the left .*\(192, 64\)"):
+    with pytest.raises(InputError, match=r"96 x 64 pixels, but the left .*192 x 64 pixels"):
         read(folder)
 
 
-def test_a_principal_point_outside_of_the_image_is_refused(folder):
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_a_principal_point_outside_of_the_image_is_refused(folder, is_stated):
+    """With a calibration that states the size of its images, and with one that does not."""
     calib = folder / "calib.txt"
+    if is_stated:
+        calib.write_text(middlebury_keys())
     calib.write_text(calib.read_text().replace("47.0", "147.0"))
     with pytest.raises(InputError, match="principal point at 147, 31"):
         read(folder)
@@ -278,3 +284,24 @@ def test_times_that_are_no_numbers_are_refused(folder):
     (folder / "times.txt").write_text("0\nsoon\n2\n3\n")
     with pytest.raises(InputError, match=r"times\.txt, line 2: 'soon' is not a time"):
         read(folder)
+
+
+def test_cameras_at_one_place_are_refused_with_the_file(folder):
+    text = middlebury_keys().replace(f"baseline={1000 * RIG.baseline}", "baseline=0")
+    (folder / "calib.txt").write_text(text)
+    with pytest.raises(InputError, match=r"calib\.txt: both cameras have the same position"):
+        read(folder)
+
+
+def test_where_no_pair_can_be_read_the_first_is_named(folder):
+    shutil.rmtree(folder / "right")
+    shutil.copytree(folder / "left", folder / "right")
+    for path in (folder / "right").iterdir():
+        cv2.imwrite(str(path), cv2.imread(str(path))[:10])
+    with pytest.raises(InputError, match="the first is 000000: its right image has 96 x 10 pixels"):
+        read(folder)
+
+
+def test_a_folder_of_images_only_is_told_what_a_recording_is(folder):
+    with pytest.raises(InputError, match=r"is not a known recording .* left/, right/ and calib"):
+        read(folder / "left")

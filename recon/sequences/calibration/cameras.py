@@ -64,7 +64,7 @@ class Calibration:
         check_rigid("T_right_left", self.T_right_left)
         check_magnitude("T_right_left", self.T_right_left)
         if not self.baseline > 0:
-            raise InputError("the two cameras have the same position, but a baseline is needed")
+            raise InputError("both cameras have the same position, but a baseline is needed")
 
     @property
     def baseline(self) -> float:

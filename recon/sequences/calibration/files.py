@@ -40,11 +40,11 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     if path.is_dir():
         path = find_calibration(path)
     lines = read_lines(path, MAX_BYTES)
-    if is_middlebury(lines):
-        return middlebury(path)
-    if is_kitti(lines):
-        return kitti(path, cameras)
     try:
+        if is_middlebury(lines):
+            return middlebury(path)
+        if is_kitti(lines):
+            return kitti(path, cameras)
         return _of_document(path, named_as_ros(read_document(path)))
     except KeyError as error:
         raise InputError(f"{path} lacks {error.args[0]}") from error

@@ -190,12 +190,15 @@ def _check_size(calibration: Calibration, size: tuple[int, int]) -> None:
     for side, camera in (("left", calibration.left), ("right", calibration.right)):
         centre = (camera.matrix[0, 2], camera.matrix[1, 2])
         inside = all(0 <= c <= extent for c, extent in zip(centre, size, strict=True))
-        if camera.size not in (None, size) or not inside:
-            said = camera.size or f"a principal point at {centre[0]:g}, {centre[1]:g}"
-            raise InputError(
-                f"images have {size[0]} x {size[1]} pixels, but the {side} camera's "
-                f"calibration is for {said}"
-            )
+        if camera.size in (None, size) and inside:
+            continue
+        said = f"a principal point at {centre[0]:g}, {centre[1]:g}"
+        if camera.size not in (None, size):
+            said = "{} x {} pixels".format(*camera.size)
+        raise InputError(
+            f"images have {size[0]} x {size[1]} pixels, but the {side} camera's "
+            f"calibration is for {said}"
+        )
 
 
 def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
