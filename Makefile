@@ -2,6 +2,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
+# Modules are compiled once, not by every process that is started.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: setup demo test benchmark reproduce docs clean
 
 setup: $(VENV)/ready $(VENV)/kernels

@@ -89,8 +89,10 @@ def check_finite(name: str, array: NDArray[np.floating]) -> None:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """The known name that is most similar to `name`."""
-    return difflib.get_close_matches(name, list(known), n=1, cutoff=0.0)[0]
+    """The known name that begins with `name`, else the most similar one."""
+    names = list(known)
+    begun = [one for one in names if one.startswith(name)]
+    return min(begun, key=len) if begun else difflib.get_close_matches(name, names, 1, 0.0)[0]
 
 
 def unknown(said: str, name: str, known: Iterable[str]) -> str:

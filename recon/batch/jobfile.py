@@ -207,7 +207,9 @@ def _name(table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bo
 
 
 def _text(table: Mapping[str, Any], key: str, source: str) -> str:
-    value = table.get(key)
+    if key not in table:
+        raise InputError(f"{source} has no {key}, but a word is needed")
+    value = table[key]
     if not isinstance(value, str):
         raise InputError(f"{source}: {key} is {value!r}, but a word is needed")
     return value

@@ -36,5 +36,7 @@ def recognise(file: Path, cloud: Path | None, **given: Any) -> None:
 
 def _say(report: "Report") -> None:
     say_objects(report["objects"])
+    if not report["objects"]:
+        click.echo("no objects")
     for reason, count in report["failures"].items():
         click.echo(f"not named: {count} x {reason}")

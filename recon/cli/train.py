@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from recon.cli.jobs import counted
 from recon.cli.options import (
     OUTPUT,
     PATH,
@@ -37,6 +38,5 @@ def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     if given["as_json"]:
         print_json(report)
     elif not given["quiet"]:
-        click.echo(
-            f"{report['num_matches']} matches of {report['num_pairs']} pairs: {report['output']}"
-        )
+        pairs = counted(report["num_pairs"], "pair")
+        click.echo(f"{report['num_matches']} matches of {pairs}: {report['output']}")

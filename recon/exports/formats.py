@@ -138,7 +138,7 @@ def _cannot_hold(form: Format, data: Data) -> str:
     if form.write is None and form.write_mesh is None:
         return "the format is read-only"
     kind = "a cloud of points" if isinstance(data, PointCloud) else "cells"
-    holds = "cells" if Voxels in form.takes else "triangles"
+    holds = "triangles" if form.write is None else "cells"
     return f"a format for {holds} cannot hold {kind}"
 
 
@@ -222,11 +222,11 @@ def _readable(path: PathLike) -> Format:
     check_name(path)
     if not Path(path).exists():
         raise FileNotFoundError(2, "No such file or directory", str(path))
+    if Path(path).suffix.lower() != ".zarr":
+        check_regular(path)
     form = format_of(path)
     if form.read is None:
         raise InputError(f"{path}: holds neither a cloud nor a map that can be read back")
-    if Path(path).suffix.lower() != ".zarr":
-        check_regular(path)
     return form
 
 

@@ -19,10 +19,17 @@ def path(value: Any) -> Path:
 
 
 def text(value: Any) -> str:
-    """A word."""
+    """A text, which may be empty."""
     if not isinstance(value, str | Path):
         raise ValueError("text")
     return str(value)
+
+
+def word(value: Any) -> str:
+    """A text that is not empty."""
+    if not text(value):
+        raise ValueError("a word")
+    return text(value)
 
 
 def texts(value: Any) -> tuple[str, ...]:

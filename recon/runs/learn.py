@@ -17,7 +17,7 @@ from recon.recognition.naming.descriptors import Learned
 from recon.recognition.naming.kinds import Kind as Entry
 from recon.recognition.naming.learning import Lesson, learn
 from recon.records import PointCloud, Voxels
-from recon.runs.arguments import text, texts
+from recon.runs.arguments import text, texts, word
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.recognise import read_scene
 from recon.runs.work import Work
@@ -115,4 +115,4 @@ def _report(name: str, target: Path, lesson: Lesson) -> Numbers:
     }
 
 
-LEARN = Kind(run=_learn, takes={"name": text, "catalogue": text, "examples": texts})
+LEARN = Kind(run=_learn, takes={"name": word, "catalogue": text, "examples": texts})

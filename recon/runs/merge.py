@@ -1,5 +1,6 @@
 """Merging of runs of one world: their maps are added, as if from one recording."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import accumulate
@@ -33,6 +34,9 @@ MATTERING = ("cell_size", "occupancy", "partition_size", "ray_margin")
 
 def _base(job: Job) -> Tree:
     """The settings of the first run, which those of the others have to match."""
+    for run, times in Counter(run.resolve() for run in job.inputs).items():
+        if times > 1:
+            raise InputError(f"{run} is given {times} times, but its points must count once")
     found = [_settings(run) for run in job.inputs]
     for run, settings in zip(job.inputs, found, strict=True):
         for name in MATTERING:

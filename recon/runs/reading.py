@@ -17,8 +17,16 @@ RECORDED = ("reconstruct", "merge")
 
 
 def read_settings(run_path: Path) -> Settings:
-    """The settings of a run; unknown settings of an older recon are ignored."""
+    """The settings of a run; unknown settings of an older recon are ignored.
+
+    Raises
+    ------
+    InputError
+        If the folder is not that of a run, or its settings cannot be read.
+    """
     path = run_path / "settings.toml"
+    if not path.is_file():
+        raise InputError(f"{run_path} is not a run folder: it has no settings.toml")
     tree = read_toml(path)
     try:
         return updated(Settings(), tree, str(path))

@@ -59,11 +59,7 @@ def read_image(path: Path, eight_bits: Callable[[Pixels], Image] | None = None) 
 
 def read_pixels(path: Path) -> Pixels:
     """An image as stored, grey or RGB, 8 or 16 bits; see `read_image`."""
-    try:
-        data = read_bytes(path, MAX_BYTES)
-    except InputError as error:
-        raise InputError(f"{error}, but an image is needed") from error
-    return decode_pixels(data, str(path))
+    return decode_pixels(read_bytes(path, MAX_BYTES), str(path))
 
 
 def decode(data: bytes, name: str) -> Image:

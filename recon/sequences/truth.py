@@ -37,8 +37,12 @@ def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTru
     Raises
     ------
     InputError
-        If there is no truth, or no scale for integer truth.
+        If there is no such folder, no truth in it, or no scale for integer truth.
     """
+    if not Path(pair_dir).is_dir():
+        raise InputError(
+            f"{pair_dir} is not a folder, but one with left.*, right.* and disp_left.* is needed"
+        )
     found = find_truth(Path(pair_dir))
     if found is None:
         raise InputError(f"{pair_dir} holds no disp_left.* (.png, .pfm, .tif)")

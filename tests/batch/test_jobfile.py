@@ -70,7 +70,7 @@ def test_jobs_travel_to_other_processes(tmp_path):
     ("text", "fault"),
     [
         ("", r"has no \[\[job\]\] table"),
-        ("[[job]]\n", r"job 1: command is None, but a word"),
+        ("[[job]]\n", r"job 1 has no command, but a word"),
         ('[[job]]\ncommand = "fly"\ninput = "a"\n', "kind of job is 'fly'"),
         ('[[job]]\ncommand = "explore"\n', "input is None, but a path or a list"),
         ('[[job]]\ncommand = "explore"\ninput = 3\n', "input is 3"),

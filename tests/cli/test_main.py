@@ -12,6 +12,7 @@ import pytest
 
 import recon
 from recon.cli import main
+from recon.cli.objects import object_line
 from recon.cli.options import build_settings
 from recon.exports.formats import write
 from recon.records import PointCloud
@@ -67,6 +68,13 @@ def test_version(capsys):
         (["reconstruct", "nowhere"], "nowhere does not exist"),
         (["figure", "nowhere"], "nowhere is not a run folder"),
         (["info", "nowhere"], "nowhere does not exist"),
+        (["mesh", "nowhere"], "nowhere is not a run folder"),
+        (["evaluate", "nowhere"], "nowhere is not a folder"),
+        (["fit", "."], ". is a folder, but a file is needed"),
+        (["disparity", ".", "."], ". is a folder, but a file is needed\n"),
+        (["learn", "a.ply", "--name", "", "-o", "k.toml"], "name is '', but a word is needed"),
+        (["settings", "map.cel"], "nearest known name is map.cell_size"),
+        (["merge", "a", "./a"], "a is given 2 times"),
     ],
 )
 def test_wrong_use_is_one_line_that_names_the_thing(capsys, tmp_path, monkeypatch, argv, message):
@@ -155,9 +163,14 @@ def test_a_signal_that_ends_a_process_is_ctrl_c(number, tmp_path, monkeypatch, c
 
 
 @pytest.mark.parametrize(
-    ("size", "said"), [(2.125, "2.12 x 1.06"), (0.02125, "0.021 x 0.011"), (0.0, "0.00 x 0.00")]
+    ("size", "said"),
+    [
+        (2.125, "at 0.00   2.12 x 1.06"),
+        (0.02125, "at 0.000   0.021 x 0.011"),
+        (0.0, "at 0.00   0.00 x 0.00"),
+    ],
 )
-def test_an_object_of_any_unit_has_readable_numbers(size, said):
+def test_an_object_has_readable_numbers_whatever_the_unit(size, said):
     box = {"sizes": [size, size / 2], "unit": None}
     found = {"label": "unknown", "centre": [-1e-9], "box": box, "probability": None}
-    assert object_line(found).split(maxsplit=2)[1:] == ["at", f"{0:.{len(said) // 2 - 3}f}   {said}"]
+    assert object_line(found) == f"unknown        {said}"
