@@ -61,7 +61,8 @@ def places(folder: Path) -> None:
     """A drive, the run of it, and the same drive as that of another day."""
     drive(folder)
     shutil.copytree(folder / "drive", folder / "today")
-    assert main(["reconstruct", "drive", "-o", "runs/drive", "-q"]) == 0
+    fast = ["--quality", "fast", "-q"]
+    assert main(["reconstruct", "drive", "-o", "runs/drive", *fast]) == 0
 
 
 def walk(folder: Path) -> None:
@@ -108,4 +109,4 @@ def drive(folder: Path) -> None:
 
 def drive_run(folder: Path) -> None:
     drive(folder)
-    assert main(["reconstruct", "drive", "-o", "runs/drive", "-q"]) == 0
+    assert main(["reconstruct", "drive", "-o", "runs/drive", "--quality", "fast", "-q"]) == 0

@@ -40,7 +40,7 @@ ELSEWHERE = {
 }
 SMALLER = {
     "explore own.scene": ["--max-pairs", "2"],
-    "explore village": ["--max-pairs", "2"],
+    "explore village": ["--max-pairs", "2", *SIZE],
     "render village --views ring:20": SIZE,
     "render cottage --views ring:20": SIZE,
     "batch jobs.toml --scheduler": ["--resume", "-j", "1"],
@@ -70,14 +70,15 @@ def smaller(words):
 
 @contextmanager
 def a_cluster(words):
-    """The words of a command, `tcp://head:8786` replaced by a scheduler that is there."""
-    if "tcp://head:8786" not in words:
+    """The words of a command, with a scheduler in this process for any of Dask."""
+    if "--scheduler" not in words:
         yield words
         return
     distributed = pytest.importorskip("distributed")
     options = {"n_workers": 1, "processes": False, "dashboard_address": None}
     with distributed.LocalCluster(protocol="tcp://", **options) as cluster:
-        yield [cluster.scheduler_address if "head" in word else word for word in words]
+        address = cluster.scheduler_address
+        yield [address if word in ("local", "tcp://head:8786") else word for word in words]
 
 
 def do(words):
