@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from recon.camera import StereoRig
+from recon.camera import TYPICAL_RESIDUAL_PX, StereoRig
 from recon.errors import InputError
 from recon.geometry import invert, transform
 
@@ -26,6 +26,14 @@ def points_left():
 def observe(points_left):
     left, right = RIG.project_left(points_left), RIG.project_right(points_left)
     return left, left[:, 0] - right[:, 0]
+
+
+def test_a_residual_is_a_number_that_is_not_negative():
+    assert RIG.residual_px == TYPICAL_RESIDUAL_PX
+    assert replace(RIG, residual_px=0.0) != RIG
+    for wrong in (-0.1, np.nan, None):
+        with pytest.raises(InputError, match=r"rig residual_px is .*, but a number >= 0"):
+            replace(RIG, residual_px=wrong)
 
 
 def test_projection_and_triangulation_are_inverse(points_left):

@@ -142,7 +142,7 @@ def _seen(pair: StereoPair, shown: str, settings: Settings) -> SeenPair:
             left=pair.left, points_px=np.asarray(found.points_px, np.float64),
             values=np.degrees(found.orientation_rad).astype(np.float64), label="orientation [deg]",
         )  # fmt: skip
-    matches = match_images(*images, settings, pair.disparity_range)
+    matches = match_images(*images, settings, pair.disparity_range, pair.rig.residual_px)
     return _sparse(pair.left, matches.points_px, matches.disparity_px)
 
 

@@ -142,7 +142,7 @@ class Simulation:
 
         settings = self.settings
         left, right = (detect(side, settings.features) for side in (pair.left, pair.right))
-        matches = match_features(left, right, settings, pair.disparity_range)
+        matches = match_features(left, right, settings, pair.disparity_range, pair.rig.residual_px)
         return Sight(pair=pair, points=points_of(pair, matches, left, self.objects))
 
     def maps(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:

@@ -15,7 +15,7 @@ from recon.voxelmap import archive
 Array = NDArray[np.float64]
 
 VERSION = 1
-RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
+RIG_FIELDS = tuple(name for name in StereoRig.__dataclass_fields__ if name != "residual_px")
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_type
+from recon.camera import TYPICAL_RESIDUAL_PX
+from recon.errors import InputError, check_number, check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.mapping.sparse import match_sparse
 from recon.records import Matches, PointCloud, StereoPair, check_images
@@ -46,6 +47,7 @@ def match_pair(
     min_disparity: int = 0,
     max_disparity: int = 20,
     quality: Quality = "best",
+    residual_px: float = TYPICAL_RESIDUAL_PX,
 ) -> Matches:
     """Match two rectified images.
 
@@ -56,6 +58,9 @@ def match_pair(
     min_disparity, max_disparity : int
         Both ends of the search range, included.
     quality : {"best", "fast"}
+    residual_px : float
+        Root mean square error of disparities due to the calibration, 0 if it is exact; see
+        `StereoRig.residual_px`.
 
     Returns
     -------
@@ -67,10 +72,10 @@ def match_pair(
     check_images(left, right)
     for name, value in (("min_disparity", min_disparity), ("max_disparity", max_disparity)):
         check_type(name, value, int, np.integer)
+    check_number("residual_px", residual_px, low=0)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
-    return match_images(
-        left, right, updated(with_quality(Settings(), quality), {"matching": search})
-    )
+    settings = updated(with_quality(Settings(), quality), {"matching": search})
+    return match_images(left, right, settings, residual_px=residual_px)
 
 
 def match_images(
@@ -78,6 +83,7 @@ def match_images(
     right: NDArray[np.uint8],
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
+    residual_px: float = TYPICAL_RESIDUAL_PX,
 ) -> Matches:
     """Match two rectified images as the settings say.
 
@@ -85,8 +91,10 @@ def match_images(
     ----------
     stated_range : (min, max), optional
         Search range in pixels, used if the settings do not define one.
+    residual_px : float
+        Of the rig, used if the settings do not define one; see `StereoRig.residual_px`.
     """
-    return match_sparse(left, right, settings, stated_range).matches
+    return match_sparse(left, right, settings, stated_range, residual_px).matches
 
 
 def process_pair(
@@ -124,7 +132,9 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
 
     A pair without a pose is placed level at the world's origin, so that y is up.
     """
-    found = match_sparse(pair.left, pair.right, settings, pair.disparity_range)
+    found = match_sparse(
+        pair.left, pair.right, settings, pair.disparity_range, pair.rig.residual_px
+    )
     # Depth and its uncertainty (Eqs 19, 44), transformed to the world (Eq 45).
     points = triangulate_all(_mapped(found.matches, pair, settings), pair, settings.triangulation)
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)

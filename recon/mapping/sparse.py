@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.records import Features, Matches
 from recon.settings import Settings
 from recon.stereo.features import detect_both, to_grey
@@ -35,7 +36,11 @@ class SparseMatches:
 
 
 def match_sparse(
-    left: Image, right: Image, settings: Settings, stated_range: tuple[int, int] | None = None
+    left: Image,
+    right: Image,
+    settings: Settings,
+    stated_range: tuple[int, int] | None = None,
+    residual_px: float = TYPICAL_RESIDUAL_PX,
 ) -> SparseMatches:
     """Match two rectified images as the settings say.
 
@@ -48,6 +53,8 @@ def match_sparse(
     settings : Settings
     stated_range : (min, max), optional
         Search range in pixels, used if the settings do not define one.
+    residual_px : float
+        Of the rig, used if the settings do not define one; see `StereoRig.residual_px`.
     """
     search = settings.matching.searching(stated_range)
     whole = match_whole_images(left, right, search)
@@ -55,7 +62,7 @@ def match_sparse(
         noise = noise_level(to_grey(left)), noise_level(to_grey(right))
         return SparseMatches(matches=whole, num_features=None, image_noise=noise)
     parts = [
-        _match_strip(left, right, settings, stated_range, rows)
+        _match_strip(left, right, settings, stated_range, residual_px, rows)
         for rows in _strips(left.shape, settings.features.widths_px)
     ]
     return parts[0] if len(parts) == 1 else _joined(parts, search.keep)
@@ -66,12 +73,14 @@ def match_features(
     features_right: Features,
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
+    residual_px: float = TYPICAL_RESIDUAL_PX,
 ) -> Matches:
     """Match the features of two rectified images with sub-pixel precision."""
+    given = settings.matching.residual_px
     # Pairs of similar phase and magnitude, cross-checked (Eqs 15 to 18).
     matches = match(features_left, features_right, settings.matching.searching(stated_range))
     # Refined by the residual phase (Eqs 20, 21).
-    return refine(matches, features_left, features_right)
+    return refine(matches, features_left, features_right, residual_px if given is None else given)
 
 
 def _strips(shape: tuple[int, ...], widths_px: tuple[float, ...]) -> Iterator[tuple[int, int]]:
@@ -93,13 +102,14 @@ def _match_strip(
     right: Image,
     settings: Settings,
     stated_range: tuple[int, int] | None,
+    residual_px: float,
     rows: tuple[int, int],
 ) -> SparseMatches:
     first, end = rows
     top, bottom = max(0, first - _MARGIN_ROWS), min(len(left), end + _MARGIN_ROWS)
     # Oriented features of both images at several scales (Eqs 11 to 14).
     features = detect_both(left[top:bottom], right[top:bottom], settings.features)
-    matches = match_features(*features, settings, stated_range)
+    matches = match_features(*features, settings, stated_range, residual_px)
     noise = features[0].noise.level, features[1].noise.level
     v = features[0].points_px[:, 1] + top
     num_features = int(((v >= first) & (v < end)).sum())

@@ -19,6 +19,7 @@ from recon.runs.arguments import path, positive
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.work import Work
+from recon.sequences.calibration.cameras import Calibration
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import rectifier
 from recon.sequences.contradictions.pairs import check_images as check_contradictions
@@ -83,12 +84,17 @@ def match_files(
 
 
 def _base(job: Job) -> Tree:
-    """The search range that a calibration states."""
+    """What a calibration states."""
     calib = job.arguments.get("calib")
-    stated = None if calib is None else read_calibration(calib).disparity_range
-    if stated is None:
-        return {}
-    return {"matching": {"min_disparity": stated[0], "max_disparity": stated[1]}}
+    return {} if calib is None else {"matching": matching_of(read_calibration(calib))}
+
+
+def matching_of(calibration: Calibration) -> Numbers:
+    """The settings of matching that follow from a calibration."""
+    stated: Numbers = {"residual_px": calibration.residual_px}
+    if calibration.disparity_range is not None:
+        stated["min_disparity"], stated["max_disparity"] = calibration.disparity_range
+    return stated
 
 
 def _match(job: Job, work: Work) -> Numbers:

@@ -14,7 +14,7 @@ from recon.figures.kinds import Arrays
 from recon.mapping.pair import match_images
 from recon.records import Features, Matches
 from recon.runs.arguments import positive, texts
-from recon.runs.disparity import match_files, measure
+from recon.runs.disparity import match_files, matching_of, measure
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.outputs import as_document
@@ -92,33 +92,32 @@ def _trials(
     pair_dir: Path, settings: Settings, matchers: Iterable[str], truth_scale: float | None
 ) -> Iterator[Trial]:
     truth = read_truth(pair_dir, truth_scale)
-    ranged = searching(settings, own_range(pair_dir, truth))
+    ranged = searching(settings, own_matching(pair_dir, truth))
     for matcher in matchers:
         chosen = updated(ranged, {"matching": {"matcher": matcher}})
         yield Trial(pair_dir=pair_dir, settings=chosen, truth=truth)
 
 
-def searching(settings: Settings, search: Numbers) -> Settings:
-    """The settings with a search range, except for the limits that were given explicitly."""
+def searching(settings: Settings, stated: Numbers) -> Settings:
+    """The settings with those of matching that are stated, except for what was given explicitly."""
     own = given_tree(settings)["matching"]
     return updated(
-        settings, {"matching": {name: end for name, end in search.items() if name not in own}}
+        settings, {"matching": {name: value for name, value in stated.items() if name not in own}}
     )
 
 
-def own_range(pair_dir: Path, truth: DisparityTruth) -> Numbers:
-    """The search range of a pair: its calibration's, else slightly more than that of its truth."""
+def own_matching(pair_dir: Path, truth: DisparityTruth) -> Numbers:
+    """What a pair's calibration states; else a search range slightly larger than its truth's."""
     high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
-    return stated_range(pair_dir) or {"min_disparity": 0, "max_disparity": high}
+    return {"min_disparity": 0, "max_disparity": high} | stated_matching(pair_dir)
 
 
-def stated_range(pair_dir: Path) -> Numbers | None:
-    """The search range that a pair's calibration states; None if it has none."""
+def stated_matching(pair_dir: Path) -> Numbers:
+    """The settings of matching that follow from a pair's calibration; none if it has none."""
     try:
-        stated = read_calibration(find_calibration(pair_dir)).disparity_range
+        return matching_of(read_calibration(find_calibration(pair_dir)))
     except InputError:
-        return None
-    return stated and {"min_disparity": stated[0], "max_disparity": stated[1]}
+        return {}
 
 
 def _leave_figures(run_path: Path, trial: Trial) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from recon.figures.dense import kept_dense
 from recon.records import DisparityMap
 from recon.runs.arguments import positive
-from recon.runs.evaluate import check_names, own_range, searching
+from recon.runs.evaluate import check_names, own_matching, searching
 from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
@@ -44,7 +44,7 @@ def _judge_pair(path: Path, job: Job, work: Work) -> list[dict[str, Any]]:
     scale = job.arguments.get("truth_scale")
     truth = read_truth(path, scale)
     left, right = read_pair(*(find_image(path, side) for side in ("left", "right")))
-    settings = searching(job.settings, own_range(path, truth))
+    settings = searching(job.settings, own_matching(path, truth))
     with work.stage("stereo"):
         found = _matched(left, right, settings)
     if work.folder:

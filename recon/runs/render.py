@@ -115,7 +115,7 @@ def calibration(rig: StereoRig, max_disparity: int) -> str:
     return (
         f"cam0={left}\ncam1={right}\ndoffs={rig.cx_right_px - rig.cx_left_px!r}\n"
         f"baseline={1000.0 * rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
-        f"ndisp={max_disparity + 2}\n"
+        f"ndisp={max_disparity + 2}\nresidual_px={rig.residual_px!r}\n"
     )
 
 

@@ -10,7 +10,7 @@ from recon.errors import InputError, ReconError
 from recon.files import atomic_path
 from recon.mapping.sparse import match_features
 from recon.records import Features, Matches
-from recon.runs.evaluate import searching, stated_range
+from recon.runs.evaluate import searching, stated_matching
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.settings import Settings, updated
@@ -49,7 +49,7 @@ def _examples(
     pair_dirs: Iterable[Path], settings: Settings
 ) -> Iterator[tuple[Features, Features, Matches]]:
     for pair_dir in pair_dirs:
-        ranged = searching(settings, stated_range(pair_dir) or {})
+        ranged = searching(settings, stated_matching(pair_dir))
         chosen = updated(ranged, {"matching": {"matcher": "phase"}})
         images = read_pair(*(find_image(pair_dir, side) for side in ("left", "right")))
         left, right = (detect(image, chosen.features) for image in images)

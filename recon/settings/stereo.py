@@ -46,6 +46,9 @@ class MatchingSettings:
     """Largest number of matches per block of 32 x 32 pixels, to spread them evenly; none = all."""
     keep: Count | None = None
     """Number of matches kept, the most confident first; none = all."""
+    residual_px: NonNegative | None = None
+    """Root mean square error of disparities due to the calibration, pixels; none = what the
+    calibration states, else that of typical recorded cameras."""
 
     def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
         """The same over the search range that a recording states, except for what was given."""

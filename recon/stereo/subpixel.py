@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError
 from recon.records import Features, Matches, check_alike
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
@@ -16,6 +17,7 @@ from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load,
 from recon.stereo.kernels.sorting import order
 from recon.stereo.kernels.threads import bands, run
 from recon.stereo.uncertainty import (
+    Prior,
     calm_ratios,
     solve,
     updated_probability,
@@ -35,14 +37,24 @@ _CHUNK = 64
 """Pairs refined at once, so that their data stays in the cache."""
 
 
-def refine(matches: Matches, left: Features, right: Features) -> Matches:
+def refine(
+    matches: Matches,
+    left: Features,
+    right: Features,
+    residual_px: float = TYPICAL_RESIDUAL_PX,
+) -> Matches:
     """Refine whole-pixel disparities by the residual phase at the matched pixels.
 
     With responses whose phase increases along the row, ``d = delta + (phi_right - phi_left) / k``,
     where k is the local frequency along the row, measured in both images. All scales and
     orientations are combined by weighted least squares. The standard deviation follows from the
-    noise of both images and from the agreement of the channels; so does the probability that the
-    pair is correct. Pairs with a sigma are already refined and stay unchanged.
+    noise of both images, the agreement of the channels, the probability of the pair and the
+    residual of the rig. Pairs with a sigma are already refined and stay unchanged.
+
+    Parameters
+    ----------
+    residual_px : float
+        See `StereoRig.residual_px`.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
@@ -66,12 +78,13 @@ def refine(matches: Matches, left: Features, right: Features) -> Matches:
     parts = run([partial(sums_of, pairs) for pairs in bands(len(rows), _LEAST_BAND)])
     sums = np.concatenate(parts, axis=1)
     white = white_energies(left, right, scales, left.grey[v, u])
-    tuning = solve(sums, white, calm_ratios(left, right, scales), rows <= len(matches) // 2)
+    prior = Prior(probability=matches.probability[rows], is_sure=rows <= len(matches) // 2)
+    tuning = solve(sums, white, calm_ratios(left, right, scales), prior, residual_px)
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
     disparity[rows] = delta + tuning.change_px
     sigma[rows] = tuning.sigma_px
     probability = matches.probability.copy()
-    probability[rows] = updated_probability(probability[rows], tuning.noise_variance)
+    probability[rows] = updated_probability(prior.probability, tuning.noise_variance)
     return dataclasses.replace(
         matches, disparity_px=disparity, sigma_px=sigma, probability=probability
     )

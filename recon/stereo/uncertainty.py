@@ -28,25 +28,45 @@ _COHERENCE = 1.5
 _SCATTER_FACTOR = 2.0
 """Noise energy relative to the median scatter of the channels of reliable pairs."""
 
-# Variance of the refined disparity. Fitted to the errors of recorded pairs with truth (Venus,
-# Sawtooth, Cones, Map) and of rendered worlds, with noise of 0 to 10 grey levels added to both; the
-# other recorded pairs and other worlds confirm it. The floor is that of recorded pairs: errors that
-# vary slowly over the image, as those of a calibration do. Neighbouring matches share them, so that
-# a pair does not reveal them; the surest matches of worlds without noise err by a fifth of it.
-_FLOOR_VARIANCE = 0.0075
-_LONELY_VARIANCE = 0.015
-"""Added to the floor, divided by the squared number of scales: a single one agrees with itself."""
-_DISCORD_WEIGHT = 0.127
-_NOISE_WEIGHT = 0.33
-_VAGUENESS_WEIGHT = 0.06
+# Variance of a refined disparity that is correct to a pixel, beyond those due to noise and to the
+# rig. Fitted to the errors of rendered worlds, whose rig is exact, with noise of 0 to 10 grey
+# levels; other worlds confirm it.
+_SURFACE_VARIANCE = 0.0045
+"""Surfaces curve away within a filter, most of all at their silhouettes."""
+_DISCORD_WEIGHT = 1.7
+"""Relative to the variance that the scatter of the channels implies, beyond that due to noise."""
+_WHOLE_PIXEL_VARIANCE = 1 / 12
+_DOUBT_WEIGHT = 11.0
+"""Squared pixels per squared odds of a mismatch: such pairs lie at edges of surfaces."""
+_NOISE_OF_HALF_DOUBT = 0.009
+"""Variance due to noise at which half of these odds are attributed to noise."""
+_LARGEST_VARIANCE = 0.115
 
 # Log odds that a pair is correct: those of matching, less those that noise could create.
 _NOISE_ODDS = -0.40
 _NOISE_OF_EVEN_ODDS = 0.05
 _LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
 
-_WHOLE, _INFORMATION, _TRUST = 0, 1, 2
-"""Rows of the shift's estimate of each pair."""
+_WHOLE, _INFORMATION, _TRUST, _ODDS_SQ = 0, 1, 2, 3
+"""Rows of the shift's estimate of each pair; the last are the squared odds of a mismatch."""
+_LEAST_PROBABILITY = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prior:
+    """What matching tells of whole-pixel disparities (N,)."""
+
+    probability: Array
+    """That the pairs are correct; NaN if unknown."""
+    is_sure: NDArray[np.bool_]
+    """Pairs that are likely correct: the scatter of their channels limits the noise, too."""
+
+    @property
+    def odds_sq(self) -> Floats:
+        """Squared odds of a mismatch; 0 if unknown."""
+        likely = np.maximum(self.probability.astype(np.float32), np.float32(_LEAST_PROBABILITY))
+        odds = 1 / likely - 1
+        return np.where(np.isnan(odds), np.float32(0), odds * odds)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,7 +81,9 @@ class Tuning:
     uninformative, NaN where no filter is wide enough."""
 
 
-def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bool_]) -> Tuning:
+def solve(
+    sums: Floats, white: Floats, calm_ratio: Array, prior: Prior, residual_px: float
+) -> Tuning:
     """Solve the least squares problems of all pairs.
 
     Parameters
@@ -73,8 +95,9 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
         Energy of single-pixel noise in a scale's responses.
     calm_ratio : (S,)
         Energy of the calmest image regions relative to `white`; an upper limit for noise.
-    is_sure : (N,)
-        Pairs that are likely correct: the scatter of their channels limits the noise, too.
+    prior : Prior
+    residual_px : float
+        Root mean square error of the disparities due to the rig's calibration.
     """
     if not len(white):
         nothing = np.zeros(sums.shape[1], np.float32)
@@ -84,12 +107,13 @@ def solve(sums: Floats, white: Floats, calm_ratio: Array, is_sure: NDArray[np.bo
             noise_variance=np.full_like(nothing, np.nan),
         )
     num = sums.shape[1]
-    shifts, scatter = np.empty((3, num), np.float32), np.empty((len(white), num), np.float32)
+    shifts, scatter = np.empty((4, num), np.float32), np.empty((len(white), num), np.float32)
     scatter_of_sure = np.empty_like(scatter)
-    num_sure = _shift(sums, white, is_sure, shifts, scatter, scatter_of_sure)
+    num_sure = _shift(sums, white, prior.is_sure, shifts, scatter, scatter_of_sure)
     ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
+    shifts[_ODDS_SQ] = prior.odds_sq
     tuned = np.empty((3, num), np.float32)
-    _weigh(sums, white, ratio, shifts, scatter, tuned)
+    _weigh(sums, white, ratio, shifts, scatter, np.float32(residual_px**2), tuned)
     change, sigma, noise = tuned
     return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise)
 
@@ -133,29 +157,38 @@ def _shift(
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
 def _weigh(
-    sums: Floats, white: Floats, ratio: Floats, shifts: Floats, scatter: Floats, tuned: Floats
+    sums: Floats,
+    white: Floats,
+    ratio: Floats,
+    shifts: Floats,
+    scatter: Floats,
+    rig_variance: float,
+    tuned: Floats,
 ) -> None:
     """Write the change of each pair's disparity, its sigma, and its variance due to noise."""
     num_scales = len(scatter)
-    floor = np.float32(_FLOOR_VARIANCE + _LONELY_VARIANCE / num_scales**2)
-    untuned = np.float32(UNTUNED_SIGMA_PX)
+    floor = np.float32(_SURFACE_VARIANCE) + rig_variance
+    untuned = max(np.float32(UNTUNED_SIGMA_PX), np.sqrt(rig_variance))
     for i in range(scatter.shape[1]):
         information, whole = shifts[_INFORMATION, i], shifts[_WHOLE, i]
         trust, count = shifts[_TRUST, i], sums[3 * num_scales + 1, i]
-        noise = discord_sq = np.float32(0)
+        noise = discord = np.float32(0)
         for s in range(num_scales):
             noise += ratio[s] * white[s, i] * sums[3 * s, i]
-            discord_sq += scatter[s, i]
+            discord += scatter[s, i]
         is_known = information > 0
         safe = information if is_known else np.float32(1)
         noise = np.float32(_COHERENCE) * noise / (safe * safe)
-        discord = np.sqrt(discord_sq / safe) * count / max(count - 1, np.float32(1))
-        variance = floor + np.float32(_DISCORD_WEIGHT) * trust * discord
-        variance += np.float32(_NOISE_WEIGHT) * noise + np.float32(_VAGUENESS_WEIGHT) * (1 - trust)
+        discord = max(discord / (safe * max(count - 1, np.float32(1))) - noise, np.float32(0))
+        variance = trust * trust * (noise + np.float32(_DISCORD_WEIGHT) * discord)
+        variance += (1 - trust) * (1 - trust) * np.float32(_WHOLE_PIXEL_VARIANCE)
+        doubtful = 1 / (1 + noise / np.float32(_NOISE_OF_HALF_DOUBT))
+        variance += np.float32(_DOUBT_WEIGHT) * shifts[_ODDS_SQ, i] * doubtful * doubtful
+        variance = floor + min(variance, np.float32(_LARGEST_VARIANCE))
         is_tuned = is_known and trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
         is_tuned = is_tuned and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
         tuned[0, i] = trust * whole if is_tuned else np.float32(0)
-        tuned[1, i] = min(np.sqrt(variance), untuned) if is_tuned else untuned
+        tuned[1, i] = np.sqrt(variance) if is_tuned else untuned
         tuned[2, i] = noise if is_known else np.float32(np.inf)
 
 

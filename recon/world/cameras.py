@@ -51,6 +51,7 @@ def rig_of(view: View, eyes: EyesSettings) -> StereoRig:
         cx_right_px=float(middle_px + shift_px / 2.0),
         cy_px=(eyes.height - 1) / 2.0,
         baseline=eyes.baseline,
+        residual_px=0.0,
     )
 
 

@@ -32,6 +32,7 @@ def _calibration(rig: StereoRig) -> str:
     return (
         f"cam0={left}\ncam1={right}\ndoffs={rig.cx_right_px - rig.cx_left_px!r}\n"
         f"baseline={1000.0 * rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
+        f"residual_px={rig.residual_px!r}\n"
     )
 
 

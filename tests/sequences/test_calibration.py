@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError
 from recon.sequences.calibration.chains import read_sensors
 from recon.sequences.calibration.files import read_calibration
@@ -82,6 +83,19 @@ def test_yaml_of_every_kind_is_the_same_rig(tmp_path, text, name):
     assert not rig.is_rectified
 
 
+@pytest.mark.parametrize("text", [opencv(OPENCV_4), kalibr()], ids=["opencv", "kalibr"])
+def test_a_file_may_state_the_residual_of_its_calibration(tmp_path, text):
+    path = tmp_path / "calib.yaml"
+    path.write_text(text)
+    assert read_calibration(path).residual_px == TYPICAL_RESIDUAL_PX
+    path.write_text(f"{text}residual_px: 0.05\n")
+    assert read_calibration(path).residual_px == 0.05
+    for wrong in ("-0.1", ".nan", "small"):
+        path.write_text(f"{text}residual_px: {wrong}\n")
+        with pytest.raises(InputError, match=r"calib.yaml: residual_px is .*, but a number >= 0"):
+            read_calibration(path)
+
+
 def test_what_opencv_itself_writes_is_read(tmp_path):
     import cv2
 
@@ -138,6 +152,20 @@ def test_middlebury_millimetres_become_metres(tmp_path):
     assert rig.right.matrix[0, 2] - rig.left.matrix[0, 2] == pytest.approx(31.086)
     assert rig.size == (741, 500)
     assert rig.disparity_range == (0, 70)
+
+
+@pytest.mark.parametrize("residual", ["0", "0.25", "-1", "much"])
+def test_middlebury_keys_may_state_a_residual(tmp_path, residual):
+    path = tmp_path / "calib.txt"
+    path.write_text(
+        "cam0=[100 0 50; 0 100 40; 0 0 1]\ncam1=[100 0 50; 0 100 40; 0 0 1]\nbaseline=100\n"
+        f"residual_px={residual}\n"
+    )
+    if residual in ("-1", "much"):
+        with pytest.raises(InputError, match=r"calib.txt: residual_px is"):
+            read_calibration(path)
+    else:
+        assert read_calibration(path).residual_px == float(residual)
 
 
 @pytest.mark.parametrize(

@@ -104,7 +104,11 @@ def test_sigma_and_probability_under_noise(quality, sigma, rng):
         for k in (3.0, 3.0 + shift)
     )
     matches = match_pair(
-        exposed(left, sigma, rng), exposed(right, sigma, rng), max_disparity=15, quality=quality
+        exposed(left, sigma, rng),
+        exposed(right, sigma, rng),
+        max_disparity=15,
+        quality=quality,
+        residual_px=0.0,
     )
     error = matches.disparity_px - shift
     right_ones = np.abs(error) <= 1

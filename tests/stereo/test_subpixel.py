@@ -42,12 +42,37 @@ def test_tuning_beats_whole_pixels_and_breaks_nothing(plane, widths):
     assert np.sum(after > 1) <= np.sum(before > 1)
 
 
-def test_sigma_is_of_the_size_of_the_error(plane):
-    _, fine = coarse_and_fine(*plane[:2])
-    error = fine.disparity_px - truth_at(plane[2], fine)
+def test_sigma_of_an_exact_rig_is_of_the_size_of_the_error(plane):
+    pair = [detect(image, FeatureSettings()) for image in plane[:2]]
+    coarse = matching.match(*pair, MatchingSettings(max_disparity=16))
+    error = refine(coarse, *pair).disparity_px - truth_at(plane[2], coarse)
     good = np.abs(error) <= 1
-    spread = np.std(error[good] / fine.sigma_px[good])
-    assert 0.25 < spread < 1.1  # it is fitted to recorded pairs, which err more than made-up ones
+    spreads = [
+        np.std(error[good] / refine(coarse, *pair, residual_px).sigma_px[good])
+        for residual_px in (0.0, 0.3)
+    ]
+    assert 0.75 < spreads[0] < 1.25
+    assert spreads[1] < 0.5  # such an error of the calibration would be seen
+
+
+def test_the_residual_of_the_rig_adds_to_the_variance(plane_features):
+    coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
+    exact, recorded = (refine(coarse, *plane_features, r) for r in (0.0, 0.2))
+    is_tuned = exact.sigma_px < np.float32(UNTUNED_SIGMA_PX)
+    added = recorded.sigma_px[is_tuned] ** 2 - exact.sigma_px[is_tuned] ** 2
+    np.testing.assert_allclose(added, 0.04, rtol=1e-4)
+    assert (recorded.sigma_px[~is_tuned] == np.float32(UNTUNED_SIGMA_PX)).all()
+    assert (exact.disparity_px == recorded.disparity_px).all()
+
+
+def test_pairs_that_may_be_wrong_have_a_larger_sigma(plane_features):
+    coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
+    medians = []
+    for probability in (0.999, 0.9, np.nan):
+        one = dataclasses.replace(coarse, probability=np.full(len(coarse), probability))
+        medians.append(np.median(refine(one, *plane_features, 0.0).sigma_px))
+    assert medians[1] > 2 * medians[0]
+    assert medians[2] == pytest.approx(medians[0], rel=0.05)  # unknown: no doubt
 
 
 def test_more_noise_gives_more_error_and_more_sigma():

@@ -241,4 +241,5 @@ def test_an_exported_frame_is_a_pair_with_its_truth(village, tmp_path):
     (again,) = open_sequence(tmp_path / "frame", SequenceSettings())
     assert again.rig.baseline == pytest.approx(pair.rig.baseline)
     assert again.rig.cx_right_px == pytest.approx(pair.rig.cx_right_px)
+    assert again.rig.residual_px == pair.rig.residual_px == 0.0
     np.testing.assert_array_equal(again.right, pair.right)

@@ -5,13 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError, check_finite, check_shape
+from recon.camera import TYPICAL_RESIDUAL_PX
+from recon.errors import InputError, check_finite, check_number, check_shape
 from recon.geometry import check_rigid, invert, pose
 
 Array = NDArray[np.float64]
 
-
 MAX_NUMBER = 1e15
+RESIDUAL = "residual_px"
+"""Key of a calibration's residual, in the files that can state one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,10 +61,13 @@ class Calibration:
     """(4, 4) transform from the left camera's frame to the right one's; world units."""
     disparity_range: tuple[int, int] | None = None
     """(min, max) that occur, both included, if the file states it (Middlebury's ndisp)."""
+    residual_px: float = TYPICAL_RESIDUAL_PX
+    """See `StereoRig.residual_px`."""
 
     def __post_init__(self) -> None:
         check_rigid("T_right_left", self.T_right_left)
         check_magnitude("T_right_left", self.T_right_left)
+        check_number("residual_px", self.residual_px, low=0)
         if not self.baseline > 0:
             raise InputError("both cameras have the same position, but a baseline is needed")
 

@@ -1,11 +1,12 @@
 """Calibration files of all formats, identified by their content."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from recon.errors import InputError
 from recon.sequences.calibration import chains
-from recon.sequences.calibration.cameras import Calibration
+from recon.sequences.calibration.cameras import RESIDUAL, Calibration
 from recon.sequences.calibration.documents import MAX_BYTES, Document, read_document
 from recon.sequences.calibration.opencv_files import is_opencv, is_ros, named_as_ros, opencv, ros
 from recon.sequences.calibration.rows import Cameras, is_kitti, is_middlebury, kitti, middlebury
@@ -23,7 +24,7 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     KITTI's rows (3 x 4 projection matrices, with or without a label), KITTI raw's
     calib_cam_to_cam.txt, Middlebury's keys; OpenCV's YAML, XML or JSON, in one file or as
     intrinsics.yml and extrinsics.yml; ROS's left.yaml and right.yaml; the YAML of Kalibr, OKVIS,
-    VINS-Fusion and ORB-SLAM.
+    VINS-Fusion and ORB-SLAM. Middlebury's keys and all but KITTI's rows may state `residual_px`.
 
     Parameters
     ----------
@@ -45,7 +46,9 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
             return middlebury(path)
         if is_kitti(lines):
             return kitti(path, cameras)
-        return _of_document(path, named_as_ros(read_document(path)))
+        document = read_document(path)
+        found = _of_document(path, named_as_ros(document))
+        return replace(found, residual_px=document.get(RESIDUAL, found.residual_px))
     except KeyError as error:
         raise InputError(f"{path} lacks {error.args[0]}") from error
     except InputError as error:

@@ -158,6 +158,7 @@ def _filled_rig(calibration: Calibration, size: tuple[int, int], rotation: Array
         cx_right_px=float(cx),
         cy_px=float(cy),
         baseline=calibration.baseline,
+        residual_px=calibration.residual_px,
     )
 
 
@@ -233,4 +234,5 @@ def _rectified_rig(calibration: Calibration, size: tuple[int, int]) -> StereoRig
         cx_right_px=float(right[0, 2]),
         cy_px=float(left[1, 2]),
         baseline=float(-calibration.T_right_left[0, 3]),
+        residual_px=calibration.residual_px,
     )

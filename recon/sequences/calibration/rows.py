@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError, check_finite
+from recon.camera import TYPICAL_RESIDUAL_PX
+from recon.errors import InputError, check_finite, check_number
 from recon.geometry import pose
 from recon.sequences.calibration.cameras import (
+    RESIDUAL,
     Calibration,
     Camera,
     from_projections,
@@ -56,6 +58,7 @@ def middlebury(path: Path) -> Calibration:
         right=Camera(matrix=right, distortion=np.zeros(0), size=size),
         T_right_left=step,
         disparity_range=(0, _count(path, keys, "ndisp")) if "ndisp" in keys else None,
+        residual_px=_residual_px(path, keys),
     )
 
 
@@ -142,6 +145,12 @@ def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int])
 
 def _number(path: Path, keys: dict[str, str], name: str) -> float:
     return float(_matrix(path, keys, name, (1, 1))[0, 0])
+
+
+def _residual_px(path: Path, keys: dict[str, str]) -> float:
+    residual_px = _number(path, keys, RESIDUAL) if RESIDUAL in keys else TYPICAL_RESIDUAL_PX
+    check_number(f"{path}: {RESIDUAL}", residual_px, low=0)
+    return residual_px
 
 
 def _count(path: Path, keys: dict[str, str], name: str) -> int:

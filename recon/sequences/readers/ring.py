@@ -251,6 +251,7 @@ def _box_rig(
         cx_right_px=float(cx_left + shift.min()),
         cy_px=float(cy),
         baseline=calibration.baseline,
+        residual_px=calibration.residual_px,
     )
     return rig, int(np.ceil(np.ptp(shift)))
 
