@@ -14,8 +14,8 @@ from recon.voxelmap import archive
 
 Array = NDArray[np.float64]
 
-VERSION = 1
-RIG_FIELDS = tuple(name for name in StereoRig.__dataclass_fields__ if name != "residual_px")
+VERSION = 2
+RIG_FIELDS = tuple(StereoRig.__dataclass_fields__)
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -50,7 +50,9 @@ class Atlas:
                 "version": np.array(VERSION),
                 "number": np.array(self.numbers, np.int64),
                 "T_world_left": self.T_world_left.reshape(-1, 4, 4),
-                "rig": np.array([_row(place.rig) for place in self.places]).reshape(-1, 7),
+                "rig": np.array([_row(place.rig) for place in self.places]).reshape(
+                    -1, len(RIG_FIELDS)
+                ),
                 "num_points": np.array([len(place) for place in self.places], np.int64),
                 "points_px": _joined([one.points_px for one in seen], (0, 2)),
                 "disparity_px": _joined([one.disparity_px for one in seen], (0,)),
@@ -103,7 +105,7 @@ def _atlas(columns: archive.Columns) -> Atlas:
         )
     ]  # fmt: skip
     num_points = int(columns["num_points"].sum())
-    shapes = {"T_world_left": (len(numbers), 4, 4), "rig": (len(numbers), 7),
+    shapes = {"T_world_left": (len(numbers), 4, 4), "rig": (len(numbers), len(RIG_FIELDS)),
               "points_px": (num_points, 2), "disparity_px": (num_points,),
               "descriptors": (num_points, 128), "num_points": (len(numbers),)}  # fmt: skip
     for name, shape in shapes.items():

@@ -51,8 +51,9 @@ def test_sigma_of_an_exact_rig_is_of_the_size_of_the_error(plane):
         np.std(error[good] / refine(coarse, *pair, residual_px).sigma_px[good])
         for residual_px in (0.0, 0.3)
     ]
-    assert 0.75 < spreads[0] < 1.25
-    assert spreads[1] < 0.5  # such an error of the calibration would be seen
+    # This plane has no silhouettes, which err most: sigma keeps room for them.
+    assert 0.35 < spreads[0] < 1.1
+    assert spreads[1] < 0.2  # such an error of the calibration would be seen
 
 
 def test_the_residual_of_the_rig_adds_to_the_variance(plane_features):
