@@ -93,7 +93,8 @@ def test_a_pair_is_located_in_the_map_of_others():
     T_true = pair.T_world_left
     guess = pose(T_true[:3, :3], T_true[:3, 3] + [0.5, 0.0, -0.5])
     found = recon.locate(pair, village().voxels, guess, SETTINGS)
-    assert np.linalg.norm(found.T_world_left[:3, 3] - T_true[:3, 3]) < 0.5
+    half_a_cell = 0.5 * SETTINGS.map.cell_size
+    assert np.linalg.norm(found.T_world_left[:3, 3] - T_true[:3, 3]) < half_a_cell
     better = recon.locate(pair, village().voxels, found, SETTINGS)
     assert better.sigma < found.sigma
     assert isinstance(recon.locate(pair, VoxelMap(1.0), guess, SETTINGS), FitFailure)
