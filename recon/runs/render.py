@@ -15,6 +15,7 @@ from recon.sequences.writing import write_image
 from recon.settings import Settings
 from recon.surface.cells import CellCloud
 from recon.surface.depth import DepthMap
+from recon.world.frames import middlebury_calibration
 from recon.world.library import find_scene
 from recon.world.scene import read_scene
 from recon.world.textures import scene_files
@@ -100,23 +101,11 @@ class _Recording:
         """Write calibration, poses, and the cloud of all visible true points."""
         (self.folder / "poses.txt").write_text("\n".join(self._poses) + "\n")
         if self._rig is not None:
-            text = calibration(self._rig, self.max_disparity)
+            text = middlebury_calibration(self._rig)
+            text += f"ndisp={self.max_disparity + 2}\nresidual_px={self._rig.residual_px!r}\n"
             (self.folder / "calib.txt").write_text(text)
         if self._seen is not None:
             write_parts(self._seen, len(self._seen), self.folder / "seen.ply")
-
-
-def calibration(rig: StereoRig, max_disparity: int) -> str:
-    """The text of a Middlebury calibration, whose baseline is in thousandths."""
-    left, right = (
-        f"[{rig.focal_px!r} 0 {cx!r}; 0 {rig.focal_px!r} {rig.cy_px!r}; 0 0 1]"
-        for cx in (rig.cx_left_px, rig.cx_right_px)
-    )
-    return (
-        f"cam0={left}\ncam1={right}\ndoffs={rig.cx_right_px - rig.cx_left_px!r}\n"
-        f"baseline={1000.0 * rig.baseline!r}\nwidth={rig.width}\nheight={rig.height}\n"
-        f"ndisp={max_disparity + 2}\nresidual_px={rig.residual_px!r}\n"
-    )
 
 
 def _base(job: Job) -> Tree:

@@ -1,6 +1,5 @@
 """One view as a folder of files that any stereo program can read."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.camera import StereoRig
+from recon.files import atomic_path
 from recon.geometry import Array
 from recon.records import StereoPair
 
@@ -20,11 +20,12 @@ def export_frame(pair: StereoPair, depth: Array, folder: str | Path) -> None:
     _write_image(folder / "left.png", pair.left[..., ::-1])
     _write_image(folder / "right.png", pair.right[..., ::-1])
     _write_image(folder / "disp_left.pfm", disparity_px.astype(np.float32))
-    _whole(folder / "calib.txt", lambda path: path.write_text(_calibration(pair.rig)))
+    with atomic_path(folder / "calib.txt") as beside:
+        beside.write_text(middlebury_calibration(pair.rig))
 
 
-def _calibration(rig: StereoRig) -> str:
-    # Middlebury counts the baseline in thousandths.
+def middlebury_calibration(rig: StereoRig) -> str:
+    """The text of a Middlebury calibration, whose baseline is in thousandths."""
     left, right = (
         f"[{rig.focal_px!r} 0 {cx!r}; 0 {rig.focal_px!r} {rig.cy_px!r}; 0 0 1]"
         for cx in (rig.cx_left_px, rig.cx_right_px)
@@ -37,11 +38,5 @@ def _calibration(rig: StereoRig) -> str:
 
 
 def _write_image(path: Path, image: NDArray[np.uint8] | NDArray[np.float32]) -> None:
-    _whole(path, lambda beside: cv2.imwrite(str(beside), image))
-
-
-def _whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Write beside and rename, so that the file appears whole or not at all."""
-    beside = path.with_name(f".{path.stem}.part{path.suffix}")
-    write(beside)
-    Path(beside).replace(path)
+    with atomic_path(path) as beside:
+        cv2.imwrite(str(beside), image)

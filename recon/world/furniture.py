@@ -76,7 +76,7 @@ def lamp_post(rng: np.random.Generator, radius: float, x: float, z: float) -> tu
     """A lamp on a slender post."""
     height = rng.uniform(9.0, 12.0)
     lamp = SphereVisual(centre=(x, height + radius, z), radius=radius, texture=_one_of(rng, LAMPS))
-    return lamp, _post((x, height, z), rng.uniform(0.4, 0.6), height, _one_of(rng, POSTS))
+    return lamp, post((x, height, z), rng.uniform(0.4, 0.6), height, _one_of(rng, POSTS))
 
 
 class _Frame:
@@ -116,10 +116,11 @@ def _board(a: float, b: float, height: float) -> list[tuple[float, float, float]
 def _legs(T: _Frame, a: float, b: float, height: float, texture: int) -> list[CylinderVisual]:
     inset_a, inset_b = a - INSET, max(b - INSET, LEG_RADIUS)
     ends = [T.place(i * inset_a, j * inset_b, height) for i in (-1, 1) for j in (-1, 1)]
-    return [_post(_vector(end), LEG_RADIUS, height, texture) for end in ends]
+    return [post(_vector(end), LEG_RADIUS, height, texture) for end in ends]
 
 
-def _post(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:
+def post(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:
+    """An upright cylinder below its upper end."""
     return CylinderVisual(
         radius_base=radius,
         radius_top=radius,

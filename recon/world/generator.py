@@ -6,7 +6,7 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.geometry import Array
-from recon.world.furniture import TEXTURES, bench, house, lamp_post, table
+from recon.world.furniture import TEXTURES, bench, house, lamp_post, post, table
 from recon.world.visuals import (
     CylinderVisual,
     EllipsoidVisual,
@@ -107,7 +107,7 @@ def _free_place(
 
 def _apple_tree(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
     height = rng.uniform(5.0, 10.0)
-    trunk = _cylinder((x, height, z), radius * rng.uniform(0.3, 0.5), height, _pick(rng, TRUNKS))
+    trunk = post((x, height, z), radius * rng.uniform(0.3, 0.5), height, _pick(rng, TRUNKS))
     texture = _pick(rng, CROWNS)
     if rng.random() < 0.7:
         centre = (x, height + radius, z)
@@ -119,24 +119,14 @@ def _apple_tree(rng: np.random.Generator, radius: float, x: float, z: float) -> 
 
 def _pine_tree(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
     height, crown = rng.uniform(4.0, 9.0), rng.uniform(6.0, 11.0)
-    trunk = _cylinder((x, height, z), radius * rng.uniform(0.2, 0.4), height, _pick(rng, TRUNKS))
+    trunk = post((x, height, z), radius * rng.uniform(0.2, 0.4), height, _pick(rng, TRUNKS))
     return _cone((x, height + crown, z), radius, crown, _pick(rng, CROWNS)), trunk
 
 
 def _cottage(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
     height, roof = rng.uniform(5.0, 9.0), rng.uniform(3.0, 5.0)
-    walls = _cylinder((x, height, z), radius * rng.uniform(0.85, 1.0), height, _pick(rng, WALLS))
+    walls = post((x, height, z), radius * rng.uniform(0.85, 1.0), height, _pick(rng, WALLS))
     return _cone((x, height + roof, z), radius, roof, _pick(rng, ROOFS)), walls
-
-
-def _cylinder(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:
-    return CylinderVisual(
-        radius_base=radius,
-        radius_top=radius,
-        height=height,
-        translation=upper_end,
-        texture=texture,
-    )
 
 
 def _cone(upper_end: Vector, radius: float, height: float, texture: int) -> CylinderVisual:

@@ -7,7 +7,8 @@ import pytest
 
 from tests.fuzzing import fault, mutated, readers
 
-NUM_MUTATIONS = 100
+NUM_MUTATIONS = 50
+"""Of each format; `tools/fuzz.py` makes ten thousand."""
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,12 @@ pytestmark = pytest.mark.data
 def test_odometry_keeps_the_scale_of_a_drive(data_dir):
     """Every second pair of 51, 60 m: bars are 0.5 % and, at the end, 2 %."""
     path = data_dir / "kitti_odometry" / "sequence_1"
-    source = open_sequence(path, SequenceSettings(poses="estimated", every=2))
+    estimating = SequenceSettings(poses="estimated", every=2)
+    source = open_sequence(path, estimating, checks=False)
     assert isinstance(source, EstimatedPoses)
     estimated = [pair.T_world_left for pair in source]
-    true = [p.T_world_left for p in open_sequence(path, SequenceSettings(every=2))]
+    given = open_sequence(path, SequenceSettings(every=2), checks=False)
+    true = [pair.T_world_left for pair in given]
     assert 0 < source.metrics["drift_percent"] < 0.5
     assert source.carried == []
     end = np.linalg.norm((estimated[-1] - true[-1])[:3, 3])
