@@ -1,6 +1,7 @@
 """The house as the design page has it: floors, homes of libraries, sizes, names."""
 
 import ast
+import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -191,3 +192,10 @@ def test_a_cycle_is_found_where_there_is_one():
     modules = {"recon.a.b.x": {"recon.a.c.y"}, "recon.a.c.y": set(), "recon.a.c.z": {"recon.a.b.x"}}
     assert cycle(modules) == []
     assert len(cycle(inner_rooms(modules))) > 1
+
+
+def test_the_design_page_shows_every_room_on_its_floor():
+    page = (RECON.parent / "docs" / "design.md").read_text()
+    rows = re.findall(r"^\| (\d+) \| (.*?) \|", page, re.M)
+    shown = {room: int(floor) for floor, rooms in rows for room in re.findall(r"`(\w+)/?`", rooms)}
+    assert shown == FLOORS
