@@ -101,8 +101,7 @@ class _Recording:
         """Write calibration, poses, and the cloud of all visible true points."""
         (self.folder / "poses.txt").write_text("\n".join(self._poses) + "\n")
         if self._rig is not None:
-            text = middlebury_calibration(self._rig)
-            text += f"ndisp={self.max_disparity + 2}\nresidual_px={self._rig.residual_px!r}\n"
+            text = middlebury_calibration(self._rig) + f"ndisp={self.max_disparity + 2}\n"
             (self.folder / "calib.txt").write_text(text)
         if self._seen is not None:
             write_parts(self._seen, len(self._seen), self.folder / "seen.ply")
