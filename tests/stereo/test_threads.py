@@ -11,12 +11,12 @@ from scenes import textured_pair
 @pytest.mark.parametrize("quality", ["best", "fast"])
 def test_the_bytes_do_not_depend_on_the_number_of_threads(quality, monkeypatch):
     left, right, _ = textured_pair()
-    tall = [np.concatenate([image] * 4) for image in (left, right)]
+    wide = [np.concatenate([image] * 4, axis=1) for image in (left, right)]
     found = {}
     for number in (1, 2, 5):
         monkeypatch.setenv("NUMBA_NUM_THREADS", str(number))
-        assert len(bands(len(tall[0]), 96)) == number
-        found[number] = match_pair(*tall, quality=quality)
+        assert len(bands(wide[0].shape[1], 96)) == number
+        found[number] = match_pair(*wide, quality=quality)
     assert len(found[1]) > 1000
     for other in (found[2], found[5]):
         for name in ("points_px", "disparity_px", "sigma_px", "score", "probability"):

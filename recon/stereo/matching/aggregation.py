@@ -1,7 +1,7 @@
 """The best-supported shift of each point, its rivals, and its side of an edge."""
 
 from dataclasses import dataclass, fields
-from functools import partial
+from functools import partial, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -9,14 +9,22 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.kernels.memory import aligned_zeros
-from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, kernel
+from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, filled, kernel
 from recon.stereo.kernels.threads import bands, run
-from recon.stereo.matching.cost import Responses, Ring, Search, fill_row, line_start, make_ring
+from recon.stereo.matching.cost import (
+    Responses,
+    Ring,
+    Search,
+    fill_row,
+    line_start,
+    make_ring,
+    to_slack,
+)
 from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
-from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
+from recon.stereo.matching.windows import DIRECTIONS, NUM_LINES, SIDE_RADIUS, Window, windows
 
 _LEAST_BAND = 96
-"""Minimum rows of a band, as twice the radius of its windows is computed in addition."""
+"""Minimum columns of a thread's band, as its strips are computed with a margin on both sides."""
 _POINTS_PER_PIXEL = 0.08
 """Time for the scores of a pixel, relative to that for the support of a point."""
 _RIVAL_GAP = 3
@@ -69,7 +77,7 @@ class _Room(NamedTuple):
     """Buffers for one point, and for the points of a row."""
 
     lines: Integers
-    """Starts of the lines of a ring, the top row of a window first."""
+    """Starts of the lines of a ring, the top row of a window first: exact, then with slack."""
     disc: Integers
     """(2, K) starts of the scores of the disc's members, for even and odd columns."""
     side: Integers
@@ -95,43 +103,44 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
         side=np.zeros(size, np.float32),
         row_shift=np.full(size, search.row_shift, np.int64),
     )
-    height, width = base.mask.shape
-    cost = points.starts + _POINTS_PER_PIXEL * width * np.arange(height + 1)
-    # Each band has its own ring; the results do not depend on the limits of the bands.
-    rings = [(make_ring(base, search), rows) for rows in bands(height, _LEAST_BAND, cost)]
-    first, _ = rings[0]
-    task = _Task(base, other, points, search, *_windows(base, first))
-    claims = _make_claims(task, first)
+    # Each thread has its own band of columns, ring and claims; the results do not depend on them.
+    parts = _column_bands(points, base.mask.shape)
+    rings = [make_ring(base.planes.shape[1], search, end - first) for first, end in parts]
+    stride = base.mask.shape[1] + 2 * SIDE_RADIUS
+    task = _Task(base, other, points, search, *windows(search.every, rings[0].lanes, stride))
+    rooms = [_make_room(task, ring) for ring in rings]
     result = support.shift, support.score, support.rival, support.side
-
-    def work_on(ring: Ring, rows: tuple[int, int]) -> None:
-        _aggregate(task, ring, _make_room(task, ring, claims), rows, result)
-
-    run([partial(work_on, *part) for part in rings])
+    run([
+        partial(_aggregate, task, *part, result) for part in zip(rings, rooms, parts, strict=True)
+    ])  # fmt: skip
+    if search.is_unique:
+        claims = reduce(np.maximum, [room.claims for room in rooms])
+        _reject(points, search.first, claims, support.shift, support.score)
     return support
 
 
-def _windows(base: Responses, ring: Ring) -> tuple[Window, Window, Window]:
-    to_slack = ring.rows * ring.columns * ring.lanes
-    return windows(ring.every, ring.lanes, to_slack, base.mask.shape[1] + 2 * SIDE_RADIUS)
+def _column_bands(points: Points, shape: tuple[int, int]) -> list[tuple[int, int]]:
+    """First and end column of bands of about equal cost, in whole lanes."""
+    height, width = shape
+    number = filled(width) // NUM_LANES
+    of_points = np.bincount(points.u // NUM_LANES, minlength=number)
+    cost = np.cumsum(of_points + _POINTS_PER_PIXEL * NUM_LANES * height)
+    edges = bands(number, _LEAST_BAND // NUM_LANES, np.concatenate([[0.0], cost]))
+    return [(NUM_LANES * first, NUM_LANES * end) for first, end in edges]
 
 
-def _make_claims(task: _Task, ring: Ring) -> Floats:
+def _make_room(task: _Task, ring: Ring) -> _Room:
     height, width = task.base.mask.shape
     reach = width + abs(task.search.first) + ring.lanes
-    return np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED)
-
-
-def _make_room(task: _Task, ring: Ring, claims: Floats) -> _Room:
     num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
     return _Room(
-        lines=np.zeros(2 * SIDE_RADIUS + 1, np.int64),
+        lines=np.zeros(2 * NUM_LINES, np.int64),
         disc=np.zeros((2, num_disc), np.int64),
         side=np.zeros(num_side, np.int64),
         weights=aligned_zeros(num_disc),
         support=aligned_zeros(ring.lanes),
         closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
-        claims=claims,
+        claims=np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED),
     )
 
 
@@ -150,26 +159,32 @@ def aggregate_rows(
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
 def _aggregate(
-    task: _Task, ring: Ring, room: _Room, rows: tuple[int, int], result: _Result
+    task: _Task, ring: Ring, room: _Room, columns: tuple[int, int], result: _Result
 ) -> None:
-    """Find support for the points of a band of rows, from the first to the end."""
+    """Find support for the points of a band of columns, from the first to the end."""
     points, search = task.points, task.search
-    height, width = task.base.mask.shape
+    height = task.base.mask.shape[0]
     begin = points.starts[:-1].copy()
-    end = begin.copy()
-    for first in range(0, width, ring.width):
+    _advance(points, columns[0], begin)
+    for first in range(columns[0], columns[1], ring.width):
+        end = begin.copy()
+        _advance(points, min(first + ring.width, columns[1]), end)
         # Above the image, too: the ring still contains the last rows of the previous strip.
-        for v in range(rows[0] - SIDE_RADIUS, rows[0] + SIDE_RADIUS):
+        for v in range(-SIDE_RADIUS, SIDE_RADIUS):
             fill_row(ring, v, first, task.base, task.other, search)
-        for v in range(rows[0], rows[1]):
+        for v in range(height):
             fill_row(ring, v + SIDE_RADIUS, first, task.base, task.other, search)
-            while end[v] < points.starts[v + 1] and points.u[end[v]] < first + ring.width:
-                end[v] += 1
             if begin[v] < end[v] and 0 <= v + search.row_shift < height:
                 _judge(task, ring, room, (v, first, begin[v], end[v]), result)
-            begin[v] = end[v]
-    if search.is_unique:
-        _reject(points, search, room.claims, rows, result)
+        begin = end
+
+
+@kernel
+def _advance(points: Points, column: int, places: Integers) -> None:
+    """Move from a point of each row to the first one that is not left of a column."""
+    for v in range(places.size):
+        while places[v] < points.starts[v + 1] and points.u[places[v]] < column:
+            places[v] += 1
 
 
 @kernel
@@ -180,8 +195,9 @@ def _judge(
     v, first, begin, end = stretch
     left = first - SIDE_RADIUS
     _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
-    for k in range(room.lines.size):
+    for k in range(NUM_LINES):
         room.lines[k] = line_start(ring, v + k - SIDE_RADIUS)
+        room.lines[k + NUM_LINES] = room.lines[k] + to_slack(ring)
     for odd in range(2):
         locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
     for i in range(begin, end):
@@ -225,17 +241,13 @@ def _choose(
         rival[i] = max(peak(support), np.float32(0.0)) / highest
 
 
-@kernel
-def _reject(
-    points: Points, search: Search, claims: Floats, rows: tuple[int, int], result: _Result
-) -> None:
+@njit(cache=True, nogil=True)
+def _reject(points: Points, first: int, claims: Floats, shift: Integers, score: Floats) -> None:
     """Reject points whose partner supports another point of the row more."""
-    shift, score, _, _ = result
-    margin = max(0, -search.first)
-    for v in range(rows[0], rows[1]):
-        for i in range(points.starts[v], points.starts[v + 1]):
-            if score[i] < claims[v, margin + points.u[i] + shift[i]]:
-                score[i] = -np.inf
+    margin = max(0, -first)
+    for i in range(shift.size):
+        if score[i] < claims[points.v[i], margin + points.u[i] + shift[i]]:
+            score[i] = -np.inf
 
 
 @kernel

@@ -91,13 +91,13 @@ class Ring(NamedTuple):
     """The scores of a pixel, with zeros for `NUM_LANES` before and after."""
 
 
-def make_ring(base: Responses, search: Search) -> Ring:
-    """An empty ring for strips of an image."""
-    channels, padded = base.planes.shape[1], base.planes.shape[3]
+def make_ring(num_channels: int, search: Search, size: int) -> Ring:
+    """An empty ring for the strips of `size` columns of an image."""
     lanes = filled(search.num_shifts, 2 * NUM_LANES)
     rows = 2 * SIDE_RADIUS // search.every + 1
     fitting = _RING_BYTES // (2 * rows * lanes * 4) * 2 - 2 * SIDE_RADIUS
-    width = min(filled(max(fitting, _NARROWEST)), padded)
+    num_strips = -(-size // max(fitting, _NARROWEST))
+    width = filled(-(-size // num_strips))
     columns = width // 2 + SIDE_RADIUS
     reach = filled(2 * columns + 2 * NUM_LANES + lanes)
     return Ring(
@@ -107,8 +107,8 @@ def make_ring(base: Responses, search: Search) -> Ring:
         columns=columns,
         lanes=lanes,
         width=width,
-        here=aligned_zeros(channels * 3 * reach),
-        there=aligned_zeros(channels * 3 * reach),
+        here=aligned_zeros(num_channels * 3 * reach),
+        there=aligned_zeros(num_channels * 3 * reach),
         reach=reach,
         line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
     )
@@ -121,6 +121,12 @@ def line_start(ring: Ring, v: int) -> int:
 
 
 @kernel
+def to_slack(ring: Ring) -> int:
+    """Step from exact scores to those with slack."""
+    return ring.rows * ring.columns * ring.lanes
+
+
+@kernel
 def fill_row(
     ring: Ring, v: int, first: int, base: Responses, other: Responses, search: Search
 ) -> None:
@@ -130,9 +136,8 @@ def fill_row(
     """
     if v % ring.every:
         return
-    size = ring.columns * ring.lanes
-    start = line_start(ring, v)
-    lines = ring.scores[start:][:size], ring.scores[start + ring.rows * size :][:size]
+    size, start = ring.columns * ring.lanes, line_start(ring, v)
+    lines = ring.scores[start:][:size], ring.scores[start + to_slack(ring) :][:size]
     height, v_other = base.mask.shape[0], v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
         lines[0][:] = 0.0
@@ -153,25 +158,28 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
     Inverse energies are 0 for pixels that cannot be matched.
     """
     channels, _, padded = image.planes.shape[1:]
+    planes = image.planes[v].reshape(-1)
     share = np.float32(1.0) / np.float32(channels)
     mask = image.mask[v]
-    first = max(0, -origin)
+    first, end = max(0, -origin), max(0, min(reach, padded - origin))
     # Outside the image, too: the row still contains another strip's.
     for c in range(channels):
-        row[(3 * c + 2) * reach :][:reach] = 0.0
+        row[(3 * c + 2) * reach :][:first] = 0.0
+        row[(3 * c + 2) * reach + end : (3 * c + 3) * reach] = 0.0
     weights = row[2 * reach :][:reach]
-    for i in range(first, min(reach, mask.size - origin)):
-        weights[i] = share if mask[origin + i] else np.float32(0.0)
-    # The first channel last, since its inverse energies overwrite the weights.
-    for c in range(channels - 1, -1, -1):
-        real, imag = image.planes[v, c, 0], image.planes[v, c, 1]
-        for i in range(first, min(reach, padded - origin), NUM_LANES):
-            re, im = load(real, origin + i), load(imag, origin + i)
-            place = 3 * c * reach + i
+    for i in range(first, end):
+        inside = origin + i < mask.size
+        weights[i] = share if inside and mask[origin + i] else np.float32(0.0)
+    # All channels of a pixel at once, so that the memory's delays overlap.
+    for i in range(first, end, NUM_LANES):
+        # Overwritten by the inverse energies of the first channel.
+        weight = load(weights, i)
+        for c in range(channels):
+            place, from_plane = 3 * c * reach + i, 2 * c * padded + origin + i
+            re, im = load(planes, from_plane), load(planes, from_plane + padded)
             store(row, place, re)
             store(row, place + reach, im)
-            inverse = load(weights, i) / (re * re + im * im + spread(_TINY))
-            store(row, place + 2 * reach, inverse)
+            store(row, place + 2 * reach, weight / (re * re + im * im + spread(_TINY)))
 
 
 @kernel

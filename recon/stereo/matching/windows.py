@@ -17,6 +17,8 @@ RADIUS = 7
 """Radius of the disc whose pixels support a disparity."""
 SIDE_RADIUS = 10
 """Radius of the two half discs that determine which side of an edge has the disparity."""
+NUM_LINES = 2 * SIDE_RADIUS + 1
+"""Number of rows of all windows together."""
 _SPREAD = 5.0
 """Standard deviation of the weight of a member, in pixels."""
 _RIGID = 3.0
@@ -102,7 +104,7 @@ class Window(NamedTuple):
     """Members of the windows of one kind, as ring offsets; (T, K) by parities and direction."""
 
     line: Integers
-    """Rows relative to the top row of a ring."""
+    """Rows relative to the top row of a ring; plus `NUM_LINES` where scores have slack."""
     offset: Integers
     """Offset from the scores of the window's centre, without the line."""
     pixel: Integers
@@ -111,7 +113,7 @@ class Window(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window, Window, Window]:
+def windows(every: int, lanes: int, stride: int) -> tuple[Window, Window, Window]:
     """The disc, and the half discs ahead and behind, in a ring and in a flat image.
 
     Parameters
@@ -120,23 +122,21 @@ def windows(every: int, lanes: int, to_slack: int, stride: int) -> tuple[Window,
         2: only pixels of every second row are members; 1: every second pixel of all rows.
     lanes : int
         Step from the scores of one member of a row to those of the next.
-    to_slack : int
-        Step from exact scores to those with slack.
     stride : int
         Step from row to row of the image.
     """
     kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
-    ours, ahead, behind = (_window(members, lanes, to_slack, stride) for members in kinds)
+    ours, ahead, behind = (_window(members, lanes, stride) for members in kinds)
     return ours, ahead, behind
 
 
-def _window(members: Members, lanes: int, to_slack: int, stride: int) -> Window:
+def _window(members: Members, lanes: int, stride: int) -> Window:
     # Rows of the tables are by parity of the centre's row, then of its column.
     odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
     column = (odd[:, None] + members.du) >> 1
     return Window(
-        line=members.dv + SIDE_RADIUS,
-        offset=column * lanes + members.slack * to_slack,
+        line=members.dv + SIDE_RADIUS + members.slack * NUM_LINES,
+        offset=column * lanes,
         pixel=members.dv * stride + members.du,
         weight=members.weight,
     )
