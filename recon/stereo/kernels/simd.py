@@ -35,6 +35,8 @@ Lanes = Any
 
 _VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
 _FLOAT_BYTES = 4
+_READ_INTO_L2_DATA = (0, 2, 1)
+"""Arguments of LLVM's prefetch: for reading, into the second level, of data."""
 
 
 class _LanesType(types.Type):  # type: ignore[misc]
@@ -128,6 +130,26 @@ def repeat(typing_context: Any, array: Any, index: Any) -> Any:
         return _spread(builder, builder.load(builder.gep(data, [arguments[1]])))
 
     return _lanes(array, types.intp), generate
+
+
+@intrinsic
+def prefetch(typing_context: Any, array: Any, index: Any) -> Any:
+    """Hint that an entry of a flat float32 array will be read soon; it may lie outside."""
+    _check_array(array)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        place = builder.bitcast(builder.gep(data, [arguments[1]]), ir.IntType(8).as_pointer())
+        number = ir.IntType(32)
+        hint = builder.module.declare_intrinsic(
+            "llvm.prefetch",
+            [place.type],
+            ir.FunctionType(ir.VoidType(), [place.type, *[number] * 3]),
+        )
+        builder.call(hint, [place, *(ir.Constant(number, k) for k in _READ_INTO_L2_DATA)])
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp), generate
 
 
 def _slide(first: int) -> Callable[..., Any]:

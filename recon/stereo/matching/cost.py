@@ -20,6 +20,7 @@ from recon.stereo.kernels.simd import (
     load,
     one_earlier,
     one_later,
+    prefetch,
     repeat,
     smaller,
     spread,
@@ -158,28 +159,27 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
     Inverse energies are 0 for pixels that cannot be matched.
     """
     channels, _, padded = image.planes.shape[1:]
-    planes = image.planes[v].reshape(-1)
+    planes, plane = image.planes.reshape(-1), v * channels * 2 * padded + origin
     share = np.float32(1.0) / np.float32(channels)
     mask = image.mask[v]
-    first, end = max(0, -origin), max(0, min(reach, padded - origin))
+    first, end = max(0, -origin), min(reach, padded - origin)
     # Outside the image, too: the row still contains another strip's.
     for c in range(channels):
-        row[(3 * c + 2) * reach :][:first] = 0.0
-        row[(3 * c + 2) * reach + end : (3 * c + 3) * reach] = 0.0
+        row[(3 * c + 2) * reach :][:reach] = 0.0
     weights = row[2 * reach :][:reach]
-    for i in range(first, end):
-        inside = origin + i < mask.size
-        weights[i] = share if inside and mask[origin + i] else np.float32(0.0)
-    # All channels of a pixel at once, so that the memory's delays overlap.
-    for i in range(first, end, NUM_LANES):
-        # Overwritten by the inverse energies of the first channel.
-        weight = load(weights, i)
-        for c in range(channels):
-            place, from_plane = 3 * c * reach + i, 2 * c * padded + origin + i
-            re, im = load(planes, from_plane), load(planes, from_plane + padded)
+    for i in range(first, min(reach, mask.size - origin)):
+        weights[i] = share if mask[origin + i] else np.float32(0.0)
+    # The first channel last, since its inverse energies overwrite the weights.
+    for c in range(channels - 1, -1, -1):
+        for i in range(first, end, NUM_LANES):
+            here, place = plane + 2 * c * padded + i, 3 * c * reach + i
+            re, im = load(planes, here), load(planes, here + padded)
             store(row, place, re)
             store(row, place + reach, im)
-            store(row, place + 2 * reach, weight / (re * re + im * im + spread(_TINY)))
+            store(row, place + 2 * reach, load(weights, i) / (re * re + im * im + spread(_TINY)))
+            # The next row, whose many short streams the processor does not foresee.
+            prefetch(planes, here + channels * 2 * padded)
+            prefetch(planes, here + (channels * 2 + 1) * padded)
 
 
 @kernel

@@ -23,6 +23,7 @@ CLOSED = np.float32(-1e9)
 """Support of a shift to a pixel that is not a candidate."""
 
 _Four = tuple[Lanes, Lanes, Lanes, Lanes]
+_Six = tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]
 
 
 @kernel
@@ -53,25 +54,38 @@ def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
 def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
     """Write the weighted sums of the members' scores for each shift, starting at `place`."""
     i = 0
-    while i + 4 * NUM_LANES <= sums.size:
+    while i + 6 * NUM_LANES <= sums.size:
+        _sum_six(scores, place + i, starts, weights, sums[i:])
+        i += 6 * NUM_LANES
+    if i + 4 * NUM_LANES <= sums.size:
         _sum_four(scores, place + i, starts, weights, sums[i:])
         i += 4 * NUM_LANES
-    if i < sums.size:
+    while i < sums.size:
         _sum_two(scores, place + i, starts, weights, sums[i:])
+        i += 2 * NUM_LANES
+
+
+@kernel
+def _sum_six(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    # As many as there are registers for, since every pass reads the starts again.
+    nothing = spread(0.0)
+    even = odd = nothing, nothing, nothing, nothing, nothing, nothing
+    for k in range(0, starts.size, 2):
+        even = _add_six(even, repeat(weights, k), scores, place + starts[np.uint64(k)])
+        odd = _add_six(odd, repeat(weights, k + 1), scores, place + starts[np.uint64(k + 1)])
+    for i in range(6):
+        store(sums, i * NUM_LANES, even[i] + odd[i])
 
 
 @kernel
 def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
-    # Two independent sums, since a single one would stall on its own latency.
     nothing = spread(0.0)
     even = odd = nothing, nothing, nothing, nothing
     for k in range(0, starts.size, 2):
-        even = _add_four(even, repeat(weights, k), scores, place + starts[k])
-        odd = _add_four(odd, repeat(weights, k + 1), scores, place + starts[k + 1])
-    store(sums, 0, even[0] + odd[0])
-    store(sums, NUM_LANES, even[1] + odd[1])
-    store(sums, 2 * NUM_LANES, even[2] + odd[2])
-    store(sums, 3 * NUM_LANES, even[3] + odd[3])
+        even = _add_four(even, repeat(weights, k), scores, place + starts[np.uint64(k)])
+        odd = _add_four(odd, repeat(weights, k + 1), scores, place + starts[np.uint64(k + 1)])
+    for i in range(4):
+        store(sums, i * NUM_LANES, even[i] + odd[i])
 
 
 @kernel
@@ -85,13 +99,26 @@ def _add_four(sums: _Four, weight: Lanes, scores: Floats, k: int) -> _Four:
 
 
 @kernel
+def _add_six(sums: _Six, weight: Lanes, scores: Floats, k: int) -> _Six:
+    return (
+        sums[0] + weight * load(scores, k),
+        sums[1] + weight * load(scores, k + NUM_LANES),
+        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
+        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
+        sums[4] + weight * load(scores, k + 4 * NUM_LANES),
+        sums[5] + weight * load(scores, k + 5 * NUM_LANES),
+    )
+
+
+@kernel
 def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+    # Two independent sums, since a single one would stall on its own latency.
     a = b = c = d = spread(0.0)
     for k in range(0, starts.size, 2):
-        weight, start = repeat(weights, k), place + starts[k]
+        weight, start = repeat(weights, k), place + starts[np.uint64(k)]
         a += weight * load(scores, start)
         b += weight * load(scores, start + NUM_LANES)
-        weight, start = repeat(weights, k + 1), place + starts[k + 1]
+        weight, start = repeat(weights, k + 1), place + starts[np.uint64(k + 1)]
         c += weight * load(scores, start)
         d += weight * load(scores, start + NUM_LANES)
     store(sums, 0, a + c)
