@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError, check_number, check_type
 from recon.geometry import LEVEL_CAMERA
 from recon.mapping.sparse import match_sparse
@@ -47,7 +46,7 @@ def match_pair(
     min_disparity: int = 0,
     max_disparity: int = 20,
     quality: Quality = "best",
-    residual_px: float = TYPICAL_RESIDUAL_PX,
+    residual_px: float | None = None,
 ) -> Matches:
     """Match two rectified images.
 
@@ -58,9 +57,9 @@ def match_pair(
     min_disparity, max_disparity : int
         Both ends of the search range, included.
     quality : {"best", "fast"}
-    residual_px : float
-        Root mean square error of disparities due to the calibration, 0 if it is exact; see
-        `StereoRig.residual_px`.
+    residual_px : float, optional
+        Root mean square error of disparities due to the calibration, 0 if it is exact (see
+        `StereoRig.residual_px`); None = as the rows of the images suggest.
 
     Returns
     -------
@@ -72,7 +71,8 @@ def match_pair(
     check_images(left, right)
     for name, value in (("min_disparity", min_disparity), ("max_disparity", max_disparity)):
         check_type(name, value, int, np.integer)
-    check_number("residual_px", residual_px, low=0)
+    if residual_px is not None:
+        check_number("residual_px", residual_px, low=0)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
     settings = updated(with_quality(Settings(), quality), {"matching": search})
     return match_images(left, right, settings, residual_px=residual_px)
@@ -83,7 +83,7 @@ def match_images(
     right: NDArray[np.uint8],
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
-    residual_px: float = TYPICAL_RESIDUAL_PX,
+    residual_px: float | None = None,
 ) -> Matches:
     """Match two rectified images as the settings say.
 
@@ -91,8 +91,8 @@ def match_images(
     ----------
     stated_range : (min, max), optional
         Search range in pixels, used if the settings do not define one.
-    residual_px : float
-        Of the rig, used if the settings do not define one; see `StereoRig.residual_px`.
+    residual_px : float, optional
+        Of the rig, used if the settings do not define one; see `refine`.
     """
     return match_sparse(left, right, settings, stated_range, residual_px).matches
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.records import Features, Matches
 from recon.settings import Settings
 from recon.stereo.features import detect_both, to_grey
@@ -40,7 +39,7 @@ def match_sparse(
     right: Image,
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
-    residual_px: float = TYPICAL_RESIDUAL_PX,
+    residual_px: float | None = None,
 ) -> SparseMatches:
     """Match two rectified images as the settings say.
 
@@ -53,8 +52,8 @@ def match_sparse(
     settings : Settings
     stated_range : (min, max), optional
         Search range in pixels, used if the settings do not define one.
-    residual_px : float
-        Of the rig, used if the settings do not define one; see `StereoRig.residual_px`.
+    residual_px : float, optional
+        Of the rig, used if the settings do not define one; see `refine`.
     """
     search = settings.matching.searching(stated_range)
     whole = match_whole_images(left, right, search)
@@ -73,7 +72,7 @@ def match_features(
     features_right: Features,
     settings: Settings,
     stated_range: tuple[int, int] | None = None,
-    residual_px: float = TYPICAL_RESIDUAL_PX,
+    residual_px: float | None = None,
 ) -> Matches:
     """Match the features of two rectified images with sub-pixel precision."""
     given = settings.matching.residual_px
@@ -102,7 +101,7 @@ def _match_strip(
     right: Image,
     settings: Settings,
     stated_range: tuple[int, int] | None,
-    residual_px: float,
+    residual_px: float | None,
     rows: tuple[int, int],
 ) -> SparseMatches:
     first, end = rows

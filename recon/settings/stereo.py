@@ -48,7 +48,8 @@ class MatchingSettings:
     """Number of matches kept, the most confident first; none = all."""
     residual_px: NonNegative | None = None
     """Root mean square error of disparities due to the calibration, pixels; none = what the
-    calibration states, else that of typical recorded cameras."""
+    calibration states, else that of typical recorded cameras; without a calibration, what the rows
+    of the images suggest."""
 
     def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
         """The same over the search range that a recording states, except for what was given."""

@@ -16,6 +16,7 @@ from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
 from recon.stereo.kernels.sorting import order
 from recon.stereo.kernels.threads import bands, run
+from recon.stereo.rectification import residual_of_rows
 from recon.stereo.uncertainty import (
     Prior,
     calm_ratios,
@@ -41,7 +42,7 @@ def refine(
     matches: Matches,
     left: Features,
     right: Features,
-    residual_px: float = TYPICAL_RESIDUAL_PX,
+    residual_px: float | None = TYPICAL_RESIDUAL_PX,
 ) -> Matches:
     """Refine whole-pixel disparities by the residual phase at the matched pixels.
 
@@ -53,8 +54,8 @@ def refine(
 
     Parameters
     ----------
-    residual_px : float
-        See `StereoRig.residual_px`.
+    residual_px : float, optional
+        See `StereoRig.residual_px`; None = as the rows of the images suggest.
     """
     check_alike(left, right)
     rows = np.flatnonzero(np.isnan(matches.sigma_px))
@@ -79,6 +80,10 @@ def refine(
     sums = np.concatenate(parts, axis=1)
     white = white_energies(left, right, scales, left.grey[v, u])
     prior = Prior(probability=matches.probability[rows], is_sure=rows <= len(matches) // 2)
+    if residual_px is None:
+        sure = prior.is_sure & _is_inner(left.grey.shape, *pixels)
+        of_sure = tuple(column[sure] for column in pixels)
+        residual_px = residual_of_rows(left.planes, right.planes, scales, of_sure)
     tuning = solve(sums, white, calm_ratios(left, right, scales), prior, residual_px)
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
     disparity[rows] = delta + tuning.change_px
@@ -98,6 +103,15 @@ def _check_inside(shape: tuple[int, ...], u: Integers, v: Integers, u_right: Int
         raise InputError(
             f"matches lie outside the image of {width} x {height} pixels, in the left or the right"
         )
+
+
+def _is_inner(
+    shape: tuple[int, ...], u: Integers, v: Integers, u_right: Integers
+) -> NDArray[np.bool_]:
+    """Mask of the pairs whose pixels have neighbours on all sides."""
+    height, width = shape
+    first, last = np.minimum(u, u_right), np.maximum(u, u_right)
+    return (first > 0) & (last < width - 1) & (v > 0) & (v < height - 1)
 
 
 class _Channels(NamedTuple):
