@@ -84,7 +84,7 @@ def main(argv: Sequence[str] | None = None, *, is_alone: bool = False) -> int:
     except ReconError as error:
         return _say(str(error), FAILED)
     except OSError as error:
-        return _say(f"{error.filename or 'file'}: {error.strerror or error}", WRONG_USE)
+        return _say(f"{error.filename or 'standard output'}: {error.strerror or error}", WRONG_USE)
     finally:
         stop_logging()
     return code if isinstance(code, int) else DONE

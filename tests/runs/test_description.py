@@ -13,7 +13,7 @@ from recon.runs.description import describe
 from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.voxelmap import VoxelMap
-from tests.sequences.recordings import write_folder, write_ros1
+from tests.sequences.recordings import middlebury_keys, write_folder, write_ros1
 
 POINTS = np.array([[1.0, 2, 3], [4, 5, 6], [7, 8, 9]])
 
@@ -138,3 +138,10 @@ def test_a_folder_with_a_bag_tells_its_topics_and_its_format(tmp_path):
     assert len(facts["topics"]) == 4
     write_folder(tmp_path / "plain")
     assert describe(tmp_path / "plain")["format"] == "folder"
+
+
+def test_what_is_wrong_with_a_calibration_is_said_of_it(tmp_path, capsys):
+    path = tmp_path / "calib.txt"
+    path.write_text(middlebury_keys().replace("ndisp=16", "ndisp=-5"))
+    assert main(["info", str(path)]) == 2
+    assert "ndisp" in capsys.readouterr().err

@@ -16,6 +16,7 @@ from recon.records.objects import from_json
 from recon.runs.description.facts import Facts, extent, table
 from recon.runs.description.points import of_points
 from recon.runs.description.recordings import of_calibration
+from recon.sequences.calibration.rows import is_middlebury
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses
 from recon.settings import Settings, updated
@@ -114,6 +115,8 @@ def of_text(path: Path) -> Facts:
     """A calibration, a trajectory or a table of points: the first that fits."""
     if names_points(path):
         return of_points(path)
+    if is_middlebury(read_text(path).splitlines()):
+        return of_calibration(path)
     faults = []
     for described in (of_calibration, of_trajectory, of_points):
         try:
