@@ -75,6 +75,14 @@ def test_a_composite_kind_is_named(make, kind, seed):
     assert label_of(make(rng.uniform), rng) == kind
 
 
+@pytest.mark.parametrize(("radius", "kind"), [(1.8, "lamp post"), (4.5, "apple tree")])
+def test_a_lamp_is_small_for_its_height_and_a_crown_is_not(radius, kind):
+    rng = np.random.default_rng(0)
+    post = Cylinder(point=np.zeros(3), axis=UP, radius=0.8, height=9.4)
+    crown = Sphere(centre=np.array([0, 9.4 + radius, 0]), radius=radius)
+    assert label_of([post, crown], rng) == kind
+
+
 @pytest.mark.parametrize(("make", "kind"), [(house, "house"), (table, "table")])
 def test_a_composite_kind_of_thousands_of_cells_is_named(make, kind):
     rng = np.random.default_rng(0)

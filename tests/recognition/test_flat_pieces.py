@@ -47,6 +47,31 @@ def test_the_planes_of_walls_and_a_slope_are_found_with_their_tilts():
     assert tilts == pytest.approx([36.9, 90.0, 90.0, 90.0], abs=4.0)
 
 
+def shell(rise):
+    """Points on four walls, gables of some height and the ridge: nobody saw the slopes."""
+    gable = plane([0.0, 0.0, 0.0], [0.0, 0.0, 8.0], [0.0, 5.0 + rise, 0.0])
+    inside = gable[:, 1] - 5.0 <= rise * (1.0 - np.abs(gable[:, 2] - 4.0) / 4.0)
+    gables = [gable[inside] + [x, 0.0, 0.0] for x in (0.0, 12.0)]
+    sides = [plane([0.0, 0.0, z], [12.0, 0.0, 0.0], [0.0, 5.0, 0.0]) for z in (0.0, 8.0)]
+    ridge = np.array([0.0, 5.0 + rise, 4.0]) + np.linspace(0.0, 12.0, 200)[:, None] * [1, 0, 0]
+    return [*gables, *sides, ridge]
+
+
+def test_slopes_of_a_roof_are_found_by_what_they_touch():
+    found = flat_pieces(cells_of(*shell(4.0)), ("outer", "upright"))
+    tilts = [one.tilt_deg for one in found.planes]
+    # 45 degrees, but the upper ends of the walls are within reach too.
+    assert tilts[:2] == pytest.approx([50.0, 50.0], abs=8.0)
+    assert found.planes[0].solid.normal[2] * found.planes[1].solid.normal[2] < 0.0
+    assert len(tilts) >= 5
+    assert tilts[2:] == pytest.approx([90.0] * len(tilts[2:]))
+
+
+@pytest.mark.parametrize("what", [shell(0.0), [*walls(), slope(6.0)]], ids=["box", "one slope"])
+def test_a_box_and_a_single_slope_have_no_roof_that_is_only_touched(what):
+    assert not flat_pieces(cells_of(*what), ("outer",)).planes
+
+
 def test_small_changes_of_the_cells_change_no_plane():
     cells = cells_of(*walls(), slope(6.0))
     found = flat_pieces(cells, ("upright", "any"))

@@ -70,6 +70,11 @@ class Composite:
         return ratios
 
     @property
+    def overall_slenderness(self) -> float:
+        """Height over largest radius."""
+        return float(np.ptp(self.heights) / max(self.widest.max(), 1e-9))
+
+    @property
     def areas(self) -> Array:
         """Approximate area (parts,) of each part: that of the cylinder or cone with its radii."""
         pairs = zip(self.shapes, self.radii, np.diff(self.heights), strict=True)

@@ -19,6 +19,8 @@ def _lines(kind: Kind) -> Iterator[str]:
         yield _part_line(part, is_first=number == 0)
     if kind.ratio is not None:
         yield f"radius of the lowest part over that of the next {_range(kind.ratio)}"
+    if kind.slenderness is not None:
+        yield f"height over its largest radius {_range(kind.slenderness)}"
     sizes = _sizes(kind.size)
     if sizes:
         yield f"in all {sizes}"

@@ -23,6 +23,8 @@ ON_SOLID_CELLS = 0.75
 """A cell within this share of the cell size is on a solid."""
 MOST = 0.75
 """Minimum share of the cells of a part below the middle of what lies on it."""
+LEAST_TRUST = 0.25
+"""Minimum weight of a cell with few points."""
 UPRIGHT_DEG = 45.0
 COST_OF_SOLID = 0.5
 """Seven numbers times the log of sixty, by sixty: no more cells than these are independent, and a
@@ -40,10 +42,12 @@ class Assembly:
     explained: float
     """Probability that enough cells are on its pieces, and on each required piece."""
     seen: float
-    """Share of the cells on its pieces."""
+    """Weighted share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
     rules: tuple[PartRule, ...]
     """The rule that each of them fulfils."""
+    is_outer: bool
+    """True if some were found by what they touch: surfaces must not explain the cells better."""
 
     @property
     def solids(self) -> tuple[Solid, ...]:
@@ -99,7 +103,7 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
-    share = sum(_num_explained(one, cells) for one in own) / len(cells)
+    share = sum(_explained(one, cells) for one in own) / float(_trust(cells).sum())
     return Assembly(
         kind=kind,
         bic=bic_of_pieces(cells, own),
@@ -107,6 +111,7 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
         seen=share,
         pieces=tuple(own),
         rules=tuple(rule for rule, _ in parts),
+        is_outer=pieces.is_outer,
     )
 
 
@@ -115,10 +120,17 @@ def _is_taken(piece: FlatPiece, own: list[FlatPiece]) -> bool:
     return any(piece.rows is one.rows for one in own)
 
 
-def _num_explained(piece: FlatPiece, cells: Voxels) -> int:
-    """Cells of a piece that are on its solid: what remains between planes need not be a bar."""
+def _explained(piece: FlatPiece, cells: Voxels) -> float:
+    """Weight of a piece's cells on its solid: what remains between planes need not be a bar."""
     away = piece.solid.distances(cells.means[piece.rows])
-    return int((away < ON_SOLID_CELLS * cells.cell_size).sum())
+    on_it = away < ON_SOLID_CELLS * cells.cell_size
+    return float(_trust(cells)[piece.rows[on_it]].sum())
+
+
+def _trust(cells: Voxels) -> Array:
+    """Weight (N,) of each cell: those with few points are more often noise than a surface."""
+    weights: Array = np.clip(cells.counts / np.median(cells.counts), LEAST_TRUST, 1.0)
+    return weights
 
 
 def _shown(needed: list[FlatPiece]) -> float:

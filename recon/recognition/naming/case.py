@@ -11,7 +11,9 @@ from recon.recognition.cells import coarser
 from recon.recognition.fitting.composite import NOISE_FLOOR
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.fitting.shapes import Candidate, candidates
+from recon.recognition.naming.assembly import bic_of_pieces
 from recon.recognition.naming.kinds import Kind
+from recon.recognition.naming.limits import box_sizes
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
 from recon.recognition.segments.flat_pieces import FlatPieces, Step, flat_pieces
 from recon.recognition.segments.solid_pieces import Pieces, solid_pieces
@@ -37,6 +39,8 @@ MOST_SOLIDS = 6
 OTHER_WAYS: tuple[tuple[Step, ...], ...] = (("board", "upright"), ("upright", "any"), ("board",))
 """Orders in which planes are extracted from an object, besides that of their size alone; under a
 board alone the rest are bars."""
+OUTER_WAY: tuple[Step, ...] = ("outer", "upright")
+"""The same for kinds made of planes only."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,6 +63,12 @@ class Case:
         """Weights (N,): cells with few points are more often off the surface than on it."""
         return _weights(self.cells)
 
+    @property
+    def overall_slenderness(self) -> float:
+        """Height over half the width of the box around the cells."""
+        height = float(self.cells.means[:, 1].max()) - self.ground
+        return height / max(box_sizes(self.cells.means)["radius"], 1e-9)
+
     @cached_property
     def faces(self) -> FlatPieces:
         """Planes of any tilt, and bars."""
@@ -69,8 +79,15 @@ class Case:
         """Planes and bars of the cells, for every order of extraction."""
         return [self.faces, *(flat_pieces(self.dense, way) for way in OTHER_WAYS)]
 
+    @cached_property
+    def outer(self) -> FlatPieces:
+        """Slopes that touch the cells from outside, and upright planes below them."""
+        return flat_pieces(self.dense, OUTER_WAY)
+
     def ways(self, kind: Kind) -> Sequence[Pieces]:
         """The splits of the cells that may show the parts of a kind."""
+        if all("plane" in part.shapes for part in kind.parts):
+            return [*self.pieces, self.outer]
         if any("plane" in part.shapes for part in kind.parts):
             return self.pieces
         shapes = {shape for part in kind.parts for shape in part.shapes}
@@ -89,6 +106,12 @@ class Case:
     def lone_criterion(self, one: Candidate) -> float:
         """The same for a single solid."""
         return one.bic / min(len(self.cells), MOST_FOR_SOLIDS) - formless(self.cells)
+
+    @cached_property
+    def flat_criterion(self) -> float:
+        """The lowest criterion of planes of no kind."""
+        bics = [bic_of_pieces(self.dense, one.planes) for one in self.pieces if one.planes]
+        return min(map(self.dense_criterion, bics), default=0.0)
 
     @cached_property
     def dense_lone_criterion(self) -> float:

@@ -20,6 +20,7 @@ from recon.recognition.naming.limits import (
     hue_chance,
     log_within,
     size_chance,
+    slenderness_chance,
     solid_sizes,
 )
 from recon.recognition.naming.probability import (
@@ -162,6 +163,8 @@ def _rated(
 ) -> Hypothesis:
     """A fit as one of a kind: as likely as its sizes, its hues and what is seen allow."""
     looks = hue_chance(kind.parts, found.solids, case.cells)
+    shape = found.composite or case
+    looks *= slenderness_chance(kind, shape.overall_slenderness)
     if case.is_metric:
         looks *= size_chance(kind, kind.parts, list(map(solid_sizes, found.solids)), case.cells)
     seen = float(evidence.seen.mean())
@@ -254,7 +257,10 @@ def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
     if one.upright:
         chance *= float(FORMED.chance(rival - criterion))
         chance *= float(FLAT.chance(-bend(case.dense, one.upright)))
+    if one.is_outer:
+        chance *= float(FORMED.chance(case.flat_criterion - criterion))
     looks = hue_chance(one.rules, one.solids, case.dense)
+    looks *= slenderness_chance(one.kind, case.overall_slenderness)
     if case.is_metric:
         looks *= size_chance(one.kind, one.rules, one.sizes(case.dense), case.dense)
     return Hypothesis(

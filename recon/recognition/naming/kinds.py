@@ -84,6 +84,8 @@ class Kind:
     """From the ground up; empty for a learned kind."""
     ratio: Range | None = None
     """Limits of the lowest part's largest radius over that of the part on it."""
+    slenderness: Range | None = None
+    """Limits of its height over its largest radius, whatever its scale."""
     size: Sizes = Sizes()
     min_seen: Share = 0.0
     """Minimum visible share of its surface."""

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 RATIO_SPREAD = 0.05
 """Standard deviation of a size ratio, by which the limits of the catalogue are blurred."""
 SIZE_SPREAD = 0.08
-"""Standard deviation of the log of a size in metres: stereo sizes are off by some percent."""
+"""Standard deviation of the log of a size: stereo sizes are off by some percent."""
 HUE_SPREAD_DEG = 15.0
 """Of a hue: lamps and shade turn it."""
 LEAST_OF_HUE, NO_HUE = 0.1, 0.5
@@ -26,6 +26,13 @@ def log_within(value: float, limits: tuple[float, float], spread: float) -> floa
     """Log probability that a value is within its limits, blurred by `spread`."""
     excess = max(limits[0] - value, value - limits[1]) / spread
     return -np.inf if excess > 2.0 else -float(np.logaddexp(0.0, 2.0 * excess))
+
+
+def slenderness_chance(kind: Kind, slenderness: float) -> float:
+    """Chance (0 to 1) that an object of a height over radius has its kind's slenderness."""
+    if kind.slenderness is None:
+        return 1.0
+    return float(np.exp(_log_ratio_within(slenderness, kind.slenderness)))
 
 
 def size_chance(
@@ -73,9 +80,14 @@ def _log_chance(bounds: Sizes, sizes: Mapping[str, float]) -> float:
     total = 0.0
     for name, (low, high) in bounds.given.items():
         if name in sizes:
-            limits = float(np.log(max(low, 1e-9))), float(np.log(max(high, 1e-9)))
-            total += log_within(float(np.log(max(sizes[name], 1e-9))), limits, SIZE_SPREAD)
+            total += _log_ratio_within(sizes[name], (low, high))
     return total
+
+
+def _log_ratio_within(value: float, limits: tuple[float, float]) -> float:
+    """Log probability that a positive value is within its limits, blurred by some percent."""
+    low, at, high = np.log(np.maximum([limits[0], value, limits[1]], 1e-9)).tolist()
+    return log_within(at, (low, high), SIZE_SPREAD)
 
 
 def box_sizes(points: Array) -> dict[str, float]:

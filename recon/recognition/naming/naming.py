@@ -26,6 +26,8 @@ NUM_NEAREST = 3
 """Number of nearest kinds that are reported."""
 SAID = 0.001
 """Minimum probability of a reported kind."""
+LEAST_WHOLE = 1e-6
+"""Least probability of being complete, so that its logarithm is finite."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,7 +98,8 @@ def name_object(
 def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
     """Probability of each kind's name, and its most likely hypothesis.
 
-    P(name) = P(kind | it is of a kind) P(complete and sufficiently visible).
+    P(name) = P(kind | it is of a kind) P(complete and sufficiently visible). A kind that the cells
+    can hardly be a complete one of takes no share from the others, however well it fits.
     """
     best: dict[str, Hypothesis] = {}
     for one in found:
@@ -106,7 +109,7 @@ def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
                 best[one.kind.name] = one
     if not best:
         return {}
-    logs = np.array([one.evidence for one in best.values()])
+    logs = np.array([one.evidence + np.log(max(one.whole, LEAST_WHOLE)) for one in best.values()])
     shares = np.exp(logs - logs.max())
     shares /= shares.sum()
     pairs = zip(best.items(), shares, strict=True)

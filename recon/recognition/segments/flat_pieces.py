@@ -13,14 +13,15 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import joined
+from recon.recognition.segments.outer_planes import outer_planes
 from recon.recognition.segments.peeling import LINK_CELLS, ON_PLANE_CELLS, peeled
 from recon.recognition.segments.plane_votes import largest_group, local_planes
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
-Step = Literal["board", "upright", "any"]
-"""A level board; upright planes; planes of any tilt."""
+Step = Literal["board", "upright", "any", "outer"]
+"""A level board; upright planes; planes of any tilt; the slopes of a gabled roof."""
 
 NEIGHBOUR_CELLS = 3.5
 """Maximum distance of the cells that a plane is first fitted to: some 40 are so near on a
@@ -62,6 +63,8 @@ class FlatPieces:
     """By step, and of each step by descending size."""
     rest: Rows
     """Cells on none of them."""
+    is_outer: bool
+    """True if the first of them were found by what they touch, and not as surfaces."""
 
     def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
         """The pieces that may have one of some shapes: planes or, as boxes and cylinders, bars."""
@@ -93,16 +96,27 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
             planes.append(piece_of(cells, rest[own], plane))
             is_left[own] = False
         rest = rest[is_left]
-    return FlatPieces(cells=cells, planes=tuple(planes), rest=rest)
+    return FlatPieces(cells=cells, planes=tuple(planes), rest=rest, is_outer="outer" in way)
 
 
 def _found(points: Array, step: Step, cell_size: float, least: int) -> Iterator[tuple[Plane, Rows]]:
     """Planes of one step and their points."""
-    if step != "board":
+    if step == "outer":
+        yield from _outer(points, cell_size, least)
+    elif step != "board":
         yield from _peeled(points, step, cell_size, least)
     elif len(points) >= least:
         board = _board(points, cell_size, least)
         yield from [] if board is None else [board]
+
+
+def _outer(points: Array, cell_size: float, least: int) -> Iterator[tuple[Plane, Rows]]:
+    """The slopes of a roof and their points."""
+    places, normals, number = outer_planes(points, cell_size, least)
+    for plane, (place, normal) in enumerate(zip(places, normals, strict=True)):
+        own = np.flatnonzero(number == plane)
+        if len(own):
+            yield Plane(point=place, normal=normal), own
 
 
 def _peeled(

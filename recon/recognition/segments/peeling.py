@@ -54,7 +54,7 @@ def peeled(
             break
         some = points[rest]
         place, normal = best_plane(some, middles[choice], normals[choice], is_upright, reach)
-        near = _near(some, place, normal, reach)
+        near = near_plane(some, place, normal, reach)
         own = _surface(some, near, is_upright, cell_size, least)
         if len(own):
             place, direction = fitted_plane(some[own], np.ones(len(own)), is_upright)
@@ -68,7 +68,7 @@ def peeled(
 
 
 @njit(cache=True)
-def _near(points: Array, place: Array, normal: Array, reach: float) -> Rows:
+def near_plane(points: Array, place: Array, normal: Array, reach: float) -> Rows:
     """Rows of the points within reach of a plane."""
     rows, count = np.empty(len(points), dtype=np.int64), 0
     for i in range(len(points)):
@@ -95,17 +95,17 @@ def _surface(points: Array, near: Rows, is_upright: bool, cell_size: float, leas
     if len(near) < least:
         return none
     place, normal = fitted_plane(points[near], np.ones(len(near)), is_upright)
-    own = _near(points, place, normal, ON_PLANE_CELLS * cell_size)
+    own = near_plane(points, place, normal, ON_PLANE_CELLS * cell_size)
     if len(own) < least:
         return none
     group: Rows = own[largest_group(points[own], LINK_CELLS * cell_size)]
-    if len(group) < least or _width(points[group]) < LEAST_WIDTH_CELLS * cell_size:
+    if len(group) < least or width(points[group]) < LEAST_WIDTH_CELLS * cell_size:
         return none
     return group
 
 
 @njit(cache=True)
-def _width(points: Array) -> float:
+def width(points: Array) -> float:
     """Width of a uniform strip: its standard deviation times the root of 12."""
     spread = principal_axes(weighted_spread(points, np.ones(len(points)))[1])[0]
     width: float = np.sqrt(12.0 * max(spread[1], 0.0) / len(points))

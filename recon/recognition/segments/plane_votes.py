@@ -41,7 +41,7 @@ def local_planes(
         near = _neighbours(points, i, reach[0])
         middle, normal = fitted_plane(near, np.ones(len(near)), is_upright)
         for _ in range(LOCAL_ROUNDS - 1):
-            votes = _votes(near, middle, normal, WIDE * reach[1])
+            votes = votes_for(near, middle, normal, WIDE * reach[1])
             middle, normal = fitted_plane(near, votes, is_upright)
         middles[i], normals[i] = middle, normal
     return middles, normals
@@ -71,12 +71,12 @@ def best_plane(
     """
     best, point, normal = -1.0, np.zeros(3), np.zeros(3)
     for i in range(len(middles)):
-        total = _sum_of_votes(points, middles[i], normals[i], reach)
+        total = sum_of_votes(points, middles[i], normals[i], reach)
         if total > best:
             best, point, normal = total, middles[i], normals[i]
     for _ in range(MOST_ROUNDS):
-        middle, across = fitted_plane(points, _votes(points, point, normal, reach), is_upright)
-        total = _sum_of_votes(points, middle, across, reach)
+        middle, across = fitted_plane(points, votes_for(points, point, normal, reach), is_upright)
+        total = sum_of_votes(points, middle, across, reach)
         if total <= best:
             break
         best, point, normal = total, middle, across
@@ -150,7 +150,7 @@ def _square(first: Array, second: Array) -> float:
 
 
 @njit(cache=True)
-def _votes(points: Array, point: Array, normal: Array, reach: float) -> Array:
+def votes_for(points: Array, point: Array, normal: Array, reach: float) -> Array:
     """Vote (N,) of each point for a plane."""
     votes = np.empty(len(points))
     offset = point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2]
@@ -161,7 +161,7 @@ def _votes(points: Array, point: Array, normal: Array, reach: float) -> Array:
 
 
 @njit(cache=True)
-def _sum_of_votes(points: Array, point: Array, normal: Array, reach: float) -> float:
+def sum_of_votes(points: Array, point: Array, normal: Array, reach: float) -> float:
     """Sum of the votes of all points, without a list of them."""
     total, scale = 0.0, 1.0 / reach
     a, b, c = normal[0] * scale, normal[1] * scale, normal[2] * scale

@@ -30,6 +30,7 @@ class SolidPieces:
     cells: Voxels
     """Of the object."""
     pieces: tuple[FlatPiece, ...]
+    is_outer: bool = False
 
     def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
         """The pieces that have one of some shapes."""
