@@ -146,20 +146,22 @@ def fill_row(
         return
     left = first - SIDE_RADIUS
     behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
-    _read(base, v, left - behind, ring.here, ring.reach)
-    _read(other, v_other, left + search.first - behind_other, ring.there, ring.reach)
+    _read(ring, base, v, left - behind, ring.here)
+    _read(ring, other, v_other, left + search.first - behind_other, ring.there)
     # In even rows the even pixels are members, in odd rows the odd ones.
     _score(ring, (v & 1) + behind, (v & 1) + behind_other, search, lines)
 
 
 @kernel
-def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> None:
+def _read(ring: Ring, image: Responses, v: int, origin: int, row: Floats) -> None:
     """Write responses and inverse energies, starting at a column that is a multiple of lanes.
 
     Inverse energies are 0 for pixels that cannot be matched.
     """
+    reach = ring.reach
     channels, _, padded = image.planes.shape[1:]
     planes, plane = image.planes.reshape(-1), v * channels * 2 * padded + origin
+    to_next_row = ring.every * channels * 2 * padded
     share = np.float32(1.0) / np.float32(channels)
     mask = image.mask[v]
     first, end = max(0, -origin), min(reach, padded - origin)
@@ -178,8 +180,8 @@ def _read(image: Responses, v: int, origin: int, row: Floats, reach: int) -> Non
             store(row, place + reach, im)
             store(row, place + 2 * reach, load(weights, i) / (re * re + im * im + spread(_TINY)))
             # The next row, whose many short streams the processor does not foresee.
-            prefetch(planes, here + channels * 2 * padded)
-            prefetch(planes, here + (channels * 2 + 1) * padded)
+            prefetch(planes, here + to_next_row)
+            prefetch(planes, here + to_next_row + padded)
 
 
 @kernel
