@@ -23,7 +23,7 @@ def test_the_bytes_do_not_depend_on_the_number_of_threads(quality, monkeypatch):
             np.testing.assert_array_equal(getattr(other, name), getattr(found[1], name))
 
 
-def test_bands_cover_every_row_once(monkeypatch):
+def test_bands_cover_everything_once(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "4")
     for size in (0, 1, 95, 200, 1001):
         rows = [v for first, end in bands(size, 96) for v in range(first, end)]

@@ -1,4 +1,4 @@
-"""Threads of one pair: compiled loops over bands of rows, which release the GIL."""
+"""Threads of one pair: compiled loops over bands of its columns or matches, without the GIL."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -13,15 +13,15 @@ Result = TypeVar("Result")
 
 
 def bands(size: int, least: int, cost: NDArray[np.floating] | None = None) -> list[tuple[int, int]]:
-    """Start and end of the bands that the threads share, at most one per `least` rows.
+    """Start and end of the bands that the threads share, at most one per `least` items.
 
     Parameters
     ----------
     size : int
-        Number of rows.
+        Number of items: columns or matches.
     least : int
     cost : (size + 1,) increasing, optional
-        Cost of all rows before each one; by default rows cost the same.
+        Cost of all items before each one; by default all cost the same.
     """
     number = max(1, min(num_threads(), size // least))
     if cost is None:
