@@ -2,11 +2,32 @@
 
 import gc
 import os
+import sys
 import threading
-from multiprocessing import parent_process
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
+from multiprocessing.context import BaseContext
 
 from recon.libraries import limit_threads
+
+SPAWN: BaseContext = get_context("spawn")
+
+
+def start_server(module: str) -> BaseContext:
+    """Start the process that workers are forked from, and return the way to start them.
+
+    Where the system can fork safely, it loads a module with everything that the workers need, while
+    this process does other things; it ends with this process. Its environment is that of its start,
+    and there is one: it is for programs that run one command.
+    """
+    if sys.platform != "linux":
+        return SPAWN
+    from multiprocessing.forkserver import ensure_running
+
+    context = get_context("forkserver")
+    context.set_forkserver_preload([module])
+    ensure_running()
+    return context
 
 
 def begin_worker(num_threads: int) -> None:

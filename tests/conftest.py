@@ -36,7 +36,7 @@ def figureless() -> Iterator[None]:
     """Leave no figures in runs: they take most of a small run, and other tests draw them."""
     with pytest.MonkeyPatch.context() as patch:
         for kind in ("explore", "reconstruct", "merge"):
-            patch.setattr(f"recon.runs.{kind}.write_run_figures", lambda *_: None)
+            patch.setattr(f"recon.runs.{kind}.draw_run_figures", lambda *_: None)
         yield
 
 

@@ -11,11 +11,11 @@ from multiprocessing.context import BaseContext
 from typing import Any, Protocol
 
 from recon.batch.progress import Pipes, begin_telling
-from recon.batch.server import SPAWN
 from recon.batch.worker import Outcome, Progress, hear_with, unheard
 from recon.errors import InputError
 from recon.files import Limits
 from recon.libraries import THREAD_VARIABLES, limit_threads, load_extra
+from recon.processes import SPAWN
 from recon.threads import num_processors, num_threads
 
 Call = Callable[[], Outcome]

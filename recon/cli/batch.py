@@ -92,11 +92,11 @@ def batch(jobs: str, **given: Any) -> int:
 
 def _way_to_start(given: dict[str, Any]) -> Any:
     """The way to start workers: forked from a server if this process serves the batch only."""
-    from recon.batch.server import SPAWN, start_server
+    from recon.processes import SPAWN, start_server
 
     is_alone = click.get_current_context().find_root().obj
     forks = is_alone and not given["dry_run"] and given["scheduler"] is None
-    return start_server() if forks else SPAWN
+    return start_server("recon.batch.loaded") if forks else SPAWN
 
 
 def _named_jobs(jobs: str, command: str | None) -> Any:

@@ -43,7 +43,7 @@ def explore(scene: Path, **given: Any) -> None:
 
     SCENE is a geometry file, or the name of a scene that ships with recon.
     """
-    do_job("explore", (scene,), given, say=say_exploration, unit=PROGRESS)
+    do_job("explore", (scene,), given, say=say_exploration, draws=True, unit=PROGRESS)
 
 
 def say_exploration(report: "Report") -> None:

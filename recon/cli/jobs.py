@@ -10,6 +10,7 @@ from recon.cli.options import build_settings, print_json, start_logging
 from recon.cli.progress import shown_progress
 
 if TYPE_CHECKING:
+    from recon.runs.artist import Artist
     from recon.runs.report import Report
 
 
@@ -19,6 +20,7 @@ def do_job(
     given: dict[str, Any],
     *,
     say: Callable[["Report"], None],
+    draws: bool = False,
     unit: str = "pairs",
     **arguments: Any,
 ) -> None:
@@ -30,12 +32,15 @@ def do_job(
         All options of the command; those of settings and of the run folder are looked up by name.
     say : callable
         Prints the report for people.
+    draws : bool
+        The job draws figures, in other processes if possible.
     unit : str
         What progress counts.
     arguments
         What the command asks besides; None was not given.
     """
     start_logging(given)
+    artist = _artist_apart() if draws else None  # first: its process loads while this one does
     from recon.runs.execute import execute
     from recon.runs.job import Job
 
@@ -50,7 +55,7 @@ def do_job(
         report = execute(
             job, given.get("output"), events,
             overwrite=given.get("overwrite", False), resume=given.get("resume", False),
-            num_workers=given.get("num_workers") or 1, draws_apart=_may_draw_apart(),
+            num_workers=given.get("num_workers") or 1, artist=artist,
         )  # fmt: skip
     if given["as_json"]:
         print_json(report.as_json())
@@ -60,11 +65,15 @@ def do_job(
         raise click.Abort
 
 
-def _may_draw_apart() -> bool:
-    """True in a process of the command's own that may use more than one thread."""
+def _artist_apart() -> "Artist | None":
+    """Other processes if this one is the command's own and may use more than one thread."""
     from recon.threads import num_threads
 
-    return bool(click.get_current_context().find_root().obj) and num_threads() > 1
+    if not click.get_current_context().find_root().obj or num_threads() == 1:
+        return None
+    from recon.runs.artist import OtherProcesses, start_drawing
+
+    return OtherProcesses(start_drawing())
 
 
 def counted(number: int, noun: str) -> str:

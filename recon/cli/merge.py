@@ -21,7 +21,7 @@ def merge(runs: tuple[Path, ...], **given: Any) -> None:
 
     The runs must share one world frame, as given poses do, and one cell size.
     """
-    do_job("merge", runs, given, say=_say, unit="runs")
+    do_job("merge", runs, given, say=_say, draws=True, unit="runs")
 
 
 def _say(report: "Report") -> None:

@@ -64,7 +64,7 @@ def parse_roi(
 @with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
 def reconstruct(sequence: Path, chunk: int | None, **given: Any) -> None:
     """Reconstruct a scene from a calibrated stereo recording."""
-    do_job("reconstruct", (sequence,), given, say=_say, chunk=chunk)
+    do_job("reconstruct", (sequence,), given, say=_say, draws=True, chunk=chunk)
 
 
 def _say(report: "Report") -> None:

@@ -3,10 +3,9 @@
 from contextlib import closing
 from pathlib import Path
 
-from recon.figures.canvas import load_libraries
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder
-from recon.runs.artist import Artist, SecondProcess
+from recon.runs.artist import Artist
 from recon.runs.events import Events
 from recon.runs.job import KINDS, Job, Numbers
 from recon.runs.outputs import as_document
@@ -24,7 +23,7 @@ def execute(
     overwrite: bool = False,
     resume: bool = False,
     num_workers: int = 1,
-    draws_apart: bool = False,
+    artist: Artist | None = None,
 ) -> Report:
     """Execute a job.
 
@@ -42,9 +41,8 @@ def execute(
         Resume an interrupted run; a finished one is left untouched, and its report read.
     num_workers : int
         Number of parallel processes, if the kind of job can use them.
-    draws_apart : bool
-        Draw the figures in a second process while the run goes on. It imports the main module, so
-        that only a program that is prepared for that can ask for it.
+    artist : Artist, optional
+        Draws the figures; by default this process.
 
     Returns
     -------
@@ -61,7 +59,6 @@ def execute(
         collected_notices() as notices,
         stopwatch.counting_compilation(),
         shared_estimates(),
-        closing(_artist(job, draws_apart)) as artist,
     ):
         job = job.resolved()
         kind = KINDS.load(job.kind)
@@ -71,22 +68,16 @@ def execute(
             return _reported(job, kind.run(job, work), notices)
         run = RunFolder.prepare(Path(path), job.plan(), overwrite=overwrite, resume=resume)
         if not run.is_finished:
-            with run.opened():
+            with run.opened(), closing(artist or Artist()) as drawing:
                 work = Work(
                     events=events, stopwatch=stopwatch, folder=run, num_workers=num_workers,
-                    artist=artist,
+                    artist=drawing,
                 )  # fmt: skip
                 numbers = kind.run(job, work)
                 run.seconds = dict.fromkeys(kind.stages, 0.0) | stopwatch.seconds
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)
                 run.write_json("metrics.json", report.as_json())
     return read_report(job.kind, run.path)
-
-
-def _artist(job: Job, draws_apart: bool) -> Artist:
-    """One that has time to load its libraries, as it begins before the job."""
-    is_apart = draws_apart and KINDS.load(job.kind).has_artist
-    return SecondProcess(load_libraries) if is_apart else Artist()
 
 
 def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:

@@ -13,7 +13,7 @@ from recon.records import StereoPair, View
 from recon.records.objects import from_json
 from recon.runfolder import RunFolder
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import drawable, write_run_figures
+from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, move_cloud, write_outputs, write_places
 from recon.runs.replay import SavedPairs
@@ -111,8 +111,7 @@ def _write(done: Exploration, work: Work) -> None:
         if done.true_trajectory is not None:
             run.write_text("trajectory_true.txt", done.true_trajectory.as_tum())
     with work.stage("figures"):
-        shows = drawable(done.reconstruction), done.clearest
-        work.artist.draw(write_run_figures, run.path, *shows)
+        draw_run_figures(work, done.reconstruction, done.clearest)
         work.artist.finish()
 
 
@@ -131,5 +130,4 @@ EXPLORE = Kind(
     reads=_files,
     folder=lambda job: Path("runs") / job.inputs[0].stem,
     stages=("render", "stereo", "map", "plan", "recognise", "figures", "write"),
-    has_artist=True,
 )

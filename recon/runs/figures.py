@@ -4,7 +4,7 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +16,20 @@ from recon.figures.kept import kept_pair
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.table import KINDS
 from recon.files import atomic_path
-from recon.mapping.mapper import Step
 from recon.records import Mesh, Reconstruction
 from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
 from recon.runs.maps import map_path
 from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 
+if TYPE_CHECKING:
+    from recon.mapping.mapper import Step
+    from recon.runs.work import Work
+
 PAIRED = ("disparity", "overview")
 """Figures that show the pair with the most matches, if there is one."""
-ALWAYS = ("map3d", "solids", "occupancy", "labels", "trajectory", *PAIRED)
-"""Figures that every run with a map writes by default."""
+ALWAYS = ("overview", "map3d", "solids", "labels", "occupancy", "trajectory", "disparity")
+"""Figures that every run with a map writes by default, those that take longest first."""
 NAMELESS = ("occupancy", "trajectory", "disparity")
 """Those of them that show no objects."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
@@ -47,17 +50,14 @@ class Wish:
     """Also write the shown data as arrays, and the labels as maps."""
 
 
-def write_run_figures(
-    run_path: Path,
-    contents: Reconstruction,
-    clearest: Step | None,
-    names: Sequence[str] = ALWAYS,
+def draw_run_figures(
+    work: "Work", contents: Reconstruction, clearest: "Step | None", names: Sequence[str] = ALWAYS
 ) -> None:
-    """Draw and write figures of a run with a map.
+    """Request figures of a run with a map from its artist.
 
     Parameters
     ----------
-    run_path : Path
+    work : Work
     contents : Reconstruction
     clearest : Step, optional
         The step with the most matches; without it, there are no figures of a pair.
@@ -65,16 +65,23 @@ def write_run_figures(
         Their kinds, in the order of drawing.
     """
     kept = None if clearest is None else kept_pair(clearest.pair.left, clearest.matches)
-    subject = replace(_subject(run_path, contents), kept=kept)
+    shown = _drawable(contents)
     for name in names:
-        if name in PAIRED and kept is None:
-            continue
-        if kept is not None and name == "disparity":
-            _write_arrays(run_path, name, {"kind": np.array(name), **kept})
-        _write(run_path, name, KINDS.load(name), subject, Wish())
+        if kept is not None or name not in PAIRED:
+            work.artist.draw(write_run_figure, work.run.path, shown, kept, name)
 
 
-def drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:
+def write_run_figure(
+    run_path: Path, contents: Reconstruction, kept: Arrays | None, name: str
+) -> None:
+    """Draw and write one figure of a run, and the arrays of its clearest pair if it shows them."""
+    subject = replace(_subject(run_path, contents), kept=kept)
+    if kept is not None and name == "disparity":
+        _write_arrays(run_path, name, {"kind": np.array(name), **kept})
+    _write(run_path, name, KINDS.load(name), subject, Wish())
+
+
+def _drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:
     """The part of a result that figures show, small to send: the map only if it has rays."""
     has_rays = "rays" in getattr(contents.map, "channels", ())
     return contents if has_rays else replace(contents, map=None)

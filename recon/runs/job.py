@@ -101,8 +101,6 @@ class Kind:
     """The default run folder; None = no folder is written."""
     stages: tuple[str, ...] = ()
     """Stages that `seconds` of metrics.json always contains."""
-    has_artist: bool = False
-    """True if its figures are requested from `Work.artist`."""
     judged: Callable[[Job, Path], list[tuple[str, str]]] = lambda job, run_path: []
     """True names of the objects of a finished run, each with its assigned name."""
 

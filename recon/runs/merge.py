@@ -17,7 +17,7 @@ from recon.recognition import recognise
 from recon.records import Reconstruction, Trajectory
 from recon.runfolder import is_finished, read_manifest
 from recon.runs.cameras import CAMERAS, as_document, read_cameras
-from recon.runs.figures import drawable, write_run_figures
+from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.maps import PARTITIONED, read_map, shown
 from recon.runs.outputs import cells_hit, write_outputs
@@ -74,7 +74,7 @@ def _merge(job: Job, work: Work) -> Numbers:
     with work.stage("write"):
         write_outputs(work.run, all_of_it, found)
     with work.stage("figures"):
-        work.artist.draw(write_run_figures, work.run.path, drawable(all_of_it), None)
+        draw_run_figures(work, all_of_it, None)
         work.artist.finish()
     surfaces = merge_surfaces(job.inputs, job.settings, way, work)
     return surfaces | {
@@ -135,5 +135,4 @@ MERGE = Kind(
     base=_base,
     folder=lambda job: Path("runs") / "merged",
     stages=("map", "recognise", "figures", "write"),
-    has_artist=True,
 )

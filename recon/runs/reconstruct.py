@@ -20,7 +20,7 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, as_document
-from recon.runs.figures import ALWAYS, NAMELESS, PAIRED, drawable, write_run_figures
+from recon.runs.figures import ALWAYS, NAMELESS, PAIRED, draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
@@ -176,14 +176,12 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
     )
     with work.stage("figures"):
         early = [name for name in figures if name in NAMELESS]
-        shows = drawable(nameless), mapper.clearest
-        work.artist.draw(write_run_figures, run.path, *shows, early)
+        draw_run_figures(work, nameless, mapper.clearest, early)
     recognition = mapper.recognise(voxels, cells_hit(run.path / "cloud.ply", voxels.cell_size))
     reconstruction = replace(nameless, objects=recognition.objects)
     with work.stage("figures"):
-        shows = drawable(reconstruction), mapper.clearest
         named = [name for name in figures if name not in NAMELESS]
-        work.artist.draw(write_run_figures, run.path, *shows, named)
+        draw_run_figures(work, reconstruction, mapper.clearest, named)
     with work.stage("write"):
         write_outputs(run, reconstruction, recognition)
     with work.stage("figures"):
@@ -211,5 +209,4 @@ RECONSTRUCT = Kind(
     takes={"chunk": count, "part": span, "refined": file},
     folder=lambda job: Path("runs") / job.inputs[0].resolve().name,
     stages=("reading", "stereo", "map", "recognise", "figures", "write"),
-    has_artist=True,
 )

@@ -158,10 +158,10 @@ def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
 LONELY = """
 import sys
 from recon.batch.schedulers import Processes
-from recon.batch.server import SPAWN, start_server
+from recon.processes import SPAWN, start_server
 from tests.batch.test_batch import wait_for_ever
 if __name__ == "__main__":
-    start = start_server() if sys.argv[1] == "forked" else SPAWN
+    start = start_server("recon.batch.loaded") if sys.argv[1] == "forked" else SPAWN
     for _ in Processes(1, start=start).outcomes([("a", wait_for_ever)]): pass
 """
 

@@ -1,6 +1,7 @@
-"""Figures drawn by a second process are those of the first; without it nothing is lost."""
+"""Figures drawn by other processes are those of the first; without them nothing is lost."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -8,17 +9,32 @@ from pathlib import Path
 import pytest
 
 from recon.cli import main
-from recon.runs.artist import SecondProcess
+from recon.processes import SPAWN
+from recon.runs.artist import OtherProcesses, start_drawing
+
+INTERRUPTED = """
+import os
+import signal
+import sys
+from pathlib import Path
+from recon.runs.artist import OtherProcesses, start_drawing
+if __name__ == "__main__":
+    artist = OtherProcesses(start_drawing(), 1)
+    artist.draw(Path.write_text, Path("first"), "drawn")
+    artist.finish()
+    artist.draw(Path.write_text, Path("second"), "drawn")
+    os.killpg(0, signal.SIGINT)
+"""
 
 
 @pytest.fixture
 def artist():
-    second = SecondProcess(Path.cwd)
-    yield second
-    second.close()
+    others = OtherProcesses(SPAWN, 1)
+    yield others
+    others.close()
 
 
-def test_calls_are_done_in_order_and_their_errors_raised(artist, tmp_path):
+def test_calls_are_done_and_their_errors_raised(artist, tmp_path):
     path = tmp_path / "figure"
     for text in ("first", "second"):
         artist.draw(Path.write_text, path, text)
@@ -30,57 +46,53 @@ def test_calls_are_done_in_order_and_their_errors_raised(artist, tmp_path):
 
 
 def test_what_a_killed_process_owes_is_drawn_by_this_one(artist, tmp_path):
-    artist._process.kill()
-    artist._process.join()
-    artist.draw(Path.write_text, tmp_path / "figure", "drawn")
-    artist.finish()
-    assert (tmp_path / "figure").read_text() == "drawn"
+    artist.draw(os._exit, 1)
+    artist._waiting.clear()
+    for name in ("first", "second"):
+        artist.draw(Path.write_text, tmp_path / name, "drawn")
+        artist.finish()
+        assert (tmp_path / name).read_text() == "drawn"
 
 
 def test_a_command_alone_draws_the_same_figures(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
-    started = []
+    drawn = []
 
-    class Noted(SecondProcess):
+    class Noted(OtherProcesses):
         def draw(self, call, *arguments):
-            started.append(self._process.pid)
+            drawn.append(arguments[-1])
             super().draw(call, *arguments)
 
-    monkeypatch.setattr("recon.runs.execute.SecondProcess", Noted)
+    monkeypatch.setattr("recon.runs.artist.OtherProcesses", Noted)
     run = tmp_path / "run"
     argv = ["explore", "three_kinds", "-q", "--max-pairs", "1", "-o", str(run)]
     assert main([*argv, "--set", "eyes.width=96", "--set", "eyes.height=96"], is_alone=True) == 0
-    assert started
+    assert {"labels", "map3d"} < set(drawn)
     for kind in ("labels", "map3d"):
         path = run / "figures" / f"{kind}.png"
-        drawn = path.read_bytes()
+        before = path.read_bytes()
         path.unlink()
         assert main(["figure", str(run), "--kind", kind]) == 0
-        assert path.read_bytes() == drawn
-
-
-FRESH = """
-import sys
-from pathlib import Path
-from recon.runs.artist import SecondProcess
-if __name__ == "__main__":
-    if len(sys.argv) > 1:
-        sys.modules["vtkmodules"] = sys
-    artist = SecondProcess(Path.cwd)
-    artist.draw(Path.write_text, Path("figure"), "drawn")
-    artist.finish()
-    artist.close()
-    print(artist.start_method, Path("figure").read_text())
-"""
+        assert path.read_bytes() == before
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot fork safely")
-@pytest.mark.parametrize(("argument", "method"), [((), "fork"), (("drawn before",), "spawn")])
-def test_a_process_that_has_not_drawn_is_forked(tmp_path, argument, method):
-    (tmp_path / "fresh.py").write_text(FRESH)
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    call = [sys.executable, "fresh.py", *argument]
+def test_ctrl_c_is_for_the_first_process(tmp_path):
+    (tmp_path / "interrupted.py").write_text(INTERRUPTED)
     done = subprocess.run(
-        call, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+        [sys.executable, "interrupted.py"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        text=True,
+        start_new_session=True,
+        check=False,
     )
-    assert done.stdout.split() == [method, "drawn"]
+    assert done.returncode == -signal.SIGINT
+    assert done.stderr.count("Traceback") == 1  # of the first
+    assert (tmp_path / "second").read_text() == "drawn"
+
+
+def test_workers_are_forked_where_that_is_safe():
+    way = start_drawing().get_start_method()
+    assert way == ("forkserver" if sys.platform == "linux" else "spawn")

@@ -53,7 +53,7 @@ def undrawn(folder):
 @pytest.fixture
 def without_figures(monkeypatch):
     """Runs that draw no figures, which take most of their time."""
-    monkeypatch.setattr(explore_module, "write_run_figures", lambda *drawn: None)
+    monkeypatch.setattr(explore_module, "draw_run_figures", lambda *drawn: None)
 
 
 @pytest.fixture(scope="module")

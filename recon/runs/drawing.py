@@ -1,0 +1,26 @@
+"""Everything that draws figures, loaded by importing this module: no thread starts, nothing is
+drawn.
+"""
+
+import signal
+
+from recon.libraries import limit_threads
+from recon.processes import collect_rarely
+
+
+def _load() -> None:
+    # First: most libraries read their limit when imported.
+    limit_threads(1)
+    collect_rarely()
+    if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is for the process of the run
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    from recon.figures.canvas import load_libraries
+    from recon.figures.table import KINDS
+    from recon.runs.figures import ALWAYS
+
+    for name in ALWAYS:
+        KINDS.load(name)
+    load_libraries()
+
+
+_load()
