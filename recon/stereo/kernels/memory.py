@@ -12,8 +12,15 @@ _LARGEST_KEPT = (32 << 20) - (8 << 10)
 
 def aligned_zeros(size: int) -> Floats:
     """(size,) zeros aligned to a cache line."""
+    zeros = aligned_empty(size)
+    zeros[:] = 0.0
+    return zeros
+
+
+def aligned_empty(size: int) -> Floats:
+    """(size,) numbers of any value, aligned to a cache line."""
     spare = _LINE_BYTES // np.float32().nbytes
-    buffer = np.zeros(size + spare, np.float32)
+    buffer = np.empty(size + spare, np.float32)
     address = buffer.__array_interface__["data"][0]
     first = -address % _LINE_BYTES // np.float32().nbytes
     return buffer[first : first + size]

@@ -122,10 +122,10 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
 def _column_bands(points: Points, shape: tuple[int, int]) -> list[tuple[int, int]]:
     """First and end column of bands of about equal cost, in whole lanes."""
     height, width = shape
-    number = filled(width) // NUM_LANES
-    of_points = np.bincount(points.u // NUM_LANES, minlength=number)
-    cost = np.cumsum(of_points + _POINTS_PER_PIXEL * NUM_LANES * height)
-    edges = bands(number, _LEAST_BAND // NUM_LANES, np.concatenate([[0.0], cost]))
+    of_columns = np.bincount(points.u, minlength=filled(width)) + _POINTS_PER_PIXEL * height
+    of_lanes = of_columns.reshape(-1, NUM_LANES).sum(axis=1)
+    cost = np.concatenate([[0.0], np.cumsum(of_lanes)])
+    edges = bands(len(of_lanes), _LEAST_BAND // NUM_LANES, cost)
     return [(NUM_LANES * first, NUM_LANES * end) for first, end in edges]
 
 

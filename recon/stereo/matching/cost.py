@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.memory import aligned_empty, aligned_zeros
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
@@ -102,7 +102,8 @@ def make_ring(num_channels: int, search: Search, size: int) -> Ring:
     columns = width // 2 + SIDE_RADIUS
     reach = filled(2 * columns + 2 * NUM_LANES + lanes)
     return Ring(
-        scores=aligned_zeros(2 * rows * columns * lanes),
+        # Every line is written before it is read.
+        scores=aligned_empty(2 * rows * columns * lanes),
         rows=rows,
         every=search.every,
         columns=columns,
