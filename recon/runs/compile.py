@@ -55,9 +55,11 @@ def _jobs(place: Path) -> Iterator[Jobs]:
     yield [(Job(kind="explore", inputs=(scene,), settings=walk), place / "walk")]
     surface = updated(Settings(), {"dense": {"enabled": True}, "surface": {"mesh": True}})
     recording = place / "recording"
+    named = updated(Settings(), {"recognition": {"catalogue": ["household"]}})
     images = tuple(recording / f"{side}/000000.png" for side in ("left", "right"))
     yield [
         (Job(kind="render", inputs=(scene,), arguments={"views": "drive:3"}), recording),
         (Job(kind="reconstruct", inputs=(recording,), settings=surface), place / "run"),
         (Job(kind="disparity", inputs=images, settings=surface), place / "matches"),
+        (Job(kind="recognise", inputs=(recording / "seen.ply",), settings=named), place / "named"),
     ]

@@ -120,7 +120,7 @@ def _reason(nearest: Hypothesis | None) -> str:
     """Why an object has no name."""
     if nearest is None or nearest.kind is None:
         return NO_KIND_FITS
-    return f"too little speaks for a {nearest.kind.name}, which comes nearest"
+    return f"too little speaks for the nearest kind, {nearest.kind.name}"
 
 
 def unknown(voxels: Voxels, ground: float, reason: str) -> Naming:
