@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import SLOWEST, TESTS
+
 RECON = Path(__file__).parents[1] / "recon"
 
 FLOORS = {
@@ -199,3 +201,7 @@ def test_the_design_page_shows_every_room_on_its_floor():
     rows = re.findall(r"^\| (\d+) \| (.*?) \|", page, re.M)
     shown = {room: int(floor) for floor, rooms in rows for room in re.findall(r"`(\w+)/?`", rooms)}
     assert shown == FLOORS
+
+
+def test_files_of_tests_that_start_first_are_there():
+    assert [name for name in SLOWEST if not (TESTS / name).is_file()] == []

@@ -84,7 +84,7 @@ def match_files(
 
 
 def _base(job: Job) -> Tree:
-    """What a calibration states."""
+    """The settings that the job's calibration states."""
     calib = job.arguments.get("calib")
     return {} if calib is None else {"matching": matching_of(read_calibration(calib))}
 

@@ -107,7 +107,7 @@ def searching(settings: Settings, stated: Numbers) -> Settings:
 
 
 def own_matching(pair_dir: Path, truth: DisparityTruth) -> Numbers:
-    """What a pair's calibration states; else a search range slightly larger than its truth's."""
+    """The calibration's settings, with a range slightly larger than the truth's if it has none."""
     high = math.ceil(np.nanmax(truth.disparity_px)) + MARGIN_PX
     return {"min_disparity": 0, "max_disparity": high} | stated_matching(pair_dir)
 

@@ -54,7 +54,7 @@ _LEAST_PROBABILITY = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prior:
-    """What matching tells of whole-pixel disparities (N,)."""
+    """The evidence of matching about whole-pixel disparities (N,)."""
 
     probability: Array
     """That the pairs are correct; NaN if unknown."""
