@@ -47,8 +47,8 @@ _NOISE_ODDS = -0.40
 _NOISE_OF_EVEN_ODDS = 0.05
 _LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
 
-_WHOLE, _INFORMATION, _TRUST, _ODDS_SQ = 0, 1, 2, 3
-"""Rows of the shift's estimate of each pair; the last are the squared odds of a mismatch."""
+_WHOLE, _INFORMATION, _TRUST, _PROBABILITY = 0, 1, 2, 3
+"""Rows of the shift's estimate of each pair; the last is the probability by matching."""
 _LEAST_PROBABILITY = 1e-3
 
 
@@ -60,13 +60,6 @@ class Prior:
     """That the pairs are correct; NaN if unknown."""
     is_sure: NDArray[np.bool_]
     """Pairs that are likely correct: the scatter of their channels limits the noise, too."""
-
-    @property
-    def odds_sq(self) -> Floats:
-        """Squared odds of a mismatch; 0 if unknown."""
-        likely = np.maximum(self.probability.astype(np.float32), np.float32(_LEAST_PROBABILITY))
-        odds = 1 / likely - 1
-        return np.where(np.isnan(odds), np.float32(0), odds * odds)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -111,7 +104,8 @@ def solve(
     scatter_of_sure = np.empty_like(scatter)
     num_sure = _shift(sums, white, prior.is_sure, shifts, scatter, scatter_of_sure)
     ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
-    shifts[_ODDS_SQ] = prior.odds_sq
+    # Unknown probabilities do not make a pair doubtful.
+    shifts[_PROBABILITY] = np.nan_to_num(prior.probability, nan=1.0)
     tuned = np.empty((3, num), np.float32)
     _weigh(sums, white, ratio, shifts, scatter, np.float32(residual_px**2), tuned)
     change, sigma, noise = tuned
@@ -182,8 +176,9 @@ def _weigh(
         discord = max(discord / (safe * max(count - 1, np.float32(1))) - noise, np.float32(0))
         variance = trust * trust * (noise + np.float32(_DISCORD_WEIGHT) * discord)
         variance += (1 - trust) * (1 - trust) * np.float32(_WHOLE_PIXEL_VARIANCE)
-        doubtful = 1 / (1 + noise / np.float32(_NOISE_OF_HALF_DOUBT))
-        variance += np.float32(_DOUBT_WEIGHT) * shifts[_ODDS_SQ, i] * doubtful * doubtful
+        odds = 1 / max(shifts[_PROBABILITY, i], np.float32(_LEAST_PROBABILITY)) - 1
+        odds = odds / (1 + noise / np.float32(_NOISE_OF_HALF_DOUBT))
+        variance += np.float32(_DOUBT_WEIGHT) * odds * odds
         variance = floor + min(variance, np.float32(_LARGEST_VARIANCE))
         is_tuned = is_known and trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
         is_tuned = is_tuned and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
