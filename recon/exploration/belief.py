@@ -227,22 +227,21 @@ class Belief:
         """
         assert self.graph is not None
         last, scales = self.sights[-1], Scales.of(self.settings)
-        turn = self.settings.exploration.robot_turn_deg
-        if self._num_turns < round(360.0 / turn) - 1:
+        half_field = field_of_view(last.pair) / 2.0
+        # Each look is a step with its errors: as few as show everything.
+        number = math.ceil(math.pi / half_field)
+        # At home the last one is that of the first pair, whose pose is known.
+        if self._num_turns < number - (self._num_returns == 0):
             self._num_turns += 1
-            return turned(
-                last.view, float(self.graph.poses[-1, 2]) + math.radians(turn), scales.gaze
-            )
+            onward = float(self.graph.poses[-1, 2]) + 2.0 * math.pi / number
+            return turned(last.view, onward, scales.gaze)
         if len(self._glances) >= MAX_GLANCES:
             self._glances = []
             return None
         heading = glance(
             self._sighter(last),
             self._step_sigma,
-            Field(
-                half_rad=field_of_view(last.pair) / 2.0,
-                reach=self.settings.exploration.sight_range,
-            ),
+            Field(half_rad=half_field, reach=self.settings.exploration.sight_range),
             SURE_CELLS * scales.cell,
             scales.viewing_distance,
             self._glances,

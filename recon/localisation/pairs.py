@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import invert, pose, rotation_about_y, wrapped
-from recon.localisation.graph import planar
+from recon.localisation.graph import led_by, planar, step_between
 from recon.localisation.locate import points_of
+from recon.localisation.planar_motion import PlanarMotion, planar_motion, standing
 from recon.localisation.registration import Points, Prior, inverse, register
 from recon.localisation.surfels import Surfels
 from recon.records import PointCloud, StereoPair
-from recon.sequences.odometry.motion import linearise
-from recon.sequences.odometry.places import Place, meet, see
+from recon.sequences.odometry.motion import MIN_TRACKS, agreeing_tracks
+from recon.sequences.odometry.places import Place, see, shared
+from recon.sequences.odometry.tracking import Tracks, track
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
@@ -26,9 +28,9 @@ LEVEL_SIGMA = 1e-4
 SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
 """Systematic difference between the surfaces of two pairs."""
 FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
-COMMON_PX = 0.03
-"""Difference between the common errors of all disparities of two pairs: far from everything, their
-points agree on a wrong motion."""
+"""Systematic error of the motion between common points."""
+NEAR_CELLS, NEAR_DEG = 2.5, 60.0
+"""Distance and turn up to which corners are tracked from one pair into the other."""
 MIN_SHARE = 0.3
 """Minimum share of points on the other pair's surface."""
 MAX_OFF = 4.0
@@ -39,6 +41,7 @@ MAX_OFF = 4.0
 class Shown:
     """The surface seen by a pair, in the frame of its camera."""
 
+    pair: StereoPair
     place: Place
     cloud: PointCloud
     """Left frame, axes of the world: turned level, x ahead is not."""
@@ -55,6 +58,7 @@ class Shown:
         T_level_left = pose(rotation_about_y(azimuth) @ pair.T_world_left[:3, :3], np.zeros(3))
         in_left = cloud.transformed(invert(pair.T_world_left))
         return cls(
+            pair=pair,
             place=see(pair),
             cloud=in_left,
             T_level_left=T_level_left,
@@ -64,8 +68,7 @@ class Shown:
 
     def at(self, place: Array) -> Array:
         """`T_world_left` (4, 4) at x, z and azimuth (3,), with the camera at height 0."""
-        x, z, azimuth = place
-        return pose(rotation_about_y(-azimuth), [x, 0.0, z]) @ self.T_level_left
+        return standing(place, self.T_level_left)
 
     @cached_property
     def surfels(self) -> Surfels:
@@ -108,21 +111,39 @@ def _by_features(
     first: Shown, second: Shown, poses: Array, spread: Array
 ) -> tuple[Array, Array] | None:
     del spread
-    met = meet(first.place, second.place)
-    if met is None:
+    step = step_between(*poses)
+    found = _by_tracks(first, second, step) or _by_places(first, second, step)
+    if found is None:
         return None
-    T_world_left = first.at(poses[0]) @ invert(met.T_second_first)
-    at = linearise(met.T_second_first, met.tracks, second.place.rig)
-    turn = np.kron(np.eye(2), T_world_left[:3, :3])
-    information = turn @ at.normal_equations()[0] @ turn.T / at.spread**2
-    rig = second.place.rig
-    depth = float(np.median(rig.depth(met.tracks.second.disparity_px)))
-    shift = float(rig.depth_sigma(depth, COMMON_PX))
-    cells = FEATURES_CELLS + shift / first.map.cell_size
-    # A wrong distance turns the motion about what is seen as well.
-    return planar(T_world_left), _known(
-        information, first, cells, FEATURES_DEG + float(np.degrees(shift / depth))
-    )
+    length = FEATURES_CELLS * first.map.cell_size
+    least = np.diag([length, length, np.radians(FEATURES_DEG)]) ** 2
+    turn = np.eye(3)
+    turn[:2, :2] = rotation_about_y(-poses[0][2])[np.ix_([0, 2], [0, 2])]
+    there = poses[0] + led_by(poses[:1], found.place[None])[0]
+    return there, inverse(turn @ (found.covariance + least) @ turn.T)
+
+
+def _by_tracks(first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
+    """The motion by corners tracked from one pair into the other, where they are near."""
+    is_near = np.hypot(*step[:2]) < NEAR_CELLS * first.map.cell_size
+    if not is_near or abs(step[2]) > np.radians(NEAR_DEG) or first.pair.rig != second.pair.rig:
+        return None
+    T_second_first = invert(standing(step, second.T_level_left)) @ first.T_level_left
+    return _agreed(track(first.pair, second.pair, T_second_first), first, second, step)
+
+
+def _by_places(first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
+    """The motion by features that look alike."""
+    return _agreed(shared(first.place, second.place), first, second, step)
+
+
+def _agreed(tracks: Tracks, first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
+    """The motion on which common points agree."""
+    agreeing = agreeing_tracks(tracks, second.pair.rig)
+    if agreeing is None or agreeing[1].sum() < MIN_TRACKS:
+        return None
+    tilts = first.T_level_left, second.T_level_left
+    return planar_motion(tracks.select(agreeing[1]), second.pair.rig, tilts, step)
 
 
 def _by_shape(

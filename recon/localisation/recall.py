@@ -10,7 +10,7 @@ from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
-from recon.localisation.registration import Points, Prior, inverse
+from recon.localisation.registration import Points, Prior
 from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
 from recon.localisation.surfels import Surfels
@@ -122,22 +122,27 @@ class KnownWorld:
             if found or self.search is None:
                 return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
-        known = self._by_places(pair, points_of(cloud, pair.rig, self.voxels.cell_size))
-        trusted = [(one, self.trust * number / TRUSTED_AGREEING) for one, number in known]
-        return self.search.recall(all_points(cloud, pair.rig), pair.rig, trusted)
+        known = [
+            (self.search.upright(one), self.trust * number / TRUSTED_AGREEING)
+            for one, number in self._by_places(pair)
+        ]
+        return self.search.recall(all_points(cloud, pair.rig), pair.rig, known)
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
         """The distinct possible poses of a pair, the most likely first."""
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         points = points_of(cloud, pair.rig, self.voxels.cell_size)
         outlook = Outlook.of(cloud, pair.rig)
-        known = self._by_places(pair, points)
+        known = self._by_places(pair)
         guessed = [(one, 0) for one in self._by_shape(cloud, points, outlook)]
         found = [self._judged(one, number, outlook) for one, number in [*known, *guessed]]
         return distinct(found, self.voxels.cell_size)
 
-    def _by_places(self, pair: StereoPair, points: Points) -> list[tuple[PoseEstimate, int]]:
-        """Poses by the places that look alike, with the number of points that agree, most first."""
+    def _by_places(self, pair: StereoPair) -> list[tuple[PoseEstimate, int]]:
+        """Poses by the places that look alike, with the number of points that agree, most first.
+
+        They are not registered to the surface of the map, which is less precise than features.
+        """
         if not len(self.atlas):
             return []
         query = see(pair, STRETCHES)
@@ -146,16 +151,10 @@ class KnownWorld:
         met = [(int(row), self._meet(int(row), query)) for row in nearest]
         both = [(row, one) for row, one in met if one and one.num_agreeing >= MIN_AGREEING]
         both.sort(key=lambda one: -one[1].num_agreeing)
-        found = []
-        for row, meeting in both[:NUM_HYPOTHESES]:
-            prior = self._prior(row, meeting, query)
-            located = locate_points(points, self.surfels, prior)
-            if isinstance(located, FitFailure):
-                located = _by_points(prior, meeting)
-            else:
-                located = replace(located, covariance=located.covariance + self._own(row))
-            found.append((located, meeting.num_agreeing))
-        return found
+        return [
+            (self._from(row, meeting, query), meeting.num_agreeing)
+            for row, meeting in both[:NUM_HYPOTHESES]
+        ]
 
     def _own(self, row: int) -> Array:
         """Covariance (6, 6) of the pose of a place."""
@@ -195,7 +194,7 @@ class KnownWorld:
     def _meet(self, row: int, query: Place) -> Meeting | None:
         return meet(self.atlas.places[row], query)
 
-    def _prior(self, row: int, meeting: Meeting, query: Place) -> Prior:
+    def _from(self, row: int, meeting: Meeting, query: Place) -> PoseEstimate:
         """The pose of the query from a place, with the uncertainty of the points and the place."""
         T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
         at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
@@ -204,8 +203,14 @@ class KnownWorld:
         spread = at.spread * np.sqrt(len(at.residual) / (len(at.residual) - 6.0))
         covariance = np.linalg.pinv(information) * spread**2
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
-        whole = turn @ covariance @ turn.T + self._own(row)
-        return Prior(T_world_left=T_world_left, information=inverse(whole))
+        return PoseEstimate(
+            T_world_left=T_world_left,
+            covariance=turn @ covariance @ turn.T + self._own(row),
+            probability=0.0,
+            residual=1.0,
+            inlier_share=meeting.num_agreeing / len(meeting.tracks),
+            num_cells=0,
+        )
 
     def _judged(self, estimate: PoseEstimate, num_agreeing: int, outlook: Outlook) -> Hypothesis:
         same, different = outlook.agreement(self.voxels, estimate.T_world_left)
@@ -214,28 +219,21 @@ class KnownWorld:
         )
 
 
-def _by_points(prior: Prior, meeting: Meeting) -> PoseEstimate:
-    """The pose from a place's points alone."""
-    return PoseEstimate(
-        T_world_left=prior.T_world_left,
-        covariance=inverse(prior.information),
-        probability=0.0,
-        residual=1.0,
-        inlier_share=meeting.num_agreeing / max(1, len(meeting.tracks)),
-        num_cells=0,
-    )
-
-
 def distinct(found: list[Hypothesis], cell_size: float) -> list[Hypothesis]:
-    """The distinct hypotheses, the most likely first."""
+    """The distinct hypotheses, the most likely first, by the place with the most common points."""
     kept: list[Hypothesis] = []
     for one in sorted(found, key=lambda one: -one.evidence):
-        if not any(_is_same(one.estimate, other.estimate, cell_size) for other in kept):
+        same = (row for row, other in enumerate(kept) if _is_same(one, other, cell_size))
+        row = next(same, None)
+        if row is None:
             kept.append(one)
+        elif one.num_agreeing > kept[row].num_agreeing:
+            kept[row] = replace(kept[row], estimate=one.estimate, num_agreeing=one.num_agreeing)
     return kept
 
 
-def _is_same(a: PoseEstimate, b: PoseEstimate, cell_size: float) -> bool:
+def _is_same(one: Hypothesis, other: Hypothesis, cell_size: float) -> bool:
+    a, b = one.estimate, other.estimate
     off = invert(a.T_world_left) @ b.T_world_left
     reach = max(cell_size, 3.0 * (a.sigma + b.sigma))
     return bool(np.linalg.norm(off[:3, 3]) < reach and np.trace(off[:3, :3]) > 1.0 + 2.0 * 0.98)

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
-from scipy.special import logsumexp
 
 from recon.camera import StereoRig
 from recon.geometry import pose, rotation_about_y, wrapped
 from recon.localisation.atlas import Atlas
+from recon.localisation.candidates import Candidate, decide, distinct
 from recon.localisation.completion import completed, thinned
 from recon.localisation.directions import Directions, all_round
 from recon.localisation.graph import planar
@@ -48,36 +48,10 @@ NEAREST_SHARE = 0.3
 """Turns of the best pose about the nearest share of the points, from which it is registered
 again."""
 MIN_POINTS = 30
-APART_CELLS, APART_RAD = 0.6, 0.05
-"""Distance, and difference of heading, from which on poses are distinct."""
-NUM_SIGMAS = 3.0
-"""Poses that differ by fewer standard deviations are the same."""
 SHARED = 2.0
 """Neighbouring cells share the errors of the solids fitted to them: so many count as one."""
 CELLS_PER_E = 10.0
 """Number of cells, one standard deviation squared off, that make a pose e times less likely."""
-CHANCE = 6.0
-"""Agreement that chance may have."""
-MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
-"""Of an accepted pose: probability, standard deviation, and share of the points on the map."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Candidate:
-    """A pose that may be the true one."""
-
-    estimate: PoseEstimate
-    evidence: float
-    """Logarithm of its likelihood, up to a constant of the pair."""
-
-    def is_apart(self, better: "Candidate", cell_size: float) -> bool:
-        """True if this is another pose than a better one, beyond the uncertainty of that."""
-        own, other = (planar(one.estimate.T_world_left) for one in (self, better))
-        turn, off = abs(float(wrapped(own[2] - other[2]))), math.hypot(*(own - other)[:2])
-        of = better.estimate
-        return off > max(APART_CELLS * cell_size, NUM_SIGMAS * of.sigma) or turn > max(
-            APART_RAD, NUM_SIGMAS * math.radians(of.sigma_deg)
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -112,6 +86,10 @@ class Search:
             places=_places(points, stance.height, cell, extent),
         )
 
+    def upright(self, estimate: PoseEstimate) -> PoseEstimate:
+        """A pose in the stance of the run."""
+        return self.stance.upright(estimate, self.shape.size)
+
     def recall(
         self, points: Points, rig: StereoRig, known: list[tuple[PoseEstimate, float]]
     ) -> PoseEstimate | FitFailure:
@@ -126,23 +104,20 @@ class Search:
         """The distinct poses that may be true, the likeliest first."""
         few = _some(points, NUM_REGISTERED)
         found = [self._registered(few, T) for T in self._summits(points, rig)]
-        judged = [
-            Candidate(estimate=one, evidence=more + self._evidence(points, rig, one.T_world_left))
-            for one, more in [*((one, 0.0) for one in found if one is not None), *known]
-        ]
+        judged = [self._judged(one, points, rig) for one in found if one is not None]
+        judged += [self._judged(one, points, rig, more) for one, more in known]
         if judged:
             best = max(judged, key=lambda one: one.evidence).estimate
             again = [self._registered(few, T) for T in _turned(few, best.T_world_left)]
-            judged += [
-                Candidate(estimate=one, evidence=self._evidence(points, rig, one.T_world_left))
-                for one in again
-                if one is not None
-            ]
-        kept: list[Candidate] = []
-        for one in sorted(judged, key=lambda one: -one.evidence):
-            if all(one.is_apart(other, self.shape.size) for other in kept):
-                kept.append(one)
-        return kept
+            judged += [self._judged(one, points, rig) for one in again if one is not None]
+        return distinct(judged, self.shape.size)
+
+    def _judged(
+        self, estimate: PoseEstimate, points: Points, rig: StereoRig, known: float | None = None
+    ) -> Candidate:
+        """A pose with its evidence, to which that of a known place is added."""
+        evidence = self._evidence(points, rig, estimate.T_world_left) + (known or 0.0)
+        return Candidate(estimate=estimate, evidence=evidence, is_known=known is not None)
 
     def _summits(self, points: Points, rig: StereoRig) -> list[Array]:
         """Poses (4, 4) of best agreement, the best first."""
@@ -242,22 +217,6 @@ def _distinct(summits: list[Summit], cell_size: float) -> list[Summit]:
 def _directions(points: Points, rig: StereoRig, tilt: Array, degrees: float) -> Directions:
     level = points.points_left @ tilt.T
     return Directions.of(level, points.sigma, rig, tilt, math.radians(degrees))
-
-
-def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:
-    """The likeliest of distinct candidates, likeliest first, if no other comes near it."""
-    if not found:
-        return FitFailure("no place looks like it")
-    best = found[0].estimate
-    evidence = np.array([*(one.evidence for one in found), CHANCE])
-    probability = float(np.exp(evidence[0] - logsumexp(evidence)))
-    if best.inlier_share < MIN_SHARE:
-        return FitFailure("the map shows other things there")
-    if probability < MIN_PROBABILITY:
-        return FitFailure("several places look like it" if len(found) > 1 else "too little is seen")
-    if best.sigma > MAX_SIGMA_CELLS * cell_size:
-        return FitFailure("too little is seen to tell the exact place")
-    return replace(best, probability=probability)
 
 
 def _turned(points: Points, T_world_left: Array) -> list[Array]:

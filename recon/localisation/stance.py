@@ -1,14 +1,15 @@
 """Stance: the height of cameras that stand upright on the ground, and how far up they look."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import pose, rotation_about_y
 from recon.localisation.graph import planar
-from recon.localisation.registration import Prior
+from recon.localisation.registration import Prior, inverse, moved
+from recon.records import PoseEstimate
 
 Array = NDArray[np.float64]
 
@@ -60,6 +61,15 @@ class Stance:
         information = np.diag(np.concatenate([own, cell_size * cells]) ** -2.0)
         information[:3, :3] = turn @ information[:3, :3] @ turn.T
         return Prior(T_world_left=T_world_left, information=information)
+
+    def upright(self, estimate: PoseEstimate, cell_size: float) -> PoseEstimate:
+        """A pose corrected by the height of the stance; cameras do not roll."""
+        T_world_left = estimate.T_world_left
+        pitch = math.asin(float(np.clip(T_world_left[1, 2], -1.0, 1.0)))
+        level = self.prior(self.at(planar(T_world_left), pitch), cell_size)
+        covariance = inverse(inverse(estimate.covariance) + level.information)
+        change = -covariance @ level.information @ level.pull(T_world_left)
+        return replace(estimate, T_world_left=moved(T_world_left, change), covariance=covariance)
 
 
 def tilt_by(pitch: float) -> Array:

@@ -5,11 +5,12 @@ import pytest
 
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, rotation_about_y, transform
+from recon.localisation.candidates import Candidate, decide, distinct
 from recon.localisation.completion import completed, thinned
 from recon.localisation.directions import Directions
 from recon.localisation.graph import planar
 from recon.localisation.registration import Points
-from recon.localisation.search import Candidate, Search, decide
+from recon.localisation.search import Search
 from recon.localisation.silhouettes import Shape, agreement
 from recon.localisation.stance import Stance, tilt_by, tilt_of
 from recon.localisation.surfels import Surfels
@@ -152,12 +153,12 @@ def test_unseen_sides_are_completed_by_the_solids_of_objects():
     assert np.allclose(completed(voxels_of(front), ()), front)
 
 
-def candidate(x, evidence, sigma=0.05):
+def candidate(x, evidence, sigma=0.05, is_known=False):
     estimate = PoseEstimate(
         T_world_left=pose(tilt_by(0.0), [x, 5.0, 0.0]), covariance=sigma**2 * np.eye(6),
         probability=0.0, residual=1.0, inlier_share=0.9, num_cells=99,
     )  # fmt: skip
-    return Candidate(estimate=estimate, evidence=evidence)
+    return Candidate(estimate=estimate, evidence=evidence, is_known=is_known)
 
 
 def test_a_place_is_said_only_if_no_other_comes_near_it():
@@ -170,3 +171,31 @@ def test_a_place_is_said_only_if_no_other_comes_near_it():
     assert decide([], 1.0).reason == "no place looks like it"
     assert candidate(0.0, 1.0).is_apart(candidate(0.7, 1.0), 1.0)
     assert not candidate(0.0, 1.0).is_apart(candidate(0.3, 1.0), 1.0)
+
+
+def test_features_tell_the_place_that_shape_leaves_open():
+    open_place = candidate(1.5, 30.0, sigma=0.9)
+    known = candidate(0.0, 29.0, is_known=True)
+    assert "exact place" in decide(distinct([open_place, candidate(0.0, 29.0)], 1.0), 1.0).reason
+    said = decide(distinct([open_place, known, candidate(40.0, 2.0)], 1.0), 1.0)
+    assert said.T_world_left[0, 3] == 0.0
+    assert said.sigma == pytest.approx(0.05)
+    # Somewhere else, features say nothing about it.
+    elsewhere = candidate(9.0, 29.0, is_known=True)
+    assert "several" in decide(distinct([open_place, elsewhere], 1.0), 1.0).reason
+
+
+def test_an_upright_camera_has_the_height_of_its_run(stance):
+    true = stance.at(np.array([3.0, -2.0, 0.7]), stance.pitches[0])
+    covariance = np.diag(np.repeat([np.radians(1.0), 0.3], 3) ** 2)
+    lifted = pose(true[:3, :3], true[:3, 3] + [0.1, 0.4, 0.0])
+    found = stance.upright(
+        PoseEstimate(
+            T_world_left=lifted, covariance=covariance, probability=0.0, residual=1.0,
+            inlier_share=1.0, num_cells=0,
+        ),
+        1.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.T_world_left[:3, 3], [3.1, HEIGHT, -2.0], atol=0.03)
+    assert found.covariance[4, 4] < 0.06**2
+    assert found.covariance[3, 3] == pytest.approx(0.3**2, rel=0.1)

@@ -1,0 +1,73 @@
+"""Candidates: the poses that a pair may have, and the one that wins."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import logsumexp
+
+from recon.geometry import wrapped
+from recon.localisation.graph import planar
+from recon.records import FitFailure, PoseEstimate
+
+APART_CELLS, APART_RAD = 0.6, 0.05
+"""Distance, and difference of heading, from which on poses are distinct."""
+NUM_SIGMAS = 3.0
+"""Poses that differ by fewer standard deviations are the same."""
+CHANCE = 6.0
+"""Agreement that chance may have."""
+MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
+"""Of an accepted pose: probability, standard deviation, and share of the points on the map."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """A pose that may be the true one."""
+
+    estimate: PoseEstimate
+    evidence: float
+    """Logarithm of its likelihood, up to a constant of the pair."""
+    is_known: bool = False
+    """True if it is measured by the features of a known place."""
+
+    def is_apart(self, better: "Candidate", cell_size: float) -> bool:
+        """True if this is another pose than a better one, beyond the uncertainty of that."""
+        own, other = (planar(one.estimate.T_world_left) for one in (self, better))
+        turn, off = abs(float(wrapped(own[2] - other[2]))), math.hypot(*(own - other)[:2])
+        of = better.estimate
+        return off > max(APART_CELLS * cell_size, NUM_SIGMAS * of.sigma) or turn > max(
+            APART_RAD, NUM_SIGMAS * math.radians(of.sigma_deg)
+        )
+
+
+def distinct(found: list[Candidate], cell_size: float) -> list[Candidate]:
+    """The distinct candidates, the likeliest first.
+
+    Where shape leaves a pose open, as that of a round thing seen alone, a known place that shows
+    the same tells it.
+    """
+    kept: list[Candidate] = []
+    for one in sorted(found, key=lambda one: -one.evidence):
+        same = (row for row, other in enumerate(kept) if not one.is_apart(other, cell_size))
+        row = next(same, None)
+        if row is None:
+            kept.append(one)
+        elif one.is_known and not kept[row].is_known:
+            kept[row] = replace(kept[row], estimate=one.estimate, is_known=True)
+    return kept
+
+
+def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:
+    """The likeliest of distinct candidates, likeliest first, if no other comes near it."""
+    if not found:
+        return FitFailure("no place looks like it")
+    best = found[0].estimate
+    evidence = np.array([*(one.evidence for one in found), CHANCE])
+    probability = float(np.exp(evidence[0] - logsumexp(evidence)))
+    if best.inlier_share < MIN_SHARE:
+        return FitFailure("the map shows other things there")
+    if probability < MIN_PROBABILITY:
+        return FitFailure("several places look like it" if len(found) > 1 else "too little is seen")
+    if best.sigma > MAX_SIGMA_CELLS * cell_size:
+        return FitFailure("too little is seen to tell the exact place")
+    return replace(best, probability=probability)
