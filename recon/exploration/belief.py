@@ -85,7 +85,7 @@ class Belief:
     """Headings of those since the agent stands where it stands, radians."""
     _num_returns: int = 0
     _num_turns: int = 0
-    """Of the present look all round."""
+    """Of the look all round at the start."""
 
     @property
     def sigma(self) -> float:
@@ -152,7 +152,7 @@ class Belief:
         """The walk back to the first view, whose sights correct the whole path; None at home."""
         if self._num_returns >= MAX_RETURNS:
             return None
-        self._num_returns, self._num_turns = self._num_returns + 1, 0
+        self._num_returns += 1
         return way_home(self.sights[0].view, state)
 
     def keep(self, sight: Sight) -> Sight:
@@ -221,17 +221,15 @@ class Belief:
     def glance(self) -> View | None:
         """The next look for the sake of the agent's own place; None where it needs none.
 
-        It looks all round where it starts and when it is back there, so that everything in sight is
-        tied to the first pose, and elsewhere at what it knows, as long as it is not sure of its
-        place.
+        It looks all round where it starts, so that everything in sight is tied to the first pose,
+        and elsewhere at what it knows, as long as it is not sure of its place.
         """
         assert self.graph is not None
         last, scales = self.sights[-1], Scales.of(self.settings)
         half_field = field_of_view(last.pair) / 2.0
         # Each look is a step with its errors: as few as show everything.
         number = math.ceil(math.pi / half_field)
-        # At home the last one is that of the first pair, whose pose is known.
-        if self._num_turns < number - (self._num_returns == 0):
+        if self._num_turns < number - 1:
             self._num_turns += 1
             onward = float(self.graph.poses[-1, 2]) + 2.0 * math.pi / number
             return turned(last.view, onward, scales.gaze)

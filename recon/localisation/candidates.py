@@ -14,6 +14,9 @@ APART_CELLS, APART_RAD = 0.6, 0.05
 """Distance, and difference of heading, from which on poses are distinct."""
 NUM_SIGMAS = 3.0
 """Poses that differ by fewer standard deviations are the same."""
+COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
+"""A place covers a pose within this share of its depth and 20 degrees: features would have found
+it."""
 CHANCE = 6.0
 """Agreement that chance may have."""
 MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
@@ -29,6 +32,14 @@ class Candidate:
     """Logarithm of its likelihood, up to a constant of the pair."""
     is_known: bool = False
     """True if it is measured by the features of a known place."""
+    reach: float = 0.0
+    """Distance within which features would have found another pose, world units."""
+
+    def is_covered(self, by: "Candidate") -> bool:
+        """True if the features that measured another pose would have measured this one."""
+        own, other = (one.estimate.T_world_left for one in (self, by))
+        is_near = np.linalg.norm(own[:3, 3] - other[:3, 3]) < by.reach
+        return bool(by.is_known and is_near and own[:3, 2] @ other[:3, 2] > COVERED_COSINE)
 
     def is_apart(self, better: "Candidate", cell_size: float) -> bool:
         """True if this is another pose than a better one, beyond the uncertainty of that."""
@@ -52,9 +63,9 @@ def distinct(found: list[Candidate], cell_size: float) -> list[Candidate]:
         row = next(same, None)
         if row is None:
             kept.append(one)
-        elif one.is_known and not kept[row].is_known:
-            kept[row] = replace(kept[row], estimate=one.estimate, is_known=True)
-    return kept
+        elif one.is_known and one.estimate.sigma < kept[row].estimate.sigma:
+            kept[row] = replace(one, evidence=kept[row].evidence)
+    return [one for row, one in enumerate(kept) if not any(one.is_covered(by) for by in kept[:row])]
 
 
 def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:

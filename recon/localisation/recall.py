@@ -8,6 +8,7 @@ from scipy.special import logsumexp
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
+from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
 from recon.localisation.registration import Points, Prior
@@ -35,10 +36,7 @@ NUM_SHAPES = 24
 """Number of guesses by shape that are refined."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
 """Standard deviations of tilt and height of a guess by shape."""
-COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
-"""A place covers a pose within this share of its depth and 20 degrees: features would have found
-it."""
-PLACE_SIGMA_CELLS, PLACE_SIGMA_SHARE, PLACE_SIGMA_DEG = 0.05, 0.002, 0.1
+PLACE_SIGMA_CELLS, PLACE_SIGMA_SHARE, PLACE_SIGMA_DEG = 0.05, 0.0016, 0.08
 """Standard deviations of the pose of a place in its own map: in cells, as a share of its depth, and
 in degrees. Its map has the same errors, so points cannot correct them."""
 TILES_PER_E = 1.5

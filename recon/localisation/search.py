@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from recon.camera import StereoRig
 from recon.geometry import pose, rotation_about_y, wrapped
 from recon.localisation.atlas import Atlas
-from recon.localisation.candidates import Candidate, decide, distinct
+from recon.localisation.candidates import COVERED_SHARE, Candidate, decide, distinct
 from recon.localisation.completion import completed, thinned
 from recon.localisation.directions import Directions, all_round
 from recon.localisation.graph import planar
@@ -103,7 +103,8 @@ class Search:
     ) -> list[Candidate]:
         """The distinct poses that may be true, the likeliest first."""
         few = _some(points, NUM_REGISTERED)
-        found = [self._registered(few, T) for T in self._summits(points, rig)]
+        starts = [*self._summits(points, rig), *(one.T_world_left for one, _ in known)]
+        found = [self._registered(few, T) for T in starts]
         judged = [self._judged(one, points, rig) for one in found if one is not None]
         judged += [self._judged(one, points, rig, more) for one, more in known]
         if judged:
@@ -116,8 +117,11 @@ class Search:
         self, estimate: PoseEstimate, points: Points, rig: StereoRig, known: float | None = None
     ) -> Candidate:
         """A pose with its evidence, to which that of a known place is added."""
-        evidence = self._evidence(points, rig, estimate.T_world_left) + (known or 0.0)
-        return Candidate(estimate=estimate, evidence=evidence, is_known=known is not None)
+        evidence = self._evidence(points, rig, estimate.T_world_left)
+        if known is None:
+            return Candidate(estimate=estimate, evidence=evidence)
+        reach = COVERED_SHARE * float(np.median(points.points_left[:, 2]))
+        return Candidate(estimate=estimate, evidence=evidence + known, is_known=True, reach=reach)
 
     def _summits(self, points: Points, rig: StereoRig) -> list[Array]:
         """Poses (4, 4) of best agreement, the best first."""

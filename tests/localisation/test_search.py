@@ -153,12 +153,12 @@ def test_unseen_sides_are_completed_by_the_solids_of_objects():
     assert np.allclose(completed(voxels_of(front), ()), front)
 
 
-def candidate(x, evidence, sigma=0.05, is_known=False):
+def candidate(x, evidence, sigma=0.05, is_known=False, reach=0.0):
     estimate = PoseEstimate(
         T_world_left=pose(tilt_by(0.0), [x, 5.0, 0.0]), covariance=sigma**2 * np.eye(6),
         probability=0.0, residual=1.0, inlier_share=0.9, num_cells=99,
     )  # fmt: skip
-    return Candidate(estimate=estimate, evidence=evidence, is_known=is_known)
+    return Candidate(estimate=estimate, evidence=evidence, is_known=is_known, reach=reach)
 
 
 def test_a_place_is_said_only_if_no_other_comes_near_it():
@@ -180,6 +180,14 @@ def test_features_tell_the_place_that_shape_leaves_open():
     said = decide(distinct([open_place, known, candidate(40.0, 2.0)], 1.0), 1.0)
     assert said.T_world_left[0, 3] == 0.0
     assert said.sigma == pytest.approx(0.05)
+    # A vague one does not.
+    vague = candidate(0.0, 29.0, sigma=0.95, is_known=True)
+    assert "exact place" in decide(distinct([open_place, vague], 1.0), 1.0).reason
+    # Places that the same features would have told are not taken for it.
+    seen = candidate(0.0, 30.0, is_known=True, reach=9.0)
+    beside, beyond = candidate(4.0, 29.5), candidate(12.0, 29.5)
+    assert len(distinct([seen, beside, beyond], 1.0)) == 2
+    assert len(distinct([candidate(0.0, 30.0, reach=9.0), beside, beyond], 1.0)) == 3
     # Somewhere else, features say nothing about it.
     elsewhere = candidate(9.0, 29.0, is_known=True)
     assert "several" in decide(distinct([open_place, elsewhere], 1.0), 1.0).reason
