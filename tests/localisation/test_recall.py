@@ -7,7 +7,13 @@ import pytest
 
 from recon.errors import InputError
 from recon.localisation.atlas import Atlas
-from recon.localisation.recall import Hypothesis, KnownWorld, choose
+from recon.localisation.recall import (
+    PLACE_SIGMA_DEG,
+    PLACE_SIGMA_SHARE,
+    Hypothesis,
+    KnownWorld,
+    choose,
+)
 from recon.localisation.trust import trust_in
 from recon.records import FitFailure, PoseEstimate, StereoPair
 from tests.localisation.recorded import SETTINGS, village
@@ -107,6 +113,6 @@ def test_an_atlas_without_places_is_an_atlas(tmp_path):
 
 def test_a_place_is_no_surer_than_its_own_pose(known):
     (one, *_) = [found for pair in village().others[1::2] if (found := known.recall(pair))]
-    assert np.degrees(np.sqrt(np.diag(one.covariance)[:3])).min() > 0.1
+    assert np.degrees(np.sqrt(np.diag(one.covariance)[:3])).min() >= PLACE_SIGMA_DEG
     depth = float(known.depths.min())
-    assert one.sigma > 0.002 * depth
+    assert one.sigma > PLACE_SIGMA_SHARE * depth
