@@ -20,6 +20,11 @@ NEIGHBOURS: Mask = np.ones((3, 3), dtype=bool)
 """A cell and its eight neighbours."""
 MAX_CELLS = 16_000_000
 """Maximum number of floor cells: planning needs some hundred bytes per cell."""
+MIN_HITS = 2
+"""Number of points of one view on a cell that show an obstacle: a lone one may be noise."""
+MUCH_NEARER = 2.0
+"""Factor between two distances of which the smaller one counts alone: errors of depth grow with the
+square of the distance, and thin obstacles disappear."""
 ROUNDING = 1e-9
 """Numbers with a smaller difference are equal, so that decisions do not depend on the unit of
 length."""
@@ -65,6 +70,8 @@ class Floor:
     """(X, Z) smallest distance from which a view saw the cell as free; infinite = never."""
     barred_from: Array = field(init=False)
     """(X, Z) smallest distance from which the foot of an obstacle was seen on it."""
+    hit_from: Array = field(init=False)
+    """(X, Z) smallest distance from which points of an obstacle were seen above it."""
     occupied: Mask = field(init=False)
     """(X, Z) True if a mapped obstacle is on or above the cell."""
     touched: Mask = field(init=False)
@@ -75,6 +82,7 @@ class Floor:
         self.corner = -np.array([self.size_x, self.size_z]) / 2.0
         self.seen_from = np.full(shape, np.inf)
         self.barred_from = np.full(shape, np.inf)
+        self.hit_from = np.full(shape, np.inf)
         self.occupied = np.zeros(shape, dtype=bool)
         self.touched = np.zeros(shape, dtype=bool)
 
@@ -99,6 +107,14 @@ class Floor:
         nearest_free = self.seen_from + self.cell_size
         return np.isfinite(self.barred_from) & (self.barred_from <= nearest_free)
 
+    @property
+    def hit(self) -> Mask:
+        """(X, Z) points were seen above it, and only views from much farther saw it as free.
+
+        These may be too few points for the map, like those on the end of a fence.
+        """
+        return np.isfinite(self.hit_from) & (MUCH_NEARER * self.hit_from <= self.seen_from)
+
     def window(self, place_xz: Array, reach: float) -> "Floor":
         """The part of the floor within reach of a position along x and z; it shares the arrays."""
         low = self.cells(place_xz - reach).clip(0, self.shape)
@@ -107,7 +123,8 @@ class Floor:
         part.corner = self.corner + low * self.cell_size
         part.size_x, part.size_z = (high - low) * self.cell_size
         part.seen_from, part.barred_from = self.seen_from[rows], self.barred_from[rows]
-        part.occupied, part.touched = self.occupied[rows], self.touched[rows]
+        part.hit_from, part.occupied = self.hit_from[rows], self.occupied[rows]
+        part.touched = self.touched[rows]
         return part
 
     def cells(self, points_xz: ArrayLike) -> NDArray[np.intp]:
@@ -199,6 +216,14 @@ class Floor:
         cells = self.cells(place_xz + offsets)
         inside = self.holds(cells)
         np.minimum.at(self.barred_from, tuple(cells[inside].T), distance[inside])
+
+    def hit_at(self, place_xz: Array, points_xz: Array) -> None:
+        """Record the cells with enough of the reliable points (N, 2) that a view shows."""
+        cells = self.cells(points_xz)
+        cells, number = np.unique(cells[self.holds(cells)], axis=0, return_counts=True)
+        cells = cells[number >= MIN_HITS]
+        distance = np.hypot(*(self.centres(cells) - place_xz).T)
+        np.minimum.at(self.hit_from, tuple(cells.T), distance)
 
     def touch(self, place_xz: Array, radius: float) -> bool:
         """Record that a body of some radius cannot stand at a position; False if nothing is new."""

@@ -122,7 +122,8 @@ def _walkable(state: State, unknown: Mask | None) -> Mask:
     walkable = ~obstacles & _away_from(obstacles, scales.cells(scales.walk_clearance), here)
     if unknown is not None:
         clearance = scales.cells(scales.unknown_clearance)
-        walkable &= floor.known_free & _away_from(unknown | floor.barred, clearance, here)
+        doubtful = unknown | floor.barred | floor.hit
+        walkable &= floor.known_free & _away_from(doubtful, clearance, here)
     around = tuple(slice(max(0, index - 1), index + 2) for index in here)
     if obstacles[around].all():
         _open_exit(walkable, here)

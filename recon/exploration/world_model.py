@@ -100,6 +100,7 @@ class WorldModel:
         seen = scan(view, pair, standing, reach, ground, self.floor)
         self.floor.see(place, seen.azimuths_rad, seen.limits)
         self.floor.bar(place, seen.azimuths_rad, seen.feet)
+        self.floor.hit_at(place, sure.points[:, [0, 2]])
         self._detect(seen, standing)
 
     def name_obstacles(self) -> None:
@@ -116,13 +117,20 @@ class WorldModel:
         self.floor.touched |= before.floor.touched
 
     def _find_obstacles(self, cloud: PointCloud) -> None:
-        """Update the occupied cells of the floor and the obstacles where a pair has points."""
+        """Update the obstacles and the floor cells below them where a pair has points.
+
+        Fewer cells than those of an obstacle occupy nothing: phantoms right before the cameras
+        would hide all that is behind them.
+        """
         touched = self.columns.update(cloud.points)
-        self.floor.occupied = binary_closing(self.columns.under, NEIGHBOURS)
         min_voxels = self.settings.recognition.min_voxels
         before = [one for one in self.obstacles if one.found is not None]
         found = find_obstacles(self.columns, self.observations, min_voxels, self.obstacles, touched)
         self.obstacles = with_names(found, before)
+        under = np.zeros(self.floor.shape, dtype=bool)
+        for obstacle in self.obstacles:
+            under[tuple(obstacle.cells.T)] = True
+        self.floor.occupied = binary_closing(under, NEIGHBOURS)
 
     def _named(self, obstacle: Obstacle) -> Obstacle:
         objects = recognise(obstacle.voxels, self.settings.recognition).objects

@@ -87,6 +87,21 @@ def test_the_nearest_look_is_kept():
     assert 9.0 <= floor.seen_from[tuple(floor.cells([20.0, 0.0]))] <= 10.5
 
 
+@pytest.mark.parametrize(
+    ("num_points", "free_from", "holds"), [(2, 80.0, True), (2, 20.0, False), (1, 80.0, False)]
+)
+def test_points_hold_against_free_ground_that_was_seen_from_much_farther(
+    num_points, free_from, holds
+):
+    floor = Floor(size_x=100, size_z=100)
+    post = np.array([12.5, 9.5])
+    floor.seen_from[:] = free_from
+    floor.hit_at(np.zeros(2), np.array([*[post] * num_points, [60.0, 0.0], [60.0, 0.0]]))
+    assert floor.hit.sum() == holds
+    assert floor.hit[tuple(floor.cells(post))] == holds
+    assert floor.window(post, 3.0).hit.sum() == holds
+
+
 @pytest.mark.parametrize(("size", "cell_size"), [(1e5, 1.0), (5000.0, 0.05), (1e300, 1.0)])
 def test_a_floor_of_too_many_cells_is_refused_before_it_is_built(size, cell_size):
     changes = {"world": {"size_x": size, "size_z": size}, "map": {"cell_size": cell_size}}

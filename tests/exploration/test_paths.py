@@ -146,6 +146,17 @@ def test_sightings_bar_the_way(floor):
     assert paths.reaches(np.array([[-30.0, 0.0]]))[0]
 
 
+def test_points_too_few_for_the_map_keep_the_walker_away(floor):
+    pale, end = np.array([-20.5, 0.5]), np.array([-30.0, 0.0])
+    floor.hit_at(np.zeros(2), np.array([pale, pale]))
+    assert planned(state_on(floor)).is_clear(np.zeros(2), end)
+    floor.seen_from[:] = 50.0
+    assert not planned(state_on(floor)).is_clear(np.zeros(2), end)
+    walked = floor.centres(np.argwhere(np.isfinite(planned(state_on(floor)).distance)))
+    clearance = state_on(floor).scales.unknown_clearance
+    assert clearance <= np.hypot(*(walked - pale).T).min() < clearance + 1.0
+
+
 def test_who_stands_too_near_can_get_away(floor):
     paths = planned(state_on(floor, place=(9.0, 0.0)))
     assert paths.reaches(np.array([[-20.0, 0.0]]))[0]

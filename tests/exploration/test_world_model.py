@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from recon.exploration.obstacles import Obstacle
-from recon.exploration.world_model import _is_due
-from recon.records import UNKNOWN
+from recon.exploration.world_model import WorldModel, _is_due
+from recon.records import UNKNOWN, PointCloud
+from recon.settings import Settings
+from recon.voxelmap.occupancy import new_map
 
 AROUND, IN_FRONT = (0.0, 2.1, 4.2), (0.0, 0.5, 1.0)
 
@@ -49,3 +51,16 @@ def test_a_name_is_asked_for_again_after_every_view_of_what_resembles_a_kind(cha
     nearest = (("cottage", chance),)
     assert _is_due(obstacle(110, (*AROUND, 1.0), UNKNOWN, nearest)) == is_due
     assert not _is_due(obstacle(110, AROUND, UNKNOWN, nearest))
+
+
+@pytest.mark.parametrize("height", [3, 20])
+def test_fewer_cells_than_those_of_an_obstacle_occupy_no_floor(height):
+    settings = Settings()
+    model = WorldModel(settings=settings, voxel_map=new_map(settings.map))
+    stack = np.column_stack([np.zeros(height), 2.0 + np.arange(height), np.full(height, -3.0)])
+    points = PointCloud(points=np.repeat(stack + 0.5, settings.map.min_count, axis=0))
+    model.voxel_map.insert(points)
+    model._find_obstacles(points)
+    is_obstacle = height >= settings.recognition.min_voxels
+    assert len(model.obstacles) == model.floor.occupied.sum() == is_obstacle
+    assert model.columns.under.sum() == 1
