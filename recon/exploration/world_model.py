@@ -10,7 +10,7 @@ from scipy.spatial.distance import cdist
 
 from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
-from recon.exploration.obstacles import Observations, Obstacle, find_obstacles
+from recon.exploration.obstacles import Observations, Obstacle, find_obstacles, patches
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
 from recon.exploration.sides import OPEN_SURE_RAD, widest_gap
@@ -22,6 +22,8 @@ from recon.voxelmap import VoxelMap
 SURE_SIGMA = 1.0
 """A point is reliable if its depth is known to one cell."""
 NEARLY_ALL = 0.9
+MIN_CELLS = 3
+"""Fewer connected cells of the map are noise."""
 NUM_VIEWS = 3
 """An obstacle is first named when this number of views have seen it well ..."""
 GROWTH, SURE_GROWTH = 1.25, 2.0
@@ -119,17 +121,18 @@ class WorldModel:
     def _find_obstacles(self, cloud: PointCloud) -> None:
         """Update the obstacles and the floor cells below them where a pair has points.
 
-        Fewer cells than those of an obstacle occupy nothing: phantoms right before the cameras
-        would hide all that is behind them.
+        A cell or two alone occupy nothing: phantoms right before the cameras would hide all that is
+        behind them.
         """
         touched = self.columns.update(cloud.points)
         min_voxels = self.settings.recognition.min_voxels
         before = [one for one in self.obstacles if one.found is not None]
         found = find_obstacles(self.columns, self.observations, min_voxels, self.obstacles, touched)
         self.obstacles = with_names(found, before)
-        under = np.zeros(self.floor.shape, dtype=bool)
-        for obstacle in self.obstacles:
-            under[tuple(obstacle.cells.T)] = True
+        patch = patches(self.columns.under)
+        of_voxel = self.columns.number_of(self.columns.over(self.columns.under), patch)
+        size = np.append(np.bincount(of_voxel[of_voxel >= 0], minlength=patch.max() + 1), 0)
+        under = self.columns.under & (size[patch] >= MIN_CELLS)
         self.floor.occupied = binary_closing(under, NEIGHBOURS)
 
     def _named(self, obstacle: Obstacle) -> Obstacle:

@@ -53,14 +53,14 @@ def test_a_name_is_asked_for_again_after_every_view_of_what_resembles_a_kind(cha
     assert not _is_due(obstacle(110, AROUND, UNKNOWN, nearest))
 
 
-@pytest.mark.parametrize("height", [3, 20])
-def test_fewer_cells_than_those_of_an_obstacle_occupy_no_floor(height):
+@pytest.mark.parametrize("height", [1, 2, 3, 20])
+def test_a_cell_or_two_alone_occupy_no_floor(height):
     settings = Settings()
     model = WorldModel(settings=settings, voxel_map=new_map(settings.map))
     stack = np.column_stack([np.zeros(height), 2.0 + np.arange(height), np.full(height, -3.0)])
     points = PointCloud(points=np.repeat(stack + 0.5, settings.map.min_count, axis=0))
     model.voxel_map.insert(points)
     model._find_obstacles(points)
-    is_obstacle = height >= settings.recognition.min_voxels
-    assert len(model.obstacles) == model.floor.occupied.sum() == is_obstacle
+    assert len(model.obstacles) == (height >= settings.recognition.min_voxels)
+    assert model.floor.occupied.sum() == (height >= 3)
     assert model.columns.under.sum() == 1
