@@ -115,7 +115,7 @@ def _outer(points: Array, cell_size: float, least: int) -> Iterator[tuple[Plane,
     places, normals, number = outer_planes(points, cell_size, least)
     for plane, (place, normal) in enumerate(zip(places, normals, strict=True)):
         own = np.flatnonzero(number == plane)
-        if len(own):
+        if len(own) >= least:
             yield Plane(point=place, normal=normal), own
 
 
