@@ -13,10 +13,10 @@ from recon.libraries import limit_threads
 SPAWN: BaseContext = get_context("spawn")
 
 
-def start_server(module: str) -> BaseContext:
+def start_server(*modules: str) -> BaseContext:
     """Start the process that workers are forked from, and return the way to start them.
 
-    Where the system can fork safely, it loads a module with everything that the workers need, while
+    Where the system can fork safely, it loads modules with everything that the workers need, while
     this process does other things; it ends with this process. Its environment is that of its start,
     and there is one: it is for programs that run one command.
     """
@@ -25,7 +25,7 @@ def start_server(module: str) -> BaseContext:
     from multiprocessing.forkserver import ensure_running
 
     context = get_context("forkserver")
-    context.set_forkserver_preload([module])
+    context.set_forkserver_preload(list(modules))
     ensure_running()
     return context
 

@@ -127,10 +127,19 @@ class Dask:
         Workers of a local cluster.
     progress : callable
         Called with the progress of each job.
+    start : multiprocessing context
+        The way to start workers of a local cluster.
     """
 
-    def __init__(self, address: str, num_workers: int, progress: Progress = unheard) -> None:
+    def __init__(
+        self,
+        address: str,
+        num_workers: int,
+        progress: Progress = unheard,
+        start: BaseContext = SPAWN,
+    ) -> None:
         self._progress = progress
+        self._start = start
         self._distributed: Any = load_extra("distributed", "cluster")
         # It logs much more than one line per fault.
         for name in ("distributed", "distributed.client"):
@@ -169,7 +178,8 @@ class Dask:
             except (OSError, ValueError) as error:
                 raise InputError(f"no Dask scheduler answers at {self._address}") from error
         config = load_extra("dask.config", "cluster")
-        with config.set(_LOCAL):
+        way = {"distributed.worker.multiprocessing-method": self._start.get_start_method()}
+        with config.set(_LOCAL | way):
             # A client without a cluster creates one and stops it when closed.
             return self._distributed.Client(
                 n_workers=self._num_workers, threads_per_worker=1, dashboard_address=None
@@ -199,7 +209,7 @@ def make_scheduler(
     """Local processes if no address is given, else a Dask cluster."""
     if address is None:
         return Processes(num_workers, progress, start)
-    return Dask(address, num_workers, progress)
+    return Dask(address, num_workers, progress, start)
 
 
 def bound(call: Callable[..., Outcome], *arguments: Any) -> Call:

@@ -95,8 +95,10 @@ def _way_to_start(given: dict[str, Any]) -> Any:
     from recon.processes import SPAWN, start_server
 
     is_alone = click.get_current_context().find_root().obj
-    forks = is_alone and not given["dry_run"] and given["scheduler"] is None
-    return start_server("recon.batch.loaded") if forks else SPAWN
+    if not is_alone or given["dry_run"] or given["scheduler"] not in (None, "local"):
+        return SPAWN
+    modules = ["recon.batch.loaded"] + ["distributed"] * (given["scheduler"] is not None)
+    return start_server(*modules)
 
 
 def _named_jobs(jobs: str, command: str | None) -> Any:
