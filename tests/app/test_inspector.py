@@ -81,13 +81,16 @@ def test_a_row_selects_in_the_scene_and_a_click_selects_the_row(page):
         pytest.fail("no object was found")
     before = source(page, "scene")
     table.locator("tbody tr").first.click()
-    drawn(page, "scene", before)
+    selected = drawn(page, "scene", before)
     table.locator("tbody tr").first.click()
+    drawn(page, "scene", selected)
 
 
 def test_a_click_tells_what_lies_there(page):
     image = pixels(source(page, "scene"))
-    v, u = np.nonzero(np.abs(image.astype(int) - image[0, 0]).sum(axis=2) > 60)
+    # A click on the outermost rows may miss the image.
+    inner = image[:-8].astype(int)
+    v, u = np.nonzero(np.abs(inner - image[0, 0]).sum(axis=2) > 60)
     for at in ((u[0], v[0]), (u[-1], v[-1])):
         click(page, "scene", at)
         says(page, "point-info", "count:")

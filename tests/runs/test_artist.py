@@ -19,6 +19,7 @@ import sys
 from pathlib import Path
 from recon.runs.artist import OtherProcesses, start_drawing
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs may ignore it
     artist = OtherProcesses(start_drawing(), 1)
     artist.draw(Path.write_text, Path("first"), "drawn")
     artist.finish()
