@@ -97,8 +97,8 @@ def _way_to_start(given: dict[str, Any]) -> Any:
     is_alone = click.get_current_context().find_root().obj
     if not is_alone or given["dry_run"] or given["scheduler"] not in (None, "local"):
         return SPAWN
-    modules = ["recon.batch.loaded"] + ["distributed"] * (given["scheduler"] is not None)
-    return start_server(*modules)
+    libraries = () if given["scheduler"] is None else ("distributed",)
+    return start_server("recon.batch.loaded", *libraries)
 
 
 def _named_jobs(jobs: str, command: str | None) -> Any:

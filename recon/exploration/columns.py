@@ -24,9 +24,12 @@ class Columns:
     """Minimum height of the centre of a cell, world units."""
     under: Mask = field(init=False)
     """(X, Z) floor cells with an occupied cell above them."""
+    number: NDArray[np.intp] = field(init=False)
+    """(X, Z) number of occupied cells above each floor cell."""
 
     def __post_init__(self) -> None:
         self.under = np.zeros(self.floor.shape, dtype=np.bool_)
+        self.number = np.zeros(self.floor.shape, dtype=np.intp)
 
     def update(self, points: Array) -> Mask:
         """Look at the map again after points (N, 3) were added.
@@ -37,8 +40,10 @@ class Columns:
             Floor cells above which the map may have changed.
         """
         touched = self._touched(points)
-        self.under[touched] = False
-        self.under |= self.floor.mask(self.over(touched).centres[:, [0, 2]])
+        below = self._below(self.over(touched).centres)
+        number = np.bincount(below, minlength=touched.size).reshape(touched.shape)
+        self.number[touched] = number[touched]
+        self.under[touched] = number[touched] > 0
         return touched
 
     def over(self, cells: Mask) -> Voxels:

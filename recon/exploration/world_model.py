@@ -130,9 +130,8 @@ class WorldModel:
         found = find_obstacles(self.columns, self.observations, min_voxels, self.obstacles, touched)
         self.obstacles = with_names(found, before)
         patch = patches(self.columns.under)
-        of_voxel = self.columns.number_of(self.columns.over(self.columns.under), patch)
-        size = np.append(np.bincount(of_voxel[of_voxel >= 0], minlength=patch.max() + 1), 0)
-        under = self.columns.under & (size[patch] >= MIN_CELLS)
+        size = np.bincount(patch.ravel() + 1, weights=self.columns.number.ravel())
+        under = self.columns.under & (size[patch + 1] >= MIN_CELLS)
         self.floor.occupied = binary_closing(under, NEIGHBOURS)
 
     def _named(self, obstacle: Obstacle) -> Obstacle:

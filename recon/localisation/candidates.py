@@ -1,7 +1,9 @@
 """Candidates: the poses that a pair may have, and the one that wins."""
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from scipy.special import logsumexp
@@ -21,6 +23,17 @@ CHANCE = 6.0
 """Agreement that chance may have."""
 MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
 """Of an accepted pose: probability, standard deviation, and share of the points on the map."""
+
+
+class Possibility(Protocol):
+    """Anything with a likelihood."""
+
+    @property
+    def evidence(self) -> float:
+        """Logarithm of the likelihood."""
+
+
+T = TypeVar("T", bound=Possibility)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,15 +70,37 @@ def distinct(found: list[Candidate], cell_size: float) -> list[Candidate]:
     Where shape leaves a pose open, as that of a round thing seen alone, a known place that shows
     the same tells it.
     """
-    kept: list[Candidate] = []
+    kept = merged(found, lambda one, other: not one.is_apart(other, cell_size), _told)
+    return [one for row, one in enumerate(kept) if not any(one.is_covered(by) for by in kept[:row])]
+
+
+def _told(kept: Candidate, one: Candidate) -> Candidate:
+    """A kept candidate, at the pose of a known place if that is more precise."""
+    is_better = one.is_known and one.estimate.sigma < kept.estimate.sigma
+    return replace(one, evidence=kept.evidence) if is_better else kept
+
+
+def merged(
+    found: Iterable[T], is_same: Callable[[T, T], bool], merge: Callable[[T, T], T]
+) -> list[T]:
+    """The distinct possibilities, the likeliest first.
+
+    Parameters
+    ----------
+    found : iterable
+    is_same : callable
+        True if a possibility is the same as a likelier one.
+    merge : callable
+        Unites a kept possibility with another one that is the same.
+    """
+    kept: list[T] = []
     for one in sorted(found, key=lambda one: -one.evidence):
-        same = (row for row, other in enumerate(kept) if not one.is_apart(other, cell_size))
-        row = next(same, None)
+        row = next((row for row, other in enumerate(kept) if is_same(one, other)), None)
         if row is None:
             kept.append(one)
-        elif one.is_known and one.estimate.sigma < kept[row].estimate.sigma:
-            kept[row] = replace(one, evidence=kept[row].evidence)
-    return [one for row, one in enumerate(kept) if not any(one.is_covered(by) for by in kept[:row])]
+        else:
+            kept[row] = merge(kept[row], one)
+    return kept
 
 
 def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:

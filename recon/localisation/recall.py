@@ -8,7 +8,7 @@ from scipy.special import logsumexp
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
-from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
+from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
 from recon.localisation.registration import Points, Prior
@@ -219,15 +219,14 @@ class KnownWorld:
 
 def distinct(found: list[Hypothesis], cell_size: float) -> list[Hypothesis]:
     """The distinct hypotheses, the most likely first, by the place with the most common points."""
-    kept: list[Hypothesis] = []
-    for one in sorted(found, key=lambda one: -one.evidence):
-        same = (row for row, other in enumerate(kept) if _is_same(one, other, cell_size))
-        row = next(same, None)
-        if row is None:
-            kept.append(one)
-        elif one.num_agreeing > kept[row].num_agreeing:
-            kept[row] = replace(kept[row], estimate=one.estimate, num_agreeing=one.num_agreeing)
-    return kept
+    return merged(found, lambda one, other: _is_same(one, other, cell_size), _by_more_points)
+
+
+def _by_more_points(kept: Hypothesis, one: Hypothesis) -> Hypothesis:
+    """A kept hypothesis, at the pose of a place with more common points."""
+    if one.num_agreeing <= kept.num_agreeing:
+        return kept
+    return replace(kept, estimate=one.estimate, num_agreeing=one.num_agreeing)
 
 
 def _is_same(one: Hypothesis, other: Hypothesis, cell_size: float) -> bool:

@@ -119,3 +119,9 @@ def means(rows: Array, label: NDArray[np.integer]) -> Array:
     counts = np.bincount(label)
     averages: Array = _sums(rows, label, len(counts)) / counts[:, None]
     return averages
+
+
+def trust_by_points(cells: Voxels, limits: tuple[float, float]) -> Array:
+    """Trust (N,) in each cell, within limits: those with few points are often off the surface."""
+    trust: Array = np.clip(cells.counts / np.median(cells.counts), *limits)
+    return trust

@@ -25,7 +25,7 @@ def test_without_noise_the_motion_is_exact():
 
 @pytest.mark.parametrize("common_px", [0.0, 0.05])
 def test_the_covariance_is_that_of_the_errors(common_px):
-    """A common error of all disparities, which is no noise, is covered as well."""
+    """A common error of all disparities, which is not noise, is covered as well."""
     rng, ratios = np.random.default_rng(1), []
     for _ in range(40):
         seen = tracks(rng, T_FIRST_SECOND, number=60, sigma_px=0.2)
@@ -36,6 +36,6 @@ def test_the_covariance_is_that_of_the_errors(common_px):
     assert 0.5 < np.sqrt(np.mean(ratios)) < 1.5
 
 
-def test_points_that_coincide_are_no_motion():
+def test_points_that_coincide_do_not_determine_a_motion():
     seen = tracks(np.random.default_rng(2), T_FIRST_SECOND).select(np.zeros(1, int).repeat(50))
     assert planar_motion(seen, RIG, TILTS, GUESS) is None

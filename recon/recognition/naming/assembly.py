@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.recognition.cells import trust_by_points
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
@@ -103,7 +104,8 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
     own = [one for _, one in parts]
-    share = sum(_explained(one, cells) for one in own) / float(_trust(cells).sum())
+    trust = trust_by_points(cells, (LEAST_TRUST, 1.0))
+    share = sum(_explained(one, cells, trust) for one in own) / float(trust.sum())
     return Assembly(
         kind=kind,
         bic=bic_of_pieces(cells, own),
@@ -120,17 +122,11 @@ def _is_taken(piece: FlatPiece, own: list[FlatPiece]) -> bool:
     return any(piece.rows is one.rows for one in own)
 
 
-def _explained(piece: FlatPiece, cells: Voxels) -> float:
-    """Weight of a piece's cells on its solid: what remains between planes need not be a bar."""
+def _explained(piece: FlatPiece, cells: Voxels, trust: Array) -> float:
+    """Trust in a piece's cells on its solid: what remains between planes need not be a bar."""
     away = piece.solid.distances(cells.means[piece.rows])
     on_it = away < ON_SOLID_CELLS * cells.cell_size
-    return float(_trust(cells)[piece.rows[on_it]].sum())
-
-
-def _trust(cells: Voxels) -> Array:
-    """Weight (N,) of each cell: those with few points are more often noise than a surface."""
-    weights: Array = np.clip(cells.counts / np.median(cells.counts), LEAST_TRUST, 1.0)
-    return weights
+    return float(trust[piece.rows[on_it]].sum())
 
 
 def _shown(needed: list[FlatPiece]) -> float:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.cells import coarser
+from recon.recognition.cells import coarser, trust_by_points
 from recon.recognition.fitting.composite import NOISE_FLOOR
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.fitting.shapes import Candidate, candidates
@@ -36,6 +36,8 @@ ON_SURFACE_CELLS = 0.75
 whose rims are near to its board and its legs."""
 MOST_SOLIDS = 6
 """Maximum number of solids that an object is taken apart into."""
+TRUSTS = 0.1, 4.0
+"""Limits of the trust in a cell by its number of points."""
 OTHER_WAYS: tuple[tuple[Step, ...], ...] = (("board", "upright"), ("upright", "any"), ("board",))
 """Orders in which planes are extracted from an object, besides that of their size alone; under a
 board alone the rest are bars."""
@@ -61,7 +63,7 @@ class Case:
     @property
     def weights(self) -> Array:
         """Weights (N,): cells with few points are more often off the surface than on it."""
-        return _weights(self.cells)
+        return trust_by_points(self.cells, TRUSTS)
 
     @property
     def overall_slenderness(self) -> float:
@@ -146,7 +148,7 @@ def a_case(voxels: Voxels, ground: float, is_metric: bool) -> Case:
     """The case of one object on the ground."""
     cells = _thinned(voxels, MOST_CELLS)
     few = _thinned(cells, MOST_FOR_SOLIDS)
-    alone = candidates(few.means, _weights(few))
+    alone = candidates(few.means, trust_by_points(few, TRUSTS))
     return Case(
         cells=cells,
         dense=voxels if cells is voxels else coarser(voxels, MOST_CELLS)[0],
@@ -166,9 +168,3 @@ def _thinned(voxels: Voxels, most: int) -> Voxels:
         return voxels
     rows = np.random.default_rng(0).choice(len(voxels), most, replace=False)
     return voxels.select(np.sort(rows))
-
-
-def _weights(cells: Voxels) -> Array:
-    """Weights: cells with few points are more often off the surface than on it."""
-    weights: Array = np.clip(cells.counts / np.median(cells.counts), 0.1, 4.0)
-    return weights

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.camera import TYPICAL_RESIDUAL_PX
-from recon.errors import InputError, check_finite, check_number
+from recon.errors import InputError, check_finite
 from recon.geometry import pose
 from recon.sequences.calibration.cameras import (
     RESIDUAL,
@@ -58,7 +58,7 @@ def middlebury(path: Path) -> Calibration:
         right=Camera(matrix=right, distortion=np.zeros(0), size=size),
         T_right_left=step,
         disparity_range=(0, _count(path, keys, "ndisp")) if "ndisp" in keys else None,
-        residual_px=_residual_px(path, keys),
+        residual_px=_number(path, keys, RESIDUAL) if RESIDUAL in keys else TYPICAL_RESIDUAL_PX,
     )
 
 
@@ -145,12 +145,6 @@ def _matrix(path: Path, keys: dict[str, str], name: str, shape: tuple[int, int])
 
 def _number(path: Path, keys: dict[str, str], name: str) -> float:
     return float(_matrix(path, keys, name, (1, 1))[0, 0])
-
-
-def _residual_px(path: Path, keys: dict[str, str]) -> float:
-    residual_px = _number(path, keys, RESIDUAL) if RESIDUAL in keys else TYPICAL_RESIDUAL_PX
-    check_number(f"{path}: {RESIDUAL}", residual_px, low=0)
-    return residual_px
 
 
 def _count(path: Path, keys: dict[str, str], name: str) -> int:
