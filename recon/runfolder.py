@@ -1,9 +1,6 @@
 """The output folder of a command: written whole or not at all, described by a manifest."""
 
-import hashlib
-import importlib.metadata
 import json
-import platform
 import shutil
 import time
 from collections.abc import Iterator
@@ -14,37 +11,10 @@ from typing import Any, Self
 
 from recon.errors import InputError
 from recon.files import atomic_path, remove_temporaries
-from recon.files.documents import read_json
 from recon.locks import locked
+from recon.manifest import MANIFEST, RunPlan, digest, is_finished, read_manifest, versions
 
-MANIFEST = "manifest.json"
 PARTIAL = "partial"
-KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
-"""Keys that every manifest has."""
-LIBRARIES = ("recon-stereo", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RunPlan:
-    """Everything that determines a run: the same plan yields the same bytes."""
-
-    command: str
-    arguments: dict[str, Any] = field(default_factory=dict)
-    """Arguments of the command besides its inputs and settings, as JSON values."""
-    settings_toml: str
-    seed: int
-    inputs: tuple[Path, ...]
-    """Files and folders that are read; a folder stands for all files in it."""
-
-    def identity(self) -> dict[str, Any]:
-        """Everything that must match before a run is resumed."""
-        return {
-            "command": self.command,
-            "arguments": json.loads(json.dumps(self.arguments)),
-            "seed": self.seed,
-            "settings_sha256": hashlib.sha256(self.settings_toml.encode()).hexdigest(),
-            "inputs": [{"name": p.name, "sha256": digest(p)} for p in self.inputs],
-        }
 
 
 @dataclass(slots=True, kw_only=True)
@@ -210,44 +180,3 @@ class RunFolder:
             "seconds": {stage: round(s, 3) for stage, s in self.seconds.items()},
         }
         self.write_json(MANIFEST, document)
-
-
-def read_manifest(path: Path) -> dict[str, Any]:
-    """The manifest of a run folder.
-
-    Raises
-    ------
-    InputError
-        If `path` is not a run folder.
-    """
-    try:
-        document = read_json(path / MANIFEST)
-    except (OSError, InputError) as error:
-        raise InputError(f"{path} is not a run folder: its {MANIFEST} cannot be read") from error
-    if not isinstance(document, dict) or not document.keys() >= KEYS:
-        raise InputError(f"{path} is not a run folder: its {MANIFEST} was not written by recon")
-    return document
-
-
-def is_finished(path: Path) -> bool:
-    """True if a folder contains a finished run."""
-    try:
-        return bool(read_manifest(path)["state"] == "finished")
-    except InputError:
-        return False
-
-
-def digest(path: Path) -> str:
-    """SHA-256 of a file, as printed by `sha256sum`; for a folder, of the listing of its files."""
-    if path.is_dir():
-        files = sorted(file for file in path.rglob("*") if file.is_file())
-        listing = "".join(f"{digest(f)}  {f.relative_to(path).as_posix()}\n" for f in files)
-        return hashlib.sha256(listing.encode()).hexdigest()
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def versions() -> dict[str, str]:
-    """Versions of Python and of the libraries that affect the numbers of a run."""
-    found = {"python": platform.python_version()}
-    return found | {name: importlib.metadata.version(name) for name in LIBRARIES}

@@ -14,8 +14,9 @@ from recon.exports.partitions.manifest import MANIFEST
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.writing import write_partitions
 from recon.exports.ply import CloudWriter
+from recon.manifest import RunPlan
 from recon.records import Mesh, Trajectory
-from recon.runfolder import RunFolder, RunPlan
+from recon.runfolder import RunFolder
 from recon.runs.description import describe
 from recon.runs.job import Job
 from recon.runs.merge import MERGE

@@ -17,7 +17,7 @@ FLOORS = {
     "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1, "threads": 1,
     "processes": 2,
     "settings": 2, "camera": 2, "stopwatch": 2, "environment": 2,
-    "records": 3,
+    "records": 3, "manifest": 3,
     "world": 4, "stereo": 4, "voxelmap": 4, "recognition": 4, "runfolder": 4,
     "mapping": 5, "surface": 5, "sequences": 5, "exports": 5, "figures": 5,
     "localisation": 6,

@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from recon.errors import InputError, ReconError
-from recon.runfolder import RunFolder, RunPlan, digest, read_manifest
+from recon.manifest import RunPlan, digest, read_manifest
+from recon.runfolder import RunFolder
 
 
 @pytest.fixture

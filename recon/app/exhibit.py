@@ -14,9 +14,9 @@ from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
 from recon.exports.ply import read_cloud_chunks
 from recon.figures.partition import cells_of_mask
+from recon.manifest import MANIFEST
 from recon.notices import collected_notices
 from recon.records import FoundObject, PointCloud, Trajectory, Voxels
-from recon.runfolder import MANIFEST
 from recon.runs.maps import map_path, shown
 from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 from recon.settings import MapSettings

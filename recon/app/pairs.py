@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from recon.app.exhibit import Exhibit
 from recon.errors import InputError
+from recon.manifest import digest, read_manifest
 from recon.records import StereoPair, View
-from recon.runfolder import digest, read_manifest
 from recon.runs.reading import read_settings
 from recon.settings import Settings
 from recon.world.library import find_scene

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from recon.batch.jobfile import NamedJob
 from recon.errors import InputError, ReconError
-from recon.runfolder import is_finished, read_manifest
+from recon.manifest import is_finished, read_manifest
 
 State = Literal["done", "failed", "skipped"]
 Progress = Callable[[str, int, int], None]

@@ -12,9 +12,9 @@ from recon.exports.format import Data, Up
 from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.turning import R_YUP_ZUP, turned_points
+from recon.manifest import MANIFEST
 from recon.notices import collected_notices, notify
 from recon.records import Mesh, PointCloud
-from recon.runfolder import MANIFEST
 from recon.runs.maps import map_path
 from recon.runs.posed import POSED, export_poses
 

@@ -16,8 +16,8 @@ from recon.figures.kept import kept_pair
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.table import KINDS
 from recon.files import atomic_path
+from recon.manifest import read_manifest
 from recon.records import Mesh, Reconstruction
-from recon.runfolder import read_manifest
 from recon.runs.labels import write_labels
 from recon.runs.maps import map_path
 from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from recon.errors import check_number, check_type
+from recon.manifest import RunPlan
 from recon.plugins import Registry
-from recon.runfolder import RunPlan
 from recon.runs.arguments import Argument, checked
 from recon.settings import Settings, given_tree, merged, to_toml, updated
 

@@ -12,10 +12,10 @@ from recon.errors import InputError
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.writing import merge_partitions, write_partitions
 from recon.exports.ply import CloudWriter, read_cloud_chunks
+from recon.manifest import is_finished, read_manifest
 from recon.mapping.views import with_views
 from recon.recognition import recognise
 from recon.records import Reconstruction, Trajectory
-from recon.runfolder import is_finished, read_manifest
 from recon.runs.cameras import CAMERAS, as_document, read_cameras
 from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree

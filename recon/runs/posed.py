@@ -8,9 +8,9 @@ import numpy as np
 from recon.errors import InputError
 from recon.files.documents import read_text
 from recon.geometry import Array
+from recon.manifest import MANIFEST
 from recon.notices import collected_notices
 from recon.records import Trajectory
-from recon.runfolder import MANIFEST
 from recon.runs.cameras import CAMERAS, SeenCamera, read_cameras
 from recon.sequences.open import open_sequence
 from recon.sequences.posed_images import write_colmap, write_nerfstudio

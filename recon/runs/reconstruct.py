@@ -12,10 +12,10 @@ from recon.errors import InputError
 from recon.exports.ply import CloudWriter
 from recon.geometry import transform
 from recon.localisation.keeper import PlaceKeeper
+from recon.manifest import read_manifest
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.pair import match_images
 from recon.records import PairSource, Reconstruction, StereoPair
-from recon.runfolder import read_manifest
 from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.geometry import Array
+from recon.manifest import read_manifest
 from recon.records import StereoPair, Trajectory, View
-from recon.runfolder import read_manifest
 from recon.sequences.open import open_sequence
 from recon.settings import Settings, updated
 from recon.world.library import find_scene

@@ -137,7 +137,7 @@ def _recording(path: Path, settings: SequenceSettings) -> PairSource:
         raise InputError(f"{path} does not exist, but a recording is needed")
     if settings.format != "auto":
         reader = READERS.load(settings.format)
-        return reader.open(_fitting_path(reader, path), settings)
+        return _opened(reader, _fitting_path(reader, path), settings)
     found = find_recording(path)
     if found is None:
         known = ", ".join(READERS.names())
@@ -145,7 +145,14 @@ def _recording(path: Path, settings: SequenceSettings) -> PairSource:
             f"{path} is not a known recording ({known}); the simplest is a folder with left/, "
             "right/ and calib.txt"
         )
-    return found[0].open(found[1], settings)
+    return _opened(*found, settings)
+
+
+def _opened(reader: Reader, path: Path, settings: SequenceSettings) -> PairSource:
+    topic = settings.left_topic or settings.right_topic
+    if topic is not None and not reader.has_topics:
+        raise InputError(f"{path} has no topics, but {topic!r} was asked for; only a bag has them")
+    return reader.open(path, settings)
 
 
 def find_recording(path: Path) -> tuple[Reader, Path] | None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from recon.app.image_panes import PLAIN_COLOUR
-from recon.runfolder import read_manifest
+from recon.manifest import read_manifest
 from tests.app.conftest import (
     PATIENCE_S,
     choose,

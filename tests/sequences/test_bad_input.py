@@ -227,6 +227,12 @@ def test_an_empty_bag_is_refused(tmp_path):
         read(tmp_path / "bag")
 
 
+@pytest.mark.parametrize("form", ["auto", "folder"])
+def test_topics_are_refused_for_a_recording_without_topics(folder, form):
+    with pytest.raises(InputError, match="has no topics, but '/cam0' was asked for"):
+        read(folder, left_topic="/cam0", format=form)
+
+
 def test_a_damaged_bag_is_refused(tmp_path):
     path = write_ros1(tmp_path / "recording")
     path.write_bytes(path.read_bytes()[:5000])

@@ -8,8 +8,8 @@ from recon.errors import InputError
 from recon.exports.formats import FORMATS
 from recon.exports.partitions.store import is_partitioned
 from recon.files import check_regular
+from recon.manifest import MANIFEST
 from recon.notices import collected_notices
-from recon.runfolder import MANIFEST
 from recon.runs.description.facts import Facts
 
 # The describing function of each kind, imported on demand: some import a lot.

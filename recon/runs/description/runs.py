@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from recon.errors import InputError
-from recon.runfolder import read_manifest
+from recon.manifest import read_manifest
 from recon.runs.description.documents import of_metrics, of_objects
 from recon.runs.description.facts import Facts
 from recon.runs.report import read_json

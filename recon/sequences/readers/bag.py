@@ -250,4 +250,4 @@ def _likelihood(topic: str) -> tuple[bool, bool, str]:
     return any(word in name for word in ("depth", "mask", "disparity")), "rect" not in name, topic
 
 
-READER = Reader(fits=is_bag, open=open_bag)
+READER = Reader(fits=is_bag, open=open_bag, has_topics=True)

@@ -18,3 +18,5 @@ class Reader:
     fits: Callable[[Path], bool]
     """True if a path has this format, judged by its content."""
     open: Callable[[Path, SequenceSettings], PairSource]
+    has_topics: bool = False
+    """True if its images have topics, so that those given in the settings mean something."""
