@@ -117,12 +117,6 @@ class Visibility:
         return left
 
 
-def ray_of(azimuths_rad: Array) -> NDArray[np.intp]:
-    """Index of the ray nearest to each azimuth."""
-    ray: NDArray[np.intp] = np.rint(azimuths_rad / SPACING_RAD).astype(np.intp) % NUM_RAYS
-    return ray
-
-
 def turn(a_rad: Array, b_rad: Array) -> Array:
     """Smallest angle between directions, radians."""
     between: Array = np.abs(np.mod(a_rad - b_rad + np.pi, 2.0 * np.pi) - np.pi)

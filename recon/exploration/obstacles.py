@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
+from recon.recognition.connectivity import grouped
 from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
 
 MIN_POINTS_OF_VIEW = 30
@@ -135,7 +136,7 @@ def find_obstacles(
     number[new] = np.arange(len(new))
     new_of_cell = number[patch]
     voxels = columns.over(new_of_cell >= 0)
-    rows_of = _groups(columns.number_of(voxels, new_of_cell), len(new))
+    rows_of = grouped(columns.number_of(voxels, new_of_cell), len(new))
     seen = observations.seen(new_of_cell, len(new)) >= MIN_POINTS_OF_VIEW
     places = np.array(observations.places).reshape(-1, 2)
     for one, rows, seen_by in zip(new, rows_of, seen.T, strict=True):
@@ -154,13 +155,7 @@ def _cells_of(patch: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The floor cells (N, 2) of each patch (X, Z), row by row."""
     cells = np.argwhere(patch >= 0)
     number = patch[tuple(cells.T)]
-    return [cells[rows] for rows in _groups(number, int(number.max(initial=-1)) + 1)]
-
-
-def _groups(number: NDArray[np.intp], num_groups: int) -> list[NDArray[np.intp]]:
-    """Rows of each of the groups that the entries belong to, in order; -1 = none."""
-    order = np.argsort(number, kind="stable")
-    return np.split(order, np.searchsorted(number[order], np.arange(num_groups + 1)))[1:-1]
+    return [cells[rows] for rows in grouped(number, int(number.max(initial=-1)) + 1)]
 
 
 def covered_by(cells: NDArray[np.intp]) -> NDArray[np.intp]:

@@ -20,25 +20,6 @@ SIDE_BY_SIDE = 0.5
 """Two parts that overlap by more than this share of their height are side by side."""
 
 
-def connected(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.int32]:
-    """Component label of each cell.
-
-    Parameters
-    ----------
-    index : (K, 3) int
-        Cell indices.
-    reach : int
-        Maximum distance of neighbours in cells along every axis: 1 = the 26 neighbours, 2 closes
-        gaps of one cell.
-
-    Returns
-    -------
-    label : (K,) int32
-        0, 1, ... in the order of the components' first cells.
-    """
-    return joined(neighbours(index, reach), len(index))
-
-
 def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     """Component label of each point; the reach of a link follows the point density.
 
@@ -85,7 +66,10 @@ def _unsettled(
 
 
 def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
-    """Pairs (E, 2) of rows whose cells are at most `reach` apart along every axis."""
+    """Pairs (E, 2) of rows whose cells are at most `reach` apart along every axis.
+
+    A reach of 1 gives the 26 neighbours of a cell, 2 closes gaps of one cell.
+    """
     if len(index) < 2:
         return np.empty((0, 2), dtype=np.intp)
     return cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
@@ -95,6 +79,12 @@ def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:
     """Component label of each node of a graph, in the order of the components' first nodes."""
     label: NDArray[np.int32] = numbered(joined_roots(pairs.astype(np.int64), num_nodes))
     return label
+
+
+def grouped(label: NDArray[np.integer], num_groups: int) -> list[NDArray[np.intp]]:
+    """Rows of each of the groups 0, 1, ... that the entries belong to, in order; -1 = none."""
+    order = np.argsort(label, kind="stable")
+    return np.split(order, np.searchsorted(label[order], np.arange(num_groups + 1)))[1:-1]
 
 
 def in_order_of_appearance(label: NDArray[np.integer]) -> NDArray[np.int32]:

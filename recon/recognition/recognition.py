@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from recon.geometry import invert, transform
 from recon.notices import notify
+from recon.recognition.connectivity import grouped
 from recon.recognition.description import described
 from recon.recognition.frames import moved_object
 from recon.recognition.layout import Layout, lay_out
@@ -143,10 +143,7 @@ def _clumps(layout: Layout, settings: RecognitionSettings, failures: Counter[str
     """Components that may be objects; the others are counted as failures."""
     found = []
     views = layout.cells.num_views
-    order = np.argsort(layout.component, kind="stable")
-    borders = np.searchsorted(layout.component[order], np.arange(layout.num_components + 1))
-    for low, high in pairwise(borders):
-        rows = order[low:high]
+    for rows in grouped(layout.component, layout.num_components):
         if len(rows) < settings.min_voxels:
             failures[f"fewer than {settings.min_voxels} cells"] += 1
         elif views is not None and views.max() >= VIEWS_TO_TELL and np.median(views[rows]) <= 1:

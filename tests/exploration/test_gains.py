@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.exploration.floor import Floor
-from recon.exploration.gains import NUM_RAYS, Visibility, ray_of
+from recon.exploration.gains import NUM_RAYS, SPACING_RAD, Visibility
 from recon.exploration.gaps import LAST, LEAST
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
@@ -48,6 +48,10 @@ def test_a_view_that_was_taken_shows_nothing_more(floor):
     assert area[0, ray_of(np.array([0.2]))[0]] == 0.0
     assert area[0, ray_of(np.array([0.5]))[0]] > 0.0
     assert area[1, 0] > 0.0
+
+
+def ray_of(azimuths_rad):
+    return np.rint(azimuths_rad / SPACING_RAD).astype(int) % NUM_RAYS
 
 
 OBSTACLE = Detection(centre=np.zeros(2), radius=3.0, distance=20.0, sigma=1.0)

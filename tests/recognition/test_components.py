@@ -1,15 +1,23 @@
 """Components: gaps closed, things over each other joined, neighbours apart."""
 
-import time
-
 import numpy as np
 
-from recon.recognition.connectivity import connected, in_order_of_appearance, stacked
+from recon.recognition.connectivity import (
+    grouped,
+    in_order_of_appearance,
+    joined,
+    neighbours,
+    stacked,
+)
 
 
 def block(low, high):
     axes = [np.arange(a, b) for a, b in zip(low, high, strict=True)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+
+
+def connected(cells, reach):
+    return joined(neighbours(cells, reach), len(cells))
 
 
 def test_a_gap_of_one_cell_is_closed_by_a_reach_of_two():
@@ -28,7 +36,7 @@ def test_components_are_numbered_by_their_first_cell():
 
 
 def test_nothing_has_no_components():
-    assert connected(np.empty((0, 3), np.int64)).shape == (0,)
+    assert connected(np.empty((0, 3), np.int64), 1).shape == (0,)
 
 
 def test_a_trunk_under_a_crown_belongs_to_it_and_a_neighbour_does_not():
@@ -48,9 +56,6 @@ def test_things_side_by_side_stay_apart_inside_a_wide_box():
     assert label[-1] != label[0]
 
 
-def test_five_thousand_cells_take_milliseconds():
-    cells = np.unique(np.random.default_rng(0).integers(0, 60, (5000, 3)), axis=0)
-    began = time.perf_counter()
-    connected(cells, 2)
-    # Ten times what it needs under load: a slip to Python loops takes seconds.
-    assert time.perf_counter() - began < 1.0
+def test_groups_list_the_rows_of_each_label_and_leave_out_those_of_none():
+    rows = grouped(np.array([2, 0, -1, 2, 0]), 4)
+    assert [one.tolist() for one in rows] == [[1, 4], [], [0, 3], []]

@@ -4,7 +4,6 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
-from recon.recognition.connectivity import joined
+from recon.recognition.connectivity import grouped, joined
 from recon.recognition.segments.outer_planes import outer_planes
 from recon.recognition.segments.peeling import LINK_CELLS, ON_PLANE_CELLS, peeled
 from recon.recognition.segments.plane_votes import largest_group, local_planes
@@ -178,9 +177,7 @@ def _bars(cells: Voxels, rest: Rows) -> list[FlatPiece]:
     label = joined(tree.query_pairs(reach, output_type="ndarray"), len(full))
     _, nearest = tree.query(cells.means[rest], distance_upper_bound=reach)
     label = np.append(label, np.int32(-1))[nearest]
-    order = np.argsort(label, kind="stable")
-    borders = np.searchsorted(label[order], np.arange(int(label.max()) + 2))
-    groups = [rest[order[low:high]] for low, high in pairwise(borders) if high - low >= LEAST_BAR]
+    groups = [rest[rows] for rows in grouped(label, int(label.max()) + 1) if len(rows) >= LEAST_BAR]
     return [piece_of(cells, rows, _bar(cells.means[rows])) for rows in groups]
 
 
