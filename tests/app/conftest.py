@@ -1,4 +1,4 @@
-"""A real browser, and pages of recon served to it."""
+"""A real browser, and recon's pages served to it."""
 
 import base64
 import os
@@ -21,11 +21,11 @@ FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
-PATIENCE_S = 300
+TIMEOUT_S = 300
 
 
-def missing():
-    """What a test in the browser lacks; None where nothing is."""
+def missing_requirement():
+    """Name what browser tests need and is not installed; None if everything is."""
     for module in ("playwright", "nicegui"):
         try:
             __import__(module)
@@ -41,7 +41,7 @@ def chromium():
 
 @pytest.fixture(scope="session")
 def browser():
-    lack = missing()
+    lack = missing_requirement()
     if lack:
         if os.environ.get("RECON_REQUIRE_BROWSER") == "1":
             pytest.fail(f"{lack} is missing, but RECON_REQUIRE_BROWSER=1 asks for it")
@@ -56,7 +56,7 @@ def browser():
 
 @contextmanager
 def served(*argv, folder, path=()):
-    """The address of a page that a process of its own serves; `path` is looked through, too."""
+    """Serve a page from a separate process and give its address; `path` extends PYTHONPATH."""
     environment = os.environ | {
         "PYTHONPATH": os.pathsep.join(map(str, [ROOT, *path])),
         "TMPDIR": str(folder),
@@ -68,17 +68,17 @@ def served(*argv, folder, path=()):
     try:
         url = process.stdout.readline().strip()
         assert url.startswith("http://"), url
-        # The socket listens already; who asks is answered when the page is loaded.
+        # The socket already listens; requests are answered once the page is loaded.
         yield url
     finally:
-        # How the program ends is not asked here, and a loaded machine takes long over it.
+        # A clean exit is not tested here, and takes long on a loaded machine.
         process.kill()
         process.wait()
         process.stdout.close()
 
 
 def explored(folder):
-    """A small run of the explorer."""
+    """Make a small run of the explorer."""
     argv = ["explore", "village", "--max-pairs", "6", "-o", str(folder), "-q"]
     with figureless():
         assert main(argv) == 0
@@ -91,14 +91,14 @@ def run(tmp_path_factory):
 
 
 def page_of(browser, url, first):
-    """A page whose image `first` is drawn; what goes wrong in it is kept in `faults`."""
+    """Open a page and wait for its image `first`; errors of the page are kept in `faults`."""
     context = browser.new_context(viewport={"width": 1280, "height": 800}, accept_downloads=True)
     page = context.new_page()
     page.faults = []
     page.on("pageerror", lambda error: page.faults.append(str(error)))
-    page.set_default_timeout(1000.0 * PATIENCE_S)
+    page.set_default_timeout(1000.0 * TIMEOUT_S)
     page.goto(url)
-    drawn(page, first)
+    wait_for_image(page, first)
     return page
 
 
@@ -107,7 +107,7 @@ def source(page, name):
 
 
 def pixels(source):
-    """The image (H, W, 3) that a source holds."""
+    """Decode the image (H, W, 3) of a data URL."""
     data = base64.b64decode(source.partition(",")[2])
     return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
 
@@ -120,8 +120,8 @@ def click(page, name, at):
     page.mouse.click(box["x"] + u, box["y"] + v)
 
 
-def drawn(page, name, before=None):
-    """Wait until an image is drawn, or is another one than before."""
+def wait_for_image(page, name, before=None):
+    """Wait until an image is drawn and differs from `before`; return its source."""
     page.wait_for_function(
         "([name, before]) => {"
         "const image = document.querySelector(`[data-testid=${name}] img`);"
@@ -131,8 +131,8 @@ def drawn(page, name, before=None):
     return source(page, name)
 
 
-def says(page, name, text):
-    """Wait until an element says something."""
+def wait_for_text(page, name, text):
+    """Wait until an element contains a text."""
     page.wait_for_function(
         "([name, text]) => document.querySelector(`[data-testid=${name}]`).innerText"
         ".includes(text)",

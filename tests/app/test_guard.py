@@ -1,4 +1,4 @@
-"""Who is answered: this machine's names, its own pages, and whoever has the token."""
+"""The guard answers this machine's names, its own pages, and holders of the token."""
 
 from contextlib import suppress
 
@@ -15,7 +15,7 @@ async def inner(scope, receive, send):
 
 
 def ask(guard, kind="http", query="", **headers):
-    """Status and headers of an answer; a refused socket is closed with 1008."""
+    """Return status and headers of a response; a rejected socket is closed with 1008."""
     sent = []
 
     async def send(message):
@@ -28,7 +28,7 @@ def ask(guard, kind="http", query="", **headers):
         "type": kind, "query_string": query.encode(),
         "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
     }  # fmt: skip
-    # Nothing is waited for: no event loop is needed, and another test may run one.
+    # Nothing is awaited: no event loop is needed, and another test may run one.
     with suppress(StopIteration):
         guard(scope, receive, send).send(None)
     first = sent[0]
@@ -46,7 +46,7 @@ def far():
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:80", "localhost", "localhost:9", "[::1]:80"])
-def test_this_machine_is_answered(local, host):
+def test_requests_for_this_machine_are_answered(local, host):
     assert ask(local, host=host)[0] == 200
     assert ask(local, host=host, origin=f"http://{host}")[0] == 200
 
@@ -54,22 +54,22 @@ def test_this_machine_is_answered(local, host):
 @pytest.mark.parametrize(
     "host", ["evil.example", "127.0.0.1.evil.example", "", "localhost.evil", "[", "10.0.0.1"]
 )
-def test_another_name_is_not(local, host):
+def test_foreign_host_is_rejected(local, host):
     assert ask(local, host=host)[0] == 403
     assert ask(local, kind="websocket", host=host)[0] == 1008
 
 
-def test_no_name_at_all_is_not(local):
+def test_missing_host_header_is_rejected(local):
     assert ask(local)[0] == 403
 
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost:2"])
-def test_another_page_is_not(local, origin):
+def test_foreign_origin_is_rejected(local, origin):
     assert ask(local, host="localhost:1", origin=origin)[0] == 403
     assert ask(local, kind="websocket", host="localhost:1", origin=origin)[0] == 1008
 
 
-def test_the_token_is_asked_for_and_then_kept_in_a_cookie(far):
+def test_token_is_required_and_then_kept_in_a_cookie(far):
     assert ask(far, host="10.0.0.1:80")[0] == 401
     assert ask(far, host="10.0.0.1:80", query="token=wrong")[0] == 401
     assert ask(far, host="10.0.0.1:80", cookie="cookie=wrong")[0] == 401
@@ -81,7 +81,7 @@ def test_the_token_is_asked_for_and_then_kept_in_a_cookie(far):
     assert ask(far, host="evil.example", query="token=secret")[0] == 403
 
 
-def test_only_loopback_goes_without_a_token():
+def test_only_loopback_needs_no_token():
     assert is_loopback("127.0.0.1")
     assert is_loopback("localhost")
     assert is_loopback("::1")
@@ -95,7 +95,7 @@ def test_only_loopback_goes_without_a_token():
         address.listener.close()
 
 
-def test_a_port_that_is_taken_is_one_line():
+def test_port_in_use_is_named_in_the_error():
     first = listen("127.0.0.1", 0)
     with pytest.raises(InputError, match=f"--port {first.port}"):
         listen("127.0.0.1", first.port)

@@ -1,4 +1,4 @@
-"""The simulator in a real browser: cameras in hand, points, frames, and an exploration."""
+"""The simulator in a real browser: moving cameras, points, frames and an exploration."""
 
 import http.client
 import json
@@ -11,21 +11,21 @@ import pytest
 from recon.app.image_panes import PLAIN_COLOUR
 from recon.manifest import read_manifest
 from tests.app.conftest import (
-    PATIENCE_S,
+    TIMEOUT_S,
     choose,
     click,
-    drawn,
     page_of,
     pixels,
-    says,
     served,
     source,
+    wait_for_image,
+    wait_for_text,
 )
 
 PANES = ("pane-left", "pane-right", "pane-top", "pane-front")
 
 
-NAUGHTY = """
+FAULTY = """
 import time
 
 class Raises:
@@ -43,9 +43,9 @@ class Hangs(Raises):
 ENTRIES = "[recon.controllers]\nraises = naughty:Raises\nhangs = naughty:Hangs\n"
 
 
-def naughty_controllers(folder):
-    """An installed package whose controllers do what none should."""
-    (folder / "naughty.py").write_text(NAUGHTY)
+def write_faulty_controllers(folder):
+    """Install a package with controllers that raise or hang."""
+    (folder / "naughty.py").write_text(FAULTY)
     about = folder / "naughty-1.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: naughty\nVersion: 1\n")
@@ -60,11 +60,11 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def page(browser, folder, tmp_path_factory):
     plugins = tmp_path_factory.mktemp("plugins")
-    naughty_controllers(plugins)
+    write_faulty_controllers(plugins)
     with served("simulate", "village", folder=folder, path=[plugins]) as url:
         page = page_of(browser, url, "pane-left")
         for name in PANES:
-            drawn(page, name)
+            wait_for_image(page, name)
         page.url_of_server = url
         yield page
         assert page.faults == []
@@ -79,8 +79,8 @@ def enter(page, name, text):
     page.get_by_test_id(f"field-{name}").press("Enter")
 
 
-def pull(page, pane, symbol, right, down):
-    """Take a symbol and move it, without letting go; return where the mouse is."""
+def drag_and_hold(page, pane, symbol, right, down):
+    """Drag a symbol without releasing it; return the position of the mouse."""
     box = page.get_by_test_id(pane).get_by_test_id(symbol).bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -90,8 +90,8 @@ def pull(page, pane, symbol, right, down):
 
 
 def drag(page, pane, symbol, right, down):
-    x, y = pull(page, pane, symbol, right, down)
-    # The next drag begins where the mark is then.
+    x, y = drag_and_hold(page, pane, symbol, right, down)
+    # The next drag starts from wherever the symbol ends up.
     page.wait_for_function(
         "([pane, symbol, x, y]) => { const box = document.querySelector("
         "`[data-testid=${pane}] [data-testid=${symbol}]`).getBoundingClientRect();"
@@ -101,7 +101,7 @@ def drag(page, pane, symbol, right, down):
     page.mouse.up()
 
 
-def test_everything_is_in_the_page_from_the_start(page):
+def test_all_elements_are_present_on_load(page):
     fields = [
         "focal-length", "fov", "baseline", "near", "far", "x", "y", "z", "target-x", "target-y",
         "target-z",
@@ -116,11 +116,11 @@ def test_everything_is_in_the_page_from_the_start(page):
         assert page.get_by_test_id(name).count() == 2, name
 
 
-def test_a_dragged_camera_leads_the_numbers_and_both_eyes(page):
+def test_dragging_the_camera_updates_fields_and_both_images(page):
     before = [source(page, name) for name in PANES[:2]]
     drag(page, "pane-top", "camera-symbol", 30, 40)
     for name, old in zip(PANES[:2], before, strict=True):
-        drawn(page, name, old)
+        wait_for_image(page, name, old)
     page.wait_for_function("() => document.querySelector('[data-testid=field-x]').value > 5")
     assert value(page, "z") > 5
     assert value(page, "y") == 5
@@ -129,10 +129,10 @@ def test_a_dragged_camera_leads_the_numbers_and_both_eyes(page):
     assert value(page, "target-x") > 2
 
 
-def test_focal_length_and_field_of_view_are_tied(page):
+def test_focal_length_and_field_of_view_are_coupled(page):
     before = source(page, "pane-left")
     enter(page, "focal-length", "0.2")
-    drawn(page, "pane-left", before)
+    wait_for_image(page, "pane-left", before)
     wanted = np.degrees(2 * np.arctan(np.tan(np.radians(40)) * 0.1 / 0.2))
     page.wait_for_function("() => document.querySelector('[data-testid=field-fov]').value < 60")
     assert value(page, "fov") == pytest.approx(wanted, abs=1e-3)
@@ -143,14 +143,14 @@ def test_focal_length_and_field_of_view_are_tied(page):
     assert value(page, "focal-length") == pytest.approx(0.1, abs=1e-4)
 
 
-def test_values_that_cannot_be_are_said_and_change_nothing(page):
+def test_invalid_values_are_reported_and_change_nothing(page):
     for name, text, said in (
         ("focal-length", "0", "focal_length"), ("near", "200", "near"), ("x", "1000", "the world"),
         ("fov", "190", "fov_deg"),
     ):  # fmt: skip
         before = value(page, name)
         enter(page, name, text)
-        says(page, "message", said)
+        wait_for_text(page, "message", said)
         page.wait_for_function(
             "([name, value]) => Number(document.querySelector(`[data-testid=field-${name}]`).value)"
             " === value",
@@ -158,22 +158,22 @@ def test_values_that_cannot_be_are_said_and_change_nothing(page):
         )
 
 
-def test_points_are_coloured_and_a_click_marks_the_partner(page):
+def test_points_are_coloured_and_a_click_marks_the_match(page):
     # A tree of the village fills the images.
     for name, number in (("target-x", -10), ("target-z", -5), ("target-y", 6), ("x", 0), ("z", 8)):
         enter(page, name, str(number))
     page.wait_for_function("() => document.querySelector('[data-testid=field-z]').value == 8")
     page.get_by_test_id("toggle-features").click()
     dotted = source(page, "pane-left")
-    # Views of earlier fields may come first: they have no dots.
+    # Views of earlier field values may arrive first: they have no dots.
     while not (dots := (pixels(dotted) == PLAIN_COLOUR).all(axis=2)).any():
-        dotted = drawn(page, "pane-left", dotted)
+        dotted = wait_for_image(page, "pane-left", dotted)
     choose(page, "channel", "disparity")
-    drawn(page, "pane-left", dotted)
+    wait_for_image(page, "pane-left", dotted)
     page.get_by_test_id("pane-left").locator("svg text", has_text="disparity").wait_for()
     v, u = np.nonzero(dots)
     click(page, "pane-left", (u[0], v[0]))
-    says(page, "point-info", "disparity")
+    wait_for_text(page, "point-info", "disparity")
     info = page.get_by_test_id("point-info")
     for channel in ("x:", "depth:", "sigma:", "orientation:", "score:", "label:"):
         assert channel in info.inner_text()
@@ -182,7 +182,7 @@ def test_points_are_coloured_and_a_click_marks_the_partner(page):
     page.get_by_test_id("toggle-features").click()
 
 
-def test_a_frame_is_exported(page, folder, tmp_path):
+def test_frame_is_exported(page, folder, tmp_path):
     with page.expect_download() as download:
         page.get_by_test_id("export-frame").click()
     download.value.save_as(tmp_path / "frame.zip")
@@ -193,66 +193,66 @@ def test_a_frame_is_exported(page, folder, tmp_path):
     assert (folder / "frames" / "village-001" / "left.png").stat().st_size > 1000
 
 
-def test_an_exploration_is_led_found_again_and_saved(page, folder):
-    says(page, "controller-info", " ")
+def test_exploration_is_controlled_survives_a_reload_and_is_saved(page, folder):
+    wait_for_text(page, "controller-info", " ")
     page.get_by_test_id("stop").click()
-    says(page, "message", "no run is in progress")
+    wait_for_text(page, "message", "no run is in progress")
     page.get_by_test_id("step").click()
-    says(page, "controller-result", "1 pairs")
+    wait_for_text(page, "controller-result", "1 pairs")
     page.get_by_test_id("step").click()
-    says(page, "controller-result", "paused: 2 pairs")
+    wait_for_text(page, "controller-result", "paused: 2 pairs")
     page.get_by_test_id("run").click()
-    says(page, "controller-result", "running")
+    wait_for_text(page, "controller-result", "running")
     page.get_by_test_id("run").click()
-    says(page, "message", "it is already running")
+    wait_for_text(page, "message", "it is already running")
     page.reload()
-    drawn(page, "pane-left")
-    says(page, "controller-result", " pairs")
+    wait_for_image(page, "pane-left")
+    wait_for_text(page, "controller-result", " pairs")
     page.get_by_test_id("pause").click()
     page.get_by_test_id("stop").click()
-    says(page, "controller-result", "done")
+    wait_for_text(page, "controller-result", "done")
     page.get_by_test_id("run-name").fill("../elsewhere")
     page.get_by_test_id("save-run").click()
-    says(page, "message", "without slashes")
+    wait_for_text(page, "message", "without slashes")
     page.get_by_test_id("run-name").fill("mine")
     page.get_by_test_id("save-run").click()
-    says(page, "message", "run written to runs/mine")
+    wait_for_text(page, "message", "run written to runs/mine")
     assert read_manifest(folder / "runs" / "mine")["command"] == "explore"
 
 
-def test_a_right_click_exports_a_frame(page):
+def test_right_click_exports_a_frame(page):
     page.get_by_test_id("pane-right").click(button="right")
     with page.expect_download() as download:
         page.get_by_role("menuitem").or_(page.locator(".q-menu .q-item")).first.click()
     assert download.value.suggested_filename.startswith("village-")
-    says(page, "message", "frame written to")
+    wait_for_text(page, "message", "frame written to")
 
 
-def lead(page, controller, *buttons):
+def select_and_press(page, controller, *buttons):
     choose(page, "controller", controller)
     for button in buttons:
         page.get_by_test_id(button).click()
 
 
-def test_a_controller_that_raises_is_a_message(page):
-    lead(page, "raises", "run")
-    says(page, "controller-result", "controller failed")
-    says(page, "controller-result", "no idea where to go")
+def test_exception_in_a_controller_is_shown(page):
+    select_and_press(page, "raises", "run")
+    wait_for_text(page, "controller-result", "controller failed")
+    wait_for_text(page, "controller-result", "no idea where to go")
 
 
-def test_a_controller_that_never_returns_is_left_behind(page):
-    lead(page, "hangs", "run")
-    says(page, "controller-result", "plan")
+def test_controller_that_never_returns_is_abandoned(page):
+    select_and_press(page, "hangs", "run")
+    wait_for_text(page, "controller-result", "plan")
     page.get_by_test_id("stop").click()
-    # The page answers meanwhile, and refuses what cannot be.
+    # Meanwhile the page responds, and rejects invalid input.
     kept = value(page, "target-y")
-    pull(page, "pane-front", "target-symbol", 0, -100)
-    says(page, "message", "the world ends there")
+    drag_and_hold(page, "pane-front", "target-symbol", 0, -100)
+    wait_for_text(page, "message", "the world ends there")
     page.mouse.up()
     assert value(page, "target-y") == kept
-    says(page, "controller-result", "left behind")
-    lead(page, "frontier", "step")
-    says(page, "controller-result", "paused: 1 pairs")
+    wait_for_text(page, "controller-result", "left behind")
+    select_and_press(page, "frontier", "step")
+    wait_for_text(page, "controller-result", "paused: 1 pairs")
     page.get_by_test_id("stop").click()
 
 
@@ -260,9 +260,9 @@ def test_a_controller_that_never_returns_is_left_behind(page):
     ("host", "origin", "status"),
     [("evil.example", None, 403), (None, "http://evil.example", 403), (None, None, 101)],
 )
-def test_a_foreign_page_opens_no_socket(page, host, origin, status):
+def test_foreign_page_cannot_open_a_socket(page, host, origin, status):
     own = urllib.parse.urlsplit(page.url_of_server).netloc
-    connection = http.client.HTTPConnection(own, timeout=PATIENCE_S)
+    connection = http.client.HTTPConnection(own, timeout=TIMEOUT_S)
     headers = {
         "Host": host or own, "Origin": origin or f"http://{host or own}", "Upgrade": "websocket",
         "Connection": "Upgrade", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
@@ -274,7 +274,7 @@ def test_a_foreign_page_opens_no_socket(page, host, origin, status):
     connection.close()
 
 
-def test_a_second_visitor_has_his_own_cameras(page, browser):
+def test_second_visitor_has_independent_cameras(page, browser):
     other = page_of(browser, page.url_of_server, "pane-left")
     assert value(other, "x") == 0
     enter(other, "x", "7")
@@ -283,16 +283,16 @@ def test_a_second_visitor_has_his_own_cameras(page, browser):
     other.context.close()
 
 
-def test_settings_are_shown_and_changed(page):
+def test_settings_are_shown_and_edited(page):
     text = page.get_by_test_id("settings")
     assert "cell_size = 1.0" in text.input_value()
     text.fill("[map]\ncell_size = 2.0\n")
     page.get_by_test_id("settings-apply").click()
-    # What was typed is not enough: the page answers with all settings, and would undo more typing.
+    # Wait for the reply with all settings: it would overwrite anything typed before it arrives.
     page.wait_for_function(
         "() => ['cell_size = 2.0', '[render]'].every(words => "
         "document.querySelector('[data-testid=settings]').value.includes(words))"
     )
     text.fill("[map]\ncell_siz = 2.0\n")
     page.get_by_test_id("settings-apply").click()
-    says(page, "message", "nearest known name is map.cell_size")
+    wait_for_text(page, "message", "nearest known name is map.cell_size")

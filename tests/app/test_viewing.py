@@ -1,4 +1,4 @@
-"""What the inspector draws and picks, without a page."""
+"""Drawing and picking of the inspector, without a page."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def voxels(cloud):
     return voxel_map.occupied(min_count=1)
 
 
-def test_every_pixel_knows_its_row(cloud, voxels):
+def test_every_pixel_maps_to_its_row(cloud, voxels):
     for data in (cloud, voxels):
         layer = layer_of(data)
         orbit = Orbit.round(*layer.box)
@@ -47,7 +47,7 @@ def test_every_pixel_knows_its_row(cloud, voxels):
         assert view.row_at(0, 0) is None
 
 
-def test_nearer_things_hide_what_lies_behind():
+def test_nearer_points_occlude_farther_ones():
     points = np.array([[0.0, 0, 0], [0.0, 0, -5.0]])
     colours = np.array([[250, 0, 0], [0, 250, 0]], np.uint8)
     for order in ([0, 1], [1, 0]):
@@ -58,7 +58,7 @@ def test_nearer_things_hide_what_lies_behind():
         np.testing.assert_array_equal(layer.places[middle], [0, 0, 0])
 
 
-def test_a_mesh_is_closed_and_picked():
+def test_mesh_is_drawn_without_gaps_and_can_be_picked():
     corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
     mesh = Mesh(vertices=corners, triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     layer = layer_of(mesh)
@@ -70,7 +70,7 @@ def test_a_mesh_is_closed_and_picked():
     assert (view.number[:, : int(u.min()) - 1] == -1).all()
 
 
-def test_filters_and_their_share(voxels):
+def test_filters_report_their_share(voxels):
     layer = layer_of(voxels)
     kept = Filter(least={"count": 3}).kept(layer)
     np.testing.assert_array_equal(kept, voxels.counts >= 3)
@@ -87,7 +87,7 @@ def test_filters_and_their_share(voxels):
     )
 
 
-def test_unknown_sigmas_pass(cloud):
+def test_unknown_sigmas_pass_the_filter(cloud):
     sigma = np.where(np.arange(5000) < 10, np.nan, cloud.sigma)
     layer = layer_of(PointCloud(points=cloud.points, colours=cloud.colours, sigma=sigma))
     kept = Filter(most={"sigma": 0.5}).kept(layer)
@@ -95,7 +95,7 @@ def test_unknown_sigmas_pass(cloud):
     np.testing.assert_array_equal(kept[10:], sigma[10:] <= 0.5)
 
 
-def test_what_is_taken_is_read_back(voxels, tmp_path):
+def test_downloads_are_read_back(voxels, tmp_path):
     for ending in (".ply", ".vti", ".npz"):
         name, content = packed(voxels, "part", ending)
         (tmp_path / name).write_bytes(content)
@@ -107,7 +107,7 @@ def test_what_is_taken_is_read_back(voxels, tmp_path):
     assert archive({"a": b"1"}) == archive({"a": b"1"})
 
 
-def test_an_orbit_turns_about_its_target():
+def test_orbit_rotates_about_its_target():
     orbit = Orbit.round(np.zeros(3), np.ones(3))
     for other in (orbit.turned(50, -20), orbit.zoomed(2), orbit.seen_from("top")):
         np.testing.assert_array_equal(other.target, orbit.target)
