@@ -1,4 +1,4 @@
-"""Batches end whatever becomes of a job, resume, and leave what single runs leave."""
+"""Batches finish whatever happens to a job, resume, and write what single runs write."""
 
 import csv
 import json
@@ -36,8 +36,8 @@ input = "nowhere"
 """
 
 
-class Here:
-    """A scheduler that does every call at once, in this process."""
+class InProcess:
+    """A scheduler that runs every call immediately, in this process."""
 
     def outcomes(self, calls):
         for _, call in calls:
@@ -52,7 +52,7 @@ def batch(tmp_path_factory):
     return folder, code
 
 
-def test_a_failed_job_stops_no_other_and_is_said(batch):
+def test_failed_job_is_reported_and_stops_no_other(batch):
     folder, code = batch
     assert code == 5
     jobs = json.loads((folder / "out" / "summary.json").read_text())["jobs"]
@@ -70,7 +70,7 @@ def test_a_failed_job_stops_no_other_and_is_said(batch):
     assert rows[0]["num_pairs"] == "2"
 
 
-def test_a_job_leaves_the_bytes_of_a_run_alone(batch, tmp_path, without_figures):
+def test_job_writes_the_same_bytes_as_a_single_run(batch, tmp_path, without_figures):
     folder, _ = batch
     alone = tmp_path / "alone"
     given = [
@@ -86,7 +86,7 @@ def test_a_job_leaves_the_bytes_of_a_run_alone(batch, tmp_path, without_figures)
         assert (folder / "out" / "walk" / name).read_bytes() == (alone / name).read_bytes(), name
 
 
-def test_resumed_what_is_done_is_skipped_and_what_failed_is_tried_again(batch, capsys):
+def test_resume_skips_finished_jobs_and_retries_failed_ones(batch, capsys):
     folder, _ = batch
     before = (folder / "out" / "walk" / "map.npz").stat().st_mtime_ns
     given = ["batch", str(folder / "jobs.toml"), "-o", str(folder / "out"), "-j", "1", "--json"]
@@ -97,7 +97,7 @@ def test_resumed_what_is_done_is_skipped_and_what_failed_is_tried_again(batch, c
     assert main(given) == 2  # neither --resume nor --overwrite
 
 
-def test_a_dry_run_lists_the_jobs_and_does_none(batch, tmp_path, capsys):
+def test_dry_run_lists_jobs_without_running_them(batch, tmp_path, capsys):
     folder, _ = batch
     given = ["batch", str(folder / "jobs.toml"), "-o", str(tmp_path / "out"), "--dry-run", "--json"]
     assert main(given) == 0
@@ -108,14 +108,14 @@ def test_a_dry_run_lists_the_jobs_and_does_none(batch, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_that_is_not_a_batch_is_not_replaced(tmp_path):
+def test_folder_that_is_not_a_batch_is_not_overwritten(tmp_path):
     (tmp_path / "thesis.txt").write_text("years of work")
     with pytest.raises(InputError, match="is not the folder of a batch"):
-        run_batch([], tmp_path, Here(), overwrite=True)
+        run_batch([], tmp_path, InProcess(), overwrite=True)
     assert (tmp_path / "thesis.txt").exists()
 
 
-def test_what_nobody_foresaw_is_an_outcome_too(tmp_path, monkeypatch):
+def test_unexpected_exception_becomes_a_failed_outcome(tmp_path, monkeypatch):
     def broken(*_):
         raise ZeroDivisionError("division\nby zero")
 
@@ -133,7 +133,7 @@ def die_once(mark):
     return Outcome(name="a", state="done")
 
 
-def test_a_job_whose_worker_was_lost_goes_on_with_its_run(batch, without_figures):
+def test_job_of_a_lost_worker_continues_its_run(batch, without_figures):
     folder, _ = batch
     job = read_jobs(folder / "jobs.toml")[0]
     assert do(job, folder / "out" / "walk").state == "skipped"
@@ -148,32 +148,32 @@ def die():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_a_lost_worker_is_replaced_and_its_job_tried_again(tmp_path):
+def test_lost_worker_is_replaced_and_its_job_retried(tmp_path):
     from functools import partial
 
     calls = [("a", partial(die_once, tmp_path / "mark"))]
     assert [one.state for one in Processes(1).outcomes(calls)] == ["done"]
 
 
-LONELY = """
+ORPHAN_SCRIPT = """
 import sys
 from recon.batch.schedulers import Processes
 from recon.processes import SPAWN, start_server
-from tests.batch.test_batch import wait_for_ever
+from tests.batch.test_batch import wait_forever
 if __name__ == "__main__":
     start = start_server("recon.batch.loaded") if sys.argv[1] == "forked" else SPAWN
-    for _ in Processes(1, start=start).outcomes([("a", wait_for_ever)]): pass
+    for _ in Processes(1, start=start).outcomes([("a", wait_forever)]): pass
 """
 
 
-def wait_for_ever():
+def wait_forever():
     os.write(1, b"%d\n" % os.getpid())
     time.sleep(600)
 
 
 @pytest.mark.parametrize("way", ["forked", "spawned"])
-def test_a_worker_does_not_outlive_the_batch(tmp_path, way):
-    (tmp_path / "lonely.py").write_text(LONELY)
+def test_worker_does_not_outlive_the_batch(tmp_path, way):
+    (tmp_path / "lonely.py").write_text(ORPHAN_SCRIPT)
     here = {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
     with subprocess.Popen(
         [sys.executable, tmp_path / "lonely.py", way],
@@ -182,11 +182,11 @@ def test_a_worker_does_not_outlive_the_batch(tmp_path, way):
     ) as parent:
         assert int(parent.stdout.readline()) != parent.pid
         parent.kill()
-        # The pipe ends when the last process that holds it has ended.
+        # The pipe closes when the last process that holds it has ended.
         assert parent.stdout.read() == b""
 
 
-def tell(name, num):
+def report_progress(name, num):
     from recon.batch.worker import _heard
 
     for done in range(num):
@@ -194,11 +194,11 @@ def tell(name, num):
     return Outcome(name=name, state="done")
 
 
-def test_progress_of_every_job_is_heard_in_order():
+def test_progress_of_every_job_is_reported_in_order():
     from functools import partial
 
     heard = []
-    calls = [(name, partial(tell, name, 3)) for name in "ab"]
+    calls = [(name, partial(report_progress, name, 3)) for name in "ab"]
     scheduler = Processes(2, progress=lambda *said: heard.append(said))
     for _ in range(2):
         heard.clear()
@@ -207,14 +207,14 @@ def test_progress_of_every_job_is_heard_in_order():
         assert [said for said in heard if said[0] == name] == [(name, n, 3) for n in (1, 2, 3)]
 
 
-def test_a_job_that_kills_every_worker_fails_in_a_line():
+def test_job_that_kills_every_worker_fails_with_one_line():
     outcome = lost("a")
     assert outcome.state == "failed"
     assert f"died {MAX_TRIES} times" in outcome.error
     assert "\n" not in outcome.error
 
 
-def test_a_swept_setting_is_a_column(tmp_path):
+def test_swept_setting_is_a_column(tmp_path):
     text = JOBS.split('[[job]]\nname = "nowhere"')[0] + "[sweep]\nmap.min_count = [1, 2]\n"
     (tmp_path / "jobs.toml").write_text(text)
     jobs = read_jobs(tmp_path / "jobs.toml")
@@ -228,8 +228,8 @@ def test_a_swept_setting_is_a_column(tmp_path):
     assert [row["map.min_count"] for row in rows] == ["1", "2"]
 
 
-def seen_limits():
-    """What a worker may read."""
+def limits_in_worker():
+    """Read the limits that apply in a worker."""
     try:
         check_memory("a file", 2000)
     except InputError:
@@ -237,10 +237,10 @@ def seen_limits():
     return may_read("/elsewhere", Path("/here")), "allowed"
 
 
-def test_limits_of_the_batch_hold_in_its_workers():
+def test_limits_of_the_batch_apply_in_its_workers():
     with outside_allowed(), memory_limit(1000):
-        call = bound(seen_limits)
-    usual = bound(seen_limits)
-    # A worker begins with a context of its own.
+        call = bound(limits_in_worker)
+    usual = bound(limits_in_worker)
+    # A worker starts with a new context.
     assert Context().run(pickle.loads(pickle.dumps(call))) == (True, "refused")
     assert Context().run(usual) == (False, "allowed")

@@ -1,4 +1,4 @@
-"""Recordings cut into jobs give the map of one run, byte for byte, whatever does the jobs."""
+"""Recordings cut into jobs give the map of one run, byte for byte, with any scheduler."""
 
 import json
 
@@ -50,7 +50,7 @@ def whole(drive):
     return run
 
 
-def test_chunks_as_jobs_become_the_map_of_one_run(drive, whole, tmp_path):
+def test_chunked_jobs_merge_to_the_map_of_one_run(drive, whole, tmp_path):
     (drive.parent / "jobs.toml").write_text(JOB)
     given = ["batch", str(drive.parent / "jobs.toml"), "-o", str(tmp_path / "out"), "--chunk", "2"]
     assert main([*given, "-j", "2", "-q"]) == 0
@@ -69,7 +69,7 @@ def test_chunks_as_jobs_become_the_map_of_one_run(drive, whole, tmp_path):
     assert main([*given, "-j", "1", "-q", "--resume"]) == 0
 
 
-def test_the_map_of_two_recordings_counts_their_views_apart(drive, tmp_path):
+def test_map_of_two_recordings_counts_their_views_separately(drive, tmp_path):
     jobs = [*jobs_of_glob(str(drive), "reconstruct")] * 2
     one, two = (tmp_path / name for name in ("one", "two"))
     from dataclasses import replace
@@ -82,7 +82,7 @@ def test_the_map_of_two_recordings_counts_their_views_apart(drive, tmp_path):
     assert np.array_equal(double.occupied(2).num_views, 2 * single.occupied(1).num_views)
 
 
-def test_a_recording_that_is_not_there_is_a_failed_job_and_nothing_is_merged(tmp_path):
+def test_missing_recording_is_a_failed_job_and_nothing_is_merged(tmp_path):
     jobs = jobs_of_glob(str(tmp_path / "nowhere"), "reconstruct")
     report = run_batch(jobs, tmp_path / "out", Sent(), chunk=2)
     assert [one.state for one in report.outcomes] == ["failed"]
@@ -96,7 +96,7 @@ def test_chunks_are_for_reconstructions_without_a_sweep(tmp_path):
 
 
 @pytest.mark.parametrize("poses", ["given", "estimated"])
-def test_a_part_with_its_record_is_that_of_the_whole_and_reads_nothing_before(
+def test_part_read_with_a_record_equals_the_whole_and_reads_no_earlier_images(
     drive, poses, tmp_path, monkeypatch
 ):
     settings = SequenceSettings(poses=poses)
@@ -107,11 +107,11 @@ def test_a_part_with_its_record_is_that_of_the_whole_and_reads_nothing_before(
     read = []
     decode = images.read_pixels
 
-    def noted(path, *given):
+    def recorded(path, *given):
         read.append(path.stem)
         return decode(path, *given)
 
-    monkeypatch.setattr(images, "read_pixels", noted)
+    monkeypatch.setattr(images, "read_pixels", recorded)
     part = list(again[3:5])
     assert set(read) == {pair.name for pair in part}
     for own, other in zip(whole[3:], part, strict=True):
@@ -122,13 +122,13 @@ def test_a_part_with_its_record_is_that_of_the_whole_and_reads_nothing_before(
 @pytest.mark.parametrize(
     "text", ["[]", "{}", '{"row_residual_px": [0], "disparity_residual_px": [], "poses": {}}']
 )
-def test_a_damaged_record_is_refused(text, tmp_path):
+def test_damaged_record_is_rejected(text, tmp_path):
     (tmp_path / "refined.json").write_text(text)
     with pytest.raises(InputError, match="not the record of a recording"):
         read_refined(tmp_path / "refined.json")
 
 
-def test_a_part_beyond_the_recording_is_refused(drive, tmp_path):
+def test_part_beyond_the_recording_is_rejected(drive, tmp_path):
     from recon.runs.execute import execute
     from recon.runs.job import Job
 
@@ -141,7 +141,7 @@ def test_a_part_beyond_the_recording_is_refused(drive, tmp_path):
         )
 
 
-def test_a_record_comes_back(tmp_path):
+def test_record_round_trip(tmp_path):
     from recon.sequences.calibration.row_error import Field, Residual
 
     record = Refined(

@@ -24,22 +24,22 @@ input = "three_kinds"
 settings = { "exploration.max_pairs" = 2, "eyes.width" = 96, "eyes.height" = 96 }
 """
 CALL = "import sys; from recon.cli import entry; sys.argv[0] = 'recon'; sys.exit(entry())"
-LEFT_OUT = {"manifest.json", "metrics.json"}
+WITH_TIMES = {"manifest.json", "metrics.json"}
 
 
 def batch(folder, name, *given, **environment):
-    """Run the batch in a process of its own."""
+    """Run the batch in a separate process."""
     argv = [sys.executable, "-c", CALL, "batch", str(folder / "jobs.toml"), "-o",
             str(folder / name), "-q", *given]  # fmt: skip
     subprocess.run(argv, check=True, env=os.environ | environment, capture_output=True)
 
 
 def content(run):
-    """Every file of a run but those that hold times."""
+    """Read every file of a run except those that hold times."""
     return {
         path.relative_to(run).as_posix(): path.read_bytes()
         for path in sorted(run.rglob("*"))
-        if path.is_file() and path.name not in LEFT_OUT
+        if path.is_file() and path.name not in WITH_TIMES
     }
 
 
@@ -71,7 +71,7 @@ def folder(tmp_path_factory):
     ],
     ids=["two processes, C locale, two threads", "Dask"],
 )
-def test_the_bytes_are_those_of_one_worker(folder, given, environment):
+def test_bytes_equal_those_of_one_worker(folder, given, environment):
     if "--scheduler" in given:
         pytest.importorskip("distributed")
     name = "dask" if "--scheduler" in given else "two"

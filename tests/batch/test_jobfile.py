@@ -1,4 +1,4 @@
-"""Job files, globs and sweeps become named jobs, or are refused in a line."""
+"""Job files, globs and sweeps become named jobs, or are rejected in one line."""
 
 import pickle
 
@@ -16,7 +16,7 @@ def written(folder, text):
     return path
 
 
-def test_a_job_has_its_command_input_settings_and_seed(tmp_path):
+def test_job_has_its_command_input_settings_and_seed(tmp_path):
     text = JOB + 'seed = 3\nsettings = { "map.cell_size" = 0.5, exploration = { max_pairs = 2 } }\n'
     (one,) = read_jobs(written(tmp_path, text))
     assert (one.name, one.job.kind, one.job.seed) == ("a", "explore", 3)
@@ -24,7 +24,7 @@ def test_a_job_has_its_command_input_settings_and_seed(tmp_path):
     assert one.job.settings.exploration.max_pairs == 2
 
 
-def test_inputs_are_looked_up_from_the_folder_of_the_file(tmp_path):
+def test_inputs_are_relative_to_the_folder_of_the_job_file(tmp_path):
     (tmp_path / "pair").mkdir()
     text = '[[job]]\ncommand = "reconstruct"\ninput = "pair"\n'
     (one,) = read_jobs(written(tmp_path, text))
@@ -32,17 +32,17 @@ def test_inputs_are_looked_up_from_the_folder_of_the_file(tmp_path):
     assert one.name == "pair"
 
 
-def test_a_scene_that_ships_is_no_file_of_the_folder(tmp_path):
+def test_shipped_scene_is_found_by_name(tmp_path):
     (one,) = read_jobs(written(tmp_path, JOB))
     assert one.job.resolved().inputs[0].name == "village.scene"
 
 
-def test_a_missing_input_is_a_job_and_no_refusal(tmp_path):
+def test_missing_input_is_still_a_job(tmp_path):
     text = '[[job]]\ncommand = "reconstruct"\ninput = "nowhere"\n'
     assert len(read_jobs(written(tmp_path, text))) == 1
 
 
-def test_a_glob_is_one_job_per_match(tmp_path):
+def test_glob_gives_one_job_per_match(tmp_path):
     for name in ("b", "a", ".hidden"):
         (tmp_path / "runs" / name).mkdir(parents=True)
     text = '[[job]]\nname = "all"\ncommand = "reconstruct"\ninput = "runs/*"\n'
@@ -51,7 +51,7 @@ def test_a_glob_is_one_job_per_match(tmp_path):
     assert [one.name for one in found] == ["a", "b"]
 
 
-def test_a_sweep_is_every_combination(tmp_path):
+def test_sweep_covers_every_combination(tmp_path):
     text = JOB + '[sweep]\n"map.cell_size" = [1.0, 2.0]\nexploration.max_pairs = [1, 2, 3]\n'
     jobs = read_jobs(written(tmp_path, text))
     assert len({one.name for one in jobs}) == len(jobs) == 6
@@ -60,7 +60,7 @@ def test_a_sweep_is_every_combination(tmp_path):
     assert jobs[5].job.settings.map.cell_size == 2.0
 
 
-def test_jobs_travel_to_other_processes(tmp_path):
+def test_jobs_survive_pickling(tmp_path):
     (one,) = read_jobs(written(tmp_path, JOB + 'settings = { "map.cell_size" = 0.5 }\n'))
     again = pickle.loads(pickle.dumps(one))
     assert again.job.resolved().settings == one.job.resolved().settings
@@ -91,7 +91,7 @@ def test_jobs_travel_to_other_processes(tmp_path):
         ("[[job]", "a TOML file is needed"),
     ],
 )
-def test_what_cannot_be_a_job_is_refused_in_a_line(tmp_path, text, fault):
+def test_invalid_job_is_rejected_in_one_line(tmp_path, text, fault):
     with pytest.raises(InputError, match=fault) as error:
         read_jobs(written(tmp_path, text))
     assert "\n" not in str(error.value)

@@ -1,4 +1,4 @@
-"""Schedulers of Dask that go away: what was done stays, the rest is failed in a line each."""
+"""A Dask scheduler that disappears: finished jobs stay, the others fail with one line each."""
 
 import subprocess
 import sys
@@ -22,19 +22,22 @@ input()
 """
 
 
-def do_for(seconds, name):
+def finish_after(seconds, name):
     time.sleep(seconds)
     return Outcome(name=name, state="done")
 
 
-def test_a_scheduler_that_goes_away_costs_the_jobs_that_were_not_done():
+def test_lost_scheduler_fails_only_unfinished_jobs():
     pytest.importorskip("distributed")
     root = Path(__file__).parents[2]
     with subprocess.Popen(
         [sys.executable, "-c", CLUSTER], cwd=root, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as cluster:
         address = cluster.stdout.readline().decode().strip()
-        calls = [("quick", partial(do_for, 0, "quick")), ("slow", partial(do_for, 60, "slow"))]
+        calls = [
+            ("quick", partial(finish_after, 0, "quick")),
+            ("slow", partial(finish_after, 60, "slow")),
+        ]
         found = {}
         for outcome in Dask(address, 1).outcomes(calls):
             found[outcome.name] = outcome

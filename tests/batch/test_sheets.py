@@ -1,4 +1,4 @@
-"""What a batch leaves to look at: a contact sheet, one confusion, a table and plots of a sweep."""
+"""Summaries of a batch: contact sheet, confusion matrix, and tables and plots of a sweep."""
 
 import csv
 import json
@@ -16,13 +16,13 @@ from recon.figures.contact import Print, columns_of, thumbnail
 from recon.figures.sweep import sweep
 from recon.runs.job import Job
 
-SIDES = {1: 0.5, 2: 0.7, 5: 0.9}
+SHARE_BY_COUNT = {1: 0.5, 2: 0.7, 5: 0.9}
 
 
-def a_report(folder, outcomes=None):
-    """A sweep of three values over two recordings, one of the jobs failed."""
+def make_report(folder, outcomes=None):
+    """Make a report of a sweep of three values over two recordings, with one failed job."""
     jobs, found = [], []
-    for count, share in SIDES.items():
+    for count, share in SHARE_BY_COUNT.items():
         for name in ("a", "b"):
             job = Job(kind="reconstruct", inputs=(name,))
             swept = (("map.min_count", count), ("matching.matcher", "phase"))
@@ -44,8 +44,8 @@ def a_report(folder, outcomes=None):
     return BatchReport(folder=folder, jobs=tuple(jobs), outcomes=tuple(outcomes or found))
 
 
-def test_a_sweep_is_tabulated_and_plotted(tmp_path):
-    document = write_summary(a_report(tmp_path), ["share"])
+def test_sweep_is_tabulated_and_plotted(tmp_path):
+    document = write_summary(make_report(tmp_path), ["share"])
     assert document["sweep"] == [
         {"map.min_count": count, "matching.matcher": "phase", "jobs": jobs,
          "share": pytest.approx(mean)}
@@ -58,15 +58,15 @@ def test_a_sweep_is_tabulated_and_plotted(tmp_path):
     assert (tmp_path / "sweep_share.png").exists()
 
 
-def test_one_confusion_counts_all_jobs_whose_truth_is_known(tmp_path):
-    document = write_summary(a_report(tmp_path), ["share"])
+def test_confusion_matrix_counts_all_jobs_with_known_truth(tmp_path):
+    document = write_summary(make_report(tmp_path), ["share"])
     assert (document["num_objects"], document["num_right"]) == (10, 5)
     assert document["confusion"] == {"bush": {"pine": 5}, "pine": {"pine": 5}}
     assert (tmp_path / "confusion.png").exists()
 
 
-def test_the_contact_sheet_shows_every_job_and_is_the_same_again(tmp_path):
-    report = a_report(tmp_path / "one")
+def test_contact_sheet_is_reproducible_and_skips_broken_images(tmp_path):
+    report = make_report(tmp_path / "one")
     write_summary(report, ["share"])
     first = (tmp_path / "one" / "contact.png").read_bytes()
     write_summary(report, ["share"])
@@ -77,7 +77,7 @@ def test_the_contact_sheet_shows_every_job_and_is_the_same_again(tmp_path):
     assert thumbnail(tmp_path / "one" / "b-1" / "figures" / "broken.png") is None
 
 
-def test_an_image_on_the_sheet_is_seen_and_a_missing_one_says_why(tmp_path):
+def test_contact_sheet_shows_images_or_the_reason_for_a_missing_one(tmp_path):
     save(sweep({"x": [(1, 1.0)]}, "a", "b"), tmp_path / "a.png")
     blank, drawn, said = (
         pixels(contact.contact([Print(name="a", image=image, note=note)]))
@@ -86,7 +86,7 @@ def test_an_image_on_the_sheet_is_seen_and_a_missing_one_says_why(tmp_path):
     assert (drawn != blank).sum() > (said != blank).sum() > 50
 
 
-def test_a_sheet_of_many_is_about_as_wide_as_high():
+def test_contact_sheet_is_roughly_square():
     for num in (1, 2, 7, 100, contact.MAX_SHOWN):
         width, height = (
             contact.CELL[0] * columns_of(num),
@@ -96,7 +96,7 @@ def test_a_sheet_of_many_is_about_as_wide_as_high():
         assert max(width, height) <= 8192
 
 
-def test_words_are_swept_at_equal_distances_and_means_pass_through_them():
+def test_swept_words_are_equally_spaced_and_the_line_shows_their_means():
     figure = sweep({"all": [("fast", 1.0), ("best", 3.0), ("fast", 2.0)]}, "quality", "rms")
     (axes,) = figure.axes
     assert [label.get_text() for label in axes.get_xticklabels()] == ["fast", "best"]
@@ -104,7 +104,7 @@ def test_words_are_swept_at_equal_distances_and_means_pass_through_them():
     assert line.get_ydata().tolist() == [1.5, 3.0]
 
 
-def test_an_unknown_metric_is_refused_after_everything_is_on_disk(tmp_path):
+def test_unknown_metric_is_rejected_after_the_summary_is_written(tmp_path):
     with pytest.raises(InputError, match="known are seconds, share"):
-        write_summary(a_report(tmp_path), ["shares"])
+        write_summary(make_report(tmp_path), ["shares"])
     assert len(json.loads((tmp_path / "summary.json").read_text())["jobs"]) == 6
