@@ -1,4 +1,4 @@
-"""Small worlds that figures are drawn of."""
+"""Small maps to draw figures of."""
 
 import numpy as np
 import pytest
@@ -18,13 +18,13 @@ def voxels():
 
 
 @pytest.fixture
-def nothing(voxels):
+def no_voxels(voxels):
     return voxels.select(slice(0))
 
 
 @pytest.fixture
 def ball():
-    """An object of one ball of radius 2 round (10.5, 2, 0.5)."""
+    """An object of one ball of radius 2 around (10.5, 2, 0.5)."""
     centre = np.array([10.5, 2.0, 0.5])
     part = Part(
         role="body", solid=Sphere(centre=centre, radius=2.0), hue_deg=None, num_voxels=4, rms=0.1

@@ -22,7 +22,7 @@ def small(width=400, height=320, **style):
 
 
 def columns_of(image, channel):
-    """Image columns where a channel stands out."""
+    """Find the image columns in which a colour channel dominates."""
     others = image[..., [c for c in range(3) if c != channel]].max(axis=2).astype(int)
     return np.nonzero((image[..., channel].astype(int) - others > 60).any(axis=0))[0]
 
@@ -47,25 +47,25 @@ def test_z_runs_down_the_floor():
     assert high < -4.5
 
 
-def test_sizes_are_as_asked_and_nothing_is_drawn_without_cells(nothing):
-    image = pixels(map3d(nothing, sheet=small(320, 240, with_title=False)))
+def test_figures_have_the_requested_size_even_without_cells(no_voxels):
+    image = pixels(map3d(no_voxels, sheet=small(320, 240, with_title=False)))
     assert image.shape == (240, 320, 3)
     assert image.std(axis=(0, 1)).max() == 0
-    assert pixels(occupancy(nothing, sheet=small(300, 280))).shape == (280, 300, 3)
-    assert pixels(labels(nothing, [], sheet=small(300, 280))).shape == (280, 300, 3)
+    assert pixels(occupancy(no_voxels, sheet=small(300, 280))).shape == (280, 300, 3)
+    assert pixels(labels(no_voxels, [], sheet=small(300, 280))).shape == (280, 300, 3)
     for at_rest in (1, 3):
         poses = np.tile(np.eye(4), (at_rest, 1, 1))
-        assert pixels(trajectory(poses, nothing, sheet=small())).shape == (320, 400, 3)
+        assert pixels(trajectory(poses, no_voxels, sheet=small())).shape == (320, 400, 3)
 
 
-def test_floor_plans_have_no_idle_margins_unless_a_size_is_asked(voxels, ball):
+def test_floor_plans_have_tight_margins_unless_a_size_is_given(voxels, ball):
     height, width = pixels(labels(voxels, [ball])).shape[:2]
     assert width == pytest.approx(1000, abs=2)
     assert 250 < height < 700
     assert pixels(labels(voxels, [ball], sheet=small(500, 480))).shape == (480, 500, 3)
 
 
-def test_titles_are_left_to_captions(voxels):
+def test_titles_can_be_left_out(voxels):
     def texts(with_title):
         figure = occupancy(voxels, sheet=small(with_title=with_title))
         return figure.axes[0].get_title(loc="left")
@@ -74,7 +74,7 @@ def test_titles_are_left_to_captions(voxels):
     assert texts(with_title=False) == ""
 
 
-def test_nothing_is_behind_a_transparent_figure(voxels, tmp_path):
+def test_transparent_background_has_zero_alpha(voxels, tmp_path):
     from matplotlib.image import imread
 
     corners = {}
@@ -86,7 +86,7 @@ def test_nothing_is_behind_a_transparent_figure(voxels, tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
-def test_the_same_figure_is_the_same_bytes(voxels, ball, tmp_path, ending):
+def test_same_figure_gives_the_same_bytes(voxels, ball, tmp_path, ending):
     paths = [tmp_path / f"{name}.{ending}" for name in "ab"]
     for path in paths:
         save(labels(voxels, [ball], sheet=small()), path)
@@ -94,28 +94,28 @@ def test_the_same_figure_is_the_same_bytes(voxels, ball, tmp_path, ending):
     assert paths[0].stat().st_size > 2000
 
 
-def test_another_ending_is_refused(voxels, tmp_path):
+def test_unknown_extension_is_rejected(voxels, tmp_path):
     with pytest.raises(InputError, match="'bmp' is not a format, but png, pdf, svg are"):
         save(occupancy(voxels, sheet=small()), tmp_path / "a.bmp")
 
 
-def test_an_unknown_view_is_refused():
+def test_unknown_view_is_rejected():
     with pytest.raises(InputError, match="'below', but one of default, front"):
         Standpoint(view="below")
 
 
-def test_colours_that_mean_numbers_have_a_scale(voxels):
+def test_colour_coded_values_have_a_colour_bar(voxels):
     figure = valued(voxels, np.arange(8.0), "metres", sheet=small())
     assert "metres" in [axes.get_ylabel() for axes in figure.axes]
 
 
-def test_lengths_say_their_unit(voxels, ball):
+def test_lengths_show_their_unit(voxels, ball):
     figure = labels(voxels, [ball], unit="m", sheet=small(900, 800))
     assert figure.axes[0].get_xlabel() == "x [m]"
     assert any(text.get_text().endswith(" m") for text in figure.axes[0].texts)
 
 
-def test_names_carry_their_probability(voxels, ball):
+def test_labels_show_their_probability(voxels, ball):
     written = [text.get_text() for text in labels(voxels, [ball], sheet=small()).axes[0].texts]
     assert "pine tree 90%" in written
     assert "pine tree 90%" not in [
@@ -123,13 +123,13 @@ def test_names_carry_their_probability(voxels, ball):
     ]
 
 
-def test_letters_grow_with_the_sheet():
+def test_font_size_scales_with_the_sheet():
     small_sheet, large = Sheet.of((600, 600)), Sheet.of((1800, 1800))
     assert large.font_size == pytest.approx(3 * small_sheet.font_size, rel=0.3)
     assert Sheet.of((600, 600), Style(font_size=7.5)).font_size == 7.5
 
 
-def test_an_overview_is_one_figure(voxels):
+def test_overview_is_one_figure(voxels):
     drawn = []
     panels = [lambda sheet: drawn.append(sheet.size), lambda sheet: occupancy(voxels, sheet=sheet)]
     figure = overview(lambda sheet: map3d(voxels, sheet=sheet), panels, sheet=small(900, 600))
@@ -161,7 +161,7 @@ def test_unknown_pixels_show_the_image():
     assert pixels(dense(left, np.full((30, 40), np.nan), sheet=small())).shape == (320, 400, 3)
 
 
-def test_errors_stand_out_where_they_are():
+def test_error_map_reports_the_share_of_bad_matches():
     found = Drawn(
         points_px=np.array([[20.0, 30.0], [80.0, 30.0]]), disparity_px=np.array([3.0, 9.0])
     )
@@ -176,13 +176,13 @@ def test_errors_stand_out_where_they_are():
     assert title(np.full((60, 100), np.nan)) == "Error: 0.00% of 0 are over 1 px"
 
 
-def test_a_confusion_is_counted():
+def test_confusion_matrix_counts_pairs_of_labels():
     figure = confusion_matrix(["a", "a", "b"], ["a", "b", "b"], sheet=small())
     written = sorted(text.get_text() for text in figure.axes[0].texts)
     assert written == ["0", "1", "1", "1"]
 
 
-def test_a_model_is_drawn_beside_what_was_measured():
+def test_mixture_is_drawn_over_the_measurements():
     phases = np.linspace(-np.pi, np.pi, 91)
     narrow, wide = (np.exp(-((phases / spread) ** 2)) for spread in (0.3, 1.0))
     measured = np.random.default_rng(0).normal(0, 0.3, 500)
@@ -194,7 +194,7 @@ def test_a_model_is_drawn_beside_what_was_measured():
     assert pixels(empty).shape == (420, 1300, 3)
 
 
-def test_a_mesh_is_seen_from_its_cameras():
+def test_mesh_is_seen_from_its_cameras():
     vertices = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0.0]])
     colours = np.array([[200, 20, 20], [20, 20, 200], [20, 20, 200], [200, 20, 20]], np.uint8)
     surface = Mesh(
@@ -206,7 +206,7 @@ def test_a_mesh_is_seen_from_its_cameras():
         assert sign * (blue - red) > 30
 
 
-def test_a_mesh_has_a_grid_and_other_views(tmp_path):
+def test_mesh_has_a_grid_and_other_views(tmp_path):
     vertices = np.array([[-1, 0, 0], [1, 0, 0], [1, 2, 0], [-1, 2, 0.0]])
     surface = Mesh(vertices=vertices, triangles=np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     cameras = np.array([[0.0, 1.0, 5.0]])
@@ -215,5 +215,5 @@ def test_a_mesh_has_a_grid_and_other_views(tmp_path):
         figure = mesh(surface, cameras, standpoint=Standpoint(view=view, unit="m"), sheet=small())
         assert any("grid" in text.get_text() for text in figure.axes[0].texts)
         shares[view] = (pixels(figure).max(axis=2) < 215).mean()
-    # From the top an upright square is a line.
+    # Seen from the top, an upright square is a line.
     assert shares["top"] < 0.5 * shares["default"]

@@ -1,4 +1,4 @@
-"""Where things are in a figure: viewpoints, names, footprints, scales."""
+"""Positions in a figure: viewpoints, names, footprints, scales."""
 
 import json
 
@@ -41,7 +41,7 @@ def corners(low, high):
 
 
 @pytest.mark.parametrize("view", [view for view in VIEWS if view != "camera"])
-def test_the_whole_box_is_in_the_image(view):
+def test_whole_box_is_inside_the_image(view):
     first = look_at((0.0, 5.0, 60.0), (0.0, 5.0, 0.0))
     at = viewpoint(view, BOX, SIZE, first).project(corners(*BOX), SIZE)
     assert (at[:, 2] > 0).all()
@@ -50,7 +50,7 @@ def test_the_whole_box_is_in_the_image(view):
     assert np.ptp(at[:, :2], axis=0).max() > 0.5 * min(SIZE)
 
 
-def test_the_cameras_view_is_the_cameras():
+def test_camera_view_is_that_of_the_first_camera():
     first = look_at((0.0, 5.0, 60.0), (0.0, 5.0, 0.0))
     at = viewpoint("camera", BOX, SIZE, first).project([[0.0, 5.0, 0.0]], SIZE)
     np.testing.assert_allclose(at, [[400.0, 300.0, 60.0]], atol=1e-9)
@@ -58,7 +58,7 @@ def test_the_cameras_view_is_the_cameras():
         viewpoint("ego", BOX, SIZE, None)
 
 
-def test_six_numbers_are_a_place_and_what_it_looks_at():
+def test_six_numbers_are_position_and_target():
     at = viewpoint("3,4,5,1,2,0", BOX, SIZE).project([[1.0, 2.0, 0.0]], SIZE)
     np.testing.assert_allclose(at[0, :2], [400.0, 300.0], atol=1e-9)
     down = viewpoint("3,40,5,3,0,5", BOX, SIZE).project([[3.0, 0.0, 5.0]], SIZE)
@@ -79,7 +79,7 @@ def test_ticks_are_round_and_inside(low, extent):
     assert places[-1] <= low + extent + 1e-6 * step
 
 
-def test_names_cover_nothing_where_there_is_room():
+def test_names_overlap_nothing_if_there_is_space():
     boxes = np.array([[100, 100, 150, 150], [160, 100, 210, 150], [110, 40, 200, 90]], float)
     wanted = [names.Name(text="a", box=box) for box in boxes]
     sizes = np.tile([60.0, 20.0], (3, 1))
@@ -92,13 +92,13 @@ def test_names_cover_nothing_where_there_is_room():
         assert not ((width > 1e-9) & (height > 1e-9)).any()
 
 
-def test_names_stay_in_the_image():
+def test_names_stay_inside_the_image():
     edge = [names.Name(text="a", box=np.array([0.0, 0.0, 5.0, 5.0]))]
     (box,) = names.place(edge, np.array([[60.0, 20.0]]), np.array([0, 0, 400, 300.0]), 15.0)
     assert (box[:2] >= 0).all()
 
 
-def test_cover_is_where_the_dots_are():
+def test_covered_area_is_that_of_the_dots():
     cover = Cover(np.array([[100.0, 50.0]]), 10.0, (300, 200))
     areas = cover.area(np.array([[90, 40, 110, 60], [0, 0, 60, 30], [0, 0, 300, 200.0]]))
     assert areas[0] > 300
@@ -127,22 +127,22 @@ def area(ring):
 )  # fmt: skip
 def test_footprints_have_the_area_of_their_solids(solid, truth):
     ring = of_solid(solid)
-    # Counter-clockwise where north is up, as GeoJSON wants it: in x, z the area is negative.
+    # Counter-clockwise with north up, as GeoJSON requires: in x, z the area is negative.
     assert area(ring * (1.0, -1.0)) == pytest.approx(truth, rel=0.01)
 
 
-def test_a_plane_covers_nothing():
+def test_plane_has_no_footprint():
     assert of_solid(Plane(point=np.zeros(3), normal=UP)).shape == (0, 2)
 
 
-def test_the_least_rectangle_lies_along_what_it_holds():
+def test_smallest_rectangle_aligns_with_its_points():
     rng = np.random.default_rng(0)
     turn = rotation_about_y(0.6)[np.ix_([0, 2], [0, 2])]
     points = (rng.random((500, 2)) * (10.0, 2.0)) @ turn.T
     assert abs(area(least_rectangle(points))) == pytest.approx(20.0, rel=0.05)
 
 
-def test_an_object_without_solids_is_as_wide_as_its_cells(voxels, ball):
+def test_object_without_solids_has_the_footprint_of_its_cells(voxels, ball):
     from dataclasses import replace
 
     ring = of_object(replace(ball, parts=()), voxels)
@@ -170,7 +170,7 @@ def luminance(colours):
 
 
 @pytest.mark.parametrize("name", [scales.COUNT, scales.ERROR, scales.ORDER, "disparity", "error"])
-def test_scales_rise_in_lightness(name):
+def test_colour_maps_rise_in_lightness(name):
     from matplotlib import colormaps
 
     own = {"disparity": scales.disparity, "error": scales.error}
@@ -178,13 +178,13 @@ def test_scales_rise_in_lightness(name):
     assert (np.diff(luminance(scale(np.linspace(0, 1, 64))[:, :3])) > 0).all()
 
 
-def test_a_rainbow_is_no_scale():
+def test_rainbow_colour_map_does_not_rise_in_lightness():
     from matplotlib import colormaps
 
     assert (np.diff(luminance(colormaps["turbo"](np.linspace(0, 1, 64))[:, :3])) < 0).any()
 
 
-def test_strays_lie_beyond_the_scale():
+def test_outliers_lie_beyond_the_scale():
     values = np.concatenate([np.linspace(0, 10, 1000), [500.0]])
     low, high = scales.ends(values)
     assert 0 <= low < 0.2
@@ -193,7 +193,7 @@ def test_strays_lie_beyond_the_scale():
     assert scales.ends(np.zeros(0)) == (0.0, 1.0)
 
 
-def test_seen_ground_is_free_and_what_stands_on_it_is_not():
+def test_observed_ground_is_free_and_obstacles_on_it_are_occupied():
     from recon.figures.free_ground import states_by_ground
     from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN
 
@@ -214,7 +214,7 @@ def test_seen_ground_is_free_and_what_stands_on_it_is_not():
 
 
 def two_balls():
-    """A red ball under a blue one; the lower half of the blue one's cells took red from below."""
+    """A red ball under a blue one; the lower half of the blue ball's cells is red as well."""
     centres = np.array([[0.0, 2.0, 0.0], [0.0, 6.0, 0.0]])
     parts = tuple(
         Part(role=role, solid=Sphere(centre=at, radius=2.0), hue_deg=None, num_voxels=9, rms=0.1)
@@ -232,15 +232,15 @@ def two_balls():
     )  # fmt: skip
 
 
-def test_a_part_has_its_own_colour_where_two_meet():
+def test_part_keeps_its_own_colour_where_two_parts_touch():
     voxels, found = two_balls()
     assert part_colour(voxels, found, 0) == (220, 20, 20)
     assert part_colour(voxels, found, 1) == (20, 20, 220)
 
 
 @pytest.mark.parametrize(("x", "corner"), [(0, "right"), (40, "left")])
-def test_north_is_where_nothing_is(voxels, x, corner):
-    # Cells above on one side only.
+def test_north_arrow_is_placed_in_an_empty_corner(voxels, x, corner):
+    # Cells at the top on one side only.
     index = np.array([[x + a, 0, b] for a in range(8) for b in range(8)] + [[20, 0, 40]])
     cells = Voxels(
         index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(len(index), 9),
