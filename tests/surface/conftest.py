@@ -1,4 +1,4 @@
-"""The made-up views are found beside the tests."""
+"""Makes the synthetic views beside the tests importable."""
 
 import sys
 from pathlib import Path

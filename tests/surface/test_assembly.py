@@ -1,4 +1,4 @@
-"""A mesh from those of regions: one surface, whatever memory holds."""
+"""Meshes of regions assembled into one surface, in memory or on disk."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ VOXEL = 0.04
 
 @pytest.fixture(scope="module")
 def volume():
-    """A ball across eight regions."""
+    """A ball that spans eight regions."""
     found = Volume(VOXEL)
     for angle in range(0, 360, 60):
         found.add(ball_view(angle, noise=0.005, sigma=0.01))
@@ -33,7 +33,7 @@ def assembled(volume, folder=None, share=0.01):
     return assembly.finish()
 
 
-def test_regions_join_to_one_piece_without_seams(volume):
+def test_regions_join_into_one_piece_without_seams(volume):
     parts = assembled(volume)
     mesh = parts.whole
     assert sum(len(part.vertices) > 0 for part in parts) >= 8
@@ -41,7 +41,7 @@ def test_regions_join_to_one_piece_without_seams(volume):
     assert len(mesh) == len(parts)
     assert parts.area == pytest.approx(mesh.area)
     assert parts.largest_share > 0.99
-    # Only around the poles, which no camera sees.
+    # Borders remain only around the poles, which no camera sees.
     edges = mesh.vertices[border_edges(mesh)].mean(axis=1)
     assert (np.abs(edges[:, 1]) > 0.6).all()
     np.testing.assert_array_equal(mesh.colours, np.rint(100 + 50 * mesh.vertices))
@@ -67,7 +67,7 @@ def region_of(corner, is_shared):
 
 
 @pytest.mark.parametrize(("is_shared", "left"), [(True, 2), (False, 1)])
-def test_a_small_piece_is_kept_only_if_it_belongs_to_a_large_one(is_shared, left):
+def test_small_piece_is_kept_only_as_part_of_a_large_one(is_shared, left):
     assembly = Assembly(0.3)
     for corner in ((9.0, 0, 0), (-1.0, 0, 0)):
         assembly.add(region_of(corner, is_shared), np.zeros((3, 3), np.uint8))
@@ -77,7 +77,7 @@ def test_a_small_piece_is_kept_only_if_it_belongs_to_a_large_one(is_shared, left
     assert parts.area == pytest.approx(5.0 if is_shared else 4.5)
 
 
-def test_a_coarser_mesh_is_the_same_surface(volume):
+def test_coarse_mesh_approximates_the_surface(volume):
     parts = assembled(volume)
     coarse = parts.coarse(2_000)
     assert 500 < len(coarse) < 2_500
@@ -86,12 +86,12 @@ def test_a_coarser_mesh_is_the_same_surface(volume):
     assert len(parts.coarse(10**6)) == len(parts)
 
 
-def test_nothing_is_an_empty_mesh():
+def test_no_regions_give_an_empty_mesh():
     assert len(Assembly().finish().whole) == len(MeshParts.of(Mesh.none())) == 0
     assert len(mesh_of(Volume(VOXEL))) == 0
 
 
-def test_depths_beside_a_break_are_unsure():
+def test_depths_next_to_a_discontinuity_are_uncertain():
     view = wall_view(4.0)
     depth = view.depth.copy()
     depth[:, 40:] = 2.0
@@ -100,7 +100,7 @@ def test_depths_beside_a_break_are_unsure():
     np.testing.assert_allclose(np.delete(sigma, slice(38, 42), axis=1), 0.01)
 
 
-def test_slanted_planes_and_holes_are_no_breaks():
+def test_slanted_planes_and_holes_are_not_discontinuities():
     columns = np.arange(96, dtype=float)
     depth = RIG.depth(np.broadcast_to(2.0 + 0.2 * columns, (80, 96))).copy()
     depth[10:20, 30:50] = np.nan

@@ -1,4 +1,4 @@
-"""Regions of a surface on disk: memory is bounded, and not a byte of the surface depends on it."""
+"""Regions of a surface on disk: memory is bounded, and the surface stays the same to the byte."""
 
 import numpy as np
 import pytest
@@ -15,11 +15,11 @@ VOXEL, CELL_SIZE = 0.04, 0.02
 
 
 def views():
-    """A ball from all around; its regions come out of sight and into sight again."""
+    """A ball seen from all around, so that its regions leave and re-enter the view."""
     return [ball_view(angle, noise=0.01, sigma=0.02) for angle in (0, 90, 180, 270, 20)]
 
 
-def made(folder=None, chosen=slice(None)):
+def fused(folder=None, chosen=slice(None)):
     volume, cells = (
         Volume(VOXEL, folder and folder / "a"),
         CellCloud(CELL_SIZE, folder and folder / "b"),
@@ -39,12 +39,12 @@ def bytes_of(volume, cells):
 
 @pytest.fixture(scope="module")
 def held():
-    return bytes_of(*made())
+    return bytes_of(*fused())
 
 
-def test_pages_on_disk_change_no_byte_and_bound_the_memory(held, tmp_path, monkeypatch):
+def test_pages_on_disk_bound_memory_and_change_no_byte(held, tmp_path, monkeypatch):
     monkeypatch.setattr(pages, "HELD_BYTES", 1 << 19)
-    volume, cells = made(tmp_path)
+    volume, cells = fused(tmp_path)
     for table in (volume.pages, cells.pages):
         assert len(table.keys) >= 8
         assert len(list(table.folder.iterdir())) >= 3
@@ -53,9 +53,9 @@ def test_pages_on_disk_change_no_byte_and_bound_the_memory(held, tmp_path, monke
     assert bytes_of(volume, cells) == held
 
 
-def test_a_cloud_is_written_region_by_region_as_at_once(tmp_path, monkeypatch):
+def test_cloud_written_by_region_equals_the_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(pages, "HELD_BYTES", 1 << 19)
-    _, cells = made(tmp_path)
+    _, cells = fused(tmp_path)
     assert len(list(cells)) > 8
     assert len(cells) == sum(map(len, cells))
     write_parts(cells, len(cells), tmp_path / "parts.ply")
@@ -65,28 +65,28 @@ def test_a_cloud_is_written_region_by_region_as_at_once(tmp_path, monkeypatch):
         write_parts(cells, len(cells), tmp_path / "parts.pcd")
 
 
-def test_parts_of_the_views_add_up(held, tmp_path):
+def test_volumes_of_subsets_of_views_add_up(held, tmp_path):
     for name, chosen in {"late": slice(3, None), "early": slice(3)}.items():
-        for kind, part in zip(("volume", "cells"), made(chosen=chosen), strict=True):
+        for kind, part in zip(("volume", "cells"), fused(chosen=chosen), strict=True):
             part.pages.save(tmp_path / name / kind)
     volume, cells = Volume(VOXEL), CellCloud(CELL_SIZE)
     for name in ("early", "late"):
         volume.merge(tmp_path / name / "volume")
         cells.merge(tmp_path / name / "cells")
     assert bytes_of(volume, cells)[2:5] == held[2:5]
-    # Views of a part carve no blocks that only the other one has met.
+    # The views of one subset carve no blocks that only the other subset has allocated.
     whole = {one.tobytes() for one in np.frombuffer(held[0]).reshape(-1, 3)}
     assert np.mean([one.tobytes() in whole for one in mesh_of(volume).vertices]) > 0.95
-    alone, _ = made(chosen=slice(3))
+    alone, _ = fused(chosen=slice(3))
     assert np.mean([one.tobytes() in whole for one in mesh_of(alone).vertices]) < 0.9
 
 
-def test_a_part_that_is_missing_is_missed(held, tmp_path):
-    volume, cells = made(chosen=slice(4))
+def test_missing_view_changes_the_surface(held, tmp_path):
+    volume, cells = fused(chosen=slice(4))
     assert bytes_of(volume, cells) != held
 
 
-def test_cells_beside_a_region_come_with_it():
+def test_region_is_read_with_its_neighbouring_cells():
     table = Pages(CELL, 4)
     for key, rows in regions_of(index := np.mgrid[-8:8, -8:8, -8:8].reshape(3, -1).T, 4):
         table.page(key).enter(index[rows])
@@ -98,7 +98,7 @@ def test_cells_beside_a_region_come_with_it():
     assert len(found) == 8 * 8 * 6
 
 
-def test_regions_hold_every_cell_once():
+def test_every_cell_is_in_exactly_one_region():
     index = np.random.default_rng(0).integers(-300, 300, (500, 3)).astype(np.int32)
     seen = np.zeros(500, int)
     for key, rows in regions_of(index, 128):
@@ -116,7 +116,7 @@ def test_regions_hold_every_cell_once():
         ("wall.npy", np.zeros(0, CELL), "its name is not x_y_z.npy"),
     ],
 )
-def test_what_is_not_a_page_is_refused(tmp_path, name, content, message):
+def test_invalid_page_is_rejected(tmp_path, name, content, message):
     if isinstance(content, bytes):
         (tmp_path / name).write_bytes(content)
     else:
@@ -125,7 +125,7 @@ def test_what_is_not_a_page_is_refused(tmp_path, name, content, message):
         CellCloud(1.0).merge(tmp_path)
 
 
-def test_a_voxel_that_has_seen_enough_stays_as_it_is():
+def test_voxel_of_saturated_weight_stays_unchanged():
     volume = Volume(0.1)
     volume.add(wall_view(4.0, sigma=0.01))
     (key, *_) = volume.pages.keys

@@ -1,4 +1,4 @@
-"""Depths confirmed, fused and meshed: exact on a ball and a wall, nothing invented."""
+"""Depths confirmed, fused and meshed: exact on a ball and a wall, and nowhere else."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def ball():
     return mesh_of(volume)
 
 
-def test_a_ball_comes_out_round_and_faces_outwards(ball):
+def test_ball_is_round_and_its_normals_point_outwards(ball):
     radius = np.linalg.norm(ball.vertices, axis=1)
     assert np.median(np.abs(radius - 1)) < 0.1 * VOXEL
     assert abs(np.median(radius - 1)) < 0.05 * VOXEL
@@ -53,7 +53,7 @@ def test_a_ball_comes_out_round_and_faces_outwards(ball):
     assert MeshParts.of(ball).largest_share > 0.98
 
 
-def test_the_same_views_give_the_same_bytes(ball):
+def test_same_views_give_the_same_bytes(ball):
     volume = Volume(VOXEL)
     for angle in range(0, 360, 30):
         volume.add(ball_view(angle, noise=0.02, sigma=0.02))
@@ -62,7 +62,7 @@ def test_the_same_views_give_the_same_bytes(ball):
     assert again.triangles.tobytes() == ball.triangles.tobytes()
 
 
-def test_sure_views_count_more_than_unsure_ones():
+def test_accurate_views_weigh_more_than_uncertain_ones():
     volume = Volume(VOXEL)
     volume.add(wall_view(4.0, sigma=0.01))
     volume.add(wall_view(4.1, sigma=0.4))
@@ -73,7 +73,7 @@ def test_sure_views_count_more_than_unsure_ones():
     assert np.median(mesh_of(alike).vertices[:, 2]) == pytest.approx(4.05, abs=0.01)
 
 
-def test_what_other_views_see_through_is_carved_away():
+def test_surface_that_other_views_see_through_is_carved_away():
     floating = np.full((HEIGHT, WIDTH), 4.0)
     floating[20:60, 30:70] = 2.0
     volume = Volume(VOXEL)
@@ -85,20 +85,20 @@ def test_what_other_views_see_through_is_carved_away():
     assert (mesh_of(volume).vertices[:, 2] < 3).sum() < 0.2 * before
 
 
-def test_unsure_depths_and_empty_views_make_no_surface():
+def test_uncertain_depths_and_empty_views_give_no_surface():
     volume = Volume(VOXEL)
     volume.add(wall_view(4.0, sigma=7 * VOXEL))
     volume.add(view_of(np.full((HEIGHT, WIDTH), np.nan), np.eye(4), 0.01))
     assert len(mesh_of(volume)) == 0
 
 
-def test_too_small_voxels_are_refused(monkeypatch):
+def test_too_small_voxels_are_rejected(monkeypatch):
     monkeypatch.setattr("recon.surface.volume._MAX_BLOCKS", 100)
     with pytest.raises(InputError, match="give a larger --voxel"):
         Volume(0.02).add(wall_view())
 
 
-def test_neighbours_confirm_what_they_see_too():
+def test_depths_that_neighbours_see_are_confirmed():
     views = [ball_view(angle, noise=0.01, sigma=0.01) for angle in (0, 10, 20)]
     found = confirmed(views[1], [views[0], views[2]])
     kept, known = found.valid_mask, views[1].valid_mask
@@ -107,7 +107,7 @@ def test_neighbours_confirm_what_they_see_too():
     assert (found.num_views[~kept] == 0).all()
 
 
-def test_what_floats_or_moves_is_not_confirmed():
+def test_depths_that_neighbours_contradict_are_dropped():
     views = [wall_view(x=x) for x in (-0.2, -0.1, 0.1, 0.2)]
     depth = np.full((HEIGHT, WIDTH), 4.0)
     depth[30:50, 40:60] = 3.0
@@ -116,14 +116,14 @@ def test_what_floats_or_moves_is_not_confirmed():
     assert np.isfinite(found.depth[5:25, 45:50]).all()
 
 
-def test_where_nobody_else_looks_nothing_is_asked():
+def test_depths_outside_all_other_views_are_kept():
     alone = wall_view()
     assert confirmed(alone, []).valid_mask.all()
     away = view_of(np.full((HEIGHT, WIDTH), 4.0), np.diag([-1.0, 1, -1, 1]), 0.01)
     assert confirmed(alone, [away]).valid_mask.all()
 
 
-def test_views_are_confirmed_in_turn_and_few_are_held():
+def test_views_are_confirmed_in_order_and_few_are_held():
     line = Confirmation()
     done = []
     for number in range(30):
@@ -134,7 +134,7 @@ def test_views_are_confirmed_in_turn_and_few_are_held():
     np.testing.assert_allclose(places, 0.05 * np.arange(30))
 
 
-def test_pixels_join_but_not_across_jumps():
+def test_pixels_are_joined_but_not_across_depth_jumps():
     depth = np.full((HEIGHT, WIDTH), 4.0)
     depth[:, 48:] = 2.0
     view = view_of(depth, np.eye(4), 0.01)
@@ -147,7 +147,7 @@ def test_pixels_join_but_not_across_jumps():
     assert len(mesh_of_pixels(view_of(slanted, np.eye(4), 0.01))) == 2 * (HEIGHT - 1) * (WIDTH - 1)
 
 
-def test_small_pieces_are_left_out(ball):
+def test_small_pieces_are_removed(ball):
     speck = Mesh(
         vertices=np.concatenate([ball.vertices, [[5.0, 0, 0], [5.1, 0, 0], [5, 0.1, 0]]]),
         triangles=np.concatenate(
@@ -168,30 +168,30 @@ def half_ball():
 
 
 @pytest.mark.parametrize("seen", ["ball", "half", "wall"])
-def test_a_watertight_mesh_has_no_border(ball, seen):
+def test_watertight_mesh_has_no_border(ball, seen):
     opened = {"ball": lambda: ball, "half": half_ball, "wall": lambda: mesh_of_pixels(wall_view())}
     mesh = opened[seen]()
     closed = watertight(mesh)
     assert len(border_edges(mesh)) > 20
     assert (edge_counts(closed) == 2).all()
     edges = closed.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    # Each edge is run through once in each direction: closed, and facing one way everywhere.
+    # Each edge occurs once in each direction: the mesh is closed and consistently oriented.
     assert len(np.unique(edges, axis=0)) == len(edges)
     assert {tuple(edge) for edge in edges} == {tuple(edge) for edge in edges[:, ::-1]}
     assert (closed.colours is None) == (mesh.colours is None)
 
 
-def test_a_closed_ball_has_the_right_size(ball):
+def test_closed_ball_has_the_right_size(ball):
     closed = watertight(ball)
-    # Above and below nobody saw the ball: Poisson's guess bulges there.
+    # No view shows the top and bottom of the ball: the Poisson surface bulges there.
     assert closed.area == pytest.approx(4 * np.pi, rel=0.08)
     a, b, c = np.moveaxis(closed.corners, 1, 0)
     volume = (a * np.cross(b, c)).sum() / 6
     assert volume == pytest.approx(4 / 3 * np.pi, rel=0.08)
 
 
-def closed_and_said(views):
-    """The codes of what is said when a watertight mesh of views is made."""
+def notices_of_watertight(views):
+    """Collect the codes of the notices while a watertight mesh of views is made."""
     fusion = Fusion(SurfaceSettings(mesh=True, watertight=True, voxel=VOXEL))
     for view in views:
         fusion.add_view(view)
@@ -200,13 +200,13 @@ def closed_and_said(views):
     return [notice.code for notice in notices]
 
 
-def test_a_sheet_that_is_closed_has_no_thickness_and_that_is_said(ball):
+def test_closed_sheet_without_thickness_is_reported(ball):
     assert thickness(watertight(ball)) == pytest.approx(2 / 3, rel=0.1)  # of a ball of radius 1
-    assert closed_and_said([wall_view()]) == ["mesh-without-thickness"]
-    assert closed_and_said([ball_view(angle) for angle in range(0, 360, 30)]) == []
+    assert notices_of_watertight([wall_view()]) == ["mesh-without-thickness"]
+    assert notices_of_watertight([ball_view(angle) for angle in range(0, 360, 30)]) == []
 
 
-def test_two_borders_that_meet_in_a_vertex_get_a_cap_each():
+def test_borders_that_share_a_vertex_are_capped_separately():
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
     pair = Mesh(vertices=vertices, triangles=np.array([[0, 1, 2], [0, 3, 4]], np.int32))
     closed = capped(pair)
@@ -216,7 +216,7 @@ def test_two_borders_that_meet_in_a_vertex_get_a_cap_each():
     assert capped(closed) is closed
 
 
-def test_points_of_a_cell_become_one_and_views_are_counted():
+def test_points_of_a_cell_are_averaged_and_views_counted():
     cells = CellCloud(0.5)
     for _ in range(3):
         cells.add(wall_view(4.1, sigma=0.2))
@@ -228,7 +228,7 @@ def test_points_of_a_cell_become_one_and_views_are_counted():
     assert len(joined(CellCloud(1.0))) == 0
 
 
-def test_a_place_has_the_colour_of_the_points_next_to_it():
+def test_point_takes_the_colour_of_the_nearest_points():
     cells = CellCloud(0.1)
     left, right = wall_view(x=-2.0), wall_view(x=2.0)
     cells.add(left)
@@ -248,12 +248,12 @@ def pair_of(disparity, T=None):
     return StereoPair(left=image, right=image, rig=RIG, T_world_left=T, name="pair 7"), found
 
 
-def test_a_single_pair_gives_its_pixels():
+def test_single_pair_gives_one_point_per_pixel():
     fusion = Fusion(SurfaceSettings(mesh=True))
     fusion.add(*pair_of(4.5))
     surface = fusion.finish()
     assert len(surface.cloud) == HEIGHT * WIDTH
-    # Without a pose the camera is level, and looks along -z of a world whose y is up.
+    # Without a pose the camera is level and looks along -z in a world whose y is up.
     np.testing.assert_allclose(surface.cloud.points[:, 2], -4.0, atol=1e-6)
     expected = RIG.depth_sigma(4.0, np.hypot(0.13, 0.08))
     np.testing.assert_allclose(surface.cloud.sigma, expected, rtol=1e-5)
@@ -261,7 +261,7 @@ def test_a_single_pair_gives_its_pixels():
     assert surface.metrics["dense_share"] == 1.0
 
 
-def test_several_pairs_are_fused_in_the_world():
+def test_several_pairs_are_fused_in_the_world_frame():
     fusion = Fusion(SurfaceSettings(mesh=True, voxel=0.1))
     for x in (0.0, 0.1, 0.2):
         T = np.eye(4)
@@ -275,14 +275,14 @@ def test_several_pairs_are_fused_in_the_world():
     assert (surface.cloud.attributes["views"] >= 2).mean() > 0.8
 
 
-def test_a_second_pair_needs_a_pose():
+def test_second_pair_needs_a_pose():
     fusion = Fusion(SurfaceSettings())
     fusion.add(*pair_of(4.5))
     with pytest.raises(InputError, match="pair 7 has no pose"):
         fusion.add(*pair_of(4.5))
 
 
-def test_nothing_gives_an_empty_surface():
+def test_no_pairs_give_an_empty_surface():
     surface = Fusion(SurfaceSettings(mesh=True)).finish()
     assert len(surface.cloud) == len(surface.mesh) == 0
 
@@ -297,13 +297,13 @@ def test_depth_follows_disparity_and_the_pose():
     np.testing.assert_allclose(view.points(view.valid_mask), expected)
 
 
-def test_what_might_be_without_end_has_no_depth():
+def test_disparity_near_zero_has_no_depth():
     pair, found = pair_of(0.15)
     assert not depth_map(pair, found).valid_mask.any()
 
 
-def test_a_surface_that_touches_itself_along_an_edge_is_closed_beside_it():
-    """Two boxes with an edge in common, whose four triangles give way to two caps."""
+def test_surface_that_touches_itself_along_an_edge_is_closed():
+    """Two boxes share an edge, whose four triangles are replaced by two caps."""
     box = trimesh.creation.box()
     vertices = np.concatenate([box.vertices, box.vertices + np.array([1.0, 1, 0])])
     places, number = np.unique(vertices, axis=0, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Made-up depth maps of a ball and a wall, exact but for the noise that is asked for."""
+"""Synthetic depth maps of a ball and a wall, exact except for the requested noise."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ COLOUR = (200, 100, 50)
 
 
 def pose_at(angle_deg):
-    """A camera on a circle round the origin, looking at it; y of the world is up."""
+    """Place a camera on a circle around the origin, looking at it; y is up in the world."""
     angle = np.deg2rad(angle_deg)
     position = DISTANCE * np.array([np.sin(angle), 0.0, np.cos(angle)])
     ahead, down = -position / DISTANCE, np.array([0.0, -1.0, 0.0])
@@ -38,7 +38,7 @@ def view_of(depth, T, sigma, noise=0.0, seed=0):
 
 
 def ball_view(angle_deg, noise=0.0, sigma=0.01):
-    """A ball of radius 1 round the origin."""
+    """Render a ball of radius 1 around the origin."""
     T = pose_at(angle_deg)
     v, u = np.mgrid[:HEIGHT, :WIDTH]
     rays = RIG.rays(np.column_stack([u.ravel(), v.ravel()])) @ T[:3, :3].T
@@ -49,14 +49,14 @@ def ball_view(angle_deg, noise=0.0, sigma=0.01):
 
 
 def wall_view(distance=4.0, sigma=0.01, x=0.0):
-    """A wall across the view of a camera at (x, 0, 0) that looks along z."""
+    """Render a wall facing a camera at (x, 0, 0) that looks along z."""
     T = np.eye(4)
     T[0, 3] = x
     return view_of(np.full((HEIGHT, WIDTH), distance), T, sigma)
 
 
 def mesh_of(volume, folder=None):
-    """The whole surface of a volume, with floaters, in grey."""
+    """Extract the whole surface of a volume, including floaters, in grey."""
     assembly = Assembly(0.0, folder)
     for region in volume.regions():
         assembly.add(region, np.full(region.vertices.shape, 128, np.uint8))
