@@ -1,4 +1,4 @@
-"""Clouds that the tests of this room share."""
+"""Point clouds shared by the tests of this folder."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def filled(*clouds, cell_size=1.0):
 
 
 def observed(scans, cell_size=1.0, channels=ALL_CHANNELS, ray_margin=0.0):
-    """A map of scans (cloud, origin, view)."""
+    """Make a map of scans (cloud, origin, view)."""
     voxel_map = VoxelMap(cell_size, channels=channels, ray_margin=ray_margin)
     for each, origin, view in scans:
         voxel_map.insert(each, origin, view)

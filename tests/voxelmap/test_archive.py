@@ -1,4 +1,4 @@
-"""The map's file: exact, the same bytes, and refused in one line where it is not whole."""
+"""The map's file: exact, reproducible, and rejected in one line if it is damaged."""
 
 import io
 import zipfile
@@ -18,21 +18,21 @@ def path(tmp_path):
     return path
 
 
-def changed(path, **columns):
-    """The file with some arrays replaced."""
+def with_columns(path, **columns):
+    """Rewrite the file with some arrays replaced."""
     content = dict(np.load(path)) | columns
     np.savez_compressed(path, **content)
     return path
 
 
-def refused(path, message):
+def assert_rejected(path, message):
     with pytest.raises(InputError, match=message) as error:
         VoxelMap.load(path)
     assert str(error.value).startswith(f"{path}: ")
     assert "\n" not in str(error.value)
 
 
-def test_any_numpy_reads_the_columns(path):
+def test_plain_numpy_reads_the_columns(path):
     with np.load(path, allow_pickle=False) as columns:
         index = np.cumsum(columns["index"], axis=1, dtype=np.uint32).view(np.int32).T
         voxels = VoxelMap.load(path).occupied(1)
@@ -41,20 +41,20 @@ def test_any_numpy_reads_the_columns(path):
 
 
 @pytest.mark.parametrize("index", [[0, 0, 0], [2**31 - 3, -(2**31) + 2, 5]])
-def test_cells_at_the_ends_of_the_grid_come_back(tmp_path, index):
+def test_cells_at_the_limits_of_the_grid_round_trip(tmp_path, index):
     voxel_map = filled(cloud([np.add(index, 0.5), [0.5, 0.5, 0.5], np.add(index, 1.5)]))
     voxel_map.save(tmp_path / "map.npz")
     loaded = VoxelMap.load(tmp_path / "map.npz").occupied(1)
     assert np.array_equal(loaded.index, voxel_map.occupied(1).index)
 
 
-def test_a_wide_map_comes_back(tmp_path):
+def test_map_with_large_sums_round_trips(tmp_path):
     voxel_map = filled(cloud([[0.5, 0.5, 0.5]] * 9000, [[255, 254, 253]] * 9000))
     whole = saved_bytes(voxel_map, tmp_path)
     assert saved_bytes(VoxelMap.load(tmp_path / "map.npz"), tmp_path) == whole
 
 
-def test_a_lean_file_keeps_index_count_and_mean_colour(tmp_path):
+def test_lean_file_keeps_index_count_and_mean_colour(tmp_path):
     voxel_map = filled(random_cloud(np.random.default_rng(3)))
     exact = len(saved_bytes(voxel_map, tmp_path))
     lean = len(saved_bytes(voxel_map, tmp_path, lean=True))
@@ -65,11 +65,11 @@ def test_a_lean_file_keeps_index_count_and_mean_colour(tmp_path):
     assert np.abs(after.means - after.centres).max() < 1e-6
 
 
-def test_a_file_that_is_cut_short_is_refused(path):
+def test_truncated_file_is_rejected(path):
     whole = path.read_bytes()
     for length in (0, 10, 500, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:length])
-        refused(path, "not a whole npz archive")
+        assert_rejected(path, "not a whole npz archive")
 
 
 def loaded_or_none(path):
@@ -79,7 +79,7 @@ def loaded_or_none(path):
         return None
 
 
-def test_a_changed_byte_is_refused_or_harmless(path):
+def test_corrupted_byte_is_rejected_or_harmless(path):
     whole = path.read_bytes()
     before = loaded_or_none(path)
     outcomes = []
@@ -90,15 +90,15 @@ def test_a_changed_byte_is_refused_or_harmless(path):
     assert all(np.array_equal(each.means, before.means) for each in outcomes if each is not None)
 
 
-def test_another_version_is_refused(path):
-    refused(changed(path, version=np.array(2)), "version 2, but 1 is needed")
+def test_other_version_is_rejected(path):
+    assert_rejected(with_columns(path, version=np.array(2)), "version 2, but 1 is needed")
 
 
-def test_a_missing_column_is_refused(path):
+def test_missing_column_is_rejected(path):
     content = dict(np.load(path))
     del content["count"]
     np.savez_compressed(path, **content)
-    refused(path, "not a voxel map .*count")
+    assert_rejected(path, "not a voxel map .*count")
 
 
 @pytest.mark.parametrize(
@@ -111,18 +111,22 @@ def test_a_missing_column_is_refused(path):
         ("count", np.zeros(4, np.uint32), "not a voxel map"),
     ],
 )
-def test_columns_that_do_not_fit_are_refused(path, column, value, message):
-    refused(changed(path, **{column: value}), message)
+def test_inconsistent_columns_are_rejected(path, column, value, message):
+    assert_rejected(with_columns(path, **{column: value}), message)
 
 
-def test_sums_that_no_points_give_are_refused(path):
+def test_impossible_sums_are_rejected(path):
     content = dict(np.load(path))
-    refused(changed(path, position=content["position"] + 2**30), "cannot come from points")
-    refused(changed(path, **content | {"count": 0 * content["count"]}), "cannot come from points")
+    assert_rejected(
+        with_columns(path, position=content["position"] + 2**30), "cannot come from points"
+    )
+    assert_rejected(
+        with_columns(path, **content | {"count": 0 * content["count"]}), "cannot come from points"
+    )
 
 
-def test_a_lying_size_takes_no_memory(tmp_path, path):
-    """An array header that claims 8 TB, in an otherwise whole archive."""
+def test_false_array_size_allocates_no_memory(tmp_path, path):
+    """An array header claims 8 TB in an otherwise intact archive."""
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         header, {"descr": "<u4", "fortran_order": False, "shape": (2 * 10**12,)}
@@ -131,20 +135,20 @@ def test_a_lying_size_takes_no_memory(tmp_path, path):
         for name in whole.namelist():
             data = header.getvalue() + b"\0" * 100 if name == "count.npy" else whole.read(name)
             liar.writestr(name, data)
-    refused(tmp_path / "liar.npz", "count.npy claims 8000000000000 bytes, but holds 100")
+    assert_rejected(tmp_path / "liar.npz", "count.npy claims 8000000000000 bytes, but holds 100")
 
 
 def test_objects_are_never_unpickled(tmp_path):
     np.savez(tmp_path / "evil.npz", version=np.array([print], dtype=object))
-    refused(tmp_path / "evil.npz", "not contain plain numbers")
+    assert_rejected(tmp_path / "evil.npz", "not contain plain numbers")
 
 
-def test_what_is_no_archive_is_refused(tmp_path):
+def test_file_that_is_not_an_archive_is_rejected(tmp_path):
     path = tmp_path / "map.npz"
     path.write_bytes(b"\x93NUMPY" + b"\0" * 100)
-    refused(path, "not a whole npz archive")
+    assert_rejected(path, "not a whole npz archive")
 
 
-def test_a_missing_file_is_a_file_error(tmp_path):
+def test_missing_file_raises_file_not_found(tmp_path):
     with pytest.raises(FileNotFoundError):
         VoxelMap.load(tmp_path / "none.npz")

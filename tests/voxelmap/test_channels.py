@@ -1,4 +1,4 @@
-"""What a map keeps besides: right in value, and free of order, chunks and merging."""
+"""Channels of a map: correct values, independent of order, chunks and merging."""
 
 import dataclasses
 import pickle
@@ -26,7 +26,7 @@ def test_order_and_merging_do_not_change_a_bit(seed, margin, tmp_path_factory):
     assert saved_bytes(VoxelMap.load(folder / "map.npz"), folder) == whole
 
 
-def test_chunks_of_one_view_do_not_change_what_is_kept_of_its_points(tmp_path):
+def test_splitting_a_view_into_chunks_does_not_change_its_channels(tmp_path):
     channels = ("weight", "views")
     scans = random_scans(1)
     chunks = [
@@ -38,7 +38,7 @@ def test_chunks_of_one_view_do_not_change_what_is_kept_of_its_points(tmp_path):
     assert saved_bytes(observed(chunks, channels=channels), tmp_path) == whole
 
 
-def test_a_pickled_map_goes_on(tmp_path):
+def test_unpickled_map_can_be_extended(tmp_path):
     scans = random_scans(4)
     half = pickle.loads(pickle.dumps(observed(scans[:2])))
     for points, origin, view in scans[2:]:
@@ -46,7 +46,7 @@ def test_a_pickled_map_goes_on(tmp_path):
     assert saved_bytes(half, tmp_path) == saved_bytes(observed(scans), tmp_path)
 
 
-def test_points_of_single_precision_are_taken(tmp_path):
+def test_single_precision_points_are_accepted(tmp_path):
     [(points, origin, view)] = random_scans(6, num_scans=1)
     single = points.points.astype(np.float32)
     maps = [
@@ -56,7 +56,7 @@ def test_points_of_single_precision_are_taken(tmp_path):
     assert saved_bytes(maps[0], tmp_path) == saved_bytes(maps[1], tmp_path)
 
 
-def test_a_map_merged_with_itself_doubles_its_sums_and_not_its_views():
+def test_merging_a_map_with_itself_doubles_sums_but_not_views():
     voxel_map = observed(random_scans(2))
     before = voxel_map.occupied(1)
     voxel_map.merge(voxel_map)
@@ -66,21 +66,21 @@ def test_a_map_merged_with_itself_doubles_its_sums_and_not_its_views():
     assert np.array_equal(after.num_views, before.num_views)
 
 
-def test_weights_fall_with_sigma():
+def test_weights_decrease_with_sigma():
     sigma = np.array([0.0, 0.15, 0.3, 1.5])
     points = cloud([[0.1, 0.1, 0.1], [0.6, 0, 0], [1.1, 0, 0], [1.6, 0, 0]], sigma=sigma)
     voxels = observed([(points, None, None)], cell_size=0.5, channels=["weight"]).occupied(1)
-    # Half of the weight is left at a sigma of 0.3 cells.
+    # The weight is one half at a sigma of 0.3 cells.
     assert np.abs(voxels.weights - [1.0, 0.5, 0.2, 1 / 101]).max() < 1e-6
 
 
-def test_views_are_counted_once_each():
+def test_each_view_is_counted_once():
     here, there = cloud([[0, 0, 0]] * 3), cloud([[5, 0, 0]])
     scans = [(here, None, 7), (here, None, 7), (there, None, 7), (here, None, 2**31 - 1)]
     assert observed(scans, channels=["views"]).occupied(1).num_views.tolist() == [2, 1]
 
 
-def test_many_chunks_of_one_view_stay_small():
+def test_memory_stays_bounded_for_many_chunks_of_one_view():
     voxel_map = VoxelMap(channels=["views"])
     points = cloud(np.random.default_rng(3).uniform(0, 30, (5000, 3)))
     for _ in range(40):
@@ -98,18 +98,18 @@ def test_many_chunks_of_one_view_stay_small():
         ("rays", "origin is None, but a map that keeps rays needs"),
     ],
 )
-def test_what_a_channel_needs_is_asked_for_before_the_map_changes(channel, message):
+def test_missing_input_of_a_channel_is_rejected_before_the_map_changes(channel, message):
     voxel_map = VoxelMap(channels=[channel])
     with pytest.raises(InputError, match=message):
         voxel_map.insert(cloud([[0, 0, 0]]))
     assert voxel_map.num_cells == 0
 
 
-def test_an_unknown_channel_is_refused():
+def test_unknown_channel_is_rejected():
     with pytest.raises(InputError, match="channel is 'colour', but one of weight, views"):
         VoxelMap(channels=["colour"])
 
 
-def test_maps_of_other_channels_do_not_merge():
+def test_maps_with_different_channels_cannot_be_merged():
     with pytest.raises(InputError, match="the other map's channels is"):
         VoxelMap(channels=ALL_CHANNELS).merge(VoxelMap())

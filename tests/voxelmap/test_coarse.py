@@ -1,4 +1,4 @@
-"""Points too uncertain for the cells of a map are counted in coarser ones, and nothing is lost."""
+"""Points too uncertain for the cells of a map are counted in coarser cells, and none is lost."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ def cloud_of(sigma, rng=None, spread=20.0):
     )
 
 
-def test_every_point_goes_to_the_finest_cells_as_large_as_its_sigma():
+def test_points_go_to_the_finest_cells_no_smaller_than_their_sigma():
     voxel_map = VoxelMap(0.5)
     assert voxel_map.insert_doubtful(cloud_of([0.1, 0.9, 1.0, 1.1, 3.9, 31.0])) == 6
     assert [one.cell_size for one in voxel_map.coarse] == [1.0, 2.0, 4.0, 32.0]
@@ -30,7 +30,7 @@ def test_every_point_goes_to_the_finest_cells_as_large_as_its_sigma():
     assert voxel_map.num_cells == 0
 
 
-def test_what_fits_nowhere_is_not_counted():
+def test_points_without_a_usable_sigma_or_position_are_not_counted():
     voxel_map = VoxelMap(0.5)
     cloud = cloud_of([33.0, np.inf, np.nan, 0.2, 0.2])
     points = cloud.points.copy()

@@ -17,7 +17,7 @@ def voxels_of(index, cell_size=1.0):
     )  # fmt: skip
 
 
-def test_one_cell_has_six_outward_squares():
+def test_single_cell_has_six_outward_faces():
     faces = exposed_faces(voxels_of([[2, -3, 4]], cell_size=0.5))
     assert len(faces) == 6
     edge = faces.vertices[:, 1] - faces.vertices[:, 0]
@@ -48,10 +48,10 @@ def test_faces_are_those_without_a_neighbour(seed):
     assert np.array_equal(faces.colours, voxels_of(index).colours[faces.cell])
 
 
-def test_no_cells_no_faces():
+def test_no_cells_give_no_faces():
     assert len(exposed_faces(voxels_of([]))) == 0
 
 
-def test_cells_far_apart_are_no_neighbours():
+def test_cells_at_opposite_limits_are_not_neighbours():
     far = 2**31 - 2
     assert len(exposed_faces(voxels_of([[-far, -far, -far], [far, far, far]]))) == 12

@@ -1,4 +1,4 @@
-"""The floor: sums over height, and where one can go."""
+"""The floor: sums over height, and free ground for navigation."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN, height_sum, navigatio
 from tests.voxelmap.clouds import cloud, filled, observed
 
 
-def test_counts_of_all_heights_are_summed():
+def test_counts_are_summed_over_height():
     points = cloud([[-2.5, 0, 3.5]] * 2 + [[-2.5, 9, 3.5]] * 3 + [[0.5, 1, 2.5]])
     floor = height_sum(filled(points, cell_size=0.5).occupied(1))
     assert floor.cells.shape == (7, 3)
@@ -18,8 +18,8 @@ def test_counts_of_all_heights_are_summed():
     assert floor.cells[6, 0] == 1
 
 
-def test_one_can_go_where_it_was_seen_free_and_nothing_stands():
-    # A wall at x = 5; a branch over the way at height 8; a step below the band.
+def test_ground_is_free_where_observed_and_without_obstacles():
+    # A wall at x = 5; a branch over the path at height 8; a step below the band.
     points = cloud([[5.5, 1.5, 0.5], [3.5, 8.5, 0.5], [2.5, 0.25, 0.5]])
     voxel_map = observed([(points, [0.5, 1.5, 0.5], 0)], channels=["rays"])
     floor = navigation(voxel_map.occupied(1), voxel_map.sightings(), band=(1.0, 6.0))
@@ -28,7 +28,7 @@ def test_one_can_go_where_it_was_seen_free_and_nothing_stands():
     assert low.cells[:, 0].tolist() == [FREE, FREE, OCCUPIED, FREE, FREE, OCCUPIED]
 
 
-def test_what_no_ray_crossed_is_unknown():
+def test_cells_that_no_ray_crossed_are_unknown():
     points = cloud([[5.5, 1.5, 0.5], [0.5, 1.5, 5.5]])
     voxel_map = observed([(points, [0.5, 1.5, 0.5], 0)], channels=["rays"])
     floor = navigation(voxel_map.occupied(1), voxel_map.sightings())
@@ -36,17 +36,17 @@ def test_what_no_ray_crossed_is_unknown():
     assert (floor.cells == UNKNOWN).sum() == 25
 
 
-def test_an_empty_map_has_no_floor():
+def test_empty_map_has_no_floor():
     assert height_sum(VoxelMap().occupied(1)).cells.shape == (0, 0)
 
 
-def test_a_floor_without_bounds_is_refused():
+def test_too_large_floor_is_rejected():
     far = filled(cloud([[-1e6, 0, 0], [1e6, 0, 1e6]]))
     with pytest.raises(InputError, match="the floor has 2000001 x 1000001 cells, but"):
         height_sum(far.occupied(1))
 
 
-def test_a_band_upside_down_is_refused():
+def test_inverted_height_band_is_rejected():
     voxel_map = VoxelMap(channels=["rays"])
     with pytest.raises(InputError, match=r"band is \(6, 1\), but a lower and a higher"):
         navigation(voxel_map.occupied(1), voxel_map.sightings(), band=(6, 1))

@@ -1,4 +1,4 @@
-"""Free space: the same cells as OctoMap, each once a scan."""
+"""Free space: the same cells as OctoMap, each counted once per scan."""
 
 import numpy as np
 import pytest
@@ -32,8 +32,8 @@ def as_log_odds(sightings):
 
 @pytest.mark.parametrize("cell_size", [1.0, 0.25])
 @pytest.mark.parametrize("seed", range(4))
-def test_every_cell_is_octomap_s(seed, cell_size):
-    # Four scans stay within the bounds where OctoMap clamps.
+def test_every_cell_matches_octomap(seed, cell_size):
+    # With four scans, no cell reaches the bounds at which OctoMap clamps.
     scans = random_scans(seed, num_scans=4, num=500)
     ours = as_log_odds(sightings_of(scans, cell_size))
     theirs = octomap_log_odds(scans, cell_size)
@@ -41,14 +41,14 @@ def test_every_cell_is_octomap_s(seed, cell_size):
     assert all(abs(ours[cell] - theirs[cell]) < 1e-5 for cell in ours)
 
 
-def test_scans_too_wide_to_be_remembered_are_octomap_s():
+def test_very_wide_scans_match_octomap():
     points = np.vstack([np.random.default_rng(1).normal(scale=9, size=(200, 3)), [[700.5] * 3]])
     scans = [(cloud(points), [0.3, 0.2, 0.1], 0)]
     ours = as_log_odds(sightings_of(scans))
     assert ours.keys() == octomap_log_odds(scans, 1.0).keys()
 
 
-def test_rays_through_corners_and_along_borders_are_octomap_s():
+def test_rays_through_corners_and_along_borders_match_octomap():
     steps = np.array(np.meshgrid([-4, 0, 4], [-4, 0, 4], [-4, 0, 4])).reshape(3, -1).T
     for middle in ([0.5, 0.5, 0.5], [0.25, 0.5, 0.75]):
         scans = [(cloud(middle + steps[np.any(steps != 0, axis=1)]), middle, 0)]
@@ -56,14 +56,14 @@ def test_rays_through_corners_and_along_borders_are_octomap_s():
         assert ours.keys() == octomap_log_odds(scans, 1.0).keys()
 
 
-def test_a_ray_counts_every_cell_but_the_last_as_passed():
+def test_ray_passes_every_cell_but_the_last():
     sightings = sightings_of([(cloud([[4.5, 0.5, 0.5]] * 9), [0.5, 0.5, 0.5], 0)])
     assert sightings.index[:, 0].tolist() == [0, 1, 2, 3, 4]
     assert sightings.passes.tolist() == [1, 1, 1, 1, 0]
     assert sightings.hits.tolist() == [0, 0, 0, 0, 1]
 
 
-def test_a_cell_with_a_point_is_hit_though_rays_go_through_it():
+def test_cell_with_a_point_is_a_hit_even_if_rays_pass_it():
     points = cloud([[6.5, 0.5, 0.5], [3.5, 0.5, 0.5]])
     sightings = sightings_of([(points, [0.5, 0.5, 0.5], 0)])
     assert sightings.hits.tolist() == [0, 0, 0, 1, 0, 0, 1]
@@ -71,20 +71,20 @@ def test_a_cell_with_a_point_is_hit_though_rays_go_through_it():
 
 
 @pytest.mark.parametrize(("sigma", "num_free"), [(0.1, 8), (2.0, 6)])
-def test_free_space_ends_before_the_point_by_the_margin(sigma, num_free):
+def test_free_space_ends_one_margin_before_the_point(sigma, num_free):
     points = cloud([[10.25, 0.5, 0.5]], sigma=np.array([sigma]))
     sightings = sightings_of([(points, [0.5, 0.5, 0.5], 0)], ray_margin=1.5)
-    # 1.5 cells, or two sigma: the cell in which the free part ends is not counted.
+    # 1.5 cells or two sigma: the cell in which the free part ends is not counted.
     assert np.flatnonzero(sightings.passes).tolist() == list(range(num_free))
 
 
-def test_long_rays_find_room():
+def test_long_rays_fit_in_the_buffer():
     far = cloud([[5000.5, 0.5, 0.5], [0.5, -5000.5, 3000.5]])
     sightings = sightings_of([(far, [0.5, 0.5, 0.5], 0)])
     assert sightings.passes.sum() == 5000 + 5001 + 3000 - 1
 
 
-def test_a_ray_without_end_is_refused():
+def test_too_long_ray_is_rejected():
     voxel_map = VoxelMap(1.0, channels=["rays"])
     with pytest.raises(InputError, match="a scan is 2e\\+06 cells wide, but at most 524287"):
         voxel_map.insert(cloud([[2e6, 0, 0]]), [0, 0, 0])
@@ -92,11 +92,11 @@ def test_a_ray_without_end_is_refused():
 
 
 @pytest.mark.parametrize("origin", [[0, 0], [0, np.nan, 0]])
-def test_an_eye_without_a_place_is_refused(origin):
+def test_invalid_origin_is_rejected(origin):
     with pytest.raises(InputError, match="origin"):
         VoxelMap().insert(cloud([[0, 0, 0]]), origin)
 
 
-def test_a_map_without_rays_has_no_sightings():
+def test_map_without_rays_has_no_sightings():
     with pytest.raises(InputError, match="the map keeps no channels, but rays is needed"):
         VoxelMap().sightings()

@@ -1,4 +1,4 @@
-"""The map: what it counts, and that order, chunks and merging do not change a bit."""
+"""The voxel map: what it counts, and that order, chunks and merging do not change a bit."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ def same(a, b):
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
 
 
-def test_counts_means_and_colours_are_those_of_the_points():
+def test_counts_means_and_colours_match_the_points():
     points = random_cloud(np.random.default_rng(1))
     voxels = filled(points, cell_size=0.7).occupied(min_count=1)
     cells = np.floor(points.points / 0.7).astype(int)
@@ -33,7 +33,7 @@ def test_counts_means_and_colours_are_those_of_the_points():
     assert np.array_equal(voxels.centres, (index + 0.5) * 0.7)
 
 
-def test_a_map_of_points_without_colours_has_none(tmp_path):
+def test_map_of_colourless_points_has_no_colours(tmp_path):
     coloured = random_cloud(np.random.default_rng(1), num=200, spread=2.0)
     plain = replace(coloured, colours=None)
     voxel_map = filled(plain)
@@ -49,12 +49,12 @@ def test_a_map_of_points_without_colours_has_none(tmp_path):
         mixed.merge(voxel_map)
     assert mixed.occupied(1).colours is None
     assert [one.code for one in notices] == ["colour-missing"]
-    # The first cloud alone does not tell of those to come.
+    # An empty first cloud says nothing about the colours of later ones.
     empty = filled(plain.select(slice(0)), coloured)
     assert np.array_equal(empty.occupied(1).colours, filled(coloured).occupied(1).colours)
 
 
-def test_the_cell_below_zero_is_minus_one():
+def test_cell_below_zero_is_minus_one():
     voxels = filled(cloud([[-1e-20, -1.0, -1.0000001], [0.0, 0.999, 1.0]])).occupied(1)
     assert voxels.index.tolist() == [[-1, -1, -2], [0, 0, 1]]
     inside = voxels.means - voxels.index
@@ -90,7 +90,7 @@ def test_order_chunks_and_merging_do_not_change_a_bit(seed, chunks, cell, tmp_pa
     assert all(other == first for other in others)
 
 
-def test_a_cell_of_very_many_points_stays_exact():
+def test_cell_with_very_many_points_stays_exact():
     points = cloud([[0.25, 0.5, 0.75]] * 5000, [[255, 254, 1]] * 5000)
     voxels = filled(points, points).occupied()
     assert voxels.counts.tolist() == [10000]
@@ -98,7 +98,7 @@ def test_a_cell_of_very_many_points_stays_exact():
     assert np.abs(voxels.means - [0.25, 0.5, 0.75]).max() < 1e-6
 
 
-def test_a_map_merged_with_itself_doubles():
+def test_merging_a_map_with_itself_doubles_its_counts():
     voxel_map = filled(random_cloud(np.random.default_rng(3)))
     before = voxel_map.occupied(1)
     voxel_map.merge(voxel_map)
@@ -107,13 +107,13 @@ def test_a_map_merged_with_itself_doubles():
     assert np.allclose(after.means, before.means, atol=1e-12)
 
 
-def test_maps_of_other_cells_do_not_merge():
+def test_maps_with_different_cell_sizes_cannot_be_merged():
     with pytest.raises(InputError, match=r"cell_size is 0.5, but 1.0 is needed"):
         VoxelMap(1.0).merge(VoxelMap(0.5))
 
 
 @pytest.mark.parametrize("far", [1e6, -1e6])
-def test_far_from_the_origin_positions_are_kept(far):
+def test_positions_far_from_the_origin_stay_precise(far):
     rng = np.random.default_rng(5)
     near = rng.uniform(0, 0.1, (50, 3))
     voxels = filled(cloud(near + far), cell_size=0.1).occupied(1)
@@ -125,7 +125,7 @@ def test_far_from_the_origin_positions_are_kept(far):
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e10])
-def test_points_out_of_reach_are_refused_and_change_nothing(value):
+def test_points_out_of_range_are_rejected_and_change_nothing(value):
     voxel_map = filled(cloud([[0, 0, 0]]))
     with pytest.raises(InputError, match="finite numbers within"):
         voxel_map.insert(cloud([[1, 1, 1], [0, value, 0]]))
@@ -133,18 +133,18 @@ def test_points_out_of_reach_are_refused_and_change_nothing(value):
 
 
 @pytest.mark.parametrize("cell_size", [0, -1, np.nan, np.inf])
-def test_a_cell_without_size_is_refused(cell_size):
+def test_invalid_cell_size_is_rejected(cell_size):
     with pytest.raises(InputError, match="cell_size is"):
         VoxelMap(cell_size)
 
 
 @pytest.mark.parametrize("ray_margin", [-1, np.nan, np.inf])
-def test_a_margin_that_is_none_is_refused(ray_margin):
+def test_invalid_ray_margin_is_rejected(ray_margin):
     with pytest.raises(InputError, match="ray_margin is"):
         VoxelMap(ray_margin=ray_margin)
 
 
-def test_an_empty_map_has_no_cells(tmp_path):
+def test_empty_map_has_no_cells(tmp_path):
     voxel_map = filled(cloud([]))
     assert voxel_map.num_cells == 0
     assert len(voxel_map.occupied(1)) == 0
@@ -165,14 +165,14 @@ def test_save_and_load_are_exact(tmp_path):
     place=st.tuples(*[st.floats(-1e6, 1e6)] * 3),
     cell_size=st.sampled_from([0.1, 0.3, 1.0, 7.5]),
 )
-def test_any_point_lies_in_its_cell_and_keeps_its_place(place, cell_size):
+def test_any_point_lies_in_its_cell_and_keeps_its_position(place, cell_size):
     voxels = filled(cloud([place]), cell_size=cell_size).occupied(1)
     index = np.floor(np.array(place) / cell_size)
     assert voxels.index.tolist() == [index.astype(int).tolist()]
     assert np.abs(voxels.means - place).max() <= 1e-3 * cell_size
 
 
-def test_memory_is_bounded_by_the_map_and_not_by_the_points():
+def test_memory_depends_on_the_map_and_not_on_the_number_of_points():
     voxel_map = VoxelMap(0.5)
     points = random_cloud(np.random.default_rng(9), num=20_000, spread=3.0)
     sizes = []
