@@ -1,4 +1,4 @@
-"""Worlds that several tests look at."""
+"""Worlds shared by the tests of this folder."""
 
 from pathlib import Path
 
@@ -19,7 +19,7 @@ def village():
 
 @pytest.fixture
 def world_of():
-    """Makes a world of visuals, with settings by stage."""
+    """Give a function that makes a world of visuals, with settings by stage."""
 
     def make(*visuals, textures=(), shaders=(), eyes=None, render=None, floor=None):
         return World(

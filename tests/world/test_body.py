@@ -1,4 +1,4 @@
-"""The room round a body: its axis against surfaces at, above and below its height."""
+"""Clearance of a body: from its axis to surfaces at, above and below its height."""
 
 import numpy as np
 import pytest
@@ -24,38 +24,38 @@ def wall(x0, x1, low, high, z=0.0):
     )
 
 
-def room(world, *places):
+def clearance(world, *places):
     return world.body_clearance(np.array(places, dtype=np.float64), HEIGHT)
 
 
-def test_a_wall_is_as_far_as_its_nearest_point_wherever_the_cameras_are(world_of):
+def test_distance_to_a_wall_does_not_depend_on_its_height(world_of):
     low, high = world_of(wall(-5, 5, 0.0, 1.0)), world_of(wall(-5, 5, 4.0, 9.0))
     for world in (low, high):
-        assert room(world, (0, 3), (0, -3), (9, 0)) == pytest.approx([3, 3, 4], abs=4e-3)
+        assert clearance(world, (0, 3), (0, -3), (9, 0)) == pytest.approx([3, 3, 4], abs=4e-3)
 
 
-def test_what_hangs_over_the_body_is_as_far_as_its_top(world_of):
+def test_overhang_is_measured_from_the_top_of_the_body(world_of):
     world = world_of(wall(-5, 5, 7.5, 9.0))
-    assert room(world, (0, 0), (0, 1.5)) == pytest.approx([2.0, 2.5], abs=4e-3)
+    assert clearance(world, (0, 0), (0, 1.5)) == pytest.approx([2.0, 2.5], abs=4e-3)
 
 
-def test_a_crown_that_bulges_out_above_the_body_leaves_room_below(world_of):
+def test_wide_crown_above_the_body_leaves_clearance_below(world_of):
     world = world_of(upright(1, 8), SphereVisual(centre=(0, 12, 0), radius=4))
-    assert room(world, (3.0, 0.0))[0] == pytest.approx(2.0, abs=0.01)
+    assert clearance(world, (3.0, 0.0))[0] == pytest.approx(2.0, abs=0.01)
     side = np.hypot(6.0, 6.5) - 4.0
-    assert room(world, (6.0, 0.0))[0] == pytest.approx(side, abs=0.01)
+    assert clearance(world, (6.0, 0.0))[0] == pytest.approx(side, abs=0.01)
 
 
-def test_the_ground_is_left_out_and_nothing_is_infinitely_far(world_of):
-    assert np.isinf(room(world_of(plain_ground()), (0, 0))).all()
-    assert room(world_of(plain_ground(), wall(-5, 5, 0, 3, z=-4)), (0, 0)) == pytest.approx(
+def test_ground_is_ignored_and_an_empty_world_is_infinitely_far(world_of):
+    assert np.isinf(clearance(world_of(plain_ground()), (0, 0))).all()
+    assert clearance(world_of(plain_ground(), wall(-5, 5, 0, 3, z=-4)), (0, 0)) == pytest.approx(
         [4], abs=4e-3
     )
 
 
 @settings(deadline=None, max_examples=60)
 @given(st.lists(st.floats(-3, 3), min_size=9, max_size=9), st.floats(-2, 2))
-def test_a_cut_triangle_keeps_its_area_and_its_sides(values, height):
+def test_split_triangle_keeps_its_area_and_its_sides(values, height):
     corners = np.array(values).reshape(1, 3, 3)
     above, below = split_at(corners, height)
     assert (above[..., 1] >= height - 1e-9).all()
@@ -68,7 +68,7 @@ def area(corners):
     return 0.5 * np.linalg.norm(np.cross(a, b), axis=1).sum()
 
 
-def test_walls_and_meshes_have_an_inside(world_of, tmp_path):
+def test_enclosing_walls_and_meshes_have_an_inside(world_of, tmp_path):
     sides = [wall(-3, 3, 0, 6, z) for z in (-3.0, 3.0)]
     sides += [turned(wall(-3, 3, 0, 6, x)) for x in (-3.0, 3.0)]
     world = world_of(*sides)
@@ -94,6 +94,6 @@ BOX = "".join(f"v {x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1)
 )  # fmt: skip
 
 
-def test_places_are_checked(world_of):
+def test_shape_of_positions_is_checked(world_of):
     with pytest.raises(InputError, match=r"places_xz has shape \(3,\), but \(N, 2\) is needed"):
         world_of().body_clearance([1.0, 2.0, 3.0], HEIGHT)

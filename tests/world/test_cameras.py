@@ -17,13 +17,13 @@ from recon.settings.world import SENSOR_WIDTH, EyesSettings
         ({"fov_deg": 80.0, "focal_length": 0.1}, 0.1, 80.0),
     ],
 )
-def test_of_focal_length_and_field_of_view_one_follows(given, focal_length, fov_deg):
+def test_focal_length_and_field_of_view_follow_from_each_other(given, focal_length, fov_deg):
     for eyes in (EyesSettings(**given), updated(Settings(), {"eyes": given}).eyes):
         assert eyes.focal_length == pytest.approx(focal_length)
         assert eyes.fov_deg == pytest.approx(fov_deg)
 
 
-def test_a_later_change_wins_over_an_earlier_one():
+def test_later_change_overrides_an_earlier_one():
     wide = updated(Settings(), {"eyes": {"fov_deg": 100.0}})
     assert updated(wide, {"eyes": {"fov_deg": 80.0}}).eyes == EyesSettings()
     assert updated(wide, {"eyes": {"focal_length": 0.1}}).eyes.fov_deg == pytest.approx(80)
@@ -31,7 +31,7 @@ def test_a_later_change_wins_over_an_earlier_one():
     assert updated(Settings(), to_tree(wide)) == wide
 
 
-def test_two_that_disagree_are_refused():
+def test_contradicting_focal_length_and_field_of_view_are_rejected():
     with pytest.raises(InputError, match="do not belong together; give one of them"):
         EyesSettings(fov_deg=60.0, focal_length=0.2)
     with pytest.raises(InputError, match="do not belong together"):
@@ -39,6 +39,6 @@ def test_two_that_disagree_are_refused():
 
 
 @pytest.mark.parametrize("value", [0, -1, 180, math.nan, "wide", None])
-def test_a_field_of_view_that_cannot_be_is_refused(value):
+def test_invalid_field_of_view_is_rejected(value):
     with pytest.raises(InputError, match=r"eyes\.fov_deg is "):
         updated(Settings(), {"eyes": {"fov_deg": value}})

@@ -1,4 +1,4 @@
-"""Left and right, up and down, u and v, pixel centres, disparity signs: each can fail."""
+"""Conventions: left and right, up and down, u and v, pixel centres, signs of disparities."""
 
 import cv2
 import numpy as np
@@ -27,7 +27,7 @@ def pixels(shape):
 
 @pytest.mark.parametrize("gaze", ["shift", "toe-in"])
 @pytest.mark.parametrize("centre", [(3.0, 7.0, -9.0), (-4.0, 3.5, -12.0), (1.0, 9.5, -25.0)])
-def test_a_ball_is_where_the_rig_projects_it(world_of, centre, gaze):
+def test_ball_is_rendered_where_the_rig_projects_it(world_of, centre, gaze):
     world = world_of(ball(*centre), textures=("checker",), eyes={"gaze": gaze})
     view = world.start()
     pair = world.take(view)
@@ -38,9 +38,9 @@ def test_a_ball_is_where_the_rig_projects_it(world_of, centre, gaze):
         (pair.right, pair.rig.project_right(point)[0]),
     ):
         seen = np.abs(image.astype(int) - sky).sum(axis=2) > 60
-        # A ball's outline is an ellipse whose middle is a little further out than its centre's.
+        # The outline of a ball is an ellipse whose centre lies slightly beyond the ball's.
         assert np.hypot(*(blob_middle(seen) - projected)) < 0.45
-    # Right is right, up is up, and the left eye sees things further to the right.
+    # Right is right, up is up, and the left camera sees objects further to the right.
     u, v = pair.rig.project_left(point)[0]
     assert (u > 127.5) == (centre[0] > 0)
     assert (v < 127.5) == (centre[1] > 5)
@@ -48,8 +48,8 @@ def test_a_ball_is_where_the_rig_projects_it(world_of, centre, gaze):
     assert (u < pair.rig.project_right(point)[0, 0]) == far
 
 
-def test_pixel_0_0_is_a_centre(world_of):
-    # The edge of a wall through the axis of the eye stands between pixels 127 and 128.
+def test_integer_coordinates_are_pixel_centres(world_of):
+    # The edge of a wall on the optical axis lies between pixels 127 and 128.
     white = (1.0, 1.0, 1.0, 1.0)
     corners = [(0, 0, -10), (9, 0, -10), (9, 9, -10), (0, 9, -10)]
     wall = PolygonVisual(
@@ -63,7 +63,7 @@ def test_pixel_0_0_is_a_centre(world_of):
     assert len(np.unique(image[120:136].reshape(-1, 3), axis=0)) == 2
 
 
-def test_points_of_the_true_depth_lie_on_true_surfaces(village):
+def test_points_of_the_true_depth_lie_on_the_surfaces(village):
     truth = village.truth(VIEW)
     pair = village.take(VIEW)
     uv = pixels(truth.depth.shape)
@@ -84,7 +84,7 @@ def test_points_of_the_true_depth_lie_on_true_surfaces(village):
     assert np.mean(village.clearance(turned)) > 1
 
 
-def test_the_target_has_no_disparity_and_nearer_things_have_more(village):
+def test_target_has_zero_disparity_and_nearer_points_have_more(village):
     pair = village.take(VIEW)
     target = transform(invert(pair.T_world_left), [VIEW.target])
     np.testing.assert_allclose(pair.rig.project_left(target), [[127.5, 127.5]], atol=1e-9)
@@ -102,7 +102,7 @@ def warp_error(village, pair, disparity_px):
     return np.abs(seen - pair.left)[use].mean()
 
 
-def test_the_right_image_is_the_left_one_moved_by_the_disparity(village):
+def test_right_image_is_the_left_one_shifted_by_the_disparity(village):
     pair = village.take(VIEW)
     disparity_px = pair.rig.disparity(village.truth(VIEW).depth)
     right = warp_error(village, pair, disparity_px)
@@ -126,7 +126,7 @@ def test_block_matching_finds_the_true_disparity(village):
 
 
 @pytest.mark.parametrize("distance", [12.0, 15.0, 23.0, 40.0])
-def test_the_disparity_of_a_wall_is_true_to_a_fiftieth_of_a_pixel(world_of, distance):
+def test_disparity_of_a_wall_is_accurate_to_a_fiftieth_of_a_pixel(world_of, distance):
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     wall = PolygonVisual(
         cull_back=False,
@@ -144,7 +144,7 @@ def test_the_disparity_of_a_wall_is_true_to_a_fiftieth_of_a_pixel(world_of, dist
 
 
 def shift_between(left, right):
-    """The disparity that brings the right image onto the left one (Lucas and Kanade)."""
+    """Estimate the disparity that aligns the right image with the left (Lucas and Kanade)."""
     u, v = np.meshgrid(np.arange(256, dtype=np.float32), np.arange(256, dtype=np.float32))
     inner, found = np.s_[30:-30, 30:-30], 0.0
     for _ in range(30):
@@ -154,7 +154,7 @@ def shift_between(left, right):
     return found
 
 
-def test_toe_in_differs_from_the_shift_by_interpolation_only(village, world_of):
+def test_toe_in_differs_from_the_sensor_shift_only_by_interpolation(village, world_of):
     turned = world_of(
         *village.scene.visuals, textures=village.scene.textures, eyes={"gaze": "toe-in"},
         shaders=village.scene.shaders,
@@ -166,7 +166,7 @@ def test_toe_in_differs_from_the_shift_by_interpolation_only(village, world_of):
     np.testing.assert_array_equal(turned.truth(VIEW).depth, village.truth(VIEW).depth)
 
 
-def test_the_pose_is_the_left_eye_and_the_position_is_midway(village):
+def test_pose_is_the_left_camera_and_position_is_midway(village):
     pair = village.take(VIEW)
     right = pair.T_world_left @ pair.rig.T_left_right
     np.testing.assert_allclose((pair.T_world_left + right)[:3, 3] / 2, VIEW.position, atol=1e-12)

@@ -28,7 +28,7 @@ def drawn():
     return World.from_file(SCENES / "village.scene", dataclasses.replace(settings, render=render))
 
 
-def test_both_renderers_see_the_same_depth(drawn, village):
+def test_both_renderers_give_the_same_depth(drawn, village):
     rig, T_world_left, eyes = village._stand(VIEW)
     camera = camera_of(T_world_left, rig, rig.cx_left_px, eyes).camera
     wanted = village.truth(VIEW).depth
@@ -40,14 +40,14 @@ def test_both_renderers_see_the_same_depth(drawn, village):
     assert np.median(np.abs(depth[:, 1:] - wanted[:, :-1])[both[:, 1:] & both[:, :-1]]) > 1e-6
 
 
-def test_both_renderers_show_the_same_images(drawn, village):
+def test_both_renderers_give_the_same_images(drawn, village):
     one, other = village.take(VIEW), drawn.take(VIEW)
     assert np.abs(one.left.astype(float) - other.left).mean() < 2
     assert np.abs(one.right.astype(float) - other.right).mean() < 2
 
 
 @pytest.mark.parametrize("weather", [{"fog": 0.03}, {"sky": True}, {"blur_px": 1.0, "noise": 2.0}])
-def test_both_renderers_have_the_same_weather(drawn, village, weather):
+def test_both_renderers_give_the_same_image_effects(drawn, village, weather):
     worlds = (
         World(w.scene, w.eyes, dataclasses.replace(w.render, **weather), w.floor)
         for w in (drawn, village)
@@ -57,17 +57,17 @@ def test_both_renderers_have_the_same_weather(drawn, village, weather):
     assert np.abs(one - village.take(VIEW).left).mean() > 2 or "noise" in weather
 
 
-def test_the_same_view_gives_the_same_bytes(drawn):
+def test_same_view_gives_the_same_bytes(drawn):
     np.testing.assert_array_equal(drawn.take(VIEW).left, drawn.take(VIEW).left)
 
 
-def test_where_it_cannot_run_it_says_so_in_one_line(monkeypatch):
+def test_unavailable_renderer_raises_with_its_reason(monkeypatch):
     monkeypatch.setattr(filament, "filament_fault", lambda: "the filament renderer does not work")
     with pytest.raises(MissingLibraryError, match="the filament renderer does not work"):
         filament._stage.__wrapped__(32, 32)
 
 
-def test_the_probe_names_the_cause_and_the_cure(monkeypatch):
+def test_probe_names_the_cause_and_the_missing_package(monkeypatch):
     monkeypatch.setattr(filament, "_PROBE", "raise RuntimeError('no Vulkan here')")
     filament.filament_fault.cache_clear()
     fault = filament.filament_fault()
@@ -77,7 +77,7 @@ def test_the_probe_names_the_cause_and_the_cure(monkeypatch):
     assert "\n" not in fault
 
 
-def test_what_the_library_prints_stays_off_standard_output():
+def test_library_output_is_kept_off_stdout():
     code = (
         "import ctypes\n"
         "from recon.world.filament import _quiet_stdout\n"

@@ -15,7 +15,7 @@ def world_with(seed, num_objects, gap):
 
 
 @pytest.mark.parametrize(("num_objects", "gap"), [(3, 22.0), (12, 22.0), (12, 4.0), (30, 4.0)])
-def test_objects_stand_apart_on_the_floor_with_room_for_the_start(num_objects, gap):
+def test_objects_keep_their_distance_to_each_other_and_to_the_start(num_objects, gap):
     world = world_with(1, num_objects, gap)
     assert len(world.objects) == num_objects
     middles = np.array([found.centre[[0, 2]] for found in world.objects])
@@ -28,7 +28,7 @@ def test_objects_stand_apart_on_the_floor_with_room_for_the_start(num_objects, g
     assert max(found.size[1] for found in world.objects) <= world.floor.height
 
 
-def test_all_three_kinds_come_in_many_sizes():
+def test_all_three_kinds_occur_in_many_sizes():
     objects = [found for seed in range(4) for found in world_with(seed, 12, 8.0).objects]
     labels = [found.label for found in objects]
     assert set(labels) == {"apple tree", "pine tree", "cottage"}
@@ -37,7 +37,7 @@ def test_all_three_kinds_come_in_many_sizes():
     assert widths.min() < 8 < 14 < widths.max()
 
 
-def test_a_seed_makes_a_world_and_its_file_makes_it_again(tmp_path):
+def test_world_follows_from_its_seed_and_round_trips_through_its_file(tmp_path):
     first, second, other = (random_scene(np.random.default_rng(seed), 6, 8.0) for seed in (5, 5, 6))
     assert first == second != other
     write_scene(first, tmp_path / "random.scene")
@@ -46,6 +46,6 @@ def test_a_seed_makes_a_world_and_its_file_makes_it_again(tmp_path):
 
 
 @pytest.mark.parametrize(("num_objects", "gap"), [(200, 22.0), (1, 200.0)])
-def test_too_many_objects_too_far_apart_are_refused(num_objects, gap):
+def test_too_many_or_too_distant_objects_are_rejected(num_objects, gap):
     with pytest.raises(InputError, match=rf"num_objects is {num_objects} and gap is {gap}, but on"):
         random_scene(np.random.default_rng(0), num_objects, gap)

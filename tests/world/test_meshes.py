@@ -1,4 +1,4 @@
-"""Meshes of a scene: what their faces name is there."""
+"""Meshes of a scene: faces refer to existing vertices."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from recon.world.meshes import read_mesh
 
 
 @pytest.mark.parametrize("corner", [99999999, -7])
-def test_a_face_of_vertices_that_are_not_there_is_refused(tmp_path, corner):
+def test_face_with_a_missing_vertex_is_rejected(tmp_path, corner):
     xyz = "".join(f"property float {axis}\n" for axis in "xyz")
     (tmp_path / "a.ply").write_text(
         f"ply\nformat ascii 1.0\nelement vertex 3\n{xyz}element face 1\n"

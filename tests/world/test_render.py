@@ -38,7 +38,7 @@ def wall(z, size=9.0, cull=False, colour=RED):
 
 
 def sphere_depth(pair, centre, radius):
-    """Depth of a sphere, by the formula."""
+    """Compute the depth of a sphere analytically."""
     u, v = np.meshgrid(np.arange(256.0), np.arange(256.0))
     rays = pair.rig.rays(np.column_stack([u.ravel(), v.ravel()]))
     middle = np.asarray(centre) - pair.T_world_left[:3, 3]
@@ -48,7 +48,7 @@ def sphere_depth(pair, centre, radius):
         return ((b - np.sqrt(b**2 - a * c)) / a).reshape(256, 256)
 
 
-def test_depth_of_a_sphere_is_that_of_the_formula(world_of):
+def test_depth_of_a_sphere_matches_the_formula(world_of):
     world = world_of(BALL, textures=("leaves",))
     depth = world.truth(AHEAD).depth
     wanted = sphere_depth(world.take(AHEAD), BALL.centre, BALL.radius)
@@ -61,7 +61,7 @@ def test_depth_of_a_sphere_is_that_of_the_formula(world_of):
 @pytest.mark.parametrize(
     ("near", "far", "seen"), [(0.1, 100, True), (0.1, 9, False), (11, 100, False)]
 )
-def test_nothing_is_seen_nearer_than_near_and_farther_than_far(world_of, near, far, seen):
+def test_surfaces_outside_near_and_far_are_clipped(world_of, near, far, seen):
     world = world_of(wall(-10.0), eyes={"near": near, "far": far})
     depth = world.truth(AHEAD).depth
     assert np.isfinite(depth[128, 128]) == seen
@@ -70,7 +70,7 @@ def test_nothing_is_seen_nearer_than_near_and_farther_than_far(world_of, near, f
         np.testing.assert_allclose(depth[np.isfinite(depth)], 10, atol=1e-9)
 
 
-def test_the_same_view_gives_the_same_bytes(village, world_of):
+def test_same_view_gives_the_same_bytes(village, world_of):
     noisy = world_of(BALL, textures=("leaves",), render={"noise": 5.0})
     for world in (village, noisy):
         first, second = world.take(AHEAD), world.take(AHEAD)
@@ -78,7 +78,7 @@ def test_the_same_view_gives_the_same_bytes(village, world_of):
         np.testing.assert_array_equal(first.right, second.right)
 
 
-def test_a_polygon_with_culling_is_not_seen_from_behind(world_of):
+def test_culled_polygon_is_invisible_from_behind(world_of):
     far = wall(-20.0, size=30.0, colour=(0.0, 0.0, 1.0, 1.0))
     back = View(position=[0.0, 5.0, -19.0], target=[0.0, 5.0, 0.0])
     for cull, colour in ((True, [round(c) for c in SKY_RGB]), (False, [255, 0, 0])):
@@ -89,7 +89,7 @@ def test_a_polygon_with_culling_is_not_seen_from_behind(world_of):
 
 
 @pytest.mark.parametrize("side", [1, 2, 4, 8])
-def test_an_edge_pixel_shows_the_share_that_is_covered(world_of, side):
+def test_edge_pixel_is_blended_by_its_coverage(world_of, side):
     world = world_of(wall(-10.0, size=4.03), render={"supersampling": side})
     pair = world.take(AHEAD)
     T_left_world = invert(pair.T_world_left)
@@ -103,7 +103,7 @@ def test_an_edge_pixel_shows_the_share_that_is_covered(world_of, side):
     assert shown * side == pytest.approx(round(shown * side), abs=0.02 * side)
 
 
-def test_mipmaps_take_the_glitter_out_of_distance(world_of):
+def test_mipmaps_remove_aliasing_of_distant_textures(world_of):
     def roughness(mipmaps):
         far = wall(-90.0, size=60.0)
         visual = PolygonVisual(
@@ -121,7 +121,7 @@ def test_mipmaps_take_the_glitter_out_of_distance(world_of):
     assert roughness(True) > 0.1
 
 
-def test_noise_and_blur_come_out_as_they_went_in(world_of):
+def test_noise_and_blur_have_the_requested_strength(world_of):
     grey = wall(-10.0, size=30.0, colour=(0.5, 0.5, 0.5, 1.0))
     noise = world_of(grey, render={"noise": 6.0}).take(AHEAD)
     assert 5.9 < noise.left.astype(float).std() < 6.1
@@ -140,21 +140,21 @@ def test_noise_and_blur_come_out_as_they_went_in(world_of):
     assert np.abs(np.diff(row[0.0])).max() > 100
 
 
-def test_fog_takes_its_share_of_every_unit(world_of):
+def test_fog_attenuates_per_unit_of_distance(world_of):
     image = world_of(wall(-10.0), render={"fog": 0.05}).take(AHEAD).left
     clear = 0.95**10
     wanted = clear * np.array([255, 0, 0]) + (1 - clear) * np.array(SKY_RGB)
     np.testing.assert_allclose(image[128, 128], wanted, atol=0.51)
 
 
-def test_the_sky_deepens_upwards_when_asked(world_of):
+def test_sky_gets_darker_upwards_if_enabled(world_of):
     plain, deep = (world_of(render={"sky": sky}).take(AHEAD).left[:, 128] for sky in (False, True))
     assert (plain == plain[0]).all()
     assert deep[0, 0] < deep[64, 0] < deep[127, 0]
     np.testing.assert_array_equal(deep[128:], plain[128:])
 
 
-def test_the_sun_lights_one_side_and_a_shader_takes_the_place_of_colour(world_of):
+def test_sun_lights_one_side_and_a_shader_replaces_the_colour(world_of):
     ball = SphereVisual(centre=(0, 5, -20), radius=4)
     lit = world_of(ball, render={"shading": True}).take(AHEAD).left.astype(int)
     assert lit[110, 140, 0] > lit[150, 110, 0] + 20
@@ -169,8 +169,8 @@ def test_the_sun_lights_one_side_and_a_shader_takes_the_place_of_colour(world_of
         assert np.flatnonzero(middle == 0).tolist() == channels
 
 
-def test_textures_stand_upright_and_run_to_the_right(world_of, tmp_path):
-    """An image whose upper left is red comes out so on a polygon and on an upright cylinder."""
+def test_textures_are_upright_and_not_mirrored(world_of, tmp_path):
+    """A texture whose upper half is blue appears so on upright and lying cylinders."""
     pixels = np.zeros((64, 64, 3), np.uint8)
     pixels[:32, :, 2] = 255  # the upper half blue
     Image.fromarray(pixels).save(tmp_path / "flag.png")
@@ -203,7 +203,7 @@ f 1/1 2/2 3/3 4/4
 """
 
 
-def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
+def test_texture_of_a_mesh_is_upright(tmp_path):
     flag = np.zeros((64, 64, 3), np.uint8)
     flag[:32, :32], flag[:32, 32:], flag[32:, :32] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
     Image.fromarray(flag).save(tmp_path / "flag.png")
@@ -218,7 +218,7 @@ def test_a_mesh_wears_its_texture_the_right_way_up(tmp_path):
     assert quarters == [[255, 0, 0], [0, 255, 0], [0, 0, 255], [0, 0, 0]]
 
 
-def test_gain_and_offset_are_the_right_camera_s_own(world_of):
+def test_gain_and_offset_affect_the_right_camera_only(world_of):
     grey = wall(-10.0, size=30.0, colour=(0.4, 0.4, 0.4, 1.0))
     plain, pair = (
         world_of(grey, render=render).take(AHEAD)
@@ -229,7 +229,7 @@ def test_gain_and_offset_are_the_right_camera_s_own(world_of):
     np.testing.assert_array_equal(pair.right[128, 128], wanted)
 
 
-def test_grain_is_as_strong_as_white_noise_and_hangs_together(world_of):
+def test_grain_is_as_strong_as_white_noise_but_correlated(world_of):
     grey = wall(-10.0, size=30.0, colour=(0.5, 0.5, 0.5, 1.0))
     images = [
         world_of(grey, render={"noise": 6.0, "noise_grain_px": grain})
@@ -246,8 +246,8 @@ def test_grain_is_as_strong_as_white_noise_and_hangs_together(world_of):
     assert edge == pytest.approx((6.0, 6.0), abs=0.4)
 
 
-def test_a_texture_tile_scales_with_the_world(world_of):
-    """A world ten times as small, its tile with it, looks the same."""
+def test_texture_tile_scales_with_the_world(world_of):
+    """A world ten times smaller looks the same if its texture tile is ten times smaller."""
     small = SphereVisual(centre=(0, 0.5, -1.2), radius=0.3, texture=0)
     large = SphereVisual(centre=(0, 5.0, -12.0), radius=3.0, texture=0)
     near = View(position=AHEAD.position / 10.0, target=AHEAD.target / 10.0)
@@ -263,7 +263,7 @@ def test_a_texture_tile_scales_with_the_world(world_of):
     assert np.abs(a - c).mean() > 2.0
 
 
-def test_a_renderer_is_found_by_name(world_of):
+def test_renderer_is_found_by_name(world_of):
     assert RENDERERS.names()[:2] == ["raycast", "filament"]
     with pytest.raises(InputError, match=r"renderer is 'raycaster', .*nearest: raycast"):
         world_of(BALL, textures=("leaves",), render={"renderer": "raycaster"})

@@ -92,7 +92,7 @@ def line_of(text, row):
     return text.splitlines().index(row) + 1
 
 
-def test_appendix_b_is_read_as_it_stands():
+def test_scene_of_appendix_b_is_read_unchanged():
     scene = read_scene(SCENES / "village.scene")
     assert [len(part) for part in (scene.shaders, scene.textures, scene.visuals)] == [3, 9, 13]
     assert scene.shaders[1].diffuse == (0.0, 0.0, 1.0, 0.0)
@@ -110,7 +110,7 @@ def test_appendix_b_is_read_as_it_stands():
 
 
 @pytest.mark.parametrize("name", ["village", "three_kinds", "three_apples", "square"])
-def test_a_scene_is_written_without_loss(name, tmp_path):
+def test_scene_is_written_without_loss(name, tmp_path):
     scene = read_scene(SCENES / f"{name}.scene")
     write_scene(scene, tmp_path / "again.scene")
     again = read_scene(tmp_path / "again.scene")
@@ -158,7 +158,7 @@ visuals = st.one_of(
 
 @settings(max_examples=60, deadline=None)
 @given(visuals=st.lists(visuals, max_size=4).map(tuple), ambient=colours)
-def test_any_scene_survives_its_file(visuals, ambient, tmp_path_factory):
+def test_any_scene_round_trips_through_its_file(visuals, ambient, tmp_path_factory):
     folder = tmp_path_factory.getbasetemp()
     (folder / "tetra hedron.ply").touch()
     material = Shader(
@@ -171,13 +171,13 @@ def test_any_scene_survives_its_file(visuals, ambient, tmp_path_factory):
     assert read_scene(folder / "any.scene") == scene
 
 
-def test_comments_are_free(written):
+def test_text_of_comments_is_ignored(written):
     rows = ["# whatever" if row.startswith("#") else row for row in SMALL.splitlines()]
     free = read_scene(written("\n\n".join(rows)))
     assert free == read_scene(written(SMALL))
 
 
-def test_comments_may_call_a_value_by_another_records_name(written):
+def test_comments_may_use_the_name_of_another_field(written):
     text = SMALL.replace("# RadiusBase", "# Radius").replace("# Translation", "# Center")
     assert read_scene(written(text)) == read_scene(written(SMALL))
 
@@ -188,7 +188,7 @@ def test_windows_files_are_read(written, tmp_path):
     assert read_scene(path) == read_scene(written(SMALL))
 
 
-def test_a_texture_that_no_visual_uses_is_not_looked_up(written):
+def test_unused_texture_is_not_looked_up(written):
     assert read_scene(written(SMALL)).textures[1] == "textures/nowhere.tga"
 
 
@@ -219,7 +219,7 @@ def test_a_texture_that_no_visual_uses_is_not_looked_up(written):
         ("# RadiusBase\n2\n# RadiusTop\n2", "#\n0\n#\n0", None, "has radius 0 at both ends, but"),
     ],
 )
-def test_a_fault_is_one_line_with_file_and_line(written, old, new, row, message):
+def test_error_names_file_and_line_in_one_line(written, old, new, row, message):
     text = SMALL.replace(old, new, 1)
     assert text != SMALL
     path = written(text)
@@ -233,7 +233,7 @@ def test_a_fault_is_one_line_with_file_and_line(written, old, new, row, message)
         assert text.splitlines()[number - 1] == row
 
 
-def test_a_file_cut_anywhere_is_refused_in_one_line(written):
+def test_truncated_file_is_rejected_in_one_line(written):
     rows = SMALL.splitlines()
     for count in range(len(rows)):
         path = written("\n".join(rows[:count]))
@@ -248,7 +248,7 @@ words = st.sampled_from(
 
 @settings(max_examples=150, deadline=None)
 @given(data=st.data())
-def test_a_damaged_file_is_read_or_refused_in_one_line(data, tmp_path_factory):
+def test_damaged_file_is_read_or_rejected_in_one_line(data, tmp_path_factory):
     rows = SMALL.splitlines()
     for _ in range(data.draw(st.integers(1, 3))):
         rows[data.draw(st.integers(0, len(rows) - 1))] = data.draw(words)
@@ -266,26 +266,26 @@ def fault_of(path):
     return None
 
 
-def test_a_mesh_that_is_nowhere_is_named(written):
+def test_missing_mesh_file_is_named(written):
     text = SMALL.replace("SPHERE\n# Center\n10 12 20\n# Radius\n4", "MESH\n# File\nrock.ply")
     with pytest.raises(InputError, match=r":\d+: visual 0 \(MESH\) File is 'rock.ply', but a file"):
         read_scene(written(text))
 
 
-def test_what_is_no_text_is_refused(tmp_path):
+def test_binary_file_is_rejected(tmp_path):
     path = tmp_path / "image.scene"
     path.write_bytes(bytes(range(128, 256)))
     with pytest.raises(InputError, match=r"image\.scene:1: shader count is .*, but a whole number"):
         read_scene(path)
 
 
-def test_numbers_are_written_so_that_they_read_the_same(tmp_path):
+def test_numbers_round_trip_exactly(tmp_path):
     scene = Scene(visuals=(SphereVisual(centre=(0.1, -0.0, math.pi), radius=1e9),))
     write_scene(scene, tmp_path / "a.scene")
     assert read_scene(tmp_path / "a.scene").visuals == scene.visuals
 
 
-def test_a_texture_count_too_high_is_seen_without_comments_too(written):
+def test_too_high_texture_count_is_found_without_comments(written):
     rows = [row for row in SMALL.splitlines() if not row.startswith("#")]
     path = written("\n".join(rows).replace("1\n2\n2", "1\n3\n2", 1))
     with pytest.raises(InputError, match="texture 2 is 'SPHERE', but the name of an image is"):
@@ -297,7 +297,7 @@ PLAIN = Shader(ambient=WHITE, diffuse=WHITE, specular=WHITE, emissive=WHITE, shi
 
 
 def outside_scene(tmp_path, texture):
-    """A scene in a folder of its own, whose sphere is covered by an image."""
+    """Write a scene to its own folder, with a sphere that is textured by an image."""
     folder = tmp_path / "scene"
     folder.mkdir()
     sphere = SphereVisual(centre=(0, 0, 0), radius=1, shader=0, texture=0)
@@ -306,7 +306,7 @@ def outside_scene(tmp_path, texture):
 
 
 @pytest.mark.parametrize("texture", ["../a.png", "{}/a.png", "linked.png", "../../nowhere.png"])
-def test_a_scene_reads_only_below_its_own_folder_unless_that_is_allowed(tmp_path, texture):
+def test_texture_outside_the_scene_folder_needs_permission(tmp_path, texture):
     Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
     scene = outside_scene(tmp_path, texture.format(tmp_path))
     (scene.parent / "linked.png").symlink_to(tmp_path / "a.png")
@@ -320,12 +320,12 @@ def test_a_scene_reads_only_below_its_own_folder_unless_that_is_allowed(tmp_path
             assert read_scene(scene).textures == (texture.format(tmp_path),)
 
 
-def test_a_name_that_no_file_can_have_is_refused(tmp_path):
+def test_impossible_file_name_is_rejected(tmp_path):
     with pytest.raises(InputError, match="beside the scene or one"):
         read_scene(outside_scene(tmp_path, "a\0b.png"))
 
 
-def test_a_mesh_of_a_scene_lies_below_its_folder_too(tmp_path):
+def test_mesh_outside_the_scene_folder_is_rejected(tmp_path):
     (tmp_path / "a.ply").touch()
     (tmp_path / "in").mkdir()
     write_scene(

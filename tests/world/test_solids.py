@@ -23,7 +23,7 @@ ALL = [
 ]
 
 
-def test_a_rotation_of_1_0_0_puts_the_translation_on_top():
+def test_rotation_1_0_0_puts_the_translation_at_the_top():
     points = cylinder_triangles(CONE, TILE).corners.reshape(-1, 3)
     radius = np.hypot(points[:, 0] - 20, points[:, 2] + 5)
     assert np.ptp(points[:, 1]) == pytest.approx(4, abs=1e-12)
@@ -45,7 +45,7 @@ def test_a_rotation_of_1_0_0_puts_the_translation_on_top():
         ((0.5, 0, 0), (0, -np.sqrt(0.5), np.sqrt(0.5))),
     ],
 )
-def test_rotations_count_quarter_turns_about_x_then_y_then_z(rotation, axis):
+def test_rotations_are_quarter_turns_about_x_then_y_then_z(rotation, axis):
     R = quarter_turns(rotation)
     np.testing.assert_allclose(R @ (0, 0, 1), axis, atol=1e-15)
     np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-15)
@@ -64,27 +64,27 @@ def test_corners_run_counter_clockwise_and_normals_point_outwards(part):
     assert ((part.corners - middle) * part.normals).sum(axis=2).mean() > 0
 
 
-def test_a_sphere_is_round_to_a_thousandth():
+def test_sphere_is_round_to_a_thousandth():
     part = ALL[0]
     middles = np.linalg.norm(part.corners.mean(axis=1) - (1, 2, 3), axis=1)
     assert 4 * 0.998 < middles.min() < middles.max() < 4
 
 
-def test_textures_cover_whole_repeats_round_every_solid():
+def test_textures_repeat_a_whole_number_of_times_around_solids():
     for part in ALL:
         around = np.ptp(part.uv[..., 0])
         assert around >= 1
         assert around == round(around)
 
 
-def test_slivers_are_left_out():
+def test_degenerate_triangles_are_left_out():
     pointed = CylinderVisual(radius_base=0, radius_top=3, height=4, translation=(0, 4, 0))
     part = cylinder_triangles(pointed, TILE)
     kept = part.without_slivers()
     assert len(part.corners) - len(kept.corners) == 96
 
 
-def test_what_lies_inside():
+def test_points_inside_solids_are_found():
     points = np.array(
         [[20, 10.9, -5], [20, 7.1, 1.8], [20, 10.9, 1.8], [20, 6.9, -5], [20, 11.1, -5]]
     )
@@ -119,14 +119,14 @@ end_header
 """
 
 
-def test_a_mesh_keeps_its_colours(tmp_path):
+def test_mesh_keeps_its_colours(tmp_path):
     (tmp_path / "rock.ply").write_text(TETRAHEDRON)
     part = read_mesh(tmp_path / "rock.ply")
     assert part.corners.shape == (4, 3, 3)
     np.testing.assert_array_equal(part.colours[0], [[1, 0, 0]] * 3)
 
 
-def test_a_mesh_that_is_none_is_one_line(tmp_path):
+def test_invalid_mesh_file_is_rejected(tmp_path):
     (tmp_path / "rock.ply").write_text("no mesh")
     with pytest.raises(InputError, match=r"rock\.ply: no triangle can be read, but at least"):
         read_mesh(tmp_path / "rock.ply")

@@ -21,11 +21,11 @@ def save(path, colour):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_promised_texture_is_shipped(name, tmp_path):
+def test_every_documented_texture_is_shipped(name, tmp_path):
     image = read_texture(f"textures/{name}.tga", tmp_path)
     assert image.shape == (256, 256, 3)
     assert image.dtype == np.uint8
-    # Rich: most of the contrast lies in waves of 6 to 40 texels.
+    # Richly textured: most of the contrast has wavelengths of 4 to 40 texels.
     grey = image.mean(axis=2)
     power = np.abs(np.fft.fft2(grey - grey.mean())) ** 2
     frequency = np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
@@ -34,14 +34,14 @@ def test_every_promised_texture_is_shipped(name, tmp_path):
     assert power[band].sum() / power.sum() > (0.3 if name == "sky" else 0.5)
 
 
-def test_the_tool_makes_what_is_shipped():
+def test_tool_reproduces_the_shipped_textures():
     made = runpy.run_path(str(TOOL))
     number = [maker.__name__ for maker in made["MAKERS"]].index("wood")
     image = made["wood"](np.random.default_rng(number))
     np.testing.assert_allclose(image, read_texture("wood", None), atol=2.01)
 
 
-def test_hues_of_parts_can_be_told_apart():
+def test_hues_of_textures_are_distinguishable():
     def hue(name):
         rgb = read_texture(name, None)
         hsv = np.asarray(Image.fromarray(rgb).convert("HSV"), float)
@@ -54,7 +54,7 @@ def test_hues_of_parts_can_be_told_apart():
     assert 90 < abs(hues["roof"] - hues["brick"]) < 270
 
 
-def test_a_texture_beside_the_scene_comes_first_whatever_its_ending(tmp_path):
+def test_texture_beside_the_scene_takes_precedence_whatever_its_extension(tmp_path):
     assert find_texture("textures/wood.tga", tmp_path) == SHIPPED / "wood.png"
     save(tmp_path / "textures" / "wood.png", (1, 2, 3))
     assert find_texture("textures/wood.tga", tmp_path) == tmp_path / "textures" / "wood.png"
@@ -63,7 +63,7 @@ def test_a_texture_beside_the_scene_comes_first_whatever_its_ending(tmp_path):
     assert find_texture("textures/paper.tga", tmp_path) is None
 
 
-def test_what_is_no_image_is_one_line(tmp_path):
+def test_invalid_image_is_rejected(tmp_path):
     (tmp_path / "wood.png").write_text("no image")
     with pytest.raises(InputError, match=r"wood\.png: .*but an image is needed for the texture"):
         read_texture("wood.png", tmp_path)
@@ -71,7 +71,7 @@ def test_what_is_no_image_is_one_line(tmp_path):
         read_texture("paper", tmp_path)
 
 
-def test_the_atlas_holds_every_level():
+def test_atlas_holds_every_mipmap_level():
     image = np.arange(6 * 3 * 3, dtype=np.uint8).reshape(6, 3, 3)
     atlas = build_atlas([image, image[:1, :1]], mipmaps=True)
     assert atlas.shape[0].tolist() == [[6, 3], [3, 1], [1, 1]]

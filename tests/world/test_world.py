@@ -34,7 +34,7 @@ def upright(radius, height, x=0.0, top=None, upper=None):
     )
 
 
-def test_the_agent_starts_in_the_middle_looking_along_minus_z(village):
+def test_agent_starts_at_the_centre_looking_along_minus_z(village):
     view = village.start()
     np.testing.assert_array_equal(view.position, [0, 5, 0])
     ahead = view.target - view.position
@@ -42,7 +42,7 @@ def test_the_agent_starts_in_the_middle_looking_along_minus_z(village):
     assert ahead[:2].tolist() == [0, 0]
 
 
-def test_the_village_has_its_six_objects(village):
+def test_village_has_its_six_objects(village):
     found = {(o.label, *o.centre.round(9)): o.size.round(2).tolist() for o in village.objects}
     assert found == {
         ("apple tree", 10, 8, 20): [8, 16, 8],
@@ -64,13 +64,13 @@ def test_the_village_has_its_six_objects(village):
         ("square", ["house", "table", "bench", "lamp post", "lamp post", "apple tree"]),
     ],
 )
-def test_the_other_scenes(name, labels):
+def test_other_scenes_have_the_expected_objects(name, labels):
     world = World.from_file(SCENES / f"{name}.scene", Settings())
     assert [o.label for o in world.objects] == labels
     assert world.clearance([world.start().position])[0] > 10
 
 
-def test_parts_belong_together_by_axis_and_touch(world_of):
+def test_parts_form_an_object_if_coaxial_and_touching(world_of):
     apart = world_of(upright(2, 8), SphereVisual(centre=(0, 14, 0), radius=4))
     beside = world_of(upright(2, 8), SphereVisual(centre=(2, 12, 0), radius=4))
     stacked = world_of(SphereVisual(centre=(0.2, 12, 0), radius=4), upright(2, 8))
@@ -79,7 +79,7 @@ def test_parts_belong_together_by_axis_and_touch(world_of):
     assert [(o.label, o.visuals) for o in stacked.objects] == [("apple tree", (1, 0))]
 
 
-def test_objects_that_touch_sideways_stay_two(world_of):
+def test_objects_that_touch_sideways_stay_separate(world_of):
     world = world_of(
         upright(2, 8, x=-4.0), SphereVisual(centre=(-4, 12, 0), radius=4),
         upright(2, 8, x=4.0), SphereVisual(centre=(4, 12, 0), radius=4),
@@ -96,11 +96,11 @@ def test_objects_that_touch_sideways_stay_two(world_of):
         (upright(4, 6, top=14), "unknown"),
     ],
 )
-def test_a_crown_on_a_body_has_a_name(world_of, crown, label):
+def test_crown_on_a_body_is_labelled(world_of, crown, label):
     assert [o.label for o in world_of(upright(2, 8), crown).objects] == [label]
 
 
-def test_what_lies_or_floats_has_no_name_and_is_no_ground(world_of):
+def test_lying_or_floating_parts_are_unlabelled_and_not_ground(world_of):
     body, crown = upright(2, 8), SphereVisual(centre=(0, 12, 0), radius=4)
     lying = dataclasses.replace(body, rotation=(0, 0, 0), translation=(0, 6, -4))
     assert [o.label for o in world_of(lying, crown).objects] == ["unknown"]
@@ -114,7 +114,7 @@ def test_what_lies_or_floats_has_no_name_and_is_no_ground(world_of):
     assert not world.free_ground()[100, 100]
 
 
-def test_nothing_asked_nothing_answered(village):
+def test_empty_and_invalid_queries(village):
     assert village.clearance(np.empty((0, 3))).shape == (0,)
     with pytest.raises(InputError, match=r"positions has shape \(3,\), but \(N, 3\) is needed"):
         village.clearance([1.0, 2.0, 3.0])
@@ -124,7 +124,7 @@ def test_nothing_asked_nothing_answered(village):
         village.top_view(0)
 
 
-def test_truth_tells_objects_and_parts(village):
+def test_truth_identifies_objects_and_parts(village):
     truth = village.truth(View(position=[2, 5, -20], target=[20, 4, -5]))
     assert truth.depth.shape == truth.object_id.shape == truth.part_id.shape == (256, 256)
     assert truth.object_id.dtype == truth.part_id.dtype == np.int32
@@ -160,7 +160,7 @@ def test_free_ground_is_the_floor_outside_the_footprints(village):
     assert (free != wanted.T).sum() > 100
 
 
-def test_a_view_may_change_the_eyes(village):
+def test_view_overrides_the_camera_settings(village):
     view = village.start()
     wide = village.take(dataclasses.replace(view, fov_deg=100.0)).rig
     long = village.take(dataclasses.replace(view, focal_length=0.2)).rig
@@ -183,7 +183,7 @@ def test_a_view_may_change_the_eyes(village):
         ({"near": 200.0}, "near 200.0 is not nearer than far 100.0"),
     ],
 )
-def test_a_view_that_cannot_be_is_one_line(village, view, message):
+def test_invalid_view_is_rejected_in_one_line(village, view, message):
     bad = dataclasses.replace(village.start(), **view)
     for look in (village.take, village.truth):
         with pytest.raises(InputError, match=message) as caught:
@@ -192,7 +192,7 @@ def test_a_view_that_cannot_be_is_one_line(village, view, message):
 
 
 @pytest.mark.parametrize("visuals", [(), (plain_ground(),)], ids=["nothing", "ground"])
-def test_a_world_with_nothing_in_it(world_of, visuals):
+def test_world_without_objects(world_of, visuals):
     world = world_of(*visuals)
     view = world.start()
     pair = world.take(view)
@@ -205,20 +205,20 @@ def test_a_world_with_nothing_in_it(world_of, visuals):
     assert world.top_view(64).shape == (64, 64, 3)
 
 
-def test_an_object_on_the_start_is_known_of(world_of):
+def test_object_at_the_start_is_detected(world_of):
     world = world_of(upright(7, 8))
     assert world.is_inside([world.start().position]).all()
     assert world.clearance([world.start().position])[0] == pytest.approx(5.8, abs=1.3)
     assert world.take(world.start()).left.std() >= 0
 
 
-def test_a_floor_larger_than_memory_is_one_line(world_of):
+def test_floor_larger_than_memory_is_rejected(world_of):
     world = world_of(plain_ground(), floor={"size_x": 1e6, "size_z": 1e6})
     with pytest.raises(InputError, match="the floor is 1000000 x 1000000 cells, but at most"):
         world.free_ground()
 
 
-def test_a_mesh_is_an_object(tmp_path):
+def test_mesh_is_an_object(tmp_path):
     (tmp_path / "rock.ply").write_text(TETRAHEDRON.replace("0 0 1 255", "0 0 -9 255"))
     scene = Scene(visuals=(MeshVisual(file="rock.ply"),), folder=tmp_path)
     settings = Settings()
@@ -228,7 +228,7 @@ def test_a_mesh_is_an_object(tmp_path):
     assert world.take(view).left[128, 128].tolist() == [255, 0, 0]
 
 
-def test_an_exported_frame_is_a_pair_with_its_truth(village, tmp_path):
+def test_exported_frame_is_a_pair_with_ground_truth(village, tmp_path):
     village.export_frame(village.start(), tmp_path / "frame")
     names = sorted(path.name for path in (tmp_path / "frame").iterdir())
     assert names == ["calib.txt", "disp_left.pfm", "left.png", "right.png"]
