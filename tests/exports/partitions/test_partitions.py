@@ -15,7 +15,7 @@ from recon.files import memory_limit
 from recon.notices import collected_notices
 from recon.voxelmap import VoxelMap
 from tests.exports.maps import CHANNELS, a_cloud, same
-from tests.voxelmap.test_sums import EYE, a_map, saved
+from tests.voxelmap.test_sums import ORIGIN, map_of_views, saved
 
 BOX = ((98.0, -1.0, -45.0), (104.0, 5.0, -38.0))
 
@@ -26,7 +26,7 @@ def files(folder):
 
 @pytest.fixture(scope="module")
 def whole():
-    return a_map(range(6))
+    return map_of_views(range(6))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_a_map_in_partitions_is_the_map(whole, city, tmp_path):
 def test_any_chunks_merge_to_the_same_bytes(city, cuts, tmp_path):
     chunks = np.split(np.arange(6), cuts)
     parts = [
-        write_partitions(a_map(chunk.tolist()), tmp_path / f"{n}.parquet", 64)
+        write_partitions(map_of_views(chunk.tolist()), tmp_path / f"{n}.parquet", 64)
         for n, chunk in enumerate(chunks)
     ]
     merged = merge_partitions(parts[::-1], tmp_path / "all.parquet")
@@ -70,7 +70,7 @@ def test_a_box_reads_only_what_it_meets(whole, city, tmp_path):
 
 
 def test_views_of_other_recordings_are_others(tmp_path):
-    one = write_partitions(a_map([0], ("views",)), tmp_path / "one.parquet", 64)
+    one = write_partitions(map_of_views([0], ("views",)), tmp_path / "one.parquet", 64)
     both = [one, one]
     alike = merge_partitions(both, tmp_path / "alike.parquet").occupied(2)
     apart = merge_partitions(both, tmp_path / "apart.parquet", [0, 7]).occupied(2)
@@ -112,7 +112,7 @@ def test_a_map_on_another_store(whole, tmp_path):
 def test_a_smaller_map_leaves_nothing_of_the_one_before(city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
-    small = write_partitions(a_map([]), copy, 64)
+    small = write_partitions(map_of_views([]), copy, 64)
     assert set(files(copy)) == {MANIFEST}
     assert len(small) == 0
     assert small.whole().num_cells == len(small.occupied(1)) == 0
@@ -153,7 +153,7 @@ def test_a_file_of_another_place_is_refused(city, tmp_path):
 
 
 def test_maps_of_other_forms_do_not_add_up(city, tmp_path):
-    other = write_partitions(a_map(range(2), ()), tmp_path / "other.parquet", 64)
+    other = write_partitions(map_of_views(range(2), ()), tmp_path / "other.parquet", 64)
     with pytest.raises(InputError, match="channels"):
         merge_partitions([city, other], tmp_path / "both.parquet")
 
@@ -163,7 +163,7 @@ def colourless(views):
     voxel_map = VoxelMap(0.5, channels=CHANNELS, ray_margin=1.5)
     for view in views:
         cloud = replace(a_cloud(view, num=80), colours=None)
-        voxel_map.insert(cloud, EYE, view)
+        voxel_map.insert(cloud, ORIGIN, view)
         voxel_map.insert_doubtful(cloud)
     return voxel_map
 
@@ -174,7 +174,7 @@ def test_what_has_no_colours_has_none_in_partitions_nor_in_a_sum(tmp_path):
     assert notices == []
     assert grey.occupied(1).colours is None
     assert saved(grey.whole(), tmp_path) == saved(colourless([0, 1]), tmp_path)
-    coloured = write_partitions(a_map([2, 3]), tmp_path / "coloured.parquet", 64)
+    coloured = write_partitions(map_of_views([2, 3]), tmp_path / "coloured.parquet", 64)
     with collected_notices() as notices:
         merged = merge_partitions([coloured, grey], tmp_path / "all.parquet")
     assert [notice.code for notice in notices] == ["colour-missing"]
