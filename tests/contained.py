@@ -15,7 +15,7 @@ import pyvista
 from recon.exports import read, write
 from recon.sequences import open_sequence
 from recon.settings import SequenceSettings
-from tests.exports.maps import a_cloud, a_map
+from tests.exports.maps import sample_cloud, sample_map
 from tests.sequences.recordings import image_pairs, kitti_rows, write_ros1, write_ros2
 
 RECORDING = SequenceSettings(poses="none")
@@ -57,12 +57,12 @@ def _pairs(path: Path) -> Any:
 
 
 def _write_zarr(path: Path) -> None:
-    write(a_cloud(num=20), path)
+    write(sample_cloud(num=20), path)
 
 
 def _write_nav2(path: Path) -> None:
     path.mkdir()
-    write(a_map(()).occupied(2), path / "a.yaml")
+    write(sample_map(()).occupied(2), path / "a.yaml")
 
 
 def _write_video(path: Path) -> None:

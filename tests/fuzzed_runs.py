@@ -27,7 +27,7 @@ from recon.sequences.calibration.row_error import Residual
 from recon.sequences.refined import Refined, read_refined
 from recon.settings import Settings
 from recon.settings.files import to_toml
-from tests.exports.maps import a_cloud, a_map
+from tests.exports.maps import sample_cloud, sample_map
 
 Sound = tuple[str, Callable[[Path], Any], bytes]
 
@@ -89,7 +89,7 @@ def sound(home: Path, name: str, mark: str, read: Callable[[Path], Any]) -> Soun
 
 
 def _partitions(home: Path) -> Iterator[Sound]:
-    city = write_partitions(a_map(), home, 64)
+    city = write_partitions(sample_map(), home, 64)
     for name, mark in ((MANIFEST, "partitions.json"), (city.partitions[0].file, "cells.parquet")):
         yield sound(home, name, mark, lambda place: PartitionedMap(place).whole())
 
@@ -99,13 +99,13 @@ def _run(home: Path) -> Iterator[Sound]:
     plan = RunPlan(command="reconstruct", settings_toml=to_toml(Settings()), seed=0, inputs=())
     run = RunFolder.prepare(home, plan, overwrite=True, resume=False)
     with run.opened():
-        a_map(()).save(home / "map.npz")
+        sample_map(()).save(home / "map.npz")
         run.write_json("objects.json", OBJECTS)
         run.write_json("metrics.json", {"num_pairs": 3, "curve": [[1, 2.0, 0.5]], "warnings": []})
         way = Trajectory(stamps_s=np.arange(3.0), T_world_left=np.array([np.eye(4)] * 3))
         run.write_text("trajectory.txt", way.as_tum())
         with CloudWriter(home / "cloud.ply") as cloud:
-            cloud.append(a_cloud(num=20), 0)
+            cloud.append(sample_cloud(num=20), 0)
     for name in ("manifest.json", "settings.toml", "objects.json", "trajectory.txt", "map.npz"):
         yield sound(home, name, f"run-{name}", read_reconstruction)
     for name in ("manifest.json", "metrics.json"):
@@ -133,7 +133,7 @@ def _partial(folder: Path) -> Sound:
         points_px=np.column_stack([numbers, numbers]), disparity_px=numbers, sigma_px=numbers + 1,
         score=np.ones(5), index_left=np.arange(5), index_right=np.arange(5),
     )  # fmt: skip
-    cloud = a_cloud(num=5)
+    cloud = sample_cloud(num=5)
     result = PairResult(matches=matches, cloud=cloud, doubtful=cloud, image_noise=(1.0, 1.0))
     home = folder / "partial"
     home.mkdir(exist_ok=True)

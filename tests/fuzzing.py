@@ -20,7 +20,7 @@ from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.stereo.matching.vonmises import load_model
 from tests.contained import contained_files
-from tests.exports.maps import a_cloud, a_map
+from tests.exports.maps import sample_cloud, sample_map
 from tests.fuzzed_runs import sound_runs
 from tests.sequences.fuzzed import sound_files
 
@@ -125,9 +125,9 @@ def _of_formats(folder: Path) -> Iterator[Reader]:
         form = FORMATS.load(ending)
         if ending in (".zarr", ".e57", ".vtk", ".vtp", ".vtu", ".pgm"):
             continue
-        data = mesh if form.write is None else a_cloud(num=20)
+        data = mesh if form.write is None else sample_cloud(num=20)
         if form.write is not None and type(data) not in form.takes:
-            data = a_map(()).occupied(2)
+            data = sample_map(()).occupied(2)
         write(data, path)
         yield Reader(ending, read, path.read_bytes())
     for name, text in TEXTS.items():

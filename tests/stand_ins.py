@@ -10,7 +10,7 @@ import numpy as np
 from recon.cli import main
 from recon.exports import write
 from recon.records import Mesh, PointCloud
-from tests.exports.maps import a_cloud, a_map
+from tests.exports.maps import sample_cloud, sample_map
 from tests.recordings import render_drive
 from tests.sequences.drawn_boards import draw_boards
 from tests.sequences.recordings import RIG, write_folder, write_ros1
@@ -68,8 +68,8 @@ def places(folder: Path) -> None:
 def walk(folder: Path) -> None:
     """What the run of a walk left, and files of other programs."""
     (folder / "runs/walk").mkdir(parents=True)
-    a_map().save(folder / "runs/walk/map.npz")
-    write(a_cloud(), folder / "runs/walk/cloud.ply")
+    sample_map().save(folder / "runs/walk/map.npz")
+    write(sample_cloud(), folder / "runs/walk/cloud.ply")
     utm = np.array([[500050.0, 20.0, -5400050.0], [500060.0, 21.0, -5400060.0]])
     write(PointCloud(points=utm), folder / "scan.laz")
     triangle = Mesh(vertices=np.eye(3), triangles=np.array([[0, 1, 2]], np.int32))

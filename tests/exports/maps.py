@@ -1,4 +1,4 @@
-"""Clouds and maps that the tests of this room share."""
+"""Clouds and maps shared by the tests of this folder."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from recon.voxelmap import VoxelMap
 CHANNELS = ("weight", "views", "rays")
 
 
-def a_cloud(seed=0, num=300, with_sigma=True):
+def sample_cloud(seed=0, num=300, with_sigma=True):
     rng = np.random.default_rng(seed)
     return PointCloud(
         points=rng.normal(scale=5.0, size=(num, 3)) + np.array([100, 2, -40]),
@@ -17,10 +17,10 @@ def a_cloud(seed=0, num=300, with_sigma=True):
     )
 
 
-def a_map(channels=CHANNELS, cell_size=0.5):
+def sample_map(channels=CHANNELS, cell_size=0.5):
     voxel_map = VoxelMap(cell_size, channels=channels)
     for view in range(3):
-        voxel_map.insert(a_cloud(view), [100.0, 2.0, -41.0], view)
+        voxel_map.insert(sample_cloud(view), [100.0, 2.0, -41.0], view)
     return voxel_map
 
 

@@ -1,4 +1,4 @@
-"""Every format by ending: what comes back, who else reads it, and what is refused."""
+"""Every format by extension: round trips, other readers, and rejected input."""
 
 import dataclasses
 import logging
@@ -15,61 +15,61 @@ from recon.exports import FORMATS, read, write
 from recon.libraries import load_open3d
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import VoxelMap
-from tests.exports.maps import CHANNELS, a_cloud, a_map, same
+from tests.exports.maps import CHANNELS, same, sample_cloud, sample_map
 
-OF_CLOUDS = [".ply", ".pcd", ".las", ".laz", ".parquet", ".zarr", ".npz"]
-OF_CELLS = [*OF_CLOUDS, ".vti"]
-OTHERS = [".bt", ".ot", ".pgm", ".yaml"]
+CLOUD_FORMATS = [".ply", ".pcd", ".las", ".laz", ".parquet", ".zarr", ".npz"]
+CELL_FORMATS = [*CLOUD_FORMATS, ".vti"]
+GRID_FORMATS = [".bt", ".ot", ".pgm", ".yaml"]
 
 
 @pytest.mark.parametrize("with_sigma", [True, False])
-@pytest.mark.parametrize("ending", OF_CLOUDS)
-def test_clouds_come_back(tmp_path, ending, with_sigma):
-    cloud = a_cloud(with_sigma=with_sigma)
+@pytest.mark.parametrize("ending", CLOUD_FORMATS)
+def test_clouds_round_trip(tmp_path, ending, with_sigma):
+    cloud = sample_cloud(with_sigma=with_sigma)
     write(cloud, tmp_path / f"cloud{ending}")
-    # LAS keeps places in steps of 1e-7.
+    # LAS stores coordinates in steps of 1e-7.
     tolerance = 1e-7 if ending in (".las", ".laz") else 1e-13
     same(read(tmp_path / f"cloud{ending}"), cloud, tolerance)
 
 
 @pytest.mark.parametrize("channels", [(), CHANNELS])
-@pytest.mark.parametrize("ending", OF_CELLS)
-def test_cells_come_back_with_every_value(tmp_path, ending, channels):
-    voxels = a_map(channels).occupied(2)
+@pytest.mark.parametrize("ending", CELL_FORMATS)
+def test_cells_round_trip_with_every_value(tmp_path, ending, channels):
+    voxels = sample_map(channels).occupied(2)
     write(voxels, tmp_path / f"map{ending}")
     same(read(tmp_path / f"map{ending}"), voxels, 1e-7 if ending in (".las", ".laz") else 1e-13)
 
 
-@pytest.mark.parametrize("ending", [e for e in OF_CELLS if e != ".npz"])
-def test_of_a_map_all_cells_are_written(tmp_path, ending):
-    voxel_map = a_map()
+@pytest.mark.parametrize("ending", [e for e in CELL_FORMATS if e != ".npz"])
+def test_all_cells_of_a_map_are_written(tmp_path, ending):
+    voxel_map = sample_map()
     write(voxel_map, tmp_path / f"map{ending}")
     assert len(read(tmp_path / f"map{ending}")) == voxel_map.num_cells
 
 
-def test_a_map_comes_back_exactly(tmp_path):
-    voxel_map = a_map()
+def test_map_round_trips_exactly(tmp_path):
+    voxel_map = sample_map()
     write(voxel_map, tmp_path / "map.npz")
     again = read(tmp_path / "map.npz")
     again.save(tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "map.npz").read_bytes()
 
 
-@pytest.mark.parametrize("ending", sorted({*OF_CELLS, *OTHERS, ".glb", ".csv", ".xyz"}))
-def test_the_same_data_gives_the_same_bytes(tmp_path, ending):
+@pytest.mark.parametrize("ending", sorted({*CELL_FORMATS, *GRID_FORMATS, ".glb", ".csv", ".xyz"}))
+def test_same_data_gives_the_same_bytes(tmp_path, ending):
     names = ("map.pgm", "map.yaml") if ending in (".pgm", ".yaml") else (f"map{ending}",)
     contents = []
     for folder in (tmp_path / "a", tmp_path / "b"):
         folder.mkdir()
-        write(a_map(), folder / f"map{ending}")
+        write(sample_map(), folder / f"map{ending}")
         assert {path.name for path in folder.iterdir()} == set(names)
         files = sorted(path for path in folder.rglob("*") if path.is_file())
         contents.append([path.read_bytes() for path in files])
     assert contents[0] == contents[1]
 
 
-@pytest.mark.parametrize("ending", sorted({*OF_CELLS, ".bt", ".ot", ".csv"}))
-def test_an_empty_map_is_written(tmp_path, ending):
+@pytest.mark.parametrize("ending", sorted({*CELL_FORMATS, ".bt", ".ot", ".csv"}))
+def test_empty_map_is_written(tmp_path, ending):
     write(VoxelMap(), tmp_path / f"map{ending}")
     data = read(tmp_path / f"map{ending}")
     assert (data.num_cells if isinstance(data, VoxelMap) else len(data)) == 0
@@ -79,15 +79,15 @@ def test_an_empty_map_is_written(tmp_path, ending):
     ("ending", "message"),
     [(".pgm", "nothing of the map is at the height of a robot")],
 )
-def test_formats_that_cannot_be_empty_say_so(tmp_path, ending, message):
+def test_format_that_cannot_be_empty_rejects_an_empty_map(tmp_path, ending, message):
     with pytest.raises(InputError, match=message):
         write(VoxelMap(), tmp_path / f"map{ending}")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("ending", [".bt", ".ot"])
-def test_octomap_keeps_which_cells_are_occupied(tmp_path, ending):
-    voxels = a_map().occupied(2)
+def test_octomap_keeps_the_occupied_cells(tmp_path, ending):
+    voxels = sample_map().occupied(2)
     write(voxels, tmp_path / f"map{ending}")
     again = read(tmp_path / f"map{ending}")
     assert np.array_equal(again.index, voxels.index)
@@ -113,7 +113,7 @@ def test_octomap_reads_occupied_and_free_space_with_z_up(tmp_path):
 @pytest.mark.parametrize("ending", [".las", ".laz"])
 def test_las_has_z_up_and_named_values(tmp_path, ending):
     laspy = pytest.importorskip("laspy")
-    voxels = a_map().occupied(2)
+    voxels = sample_map().occupied(2)
     write(voxels, tmp_path / f"map{ending}")
     file = laspy.read(tmp_path / f"map{ending}")
     assert np.abs(np.sort(file.z) - np.sort(voxels.means[:, 1])).max() < 1e-7
@@ -122,10 +122,10 @@ def test_las_has_z_up_and_named_values(tmp_path, ending):
     assert file.red.max() == 257 * int(voxels.colours[:, 0].max())
 
 
-def test_turning_is_said(tmp_path, caplog):
+def test_change_of_axes_is_logged(tmp_path, caplog):
     with caplog.at_level(logging.INFO):
-        write(a_cloud(), tmp_path / "cloud.las")
-        write(a_cloud(), tmp_path / "cloud.ply")
+        write(sample_cloud(), tmp_path / "cloud.las")
+        write(sample_cloud(), tmp_path / "cloud.ply")
         read(tmp_path / "cloud.las")
         read(tmp_path / "cloud.ply")
     assert [record.message.split(" has ")[1] for record in caplog.records] == [
@@ -134,7 +134,7 @@ def test_turning_is_said(tmp_path, caplog):
 
 
 def test_open3d_reads_the_cells_of_a_ply(tmp_path):
-    voxels = a_map(()).occupied(1)
+    voxels = sample_map(()).occupied(1)
     write(voxels, tmp_path / "map.ply")
     cloud = load_open3d().t.io.read_point_cloud(str(tmp_path / "map.ply"))
     assert np.array_equal(cloud.point["positions"].numpy(), voxels.means)
@@ -144,24 +144,24 @@ def test_open3d_reads_the_cells_of_a_ply(tmp_path):
 
 def test_trimesh_reads_the_faces_of_a_glb(tmp_path):
     trimesh = pytest.importorskip("trimesh")
-    write(a_map(()), tmp_path / "map.glb")
+    write(sample_map(()), tmp_path / "map.glb")
     scene = trimesh.load(tmp_path / "map.glb")
     [mesh] = scene.geometry.values()
-    voxels = a_map(()).occupied(1)
+    voxels = sample_map(()).occupied(1)
     low, high = voxels.index.min(axis=0) * 0.5, (voxels.index.max(axis=0) + 1) * 0.5
     assert np.allclose(mesh.bounds, [low, high])
     assert mesh.is_watertight or len(mesh.faces) > 0
     assert mesh.visual.material.metallicFactor == 0
 
 
-def test_nav2_shows_free_occupied_and_unknown(tmp_path):
+def test_nav2_map_shows_free_occupied_and_unknown_ground(tmp_path):
     voxel_map = VoxelMap(1.0, channels=["rays"])
     points = np.array([[5.5, 2.5, 7.5], [0.5, 2.5, 9.5]])
     wall = PointCloud(points=points, colours=np.zeros((2, 3), np.uint8))
     voxel_map.insert(wall, [0.5, 2.5, 7.5])
     write(voxel_map, tmp_path / "map.yaml")
     image = cv2.imread(str(tmp_path / "map.pgm"), cv2.IMREAD_UNCHANGED)
-    # Rows go from z = 7 to 9, from the largest -z on.
+    # Rows run from z = 7 to 9, starting at the largest -z.
     assert image.tolist() == [
         [254, 254, 254, 254, 254, 0],
         [254, 205, 205, 205, 205, 205],
@@ -174,8 +174,8 @@ def test_nav2_shows_free_occupied_and_unknown(tmp_path):
 
 
 @pytest.mark.parametrize("turns", [0.0, 0.1, 0.25, -0.5, 1.3])
-def test_a_nav2_map_whose_origin_is_turned_is_turned_back(tmp_path, turns):
-    """A wall of two by forty metres, drawn along the image, stands along its own direction."""
+def test_yaw_of_a_nav2_origin_is_applied(tmp_path, turns):
+    """A wall along the rows of the image is rotated by the yaw of the origin."""
     image = np.full((60, 60), 254, np.uint8)
     image[30:34, 10:50] = 0
     cv2.imwrite(str(tmp_path / "map.pgm"), image)
@@ -184,7 +184,7 @@ def test_a_nav2_map_whose_origin_is_turned_is_turned_back(tmp_path, turns):
         f"image: map.pgm\nresolution: 0.5\norigin: [3.0, -7.0, {yaw}]\n"
     )
     voxels = read(tmp_path / "map.yaml")
-    # nav2 says (x, y) = origin + turned (column, row from below); y is -z here.
+    # In nav2, (x, y) = origin + rotated (column, row from the bottom); y is -z here.
     along, up = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     middle = [3.0, -7.0] + 0.5 * (30 * along + 28 * up)
     offset = voxels.centres[:, [0, 2]] * [1, -1] - middle
@@ -196,9 +196,9 @@ def test_a_nav2_map_whose_origin_is_turned_is_turned_back(tmp_path, turns):
 
 
 @pytest.mark.parametrize("ending", [".ply", ".npz", ".bt", ".las", ".pgm"])
-def test_a_box_keeps_what_is_inside(tmp_path, ending):
+def test_box_keeps_the_cells_inside(tmp_path, ending):
     box = ([98.0, -1.0, -45.0], [102.0, 5.0, -38.0])
-    voxel_map = a_map()
+    voxel_map = sample_map()
     write(voxel_map, tmp_path / f"map{ending}", box=box)
     centres = voxel_map.occupied(1).centres
     inside = ((centres >= box[0]) & (centres <= box[1])).all(axis=1)
@@ -217,8 +217,8 @@ def test_a_box_keeps_what_is_inside(tmp_path, ending):
         assert len(read(tmp_path / f"map{ending}")) == inside.sum()
 
 
-def test_a_cloud_in_a_box(tmp_path):
-    cloud = a_cloud()
+def test_box_keeps_the_points_inside(tmp_path):
+    cloud = sample_cloud()
     write(cloud, tmp_path / "cloud.npz", box=([95, 0, -45], [105, 5, -35]))
     points = read(tmp_path / "cloud.npz").points
     assert 0 < len(points) < len(cloud)
@@ -226,10 +226,10 @@ def test_a_cloud_in_a_box(tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".foo", "", ".docx"])
-def test_an_unknown_ending_is_refused(tmp_path, ending):
+def test_unknown_extension_is_rejected(tmp_path, ending):
     with pytest.raises(InputError, match=r"is unknown; known are \.ply \.pcd \.las"):
-        write(a_cloud(), tmp_path / f"cloud{ending}")
-    with pytest.raises(FileNotFoundError):  # what is not there has no format
+        write(sample_cloud(), tmp_path / f"cloud{ending}")
+    with pytest.raises(FileNotFoundError):  # a missing file is reported before its format
         read(tmp_path / f"cloud{ending}")
     (tmp_path / f"cloud{ending}").write_text("0 0 0\n")
     with pytest.raises(InputError, match="is unknown; known are"):
@@ -237,21 +237,21 @@ def test_an_unknown_ending_is_refused(tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", [".vti", ".bt", ".pgm"])
-def test_formats_for_cells_take_no_points(tmp_path, ending):
+def test_formats_for_cells_reject_points(tmp_path, ending):
     with pytest.raises(InputError, match="a format for cells cannot hold a cloud of points"):
-        write(a_cloud(), tmp_path / f"cloud{ending}")
+        write(sample_cloud(), tmp_path / f"cloud{ending}")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("ending", FORMATS.names())
-def test_a_missing_file_is_a_file_error(tmp_path, ending):
+def test_missing_file_raises_file_not_found(tmp_path, ending):
     with pytest.raises(FileNotFoundError):
         read(tmp_path / f"map{ending}")
 
 
 @pytest.mark.parametrize("ending", FORMATS.names())
 @pytest.mark.parametrize("content", [b"", b"\x00\x01 nonsense \xff" * 40])
-def test_nonsense_is_refused_in_one_line(tmp_path, ending, content, capfd):
+def test_invalid_content_is_rejected_in_one_line(tmp_path, ending, content, capfd):
     path = tmp_path / f"map{ending}"
     path.write_bytes(content)
     with pytest.raises(InputError) as error:
@@ -261,11 +261,13 @@ def test_nonsense_is_refused_in_one_line(tmp_path, ending, content, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("ending", [e for e in (*OF_CELLS, *OTHERS) if e not in (".zarr", ".pgm")])
+@pytest.mark.parametrize(
+    "ending", [e for e in (*CELL_FORMATS, *GRID_FORMATS) if e not in (".zarr", ".pgm")]
+)
 @pytest.mark.parametrize("share", [0.3, 0.95])
-def test_a_cut_file_is_refused_in_one_line(tmp_path, ending, share, capfd):
+def test_truncated_file_is_rejected_in_one_line(tmp_path, ending, share, capfd):
     path = tmp_path / f"map{ending}"
-    write(a_map(()), path)
+    write(sample_map(()), path)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(InputError) as error:
@@ -275,8 +277,8 @@ def test_a_cut_file_is_refused_in_one_line(tmp_path, ending, share, capfd):
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_block_that_claims_too_much_is_refused(tmp_path):
-    write(a_map(()), tmp_path / "map.vti")
+def test_grid_that_claims_too_many_cells_is_rejected(tmp_path):
+    write(sample_map(()), tmp_path / "map.vti")
     content = (tmp_path / "map.vti").read_bytes()
     start = content.index(b'WholeExtent="') + len(b'WholeExtent="')
     end = content.index(b'"', start)
@@ -296,14 +298,14 @@ def test_a_block_that_claims_too_much_is_refused(tmp_path):
         (".parquet", "pyarrow.parquet", "tables"),
     ],
 )
-def test_a_missing_library_is_named_with_its_extra(tmp_path, monkeypatch, ending, module, extra):
+def test_missing_library_is_named_with_its_extra(tmp_path, monkeypatch, ending, module, extra):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(MissingLibraryError, match=rf"pip install 'recon-stereo\[{extra}\]'"):
-        write(a_map(()), tmp_path / f"map{ending}")
+        write(sample_map(()), tmp_path / f"map{ending}")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_cells_too_far_for_octomap_are_refused(tmp_path):
+def test_cells_out_of_range_for_octomap_are_rejected(tmp_path):
     voxel_map = VoxelMap(1.0)
     far = PointCloud(points=np.array([[0, 40000.0, 0]]), colours=np.zeros((1, 3), np.uint8))
     voxel_map.insert(far)
@@ -311,7 +313,7 @@ def test_cells_too_far_for_octomap_are_refused(tmp_path):
         write(voxel_map, tmp_path / "map.ot")
 
 
-def test_a_block_without_bounds_is_refused(tmp_path):
+def test_too_large_grid_is_rejected(tmp_path):
     voxel_map = VoxelMap(1.0)
     ends = PointCloud(points=np.array([[-1e4] * 3, [1e4] * 3]), colours=np.zeros((2, 3), np.uint8))
     voxel_map.insert(ends)
@@ -319,21 +321,21 @@ def test_a_block_without_bounds_is_refused(tmp_path):
         write(voxel_map, tmp_path / "map.vti")
 
 
-def test_a_zarr_group_replaces_its_like_and_nothing_else(tmp_path):
+def test_zarr_group_overwrites_only_a_zarr_group(tmp_path):
     path = tmp_path / "map.zarr"
-    write(a_map(), path)
-    write(a_cloud(), path)
+    write(sample_map(), path)
+    write(sample_cloud(), path)
     assert isinstance(read(path), PointCloud)
     assert list(tmp_path.iterdir()) == [path]
     other = tmp_path / "mine.zarr"
     other.mkdir()
     (other / "work.txt").write_text("mine")
     with pytest.raises(InputError, match="exists and is not a Zarr group"):
-        write(a_cloud(), other)
+        write(sample_cloud(), other)
     assert (other / "work.txt").read_text() == "mine"
 
 
-def test_a_text_ply_of_others_is_read(tmp_path):
+def test_foreign_text_ply_is_read(tmp_path):
     (tmp_path / "cloud.ply").write_text(
         "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 2\nproperty float x\n"
         "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
@@ -346,7 +348,7 @@ def test_a_text_ply_of_others_is_read(tmp_path):
     assert cloud.sigma is None
 
 
-def test_a_big_endian_ply_without_colour_stays_without(tmp_path):
+def test_big_endian_ply_without_colours_is_read(tmp_path):
     header = "ply\nformat binary_big_endian 1.0\nelement vertex 1\n"
     header += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
     content = header.encode() + np.array([1.0, -2.0, 3.0], ">f8").tobytes()
@@ -356,27 +358,27 @@ def test_a_big_endian_ply_without_colour_stays_without(tmp_path):
     assert cloud.colours is None
 
 
-def test_an_npz_of_others_is_read(tmp_path):
+def test_foreign_npz_is_read(tmp_path):
     xyz = np.arange(6, dtype=np.float32).reshape(2, 3)
     np.savez(tmp_path / "cloud.npz", xyz=xyz, label=np.zeros(2, np.int16))
     assert read(tmp_path / "cloud.npz").points.tolist() == xyz.tolist()
 
 
-def test_an_npz_in_fortran_order_is_read_and_what_was_not_measured_left_out(tmp_path):
+def test_npz_in_fortran_order_is_read_without_nan_points(tmp_path):
     points = np.asfortranarray([[1.0, 2.0, 3.0], [np.nan, 0.0, 0.0], [4.0, 5.0, 6.0]])
     np.savez_compressed(tmp_path / "cloud.npz", points=points)
     assert read(tmp_path / "cloud.npz").points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
-@pytest.mark.parametrize("ending", OF_CLOUDS[:2])
-def test_points_that_were_not_measured_are_left_out(tmp_path, ending):
-    cloud = a_cloud()
+@pytest.mark.parametrize("ending", CLOUD_FORMATS[:2])
+def test_nan_points_are_left_out(tmp_path, ending):
+    cloud = sample_cloud()
     cloud.points[7] = np.nan
     write(cloud, tmp_path / f"cloud{ending}")
     assert len(read(tmp_path / f"cloud{ending}")) == len(cloud) - 1
 
 
-def test_a_ply_without_places_is_refused(tmp_path):
+def test_ply_without_coordinates_is_rejected(tmp_path):
     (tmp_path / "cloud.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"
     )
@@ -384,29 +386,29 @@ def test_a_ply_without_places_is_refused(tmp_path):
         read(tmp_path / "cloud.ply")
 
 
-def test_fields_of_voxels_all_have_a_column():
-    voxels = a_map().occupied(1)
+def test_every_field_of_voxels_has_a_column():
+    voxels = sample_map().occupied(1)
     assert all(getattr(voxels, field.name) is not None for field in dataclasses.fields(Voxels))
 
 
 @pytest.mark.data
-def test_a_building_of_octomap_s_own_reads_right(data_dir):
+def test_example_building_of_octomap_is_read(data_dir):
     voxels = read(data_dir / "octomap" / "geb079" / "geb079.bt")
     assert voxels.cell_size == 0.08
     assert len(voxels) == 185673
-    # OctoMap's own bounds: x -8 to 30.96, y -7.52 to 7.44, and z, which is up here as y.
+    # The bounds in OctoMap: x -8 to 30.96, y -7.52 to 7.44, and z, which becomes y here.
     low, high = voxels.index.min(axis=0) * 0.08, (voxels.index.max(axis=0) + 1) * 0.08
     assert -8.0 <= low[0] < high[0] <= 30.96 + 1e-9
     assert -0.32 - 1e-9 <= low[1] < high[1] <= 2.8 + 1e-9
     assert -7.44 - 1e-9 <= low[2] < high[2] <= 7.52 + 1e-9
-    # A storey: the floor is the fullest layer.
+    # One storey: the floor is the layer with most cells.
     layers = np.bincount(voxels.index[:, 1] - voxels.index[:, 1].min())
     assert abs((layers.argmax() + voxels.index[:, 1].min()) * 0.08) < 0.3
 
 
-def test_a_block_of_cells_out_of_reach_is_refused_and_foreign_values_are_left_out(tmp_path):
+def test_grid_out_of_range_is_rejected_and_unknown_arrays_are_ignored(tmp_path):
     path = tmp_path / "map.vti"
-    write(a_map(()), path)
+    write(sample_map(()), path)
     content = path.read_bytes()
     path.write_bytes(content.replace(b'Name="colours"', b'Name="cOlours"'))
     assert read(path).colours is None

@@ -1,4 +1,4 @@
-"""Every reader takes mutations of sound files: read, or refused in one line, never a traceback."""
+"""Every reader accepts mutated files or rejects them in one line, never with a traceback."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 from tests.fuzzing import fault, mutated, readers
 
 NUM_MUTATIONS = 50
-"""Of each format; `tools/fuzz.py` makes ten thousand."""
+"""Mutations per format; `tools/fuzz.py` makes ten thousand."""
 
 
 @pytest.fixture(scope="module")
@@ -17,20 +17,20 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def sound(folder):
+def valid_files(folder):
     return readers(folder)
 
 
-def test_sound_files_are_read(sound, folder):
-    for one in sound.values():
+def test_valid_files_are_read(valid_files, folder):
+    for one in valid_files.values():
         path = folder / f"whole{one.name}"
         path.write_bytes(one.content)
         one.read(path)
 
 
-def test_mutated_files_are_read_or_refused_in_one_line(sound, folder, capfd):
+def test_mutated_files_are_read_or_rejected_in_one_line(valid_files, folder, capfd):
     faults = {}
-    for number, (name, one) in enumerate(sound.items()):
+    for number, (name, one) in enumerate(valid_files.items()):
         for seed in range(round(one.share * NUM_MUTATIONS)):
             content = mutated(one.content, np.random.default_rng([number, seed]))
             wrong = fault(one, content, folder)
@@ -40,8 +40,8 @@ def test_mutated_files_are_read_or_refused_in_one_line(sound, folder, capfd):
     assert faults == {}
 
 
-def test_the_fuzz_finds_a_fault(sound, folder):
-    weak = replace(sound[".ply"], read=lambda path: path.read_bytes().decode("ascii"))
+def test_fuzzer_finds_a_fault(valid_files, folder):
+    weak = replace(valid_files[".ply"], read=lambda path: path.read_bytes().decode("ascii"))
     rngs = [np.random.default_rng(seed) for seed in range(9)]
     found = [fault(weak, mutated(weak.content, rng), folder) for rng in rngs]
     assert any(wrong and wrong.startswith("UnicodeDecodeError") for wrong in found)

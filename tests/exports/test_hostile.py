@@ -1,4 +1,4 @@
-"""What a file claims is held against what it holds: one line, at once, in little memory."""
+"""Claims of a file are checked against its content: one line, immediately, in little memory."""
 
 import io
 import os
@@ -15,10 +15,10 @@ from recon.exports import FORMATS, read, write
 from recon.exports.formats import Format
 from recon.files import memory_limit
 from recon.voxelmap import VoxelMap
-from tests.exports.maps import a_cloud, a_map
+from tests.exports.maps import sample_cloud, sample_map
 
 
-def refused(path, message):
+def assert_rejected(path, message):
     with pytest.raises(InputError, match=message) as error:
         read(path)
     assert "\n" not in str(error.value)
@@ -27,7 +27,7 @@ def refused(path, message):
 
 @pytest.fixture
 def las(tmp_path):
-    write(a_cloud(num=50), tmp_path / "a.las")
+    write(sample_cloud(num=50), tmp_path / "a.las")
     return tmp_path / "a.las"
 
 
@@ -47,30 +47,30 @@ def las(tmp_path):
         (243, "<I", 2**20, "extended records are claimed"),
     ],
 )
-def test_a_las_header_that_lies(las, offset, form, value, message):
+def test_false_las_header_is_rejected(las, offset, form, value, message):
     content = bytearray(las.read_bytes())
     struct.pack_into(form, content, offset, value)
     las.write_bytes(content)
-    refused(las, message)
+    assert_rejected(las, message)
 
 
-def test_a_las_dimension_without_a_name(las):
+def test_las_dimension_without_a_name_is_rejected(las):
     content = las.read_bytes()
     assert content.count(b"sigma\0") == 1
     las.write_bytes(content.replace(b"sigma\0", bytes(6)))
-    refused(las, "one of its extra dimensions has no name")
+    assert_rejected(las, "one of its extra dimensions has no name")
 
 
 @pytest.mark.parametrize(
     ("origin", "size"), [("[1e300, 0, 0]", 1), ("[0, 0]", 1e-300), ("[0, 0]", 1e300), ("[]", 1)]
 )
-def test_a_nav2_map_that_lies_out_of_reach(tmp_path, origin, size):
+def test_nav2_map_out_of_range_is_rejected(tmp_path, origin, size):
     (tmp_path / "a.pgm").write_bytes(b"P5 2 1 255\n\x00\xfe")
     path = tmp_path / "a.yaml"
     path.write_text("image: a.pgm\nresolution: 1.0\norigin: [-2147483648.0, 0.0, 1.0]\n")
     assert len(read(path)) == 1
     path.write_text(f"image: a.pgm\nresolution: {size!r}\norigin: {origin}\n")
-    refused(path, "resolution is .*, origin")
+    assert_rejected(path, "resolution is .*, origin")
 
 
 @pytest.mark.parametrize(
@@ -81,35 +81,35 @@ def test_a_nav2_map_that_lies_out_of_reach(tmp_path, origin, size):
         ("size", "chunks of .* points are claimed"),
     ],
 )
-def test_a_laz_whose_claims_do_not_fit_its_points(tmp_path, at, found):
+def test_inconsistent_laz_is_rejected(tmp_path, at, found):
     pytest.importorskip("lazrs")
     path = tmp_path / "a.laz"
-    write(a_cloud(num=500), path)
+    write(sample_cloud(num=500), path)
     content = bytearray(path.read_bytes())
     (start,) = struct.unpack_from("<I", content, 96)
     (point_bytes,) = struct.unpack_from("<H", content, 105)
     record = content.index(b"laszip encoded")
-    # The first of the chunk's layers, after its first point and count; the first item's bytes; the
+    # The chunk's first layer, after its first point and count; the bytes of the first item; the
     # upper half of the chunk size.
     packing = record + 52
     place = {"layer": start + 8 + point_bytes + 4, "item": packing + 36, "size": packing + 14}[at]
     content[place : place + 2] = b"\xff\xff"
     path.write_bytes(content)
-    refused(path, found)
+    assert_rejected(path, found)
 
 
 @pytest.mark.parametrize("cut", [0.5, 0.9, 0.99])
-def test_a_laz_without_its_table_of_chunks(tmp_path, cut, capfd):
+def test_truncated_laz_is_rejected(tmp_path, cut, capfd):
     pytest.importorskip("lazrs")
-    write(a_cloud(num=500), tmp_path / "a.laz")
+    write(sample_cloud(num=500), tmp_path / "a.laz")
     content = (tmp_path / "a.laz").read_bytes()
     (tmp_path / "a.laz").write_bytes(content[: int(cut * len(content))])
-    refused(tmp_path / "a.laz", "not a whole LAZ file")
+    assert_rejected(tmp_path / "a.laz", "not a whole LAZ file")
     assert capfd.readouterr() == ("", "")
 
 
-def bomb(path, name, shape, packing):
-    """An npz of zeros, small as a file."""
+def write_zip_bomb(path, name, shape, packing):
+    """Write an npz of zeros that is small as a file."""
     with zipfile.ZipFile(path, "w", packing) as archive, archive.open(f"{name}.npy", "w") as file:
         np.lib.format.write_array_header_1_0(
             file, {"descr": "<f8", "fortran_order": False, "shape": shape}
@@ -120,23 +120,23 @@ def bomb(path, name, shape, packing):
 
 
 @pytest.mark.parametrize("packing", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2])
-def test_an_archive_that_unpacks_to_too_much(tmp_path, packing):
-    bomb(tmp_path / "a.npz", "points", (1 << 20, 4), packing)
+def test_zip_bomb_is_rejected(tmp_path, packing):
+    write_zip_bomb(tmp_path / "a.npz", "points", (1 << 20, 4), packing)
     with memory_limit(64 << 20):
-        refused(tmp_path / "a.npz", "GB are allowed; give --max-memory")
+        assert_rejected(tmp_path / "a.npz", "GB are allowed; give --max-memory")
 
 
-def test_an_archive_whose_header_lies_takes_no_memory(tmp_path):
+def test_false_array_header_allocates_no_memory(tmp_path):
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(
         header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 40, 3)}
     )
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         archive.writestr("points.npy", header.getvalue() + b"\0" * 24)
-    refused(tmp_path / "a.npz", "claims 26388279066624 bytes, but holds 24")
+    assert_rejected(tmp_path / "a.npz", "claims 26388279066624 bytes, but holds 24")
 
 
-def test_parquet_of_one_value_a_million_times_over(tmp_path):
+def test_highly_compressed_parquet_is_rejected(tmp_path):
     arrow = pytest.importorskip("pyarrow")
     from pyarrow import parquet
 
@@ -144,110 +144,110 @@ def test_parquet_of_one_value_a_million_times_over(tmp_path):
     parquet.write_table(arrow.table(columns), tmp_path / "a.parquet")
     assert (tmp_path / "a.parquet").stat().st_size < 1 << 20
     with memory_limit(16 << 20):
-        refused(tmp_path / "a.parquet", "GB are allowed; give --max-memory")
+        assert_rejected(tmp_path / "a.parquet", "GB are allowed; give --max-memory")
 
 
-def octomap(path, size, res, nodes):
+def write_octomap(path, size, res, nodes):
     head = f"# Octomap OcTree binary file\nid OcTree\nsize {size}\nres {res}\ndata\n"
     path.write_bytes(head.encode() + nodes)
 
 
 @pytest.mark.parametrize("levels", [0, 1, 2])
-def test_a_leaf_that_stands_for_a_sea_of_cells(tmp_path, levels):
-    """Few bytes of a `.bt`, each node one inner child, at last eight occupied leaves."""
+def test_octomap_leaf_of_too_many_cells_is_rejected(tmp_path, levels):
+    """A few bytes of `.bt`: each node has one inner child, the last one eight occupied leaves."""
     pytest.importorskip("pyoctomap")
     nodes = struct.pack("<H", 3) * levels + struct.pack("<H", 0xAAAA)
-    octomap(tmp_path / "a.bt", 9 + levels, 0.1, nodes)
-    refused(tmp_path / "a.bt", "GB are allowed; give --max-memory")
+    write_octomap(tmp_path / "a.bt", 9 + levels, 0.1, nodes)
+    assert_rejected(tmp_path / "a.bt", "GB are allowed; give --max-memory")
 
 
 @pytest.mark.parametrize("res", ["1e-300", "0", "-1", "nan", "1e300"])
-def test_cells_that_are_none(tmp_path, res):
-    octomap(tmp_path / "a.bt", 1, res, struct.pack("<H", 0))
-    refused(tmp_path / "a.bt", "its cells have size")
+def test_invalid_octomap_resolution_is_rejected(tmp_path, res):
+    write_octomap(tmp_path / "a.bt", 1, res, struct.pack("<H", 0))
+    assert_rejected(tmp_path / "a.bt", "its cells have size")
 
 
 @pytest.mark.parametrize("missing", ["x", "count"])
-def test_a_zarr_that_lost_a_chunk(tmp_path, missing):
+def test_zarr_with_a_missing_chunk_is_rejected(tmp_path, missing):
     pytest.importorskip("zarr")
-    write(a_map(()), tmp_path / "a.zarr")
+    write(sample_map(()), tmp_path / "a.zarr")
     for chunk in (tmp_path / "a.zarr" / missing / "c").iterdir():
         chunk.unlink()
-    refused(tmp_path / "a.zarr", f"{missing} has 0 of 1 chunks")
+    assert_rejected(tmp_path / "a.zarr", f"{missing} has 0 of 1 chunks")
 
 
 @pytest.mark.parametrize("length", [10**12, -1])
-def test_a_zarr_that_claims_another_shape(tmp_path, length):
+def test_zarr_with_a_false_shape_is_rejected(tmp_path, length):
     pytest.importorskip("zarr")
-    write(a_cloud(), tmp_path / "a.zarr")
+    write(sample_cloud(), tmp_path / "a.zarr")
     for about in (tmp_path / "a.zarr").rglob("zarr.json"):
         claim = re.sub(r'("shape": \[\s*)300', rf"\g<1>{length}", about.read_text())
         about.write_text(claim)
-    refused(tmp_path / "a.zarr", "GB are allowed|not a whole Zarr group")
+    assert_rejected(tmp_path / "a.zarr", "GB are allowed|not a whole Zarr group")
 
 
 @pytest.mark.parametrize(
     ("name", "values"),
     [("count", -5), ("cell_size", -1.0), ("cell_size", np.nan), ("cell_size", 0.0)],
 )
-def test_cells_of_a_table_that_cannot_be(tmp_path, name, values):
+def test_table_with_invalid_cells_is_rejected(tmp_path, name, values):
     pytest.importorskip("pyarrow")
     from recon.exports.columns import columns_of
     from recon.exports.parquet import write as write_columns
 
-    columns = columns_of(a_map(()).occupied(1))
+    columns = columns_of(sample_map(()).occupied(1))
     columns[name] = np.full(len(columns[name]), values)
     write_columns(tmp_path / "a.parquet", columns)
-    refused(tmp_path / "a.parquet", "count|cell_size")
+    assert_rejected(tmp_path / "a.parquet", "count|cell_size")
 
 
-def test_cells_of_a_table_that_differ_in_size(tmp_path):
+def test_table_with_mixed_cell_sizes_is_rejected(tmp_path):
     pytest.importorskip("pyarrow")
     from recon.exports.columns import columns_of
     from recon.exports.parquet import write as write_columns
 
-    columns = columns_of(a_map(()).occupied(1))
+    columns = columns_of(sample_map(()).occupied(1))
     columns["cell_size"] = np.arange(1.0, 1.0 + len(columns["x"]))
     write_columns(tmp_path / "a.parquet", columns)
-    refused(tmp_path / "a.parquet", "differ in cell_size")
+    assert_rejected(tmp_path / "a.parquet", "differ in cell_size")
 
 
 @pytest.mark.parametrize("ending", sorted({*FORMATS.names()} - {".zarr"}))
-def test_a_pipe_and_a_device_are_no_files(tmp_path, ending):
+def test_pipes_devices_and_folders_are_rejected(tmp_path, ending):
     os.mkfifo(tmp_path / f"pipe{ending}")
-    refused(tmp_path / f"pipe{ending}", "is a pipe or device, but a file is needed")
+    assert_rejected(tmp_path / f"pipe{ending}", "is a pipe or device, but a file is needed")
     (tmp_path / f"zero{ending}").symlink_to("/dev/zero")
-    refused(tmp_path / f"zero{ending}", "is a pipe or device, but a file is needed")
+    assert_rejected(tmp_path / f"zero{ending}", "is a pipe or device, but a file is needed")
     (tmp_path / f"folder{ending}").mkdir()
-    refused(tmp_path / f"folder{ending}", "is a folder, but a file is needed")
+    assert_rejected(tmp_path / f"folder{ending}", "is a folder, but a file is needed")
 
 
-def test_a_hole_of_a_terabyte_is_not_read(tmp_path):
+def test_sparse_file_of_a_terabyte_is_rejected(tmp_path):
     head = b"ply\nformat binary_little_endian 1.0\nelement vertex 80000000000\n"
     head += b"property float x\nproperty float y\nproperty float z\nend_header\n"
     with (tmp_path / "a.ply").open("wb") as file:
         file.write(head)
         file.truncate(1 << 40)
-    refused(tmp_path / "a.ply", "GB are allowed; give --max-memory")
+    assert_rejected(tmp_path / "a.ply", "GB are allowed; give --max-memory")
 
 
-def test_a_name_that_is_not_utf8(tmp_path):
+def test_file_name_that_is_not_utf8_is_rejected(tmp_path):
     path = os.fsdecode(os.fsencode(tmp_path) + b"/\xff.ply")
     with pytest.raises(InputError, match=r"\\xff\.ply: its name is not UTF-8"):
         read(path)
     with pytest.raises(InputError, match="its name is not UTF-8"):
-        write(a_cloud(), path)
+        write(sample_cloud(), path)
 
 
-WRITTEN = [".ply", ".npz", ".parquet", ".las", ".csv", ".ot", ".vti", ".glb"]
+WRITABLE_FORMATS = [".ply", ".npz", ".parquet", ".las", ".csv", ".ot", ".vti", ".glb"]
 
 
-@pytest.mark.parametrize("ending", WRITTEN)
-def test_a_full_disk_is_said_and_leaves_what_was_there(tmp_path, ending):
-    """A limit of the file's size stands for a full disk; VTK and OctoMap report neither."""
+@pytest.mark.parametrize("ending", WRITABLE_FORMATS)
+def test_full_disk_is_reported_and_keeps_the_existing_file(tmp_path, ending):
+    """A limit on file sizes stands in for a full disk; VTK and OctoMap report neither."""
     path = tmp_path / f"map{ending}"
-    voxels = a_map(()).occupied(1)
-    write(voxels, path)  # kernels are compiled, and cached, without the limit
+    voxels = sample_map(()).occupied(1)
+    write(voxels, path)  # compiles and caches the kernels without the limit
     path.write_bytes(b"before")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1024, hard))
@@ -261,43 +261,43 @@ def test_a_full_disk_is_said_and_leaves_what_was_there(tmp_path, ending):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_formats_are_all_there():
+def test_all_formats_are_registered():
     assert all(isinstance(form, Format) for _, form in FORMATS.parts())
     assert len(list(FORMATS.parts())) == len(FORMATS.names())
 
 
-def test_a_map_that_claims_more_than_it_holds(tmp_path):
+def test_truncated_map_is_rejected(tmp_path):
     VoxelMap(0.5).save(tmp_path / "a.npz")
     content = (tmp_path / "a.npz").read_bytes()
     (tmp_path / "a.npz").write_bytes(content[:-10])
-    refused(tmp_path / "a.npz", "not a whole npz archive")
+    assert_rejected(tmp_path / "a.npz", "not a whole npz archive")
 
 
-def test_an_array_file_that_claims_more_than_memory_takes_none(tmp_path):
+def test_false_npy_header_allocates_no_memory(tmp_path):
     with (tmp_path / "a.npy").open("wb") as file:
         header = {"descr": "<f8", "fortran_order": False, "shape": (10**12, 3)}
         np.lib.format.write_array_header_1_0(file, header)
-    refused(tmp_path / "a.npy", "claims 24000000000000 bytes, but holds")
+    assert_rejected(tmp_path / "a.npy", "claims 24000000000000 bytes, but holds")
 
 
-def test_an_archive_of_too_many_arrays(tmp_path):
+def test_archive_of_too_many_arrays_is_rejected(tmp_path):
     stream = io.BytesIO()
     np.save(stream, np.zeros(3))
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         for number in range(2001):
             archive.writestr(f"{number}.npy", stream.getvalue())
-    refused(tmp_path / "a.npz", "2001 arrays, but at most 2000 are allowed")
+    assert_rejected(tmp_path / "a.npz", "2001 arrays, but at most 2000 are allowed")
 
 
-def test_a_line_without_an_end_is_no_table(tmp_path):
+def test_overlong_line_is_rejected(tmp_path):
     (tmp_path / "a.xyz").write_text("1 " * 30_000)
-    refused(tmp_path / "a.xyz", "a line has more than 50000 bytes")
+    assert_rejected(tmp_path / "a.xyz", "a line has more than 50000 bytes")
 
 
-def test_a_zarr_of_devices_is_not_read(tmp_path):
+def test_zarr_with_a_device_is_rejected(tmp_path):
     (tmp_path / "a.zarr").mkdir()
     (tmp_path / "a.zarr" / "zarr.json").symlink_to("/dev/zero")
-    refused(tmp_path / "a.zarr", "is a pipe or device")
+    assert_rejected(tmp_path / "a.zarr", "is a pipe or device")
 
 
 BLOCK = (
@@ -316,15 +316,15 @@ BLOCK = (
         (b"", (2**40, 0, 0), "claims 1099511627776 blocks or bytes"),
     ],
 )
-def test_arrays_of_vtk_that_claim_what_is_not_there(tmp_path, packing, head, message):
-    """VTK ends the whole process over them."""
+def test_vtk_array_with_a_false_size_is_rejected(tmp_path, packing, head, message):
+    """VTK itself would abort the process."""
     content = struct.pack("<3Q", *head) + bytes(20)
     (tmp_path / "a.vti").write_bytes(BLOCK % (packing, content))
-    refused(tmp_path / "a.vti", message)
+    assert_rejected(tmp_path / "a.vti", message)
 
 
 @pytest.mark.parametrize("options", [{"binary": True}, {"binary": False}])
-def test_sound_blocks_of_vtk_are_read(tmp_path, options):
+def test_valid_vtk_images_are_read(tmp_path, options):
     import pyvista
 
     block = pyvista.ImageData(dimensions=(9, 9, 9))

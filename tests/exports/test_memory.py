@@ -1,4 +1,4 @@
-"""Memory that reading takes, measured in a process of its own."""
+"""Memory used by readers, measured in a separate process."""
 
 import io
 import struct
@@ -8,14 +8,14 @@ import zipfile
 
 import numpy as np
 
-IN_A_CHILD = """
+MEASURE_PEAK = """
 import re, sys
 from pathlib import Path
 from recon.errors import InputError
 from recon.exports import read
 read(sys.argv[1])
 def peak():
-    # That of rusage would be what the parent had taken when this process began.
+    # The peak in rusage would include the parent's memory at the time of the fork.
     return int(re.search("VmHWM:[^0-9]*([0-9]+)", Path("/proc/self/status").read_text())[1])
 before = peak()
 for path in sys.argv[2:]:
@@ -28,8 +28,8 @@ print((peak() - before) >> 10)
 """
 
 
-def liars(folder):
-    """Small files that claim much, of readers that need no extra."""
+def write_false_files(folder):
+    """Write small files that claim huge contents, for readers that need no extra."""
     claims = {
         "a.ply": "ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\n"
         "property float y\nproperty float z\nend_header\n1 2 3\n",
@@ -52,24 +52,30 @@ def liars(folder):
     return [folder / name for name in claims]
 
 
-def test_files_that_claim_much_take_little_memory(tmp_path):
-    """A gigabyte is claimed by each; what their reading adds is a share of that."""
+def test_false_sizes_take_little_memory(tmp_path):
+    """Each file claims gigabytes; reading it may take only a fraction of that."""
     (tmp_path / "sound.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
         "property float z\nend_header\n1 2 3\n"
     )
-    words = [sys.executable, "-c", IN_A_CHILD, tmp_path / "sound.ply", *liars(tmp_path)]
+    words = [
+        sys.executable,
+        "-c",
+        MEASURE_PEAK,
+        tmp_path / "sound.ply",
+        *write_false_files(tmp_path),
+    ]
     done = subprocess.run([*map(str, words)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert 0 <= int(done.stdout) < 300  # libraries that readers import take 120
+    assert 0 <= int(done.stdout) < 300  # the readers' libraries take 120
 
 
-def test_what_is_really_held_takes_its_memory(tmp_path):
-    """The measure tells: a tenth of a gigabyte that is there is seen."""
+def test_real_data_is_seen_by_the_memory_measurement(tmp_path):
+    """Negative control: 0.1 GB of real data shows up in the measurement."""
     np.save(tmp_path / "a.npy", np.zeros((1 << 22, 3)))
     (tmp_path / "none.ply").write_text("ply\n")
     first, later = "read(sys.argv[1])\n", "for path"
-    child = IN_A_CHILD.replace(first, "").replace(later, first + later)
+    child = MEASURE_PEAK.replace(first, "").replace(later, first + later)
     words = [sys.executable, "-c", child, tmp_path / "a.npy", tmp_path / "none.ply"]
     done = subprocess.run([*map(str, words)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -1,4 +1,4 @@
-"""Triangles of others: their vertices, points on them, and what is written."""
+"""Triangle meshes: foreign files, their vertices, sampled points, and writing."""
 
 import json
 import re
@@ -20,7 +20,7 @@ SQUARE = Mesh(
 
 
 @pytest.mark.parametrize("ending", [".ply", ".obj", ".glb", ".stl", ".off"])
-def test_a_mesh_comes_back(tmp_path, ending):
+def test_mesh_round_trips(tmp_path, ending):
     write(SQUARE, tmp_path / f"mesh{ending}")
     again = read_mesh(tmp_path / f"mesh{ending}")
     assert again.area == pytest.approx(6.0)
@@ -31,14 +31,14 @@ def test_a_mesh_comes_back(tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", [".ply", ".obj", ".glb", ".stl", ".off"])
-def test_its_vertices_are_a_cloud(tmp_path, ending):
+def test_vertices_of_a_mesh_are_read_as_a_cloud(tmp_path, ending):
     write(SQUARE, tmp_path / f"mesh{ending}")
     cloud = read(tmp_path / f"mesh{ending}")
     assert sorted(cloud.points.tolist()) == sorted(SQUARE.vertices.tolist())
 
 
 @pytest.mark.parametrize("ending", [".ply", ".obj"])
-def test_points_are_even_over_the_surface(tmp_path, ending):
+def test_sampled_points_are_uniform_over_the_surface(tmp_path, ending):
     write(SQUARE, tmp_path / f"mesh{ending}")
     cloud = read(tmp_path / f"mesh{ending}", sample=4000)
     assert len(cloud) == 4000
@@ -64,13 +64,13 @@ def test_points_are_even_over_the_surface(tmp_path, ending):
         ("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 \\\n3\n", [[0, 1, 2]]),
     ],
 )  # fmt: skip
-def test_obj_of_others(tmp_path, text, triangles):
+def test_foreign_obj_is_read(tmp_path, text, triangles):
     (tmp_path / "a.obj").write_text(text)
     assert read_mesh(tmp_path / "a.obj").triangles.tolist() == triangles
     assert len(read(tmp_path / "a.obj")) == sum(line[:2] == "v " for line in text.splitlines())
 
 
-def test_an_obj_with_colours_behind_its_places(tmp_path):
+def test_obj_with_vertex_colours_is_read(tmp_path):
     (tmp_path / "a.obj").write_text("v 1 2 3 1.0 0.5 0.0\nv 4 5 6 0 0 1\n")
     cloud = read(tmp_path / "a.obj")
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
@@ -94,7 +94,7 @@ def test_an_obj_with_colours_behind_its_places(tmp_path):
         ("a.glb", b"glTF\2\0\0\0\xff\xff\xff\xff", "bytes are claimed"),
     ],
 )
-def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
+def test_invalid_mesh_is_rejected_in_one_line(tmp_path, name, content, message):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=message) as error:
         read(tmp_path / name)
@@ -102,7 +102,7 @@ def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
     assert "\n" not in str(error.value)
 
 
-def test_an_stl_too_coarse_for_its_places_is_refused(tmp_path):
+def test_stl_too_coarse_for_its_coordinates_is_rejected(tmp_path):
     far = Mesh(vertices=SQUARE.vertices + 5e7, triangles=SQUARE.triangles)
     with pytest.raises(InputError, match="32-bit coordinates would move vertices"):
         write(far, tmp_path / "a.stl")
@@ -111,12 +111,12 @@ def test_an_stl_too_coarse_for_its_places_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".las", ".xyz", ".vti"])
-def test_a_format_without_triangles_takes_no_mesh(tmp_path, ending):
+def test_format_without_triangles_rejects_a_mesh(tmp_path, ending):
     with pytest.raises(InputError, match="cannot hold triangles; give --sample N"):
         write(SQUARE, tmp_path / f"a{ending}")
 
 
-def test_vtk_of_others(tmp_path):
+def test_foreign_vtk_is_read(tmp_path):
     import pyvista
 
     points = np.array([[1.0, 2, 3], [4, 5, 6]], np.float32)
@@ -135,14 +135,14 @@ def test_vtk_of_others(tmp_path):
     assert again.attributes["density"].tolist() == [7.0]
 
 
-def test_colours_of_an_off_file_are_said_to_be_left_out(tmp_path):
+def test_ignored_colours_of_an_off_file_are_reported(tmp_path):
     (tmp_path / "a.off").write_text("COFF\n1 0 0\n1 2 3 255 0 0 255\n")
     with collected_notices() as notices:
         assert read(tmp_path / "a.off").points.tolist() == [[1, 2, 3]]
     assert {one.code for one in notices} == {"colour-missing"}
 
 
-def test_faces_are_painted_by_the_materials_beside_an_obj(tmp_path):
+def test_faces_take_colours_from_the_materials_of_an_obj(tmp_path):
     (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl sea blue\nKd 0 0 .2\n")
     text = "mtllib a.mtl\r\n" + "".join(f"v {x} 0 0\nv {x} 1 0\nv {x} 0 1\n" for x in (0, 1))
     (tmp_path / "a.obj").write_text(text + "usemtl red\nf 1 2 3\nusemtl sea blue\nf 4 5 6\n")
@@ -155,7 +155,7 @@ def test_faces_are_painted_by_the_materials_beside_an_obj(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["../a.mtl", "/etc/passwd"])
-def test_materials_from_elsewhere_are_not_looked_up(tmp_path, name):
+def test_materials_outside_the_folder_are_not_read(tmp_path, name):
     (tmp_path / "a.mtl").write_text("newmtl red\nKd 1 0 0\n")
     (tmp_path / "in").mkdir()
     (tmp_path / "in/a.obj").write_text(
@@ -166,7 +166,7 @@ def test_materials_from_elsewhere_are_not_looked_up(tmp_path, name):
     assert "is not beside it" in notices[0].text
 
 
-def test_an_obj_leaves_its_colours_as_materials_too(tmp_path):
+def test_obj_is_written_with_its_materials(tmp_path):
     corners = np.eye(3)
     mesh = Mesh(
         vertices=np.vstack([corners, corners + 5]),
@@ -182,7 +182,7 @@ def test_an_obj_leaves_its_colours_as_materials_too(tmp_path):
     np.testing.assert_array_equal(read_mesh(tmp_path / "a.obj").colours, mesh.colours)
 
 
-def test_what_a_mesh_says_of_its_vertices_passes_through_ply_and_is_named_elsewhere(tmp_path):
+def test_vertex_attributes_are_kept_in_ply_and_reported_as_lost_elsewhere(tmp_path):
     (tmp_path / "a.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
         "property float z\nproperty float quality\nelement face 1\n"
@@ -215,15 +215,15 @@ FACET = "facet normal 0 0 1\nouter loop\n{}endloop\nendfacet\n".format(
         ("a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
     ],
 )
-def test_spellings_of_stl_and_off(tmp_path, name, content):
+def test_variants_of_stl_and_off_are_read(tmp_path, name, content):
     (tmp_path / name).write_text(content)
     mesh = read_mesh(tmp_path / name)
     np.testing.assert_array_equal(mesh.vertices, [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     assert mesh.triangles.tolist() == [[0, 1, 2]]
 
 
-def test_a_glb_with_compressed_triangles_is_refused(tmp_path):
-    """Its arrays would be read as zeros."""
+def test_glb_with_draco_compression_is_rejected(tmp_path):
+    """Without this check, its arrays would be read as zeros."""
     write(Mesh(vertices=np.eye(3), triangles=np.array([[0, 1, 2]])), tmp_path / "a.glb")
     content = (tmp_path / "a.glb").read_bytes()
     length = int.from_bytes(content[12:16], "little")

@@ -1,4 +1,4 @@
-"""Cells and points as the objects of Open3D and pyvista, and back."""
+"""Cells and points to objects of Open3D and pyvista, and back."""
 
 import numpy as np
 import pytest
@@ -12,11 +12,11 @@ from recon.exports import (
     of_voxel_grid,
 )
 from recon.voxelmap import VoxelMap
-from tests.exports.maps import CHANNELS, a_cloud, a_map, same
+from tests.exports.maps import CHANNELS, same, sample_cloud, sample_map
 
 
-def test_a_voxel_grid_has_the_same_cells_and_colours():
-    voxels = a_map(()).occupied(2)
+def test_voxel_grid_has_the_same_cells_and_colours():
+    voxels = sample_map(()).occupied(2)
     grid = as_voxel_grid(voxels)
     assert grid.voxel_size == 0.5
     assert len(grid.get_voxels()) == len(voxels)
@@ -33,7 +33,7 @@ def _points(points):
     return load_open3d().utility.Vector3dVector(points)
 
 
-def test_a_voxel_grid_of_open3d_is_read():
+def test_voxel_grid_of_open3d_is_read():
     from recon.libraries import load_open3d
 
     o3d = load_open3d()
@@ -44,27 +44,27 @@ def test_a_voxel_grid_of_open3d_is_read():
     assert of_voxel_grid(grid).index.tolist() == [[0, 0, 0], [6, 0, -4]]
 
 
-@pytest.mark.parametrize("data", [a_cloud(), a_map(CHANNELS).occupied(1)])
-def test_a_point_cloud_keeps_every_value(data):
+@pytest.mark.parametrize("data", [sample_cloud(), sample_map(CHANNELS).occupied(1)])
+def test_point_cloud_keeps_every_value(data):
     same(of_point_cloud(as_point_cloud(data)), data)
 
 
-def test_an_image_keeps_every_value():
-    voxels = a_map().occupied(2)
+def test_image_data_keeps_every_value():
+    voxels = sample_map().occupied(2)
     image = as_image(voxels)
     assert image.n_cells >= len(voxels)
     assert image.spacing == (0.5, 0.5, 0.5)
     same(of_image(image), voxels)
 
 
-def test_a_cell_of_an_image_lies_where_it_does_in_the_world():
-    voxels = a_map().occupied(2)
+def test_image_data_has_the_world_positions_of_the_cells():
+    voxels = sample_map().occupied(2)
     image = as_image(voxels)
     found = image.find_containing_cell(voxels.means)
     assert np.array_equal(image.cell_data["counts"][found], voxels.counts)
 
 
-def test_empty_objects():
+def test_empty_maps_and_clouds_are_converted():
     voxels = VoxelMap(0.5).occupied()
     assert len(of_voxel_grid(as_voxel_grid(voxels))) == 0
     assert len(of_image(as_image(voxels))) == 0

@@ -6,11 +6,11 @@ import pytest
 from recon.errors import InputError
 from recon.exports import read, write
 from recon.libraries import load_open3d
-from tests.exports.maps import a_cloud
+from tests.exports.maps import sample_cloud
 
 
 def pcd(path, fields, body, layout="ascii", num=2, **lines):
-    """A file of fields "name:type:size:count"."""
+    """Write a PCD file with fields "name:type:size:count"."""
     names, kinds, sizes, counts = zip(*(one.split(":") for one in fields.split()), strict=True)
     keys = {
         "VERSION": "0.7", "FIELDS": " ".join(names), "SIZE": " ".join(sizes),
@@ -32,7 +32,7 @@ def path(tmp_path):
     return tmp_path / "cloud.pcd"
 
 
-def test_padding_as_ros_writes_it_is_passed_over(path):
+def test_padding_as_ros_writes_it_is_skipped(path):
     dtype = [("xyz", "<f4", 3), ("a", "u1", 4), ("rgb", "<u4"), ("b", "u1", 12)]
     rows = np.zeros(2, dtype)
     rows["xyz"], rows["rgb"] = [[1, 2, 3], [4, 5, 6]], [0xFF8000, 0x010203]
@@ -42,7 +42,7 @@ def test_padding_as_ros_writes_it_is_passed_over(path):
     assert cloud.attributes == {}
 
 
-def test_padding_in_text_between_fields(path):
+def test_padding_in_text_is_skipped(path):
     body = "1 2 3 0 0 0 0 1\n4 5 6 0 0 0 0 1\n"
     cloud = read(pcd(path, f"{XYZ} _:U:1:4 normal_x:F:4:1", body))
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
@@ -60,13 +60,13 @@ def test_padding_in_text_between_fields(path):
         ("Red:U:1:1 Green:U:1:1 Blue:U:1:1", "255 128 0", [255, 128, 0]),
     ],
 )
-def test_colours_in_every_form(path, fields, values, colour):
+def test_every_encoding_of_colours_is_read(path, fields, values, colour):
     body = f"1 2 3 {values}\n4 5 6 {values}\n"
     assert read(pcd(path, f"{XYZ} {fields}", body)).colours.tolist() == [colour, colour]
 
 
 @pytest.mark.parametrize("layout", ["binary", "binary_compressed"])
-def test_what_open3d_writes(path, layout):
+def test_pcd_written_by_open3d_is_read(path, layout):
     o3d = load_open3d()
     cloud = o3d.t.geometry.PointCloud(
         o3d.core.Tensor(np.arange(30, dtype=np.float32).reshape(-1, 3))
@@ -80,19 +80,19 @@ def test_what_open3d_writes(path, layout):
     assert found.attributes["normal_x"].tolist() == [1] * 10
 
 
-def test_open3d_reads_what_is_written(path):
-    write(a_cloud(num=20), path)
+def test_open3d_reads_the_written_pcd(path):
+    write(sample_cloud(num=20), path)
     cloud = load_open3d().t.io.read_point_cloud(str(path))
-    assert np.abs(cloud.point["positions"].numpy() - a_cloud(num=20).points).max() == 0.0
+    assert np.abs(cloud.point["positions"].numpy() - sample_cloud(num=20).points).max() == 0.0
 
 
-def test_an_organised_cloud_with_nan(path):
+def test_organised_cloud_with_nan_is_read(path):
     body = "1 2 3\nnan nan nan\n4 5 6\n-nan nan nan\n"
     found = read(pcd(path, XYZ, body, num=4, WIDTH=2, HEIGHT=2))
     assert found.points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
-def test_fields_of_several_values_are_numbered(path):
+def test_fields_of_several_values_get_numbered_names(path):
     found = read(pcd(path, f"{XYZ} vfh:F:4:2", "1 2 3 7 8\n4 5 6 9 10\n"))
     assert {n: v.tolist() for n, v in found.attributes.items()} == {
         "vfh_0": [7, 9],
@@ -101,11 +101,11 @@ def test_fields_of_several_values_are_numbered(path):
 
 
 @pytest.mark.parametrize("body", ["1  2\t3 \r\n4 5 6\r\n", "1 2 3\n\n4 5 6"])
-def test_spaces_and_line_ends_of_any_kind(path, body):
+def test_any_spaces_and_line_endings_are_read(path, body):
     assert read(pcd(path, XYZ, body)).points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
-def test_lines_that_old_versions_leave_out(path):
+def test_header_lines_missing_in_old_versions_have_defaults(path):
     lines = {"VERSION": ".5", "COUNT": None, "VIEWPOINT": None, "HEIGHT": None}
     assert len(read(pcd(path, XYZ, "1 2 3\n4 5 6\n", **lines))) == 2
 
@@ -125,7 +125,7 @@ def test_lines_that_old_versions_leave_out(path):
         ("1 2 3\n4 5 6\n", {"NONSENSE": "1"}, "'NONSENSE' is not a line of its header"),
     ],
 )
-def test_what_is_wrong_is_refused_in_one_line(path, body, lines, message):
+def test_invalid_pcd_is_rejected_in_one_line(path, body, lines, message):
     with pytest.raises(InputError, match=message) as error:
         read(pcd(path, XYZ, body, **lines))
     assert str(error.value).startswith(str(path))
@@ -134,6 +134,6 @@ def test_what_is_wrong_is_refused_in_one_line(path, body, lines, message):
 
 @pytest.mark.parametrize("layout", ["binary", "binary_compressed"])
 @pytest.mark.parametrize("num", [2, 10**9, 10**15])
-def test_binary_points_that_are_not_there_are_refused(path, layout, num):
+def test_missing_binary_points_are_rejected(path, layout, num):
     with pytest.raises(InputError, match=r"are claimed, but|GB of memory, but"):
         read(pcd(path, XYZ, b"\x01\x02", layout, num=num))

@@ -1,4 +1,4 @@
-"""Points as PLY: streamed whole or not at all, read back, read by Open3D."""
+"""Points as PLY: written completely or not at all, read back, read by Open3D."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def written(path, clouds):
     return path
 
 
-def test_a_run_s_cloud_comes_back_to_the_bit(tmp_path):
+def test_cloud_of_a_run_round_trips_exactly(tmp_path):
     clouds = [random_cloud(seed, num) for seed, num in enumerate((100, 0, 7))]
     path = written(tmp_path / "cloud.ply", clouds)
     [(cloud, pair_number)] = read_cloud_chunks(path)
@@ -35,7 +35,7 @@ def test_a_run_s_cloud_comes_back_to_the_bit(tmp_path):
     assert np.array_equal(pair_number, np.repeat([0, 1, 2], [100, 0, 7]))
 
 
-def test_the_same_points_give_the_same_bytes(tmp_path):
+def test_same_points_give_the_same_bytes(tmp_path):
     first, second = (written(tmp_path / f"{n}.ply", [random_cloud(1)]) for n in range(2))
     assert first.read_bytes() == second.read_bytes()
 
@@ -50,7 +50,7 @@ def test_open3d_reads_it_with_every_value(tmp_path):
     assert read.point["pair"].numpy().max() == 0
 
 
-def test_a_cloud_that_was_not_finished_does_not_appear(tmp_path):
+def test_unfinished_cloud_leaves_no_file(tmp_path):
     def cut():
         with CloudWriter(tmp_path / "cloud.ply") as writer:
             writer.append(random_cloud(3), 0)
@@ -61,14 +61,14 @@ def test_a_cloud_that_was_not_finished_does_not_appear(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_cut_file_is_refused(tmp_path):
+def test_truncated_file_is_rejected(tmp_path):
     path = written(tmp_path / "cloud.ply", [random_cloud(4)])
     path.write_bytes(path.read_bytes()[:-1])
     with pytest.raises(InputError, match="100 vertices are claimed, but"):
         list(read_cloud_chunks(path))
 
 
-def test_what_is_no_ply_is_refused(tmp_path):
+def test_file_that_is_not_ply_is_rejected(tmp_path):
     path = tmp_path / "cloud.ply"
     path.write_bytes(b"\x00" * 1000)
     with pytest.raises(InputError, match="not a PLY file"):

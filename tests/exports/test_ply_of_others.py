@@ -1,4 +1,4 @@
-"""PLY files as other programs write them: every form read right, or refused in a line."""
+"""PLY files of other programs: every variant is read correctly or rejected in one line."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def path(tmp_path):
     return tmp_path / "cloud.ply"
 
 
-def test_faces_before_the_vertices(path):
+def test_faces_before_the_vertices_are_skipped(path):
     head = f"element face 1\n{LIST}element vertex 3\n{XYZ}"
     cloud = read(ply(path, head, "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n"))
     assert cloud.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -30,7 +30,7 @@ def test_faces_before_the_vertices(path):
 
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("corners", [(3, 3), (3, 4), (0, 5)])
-def test_binary_faces_of_any_length_before_the_vertices(path, order, corners):
+def test_binary_faces_of_any_length_before_the_vertices_are_skipped(path, order, corners):
     faces = b"".join(
         np.array([n], "u1").tobytes() + np.arange(n, dtype=order + "i4").tobytes() for n in corners
     )
@@ -42,7 +42,7 @@ def test_binary_faces_of_any_length_before_the_vertices(path, order, corners):
 
 
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
-def test_lists_among_the_properties_of_vertices_are_passed_over(path, form):
+def test_list_properties_of_vertices_are_skipped(path, form):
     body = "1 2 3 2 7 8 9\n4 5 6 0 10\n"
     if form != "ascii":
         body = b"".join(
@@ -70,7 +70,7 @@ def test_lists_among_the_properties_of_vertices_are_passed_over(path, form):
         ("red green blue", "uchar", "1 1 0;0 1 1", [[1, 1, 0], [0, 1, 1]]),
     ],
 )
-def test_colours_by_any_name_and_scale(path, names, kind, rows, colours):
+def test_colours_of_any_name_and_scale_are_read(path, names, kind, rows, colours):
     properties = "".join(f"property {kind} {name}\n" for name in names.split())
     first, second = rows.split(";")
     head = f"element vertex 2\n{XYZ.replace('x', 'X')}{properties}"
@@ -81,7 +81,7 @@ def test_colours_by_any_name_and_scale(path, names, kind, rows, colours):
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
-def test_line_ends_of_any_system(path, newline):
+def test_any_line_endings_are_read(path, newline):
     head = f"comment made by hand\nobj_info num_cols 2\nelement vertex 2\n{XYZ}"
     text = read(ply(path, head, newline.join(["1 2 3", "", "4 5 6"]), newline=newline))
     assert text.points.tolist() == [[1, 2, 3], [4, 5, 6]]
@@ -91,12 +91,12 @@ def test_line_ends_of_any_system(path, newline):
 
 
 @pytest.mark.parametrize("word", ["nan", "-nan", "NaN", "-nan(ind)", "1.#QNAN", "-1.#IND00"])
-def test_an_organised_cloud_keeps_what_was_measured(path, word):
+def test_organised_cloud_keeps_the_measured_points(path, word):
     cloud = read(ply(path, f"element vertex 3\n{XYZ}", f"1 2 3\n{word} {word} {word}\n4 5 6\n"))
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
-def test_every_other_number_is_an_attribute_of_its_own_type(path):
+def test_other_properties_become_attributes_of_their_type(path):
     head = f"element vertex 1\n{XYZ}property float nx\nproperty ushort intensity\n"
     cloud = read(ply(path, head + "property int label\nproperty double time\n", "1 2 3 1 4 -5 .1"))
     assert {n: (v.dtype.name, v.item()) for n, v in cloud.attributes.items()} == {
@@ -131,7 +131,7 @@ def test_every_other_number_is_an_attribute_of_its_own_type(path):
         (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\n9 0 0\n", "a row of face"),
     ],
 )
-def test_what_is_wrong_is_refused_in_one_line(path, head, body, message):
+def test_invalid_ply_is_rejected_in_one_line(path, head, body, message):
     with pytest.raises(InputError, match=message) as error:
         read(ply(path, head, body))
     assert str(error.value).startswith(str(path))
@@ -139,14 +139,14 @@ def test_what_is_wrong_is_refused_in_one_line(path, head, body, message):
 
 
 @pytest.mark.parametrize("length", [b"\xff\xff\xff\x7f", b"\xff\xff\xff\xff"])
-def test_a_list_that_claims_more_than_the_file_is_refused(path, length):
+def test_list_longer_than_the_file_is_rejected(path, length):
     head = f"element vertex 1\n{XYZ}element face 1\nproperty list int int vertex_index\n"
     body = np.zeros(3, "<f4").tobytes() + length
     with pytest.raises(InputError, match=r"a list of -?\d+ values is claimed"):
         read(ply(path, head, body, "binary_little_endian"))
 
 
-def test_a_mesh_of_mixed_faces_becomes_triangles(path):
+def test_mixed_polygons_are_triangulated(path):
     head = f"element vertex 5\n{XYZ}property uchar red\nproperty uchar green\n"
     head += f"property uchar blue\nelement face 2\n{LIST}"
     rows = "".join(f"{n} {n * n} 0 {n} 0 0\n" for n in range(5))
@@ -160,7 +160,7 @@ def test_a_mesh_of_mixed_faces_becomes_triangles(path):
     assert np.array_equal(again.colours, mesh.colours)
 
 
-def test_headers_with_blanks_and_comments_about_their_end(path):
+def test_blanks_and_comments_near_the_end_of_the_header_are_read(path):
     head = f"comment end_header is near\nelement vertex 2\n{XYZ}".replace("\n", " \n")
     text = f"ply \nformat ascii 1.0 \n{head}end_header \n1 2 3 \n4 5 6 \n"
     for newline in ("\n", "\r\n", "\r"):
@@ -168,7 +168,7 @@ def test_headers_with_blanks_and_comments_about_their_end(path):
         np.testing.assert_array_equal(read(path).points, [[1, 2, 3], [4, 5, 6]])
 
 
-def test_two_tables_of_vertices_are_refused(path):
+def test_two_vertex_elements_are_rejected(path):
     head = f"element vertex 1\n{XYZ}element vertex 1\n{XYZ}"
     with pytest.raises(InputError, match="two of its elements have the same name"):
         read(ply(path, head, "1 2 3\n4 5 6\n"))

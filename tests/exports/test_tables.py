@@ -1,4 +1,4 @@
-"""Parquet, NPZ, NPY, Zarr and LAS of others; what passes from one format into another."""
+"""Foreign Parquet, NPZ, NPY, Zarr and LAS files; attributes kept between formats."""
 
 import logging
 import subprocess
@@ -12,14 +12,14 @@ from recon.errors import InputError
 from recon.exports import read, write
 from recon.notices import collected_notices
 from recon.records import PointCloud
-from tests.exports.maps import a_cloud
+from tests.exports.maps import sample_cloud
 
 KEEPING = [".ply", ".pcd", ".las", ".laz", ".parquet", ".npz", ".npy", ".zarr", ".csv"]
 UTM = np.array([[500123.456, 5412345.678, 312.001], [500124.457, 5412346.679, 313.002]])
 
 
-def surveyed(**changes):
-    """Two points with all that surveyors note."""
+def surveyed_cloud(**changes):
+    """Make two points with all attributes of a survey."""
     attributes = {
         "intensity": np.array([7, 60000], np.uint16),
         "classification": np.array([2, 6], np.uint8),
@@ -34,8 +34,8 @@ def surveyed(**changes):
 
 @pytest.mark.parametrize("ending", KEEPING)
 @pytest.mark.parametrize("colours", [None, np.array([[1, 2, 3], [255, 0, 9]], np.uint8)])
-def test_every_number_passes_by_name(tmp_path, ending, colours):
-    cloud = surveyed(colours=colours)
+def test_attributes_are_kept_by_name(tmp_path, ending, colours):
+    cloud = surveyed_cloud(colours=colours)
     with collected_notices() as notices:
         write(cloud, tmp_path / f"cloud{ending}")
         again = read(tmp_path / f"cloud{ending}")
@@ -49,7 +49,7 @@ def test_every_number_passes_by_name(tmp_path, ending, colours):
 
 
 @pytest.mark.parametrize("ending", [".las", ".ply", ".pcd", ".parquet", ".npz"])
-def test_an_intensity_that_is_no_whole_number_keeps_its_name(tmp_path, ending):
+def test_fractional_intensity_keeps_its_name(tmp_path, ending):
     cloud = PointCloud(points=UTM, attributes={"intensity": np.array([0.5, 0.7], np.float32)})
     write(cloud, tmp_path / f"cloud{ending}")
     again = read(tmp_path / f"cloud{ending}").attributes
@@ -58,16 +58,16 @@ def test_an_intensity_that_is_no_whole_number_keeps_its_name(tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", [".pts", ".glb"])
-def test_what_a_format_cannot_hold_is_named(tmp_path, ending):
+def test_lost_attributes_are_reported(tmp_path, ending):
     with collected_notices() as notices:
-        write(surveyed(), tmp_path / f"cloud{ending}")
+        write(surveyed_cloud(), tmp_path / f"cloud{ending}")
     [notice] = notices
     assert notice.code == "columns-dropped"
     assert "classification" in notice.text
     assert "nx" in notice.text
 
 
-def test_a_number_that_ply_has_no_type_for(tmp_path):
+def test_ply_converts_or_rejects_64_bit_integers(tmp_path):
     attributes = {"id": np.array([1, 2**60 + 1]), "small": np.array([1, 2**40])}
     with collected_notices() as notices:
         write(PointCloud(points=UTM, attributes=attributes), tmp_path / "cloud.ply")
@@ -75,9 +75,9 @@ def test_a_number_that_ply_has_no_type_for(tmp_path):
     assert read(tmp_path / "cloud.ply").attributes["small"].tolist() == [1, 2**40]
 
 
-def test_normals_turn_with_the_points(tmp_path):
+def test_normals_rotate_with_the_points(tmp_path):
     laspy = pytest.importorskip("laspy")
-    write(surveyed(), tmp_path / "cloud.las")
+    write(surveyed_cloud(), tmp_path / "cloud.las")
     file = laspy.read(tmp_path / "cloud.las")
     assert np.abs(np.column_stack([file.x, file.z, -np.asarray(file.y)]) - UTM).max() < 1e-7
     assert np.array_equal(file["nz"], np.array([1.0, 0.0], np.float32))
@@ -108,17 +108,17 @@ def test_las_to_las_keeps_axes_and_reference_system(tmp_path, version):
     assert kept.record_data_bytes() == record.record_data_bytes()
 
 
-def test_a_reference_system_that_a_format_cannot_hold_is_named(tmp_path, caplog):
+def test_lost_reference_system_is_reported(tmp_path, caplog):
     from recon.records import Crs
 
     with caplog.at_level(logging.WARNING):
-        write(surveyed(crs=Crs(records=((2112, b"WKT"),))), tmp_path / "cloud.ply")
+        write(surveyed_cloud(crs=Crs(records=((2112, b"WKT"),))), tmp_path / "cloud.ply")
     assert "cannot hold the coordinate reference system" in caplog.text
 
 
-def test_large_coordinates_stay_in_a_glb(tmp_path):
+def test_large_coordinates_survive_in_glb(tmp_path):
     trimesh = pytest.importorskip("trimesh")
-    write(surveyed(), tmp_path / "cloud.glb")
+    write(surveyed_cloud(), tmp_path / "cloud.glb")
     scene = trimesh.load_scene(tmp_path / "cloud.glb")
     [shape] = scene.dump()
     assert np.abs(np.asarray(shape.vertices) - UTM).max() < 1e-6
@@ -127,7 +127,7 @@ def test_large_coordinates_stay_in_a_glb(tmp_path):
     assert np.abs(read(tmp_path / "cloud.glb").points - UTM).max() < 1e-6
 
 
-def parquet(path, **columns):
+def write_parquet(path, **columns):
     arrow = pytest.importorskip("pyarrow")
     from pyarrow import parquet as library
 
@@ -143,9 +143,9 @@ def parquet(path, **columns):
         (np.array([[255, 128, 0], [1, 2, 3]], np.int64), [[255, 128, 0], [1, 2, 3]]),
     ],
 )
-def test_parquet_of_others(tmp_path, colours, expected):
+def test_foreign_parquet_is_read(tmp_path, colours, expected):
     red, green, blue = np.array(colours).T
-    path = parquet(
+    path = write_parquet(
         tmp_path / "a.parquet", X=[1, 4], Y=[2.0, 5.0], Z=[3.0, 6.0], Red=red, Green=green,
         Blue=blue, name=["a", "b"], time=[0.5, None],
     )  # fmt: skip
@@ -158,8 +158,8 @@ def test_parquet_of_others(tmp_path, colours, expected):
     assert [one.code for one in notices] == ["columns-dropped"]
 
 
-def test_a_row_of_parquet_without_a_place_is_left_out(tmp_path):
-    path = parquet(tmp_path / "a.parquet", x=[1.0, None, 4.0], y=[2, 2, None], z=[3, 3, 3])
+def test_parquet_row_without_coordinates_is_left_out(tmp_path):
+    path = write_parquet(tmp_path / "a.parquet", x=[1.0, None, 4.0], y=[2, 2, None], z=[3, 3, 3])
     assert read(path).points.tolist() == [[1, 2, 3]]
 
 
@@ -174,7 +174,7 @@ def test_a_row_of_parquet_without_a_place_is_left_out(tmp_path):
         ({"points": np.array([[1, 2, 3]], np.float16)}, [1, 2, 3], None),
     ],
 )
-def test_npz_of_others(tmp_path, arrays, points, colours):
+def test_foreign_npz_is_read(tmp_path, arrays, points, colours):
     np.savez(tmp_path / "a.npz", **arrays)
     cloud = read(tmp_path / "a.npz")
     assert cloud.points.tolist() == [points]
@@ -190,7 +190,7 @@ def test_npz_of_others(tmp_path, arrays, points, colours):
         np.array([[[1.0, 2, 3]], [[4, 5, 6]]]),
     ],
 )
-def test_npy_of_others(tmp_path, array):
+def test_foreign_npy_is_read(tmp_path, array):
     np.save(tmp_path / "a.npy", array)
     cloud = read(tmp_path / "a.npy")
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
@@ -200,26 +200,26 @@ def test_npy_of_others(tmp_path, array):
 @pytest.mark.parametrize(
     "array", [np.array([[1.0, 2]]), np.array(["a"]), np.array(3.0), np.zeros((48, 64))]
 )
-def test_npy_of_something_else_is_refused(tmp_path, array):
+def test_npy_of_other_data_is_rejected(tmp_path, array):
     np.save(tmp_path / "a.npy", array)
     with pytest.raises(InputError, match=r"a\.npy: "):
         read(tmp_path / "a.npy")
 
 
-def test_a_sample_is_a_part_in_order(tmp_path):
-    write(a_cloud(), tmp_path / "cloud.ply")
+def test_sample_is_a_subset_in_order(tmp_path):
+    write(sample_cloud(), tmp_path / "cloud.ply")
     part = read(tmp_path / "cloud.ply", sample=100)
     assert len(part) == 100
     assert np.array_equal(part.points, read(tmp_path / "cloud.ply", sample=100).points)
-    where = [np.flatnonzero((a_cloud().points == p).all(axis=1))[0] for p in part.points]
+    where = [np.flatnonzero((sample_cloud().points == p).all(axis=1))[0] for p in part.points]
     assert sorted(set(where)) == where
     assert len(read(tmp_path / "cloud.ply", sample=10**6)) == 300
 
 
-def test_an_e57_of_others(tmp_path):
+def test_foreign_e57_is_read(tmp_path):
     pye57 = pytest.importorskip("pye57")
     file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
-    # The writer keeps 32 bits of places; where the scanner stood makes them large.
+    # The writer stores 32-bit coordinates; the scanner's position makes them large.
     scan = {f"cartesian{axis}": np.array([1.5, 2.25]) + n for n, axis in enumerate("XYZ")}
     scan |= {"colorRed": np.array([255, 0], np.uint8), "colorGreen": np.array([9, 0], np.uint8)}
     scan |= {"colorBlue": np.array([0, 1], np.uint8), "intensity": np.array([0.5, 1.0])}
@@ -236,7 +236,7 @@ def test_an_e57_of_others(tmp_path):
         read(tmp_path / "a.e57")
 
 
-def test_places_without_a_value_are_left_out_of_a_block_with_a_word(tmp_path):
+def test_nan_cells_of_a_grid_are_left_out_with_a_notice(tmp_path):
     block = pyvista.ImageData(dimensions=(2, 3, 4))
     block["density"] = np.arange(24.0)
     block.save(tmp_path / "a.vti")
@@ -246,13 +246,13 @@ def test_places_without_a_value_are_left_out_of_a_block_with_a_word(tmp_path):
     assert "1 of 24 positions" in notices[0].text
 
 
-def test_points_in_columns_are_refused_where_rows_are_needed(tmp_path):
+def test_transposed_points_are_rejected(tmp_path):
     np.save(tmp_path / "a.npy", np.arange(150.0).reshape(3, 50))
     with pytest.raises(InputError, match=r"shape \(3, 50\).*transpose"):
         read(tmp_path / "a.npy")
 
 
-def test_points_are_read_without_the_kernels_of_maps(tmp_path):
+def test_points_are_read_without_compiling_map_kernels(tmp_path):
     (tmp_path / "a.xyz").write_text("1 2 3\n")
     code = (
         "import sys, recon.exports; recon.exports.read(sys.argv[1]);"

@@ -1,4 +1,4 @@
-"""Tables of text, with a header, with names that are given, or with neither."""
+"""Text tables with a header, with given column names, or with neither."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from recon.errors import InputError
 from recon.exports import read, write
 from recon.notices import collected_notices
-from tests.exports.maps import a_cloud, same
+from tests.exports.maps import same, sample_cloud
 
 
 def text(tmp_path, content, name="cloud.txt"):
@@ -28,7 +28,7 @@ def text(tmp_path, content, name="cloud.txt"):
         ("a.csv", "z,name,x,y\n3,a,1,2\n6,b,4,5\n"),
     ],
 )
-def test_places_in_any_spelling(tmp_path, name, content):
+def test_coordinates_are_read_in_any_notation(tmp_path, name, content):
     cloud = read(text(tmp_path, content, name))
     assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
     assert cloud.colours is None
@@ -52,13 +52,13 @@ def test_places_in_any_spelling(tmp_path, name, content):
         ("1 2 3 -5 6\n4 5 6 7 8\n", None, {"column_3", "column_4"}),
     ],
 )
-def test_columns_without_names_are_told_by_their_range(tmp_path, content, colours, attributes):
+def test_unnamed_columns_are_identified_by_their_range(tmp_path, content, colours, attributes):
     cloud = read(text(tmp_path, content))
     assert (None if cloud.colours is None else cloud.colours.tolist()) == colours
     assert set(cloud.attributes) == set(attributes)
 
 
-def test_names_that_are_given_win(tmp_path):
+def test_given_names_override_the_header(tmp_path):
     path = text(tmp_path, "7 1 2 3 255 0 9\n7 4 5 6 0 1 9\n")
     cloud = read(path, columns=["_", "x", "z", "y", "label", "time", "_"])
     assert cloud.points.tolist() == [[1, 3, 2], [4, 6, 5]]
@@ -67,16 +67,16 @@ def test_names_that_are_given_win(tmp_path):
 
 
 @pytest.mark.parametrize("ending", [".csv", ".xyz", ".txt", ".asc"])
-def test_what_is_written_comes_back(tmp_path, ending):
-    write(a_cloud(), tmp_path / f"cloud{ending}")
-    same(read(tmp_path / f"cloud{ending}"), a_cloud())
+def test_written_table_round_trips(tmp_path, ending):
+    write(sample_cloud(), tmp_path / f"cloud{ending}")
+    same(read(tmp_path / f"cloud{ending}"), sample_cloud())
 
 
 def test_pts_keeps_intensity_and_colours(tmp_path):
-    write(a_cloud(with_sigma=False), tmp_path / "cloud.pts")
+    write(sample_cloud(with_sigma=False), tmp_path / "cloud.pts")
     again = read(tmp_path / "cloud.pts")
-    assert np.array_equal(again.points, a_cloud().points)
-    assert np.array_equal(again.colours, a_cloud().colours)
+    assert np.array_equal(again.points, sample_cloud().points)
+    assert np.array_equal(again.colours, sample_cloud().colours)
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_pts_keeps_intensity_and_colours(tmp_path):
         ("a.csv", "x,y,z,red,green,blue\n1,2,3,-1,2,70000\n", "colours go from -1 to 70000"),
     ],
 )
-def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
+def test_invalid_table_is_rejected_in_one_line(tmp_path, name, content, message):
     path = text(tmp_path, content, name)
     with pytest.raises(InputError, match=message) as error:
         read(path)
@@ -101,7 +101,7 @@ def test_what_is_wrong_is_refused_in_one_line(tmp_path, name, content, message):
     assert "\n" not in str(error.value)
 
 
-def test_names_for_another_number_of_columns_are_refused(tmp_path):
+def test_wrong_number_of_column_names_is_rejected(tmp_path):
     with pytest.raises(InputError, match="a row has 3 values, but 2 are"):
         read(text(tmp_path, "1 2 3\n"), columns=["x", "y"])
 
@@ -116,7 +116,7 @@ def test_names_for_another_number_of_columns_are_refused(tmp_path):
         ("X [m];Y [m];Z [m];t [s]\n1,0;2,0;3,0;7,0\n4,0;5,0;6,0;8,0\n", {"t [s]": [7, 8]}),
     ],
 )
-def test_tables_of_spreadsheets_and_other_programs(tmp_path, text, named):
+def test_tables_of_other_programs_are_read(tmp_path, text, named):
     (tmp_path / "a.csv").write_text(text)
     with collected_notices():
         cloud = read(tmp_path / "a.csv")
@@ -127,7 +127,7 @@ def test_tables_of_spreadsheets_and_other_programs(tmp_path, text, named):
         np.testing.assert_array_equal(read(tmp_path / "a.csv").points, cloud.points)
 
 
-def test_a_heading_needs_all_three_places(tmp_path):
+def test_header_without_all_three_coordinates_is_rejected(tmp_path):
     (tmp_path / "a.csv").write_text("easting,northing,speed\n1,2,3\n")
     with pytest.raises(InputError, match="'easting' is not a number"):
         read(tmp_path / "a.csv")
@@ -142,7 +142,7 @@ def test_a_heading_needs_all_three_places(tmp_path):
         "x y z label\n1 2 3 tree\n4 5 6 car\n",
     ],
 )
-def test_other_headers_and_comments(tmp_path, text):
+def test_other_headers_and_comments_are_read(tmp_path, text):
     (tmp_path / "a.txt").write_text(text)
     with collected_notices() as notices:
         np.testing.assert_array_equal(read(tmp_path / "a.txt").points, [[1, 2, 3], [4, 5, 6]])
@@ -153,7 +153,7 @@ GRID = "ncols 3\nnrows 2\nxllcorner 500000\nyll{0} 10\ncellsize 2\nNODATA_value 
 
 
 @pytest.mark.parametrize(("mark", "south"), [("corner", 11.0), ("center", 10.0)])
-def test_an_elevation_grid_is_points_at_its_centres(tmp_path, mark, south):
+def test_elevation_grid_gives_points_at_cell_centres(tmp_path, mark, south):
     (tmp_path / "a.asc").write_text(GRID.format(mark))
     np.testing.assert_array_equal(
         read(tmp_path / "a.asc").points,
@@ -177,7 +177,7 @@ def test_an_elevation_grid_is_points_at_its_centres(tmp_path, mark, south):
         ("1 2 3\n4 -9 6\n", "", "but 0 follow"),
     ],
 )
-def test_an_elevation_grid_is_held_against_its_header(tmp_path, old, new, message):
+def test_elevation_grid_that_contradicts_its_header_is_rejected(tmp_path, old, new, message):
     (tmp_path / "a.asc").write_text(GRID.format("corner").replace(old, new))
     with pytest.raises(InputError, match=message) as error:
         read(tmp_path / "a.asc")

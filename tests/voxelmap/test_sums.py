@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.summed import map_of, sums_of
 from recon.voxelmap.sums import added, is_ordered, split
-from tests.exports.maps import CHANNELS, a_cloud
+from tests.exports.maps import CHANNELS, sample_cloud
 
 ORIGIN = [100.0, 2.0, -41.0]
 
@@ -17,7 +17,7 @@ ORIGIN = [100.0, 2.0, -41.0]
 def map_of_views(views, channels=CHANNELS):
     voxel_map = VoxelMap(0.5, channels=channels, ray_margin=1.5)
     for view in views:
-        cloud = a_cloud(view, num=80)
+        cloud = sample_cloud(view, num=80)
         voxel_map.insert(cloud, ORIGIN, view)
         voxel_map.insert_doubtful(cloud)
     return voxel_map

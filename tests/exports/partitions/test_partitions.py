@@ -1,4 +1,4 @@
-"""Maps in partitions: the same cells as in one file, whatever way they came there."""
+"""Partitioned maps: the same cells as in a single file, however they were written."""
 
 import json
 import shutil
@@ -14,7 +14,7 @@ from recon.exports.partitions.writing import merge_partitions, write_partitions
 from recon.files import memory_limit
 from recon.notices import collected_notices
 from recon.voxelmap import VoxelMap
-from tests.exports.maps import CHANNELS, a_cloud, same
+from tests.exports.maps import CHANNELS, same, sample_cloud
 from tests.voxelmap.test_sums import ORIGIN, map_of_views, saved
 
 BOX = ((98.0, -1.0, -45.0), (104.0, 5.0, -38.0))
@@ -34,7 +34,7 @@ def city(whole, tmp_path_factory):
     return write_partitions(whole, tmp_path_factory.mktemp("city") / "map.parquet", 64)
 
 
-def test_a_map_in_partitions_is_the_map(whole, city, tmp_path):
+def test_partitioned_map_equals_the_map(whole, city, tmp_path):
     assert len(city) > 1
     assert (city.num_cells, city.channels) == (whole.num_cells, whole.channels)
     assert saved(city.whole(), tmp_path) == saved(whole, tmp_path)
@@ -54,7 +54,7 @@ def test_any_chunks_merge_to_the_same_bytes(city, cuts, tmp_path):
     assert files(merged.place) == files(city.place)
 
 
-def test_a_box_reads_only_what_it_meets(whole, city, tmp_path):
+def test_box_reads_only_intersecting_partitions(whole, city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     met = {entry.file for entry in city.meeting(BOX)}
@@ -69,7 +69,7 @@ def test_a_box_reads_only_what_it_meets(whole, city, tmp_path):
         part.whole()
 
 
-def test_views_of_other_recordings_are_others(tmp_path):
+def test_views_of_different_recordings_stay_distinct(tmp_path):
     one = write_partitions(map_of_views([0], ("views",)), tmp_path / "one.parquet", 64)
     both = [one, one]
     alike = merge_partitions(both, tmp_path / "alike.parquet").occupied(2)
@@ -78,7 +78,7 @@ def test_views_of_other_recordings_are_others(tmp_path):
     assert set(apart.num_views) == {2}
 
 
-def test_cells_that_do_not_fit_become_coarser(whole, city):
+def test_cells_beyond_the_limit_are_coarsened(whole, city):
     fine = whole.occupied(1)
     fitting = city.fitting(lambda one: one.occupied(1), len(fine) // 3)
     found = fitting.voxels
@@ -94,12 +94,12 @@ def test_cells_that_do_not_fit_become_coarser(whole, city):
     same(as_they_are.voxels, fine)
 
 
-def test_what_is_too_large_is_refused(city):
+def test_too_large_selection_is_rejected(city):
     with memory_limit(1000), pytest.raises(InputError, match="of memory"):
         city.whole()
 
 
-def test_a_map_on_another_store(whole, tmp_path):
+def test_map_on_another_file_system(whole, tmp_path):
     pytest.importorskip("fsspec")
     there = write_partitions(whole, "memory://town/map.parquet", 64)
     assert saved(there.whole(), tmp_path) == saved(whole, tmp_path)
@@ -109,7 +109,7 @@ def test_a_map_on_another_store(whole, tmp_path):
         PartitionedMap("nowhere://elsewhere/map.parquet")
 
 
-def test_a_smaller_map_leaves_nothing_of_the_one_before(city, tmp_path):
+def test_smaller_map_replaces_all_earlier_partitions(city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     small = write_partitions(map_of_views([]), copy, 64)
@@ -134,7 +134,7 @@ def changed(document, **values):
         ({"partitions": None}, "damaged"),
     ],
 )
-def test_a_manifest_that_cannot_be_is_refused(city, values, said, tmp_path):
+def test_invalid_manifest_is_rejected(city, values, said, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     document = json.loads((copy / MANIFEST).read_text())
@@ -143,7 +143,7 @@ def test_a_manifest_that_cannot_be_is_refused(city, values, said, tmp_path):
         PartitionedMap(copy)
 
 
-def test_a_file_of_another_place_is_refused(city, tmp_path):
+def test_misplaced_partition_is_rejected(city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     first, second = city.partitions[:2]
@@ -152,23 +152,23 @@ def test_a_file_of_another_place_is_refused(city, tmp_path):
         PartitionedMap(copy).occupied(1)
 
 
-def test_maps_of_other_forms_do_not_add_up(city, tmp_path):
+def test_incompatible_maps_cannot_be_added(city, tmp_path):
     other = write_partitions(map_of_views(range(2), ()), tmp_path / "other.parquet", 64)
     with pytest.raises(InputError, match="channels"):
         merge_partitions([city, other], tmp_path / "both.parquet")
 
 
 def colourless(views):
-    """A map of clouds without colours."""
+    """Make a map of clouds without colours."""
     voxel_map = VoxelMap(0.5, channels=CHANNELS, ray_margin=1.5)
     for view in views:
-        cloud = replace(a_cloud(view, num=80), colours=None)
+        cloud = replace(sample_cloud(view, num=80), colours=None)
         voxel_map.insert(cloud, ORIGIN, view)
         voxel_map.insert_doubtful(cloud)
     return voxel_map
 
 
-def test_what_has_no_colours_has_none_in_partitions_nor_in_a_sum(tmp_path):
+def test_colourless_map_stays_colourless_in_partitions_and_sums(tmp_path):
     with collected_notices() as notices:
         grey = write_partitions(colourless([0, 1]), tmp_path / "grey.parquet", 64)
     assert notices == []
@@ -182,7 +182,7 @@ def test_what_has_no_colours_has_none_in_partitions_nor_in_a_sum(tmp_path):
     assert saved(merged.whole(), tmp_path) == saved(colourless(range(4)), tmp_path)
 
 
-def test_partitions_written_before_colour_was_optional_have_colours(city, tmp_path):
+def test_older_partitions_have_colours(city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     manifest = json.loads((copy / MANIFEST).read_text())
