@@ -1,4 +1,4 @@
-"""A chessboard as two cameras of a known rig see it."""
+"""Images of a chessboard in the two cameras of a known rig."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ TURN, STEP = np.array([0.01, -0.02, 0.005]), np.array([-0.12, 0.002, 0.001])
 
 
 def board_image(rotation, step, board=BOARD, square=SQUARE):
-    """The board as a camera sees it whose frame the board stands in at `rotation`, `step`."""
+    """Render the board in a camera, at `rotation` and `step` in the camera's frame."""
     squares = np.indices((board[1] + 1, board[0] + 1)).sum(axis=0) % 2
     print_px = 40
     sheet = np.kron(squares, np.ones((print_px, print_px))) * 200 + 30
@@ -26,7 +26,7 @@ def board_image(rotation, step, board=BOARD, square=SQUARE):
 
 
 def draw_boards(path: Path, board=BOARD, square=SQUARE) -> Path:
-    """Eight pairs of a board below `left` and `right` of a folder, in all directions."""
+    """Write eight pairs of a board in all orientations to `left` and `right` of a folder."""
     rng = np.random.default_rng(8)
     R_right_left = Rotation.from_rotvec(TURN).as_matrix()
     for side in ("left", "right"):

@@ -1,4 +1,4 @@
-"""Made-up tracks of a rig that drives through points, with everything known."""
+"""Synthetic tracks of a rig that drives through points, with known motion."""
 
 from scipy.spatial.transform import Rotation
 
@@ -14,13 +14,13 @@ RIG = StereoRig(
 
 
 def motion(rng):
-    """`T_first_second` of a step forward and a small turn."""
+    """Draw `T_first_second`: a step forward and a small rotation."""
     turn = Rotation.from_rotvec(rng.normal(0, 0.01, 3)).as_matrix()
     return pose(turn, rng.normal([0.02, -0.01, 1.2], 0.05))
 
 
 def tracks(rng, T_first_second, *, number=400, sigma_px=0.1, outliers=0.0, field=None):
-    """Tracks of points between 5 and 40 units; `field` is taken from the true disparities."""
+    """Make tracks of points 5 to 40 units away; `field` is subtracted from the disparities."""
     depth = rng.uniform(5.0, 40.0, number)
     pixels = rng.uniform([20, 20], [RIG.width - 20, RIG.height - 20], (number, 2))
     points_first = RIG.rays(pixels) * depth[:, None]

@@ -1,4 +1,4 @@
-"""Small sound images, calibrations and poses, each with what reads it: food for the fuzzer."""
+"""Small valid images, calibrations and poses for the fuzzer, each with its reader."""
 
 import io
 from collections.abc import Callable, Iterator
@@ -33,7 +33,7 @@ CALIBRATIONS = {
 
 
 def sound_files() -> Iterator[tuple[str, Callable[[Path], Any], bytes]]:
-    """(name, reader, content) of each."""
+    """Yield (name, reader, content) of each file."""
     rng = np.random.default_rng(0)
     image = cv2.GaussianBlur(rng.integers(0, 256, (20, 30, 3), np.uint8), (0, 0), 2)
     for ending, form in ((".tga", "TGA"), (".bmp", "BMP"), (".webp", "WEBP"), (".ppm", "PPM")):

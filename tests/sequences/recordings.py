@@ -1,4 +1,4 @@
-"""Small recordings of every form, all of the same four pairs, for the tests of the readers."""
+"""Small recordings in every format, all of the same four pairs, for the tests of the readers."""
 
 import json
 from pathlib import Path
@@ -17,7 +17,7 @@ RIG = StereoRig(
 
 
 def image_pairs():
-    """Grey (left, right) pairs whose right image is the left one moved by the disparity."""
+    """Make grey (left, right) pairs; the right image is the left one shifted by the disparity."""
     rng = np.random.default_rng(7)
     for _ in range(NUM_PAIRS):
         wide = rng.integers(0, 256, (RIG.height, RIG.width + DISPARITY_PX), np.uint8)
@@ -25,7 +25,7 @@ def image_pairs():
 
 
 def poses_recorded():
-    """`T_recorded_left` of a rig that drives forward, in KITTI's convention."""
+    """Give `T_recorded_left` of a rig that drives forward, in KITTI's convention."""
     return [pose(np.eye(3), [0.0, 0.0, 0.7 * number]) for number in range(NUM_PAIRS)]
 
 
@@ -73,7 +73,7 @@ def write_kitti(path: Path) -> Path:
 
 
 def write_euroc(path: Path) -> Path:
-    """Stamps of a second each; the body is turned against the camera, as it is in EuRoC."""
+    """Write frames one second apart; the body is rotated against the camera, as in EuRoC."""
     T_body_left = np.array([[0, -1, 0, 0.1], [1, 0, 0, 0], [0, 0, 1, 0.2], [0, 0, 0, 1.0]])
     T_left_right = RIG.T_left_right
     write_images(path / "mav0/cam0/data", path / "mav0/cam1/data")
@@ -87,7 +87,7 @@ def write_euroc(path: Path) -> Path:
     rows = ["#timestamp, p_x, p_y, p_z, q_w, q_x, q_y, q_z"]
     for number, T_recorded_left in enumerate(poses_recorded()):
         T = T_recorded_left @ np.linalg.inv(T_body_left)
-        # The body is turned by a quarter about z.
+        # The body is rotated by a quarter turn about z.
         values = [*T[:3, 3], np.sqrt(0.5), 0.0, 0.0, -np.sqrt(0.5)]
         rows.append(f"{number}000000000," + ",".join(f"{value:.12f}" for value in values))
     (truth / "data.csv").write_text("\n".join(rows))
@@ -125,7 +125,7 @@ def write_simulated(path: Path) -> Path:
 
 
 def write_video(path: Path) -> Path:
-    """Motion JPEG at full quality: nearly the same images."""
+    """Write Motion JPEG at full quality, which keeps the images almost unchanged."""
     path.mkdir()
     for side, name in enumerate(("left.avi", "right.avi")):
         video = cv2.VideoWriter(

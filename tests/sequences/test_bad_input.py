@@ -1,4 +1,4 @@
-"""What is wrong with a recording is said by frame and reason, skipped where it can be, counted."""
+"""Faulty frames of a recording are skipped if possible, and counted with their reason."""
 
 import re
 import shutil
@@ -30,15 +30,15 @@ def folder(tmp_path):
 
 
 def read(path, **settings):
-    """Names of the pairs that were read, and what was skipped."""
+    """Read a recording; return the names of its pairs and the skipped frames."""
     source = open_sequence(path, SequenceSettings(**settings))
     pairs = list(source)
     for pair in pairs:
-        assert_sides_belong_together(pair)
+        assert_sides_match(pair)
     return [pair.name for pair in pairs], dict(source.skipped)
 
 
-def assert_sides_belong_together(pair):
+def assert_sides_match(pair):
     left, right = pair.left[:, DISPARITY_PX:], pair.right[:, :-DISPARITY_PX]
     np.testing.assert_array_equal(left, right)
 
@@ -48,7 +48,7 @@ def positions(path):
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_a_image_without_its_partner_is_skipped_and_the_rest_keep_their_poses(folder, side):
+def test_unpaired_image_is_skipped_and_other_poses_are_kept(folder, side):
     (folder / side / "000001.png").unlink()
     names, skipped = read(folder)
     assert names == ["000000", "000002", "000003"]
@@ -56,7 +56,7 @@ def test_a_image_without_its_partner_is_skipped_and_the_rest_keep_their_poses(fo
     np.testing.assert_allclose(positions(folder), [0, -1.4, -2.1], atol=1e-8)
 
 
-def test_a_frame_that_is_missing_on_both_sides_does_not_shift_the_poses(folder):
+def test_frame_missing_on_both_sides_does_not_shift_poses(folder):
     for side in ("left", "right"):
         (folder / side / "000001.png").unlink()
     names, skipped = read(folder)
@@ -65,7 +65,7 @@ def test_a_frame_that_is_missing_on_both_sides_does_not_shift_the_poses(folder):
     np.testing.assert_allclose(positions(folder), [0, -1.4, -2.1], atol=1e-8)
 
 
-def test_left_and_right_named_apart_are_paired_by_their_number(folder):
+def test_differently_named_sides_are_paired_by_number(folder):
     for side in ("left", "right"):
         for file in (folder / side).iterdir():
             file.rename(file.with_name(f"{side}{int(file.stem):d}.png"))
@@ -75,7 +75,7 @@ def test_left_and_right_named_apart_are_paired_by_their_number(folder):
     assert skipped == {"2": "it has no right image"}
 
 
-def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
+def test_unnumbered_images_must_be_equally_many_on_both_sides(folder):
     for number, file in enumerate(sorted((folder / "right").iterdir())):
         file.rename(file.with_name("abcd"[number] + ".png"))
     assert read(folder)[0] == ["000000", "000001", "000002", "000003"]
@@ -84,7 +84,7 @@ def test_names_that_tell_nothing_must_be_as_many_on_both_sides(folder):
         read(folder)
 
 
-def test_images_that_change_size_are_skipped(folder):
+def test_images_of_a_different_size_are_skipped(folder):
     for side in ("left", "right"):
         cv2.imwrite(str(folder / side / "000002.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
@@ -92,14 +92,14 @@ def test_images_that_change_size_are_skipped(folder):
     assert skipped == {"000002": "its left image has 48 x 32 pixels, but 96 x 64 are needed"}
 
 
-def test_left_and_right_of_different_sizes_are_skipped(folder):
+def test_pairs_of_different_sizes_are_skipped(folder):
     cv2.imwrite(str(folder / "right" / "000000.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
     assert len(names) == NUM_PAIRS - 1
     assert "its right image has 48 x 32" in skipped["000000"]
 
 
-def test_a_truncated_png_is_skipped_without_a_word_from_its_library(folder, capfd):
+def test_truncated_png_is_skipped_without_library_output(folder, capfd):
     file = folder / "left" / "000002.png"
     file.write_bytes(file.read_bytes()[:500])
     names, skipped = read(folder)
@@ -108,7 +108,7 @@ def test_a_truncated_png_is_skipped_without_a_word_from_its_library(folder, capf
     assert capfd.readouterr().err == ""
 
 
-def test_a_skipped_frame_is_told_once(folder, caplog):
+def test_skipped_frame_is_reported_once(folder, caplog):
     (folder / "left" / "000002.png").write_bytes(b"")
     source = open_sequence(folder, SequenceSettings())
     for _ in range(2):
@@ -118,21 +118,21 @@ def test_a_skipped_frame_is_told_once(folder, caplog):
     assert record.args[0] == "frames-skipped"
 
 
-def test_times_that_go_back_are_skipped(folder):
+def test_frames_with_decreasing_stamps_are_skipped(folder):
     (folder / "times.txt").write_text("0.0\n0.5\n0.4\n0.6\n")
     names, skipped = read(folder)
     assert names == ["000000", "000001", "000003"]
     assert skipped == {"000002": "its time 0.4 s is not after the 0.5 s of 000001"}
 
 
-def test_poses_that_are_fewer_than_the_frames_are_refused_where_they_are_to_be_given(folder):
+def test_too_few_given_poses_are_rejected(folder):
     (folder / "poses.txt").write_text("\n".join(kitti_poses().splitlines()[:2]))
     with pytest.raises(InputError, match=r"2 poses for 4 frames \(000000"):
         read(folder)
     assert len(read(folder, poses="none")[0]) == NUM_PAIRS
 
 
-def test_frames_before_and_after_timed_poses_are_skipped(folder):
+def test_frames_outside_the_time_of_the_poses_are_skipped(folder):
     (folder / "poses.txt").write_text("1 0 0 0.7 0 0 0 1\n2 0 0 1.4 0 0 0 1\n")
     (folder / "times.txt").write_text("0\n1\n2\n3\n")
     names, skipped = read(folder)
@@ -140,7 +140,7 @@ def test_frames_before_and_after_timed_poses_are_skipped(folder):
     assert skipped == dict.fromkeys(["000000", "000003"], "there is no pose for it")
 
 
-def test_more_poses_than_frames_need_numbers_in_the_names(folder):
+def test_surplus_poses_need_numbered_images(folder):
     for side in ("left", "right"):
         for number, file in enumerate(sorted((folder / side).iterdir())):
             file.rename(file.with_name("abcd"[number] + ".png"))
@@ -149,15 +149,15 @@ def test_more_poses_than_frames_need_numbers_in_the_names(folder):
         read(folder)
 
 
-def test_a_calibration_for_another_size_is_refused(folder):
+def test_calibration_for_another_image_size_is_rejected(folder):
     (folder / "calib.txt").write_text(middlebury_keys().replace("width=96", "width=192"))
     with pytest.raises(InputError, match=r"96 x 64 pixels, but the left .*192 x 64 pixels"):
         read(folder)
 
 
 @pytest.mark.parametrize("is_stated", [False, True])
-def test_a_principal_point_outside_of_the_image_is_refused(folder, is_stated):
-    """With a calibration that states the size of its images, and with one that does not."""
+def test_principal_point_outside_the_image_is_rejected(folder, is_stated):
+    """Calibrations that state the image size, and calibrations that do not."""
     calib = folder / "calib.txt"
     if is_stated:
         calib.write_text(middlebury_keys())
@@ -166,27 +166,27 @@ def test_a_principal_point_outside_of_the_image_is_refused(folder, is_stated):
         read(folder)
 
 
-def test_swapped_cameras_are_refused(folder):
+def test_swapped_cameras_are_rejected(folder):
     calib = folder / "calib.txt"
     calib.write_text("\n".join(reversed(calib.read_text().splitlines())))
     with pytest.raises(InputError, match=r"is 0\.5 to the left"):
         read(folder)
 
 
-def test_a_folder_without_calibration_is_refused(folder):
+def test_folder_without_calibration_is_rejected(folder):
     (folder / "calib.txt").unlink()
     with pytest.raises(InputError, match="holds no calibration"):
         read(folder)
 
 
-def test_a_recording_of_which_nothing_can_be_read_is_refused(folder):
+def test_recording_without_readable_images_is_rejected(folder):
     for file in folder.glob("*/*.png"):
         file.write_bytes(b"no image")
     with pytest.raises(InputError, match=r"no image can be read.*000000\.png"):
         read(folder)
 
 
-def test_euroc_images_of_one_camera_only_are_skipped(tmp_path):
+def test_unpaired_euroc_images_are_skipped(tmp_path):
     path = write_euroc(tmp_path / "recording")
     table = path / "mav0/cam1/data.csv"
     table.write_text(table.read_text().replace("2000000000,000002.png\n", ""))
@@ -195,14 +195,14 @@ def test_euroc_images_of_one_camera_only_are_skipped(tmp_path):
     assert skipped == {"2000000000": "it has no right image"}
 
 
-def test_a_table_of_images_that_is_none_is_refused_by_its_line(tmp_path):
+def test_invalid_line_of_an_image_table_is_named(tmp_path):
     path = write_euroc(tmp_path / "recording")
     (path / "mav0/cam1/data.csv").write_text("#timestamp [ns],filename\n0,000000.png\nsoon,b.png")
     with pytest.raises(InputError, match=r"data\.csv, line 3: 'soon,b\.png'"):
         read(path)
 
 
-def test_a_video_that_is_cut_is_read_as_far_as_it_goes(tmp_path):
+def test_truncated_video_is_read_up_to_its_end(tmp_path):
     path = write_video(tmp_path / "recording")
     file = path / "right.avi"
     file.write_bytes(file.read_bytes()[: int(0.7 * file.stat().st_size)])
@@ -211,14 +211,14 @@ def test_a_video_that_is_cut_is_read_as_far_as_it_goes(tmp_path):
     assert len(names) + len(skipped) == NUM_PAIRS
 
 
-def test_a_video_that_is_none_is_refused(tmp_path):
+def test_invalid_video_is_rejected(tmp_path):
     path = write_video(tmp_path / "recording")
     (path / "left.avi").write_bytes(b"no video")
     with pytest.raises(InputError, match="is not a video that OpenCV can read"):
         read(path)
 
 
-def test_an_empty_bag_is_refused(tmp_path):
+def test_empty_bag_is_rejected(tmp_path):
     from rosbags.rosbag2 import Writer
 
     with Writer(tmp_path / "bag", version=9):
@@ -228,19 +228,19 @@ def test_an_empty_bag_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("form", ["auto", "folder"])
-def test_topics_are_refused_for_a_recording_without_topics(folder, form):
+def test_topics_are_rejected_for_a_recording_without_topics(folder, form):
     with pytest.raises(InputError, match="has no topics, but '/cam0' was asked for"):
         read(folder, left_topic="/cam0", format=form)
 
 
-def test_a_damaged_bag_is_refused(tmp_path):
+def test_damaged_bag_is_rejected(tmp_path):
     path = write_ros1(tmp_path / "recording")
     path.write_bytes(path.read_bytes()[:5000])
     with pytest.raises(InputError, match="cannot be read as a bag"):
         read(path)
 
 
-def test_bag_messages_without_a_partner_come_alone():
+def test_unpaired_bag_messages_are_returned_alone():
     from types import SimpleNamespace
 
     from recon.sequences.readers.bag import paired
@@ -260,14 +260,14 @@ def test_bag_messages_without_a_partner_come_alone():
     ]
 
 
-def test_a_calibration_beside_a_bag_comes_before_its_own(tmp_path):
+def test_calibration_beside_a_bag_takes_precedence(tmp_path):
     path = write_ros2(tmp_path / "recording")
     (path.parent / "calib.txt").write_text("cam0=[1 2]\n")
     with pytest.raises(InputError, match=r"cam0 is '.1 2.', but 9 numbers are needed"):
         read(path)
 
 
-def test_a_reason_of_many_lines_becomes_one(tmp_path):
+def test_multi_line_reason_is_joined_into_one(tmp_path):
     path = write_ros2(tmp_path / "recording")
     (path / "metadata.yaml").write_text("rosbag2: [1, 2\nb: 3\n")
     with pytest.raises(InputError, match="cannot be read as a bag") as caught:
@@ -276,14 +276,14 @@ def test_a_reason_of_many_lines_becomes_one(tmp_path):
 
 
 @pytest.mark.parametrize("number", ["many", "9" * 30])
-def test_numbers_of_messages_that_no_bag_has_are_refused(tmp_path, number):
+def test_impossible_message_counts_are_rejected(tmp_path, number):
     path = write_ros2(tmp_path / "recording") / "metadata.yaml"
     path.write_text(re.sub(r"message_count: \d+", f"message_count: {number}", path.read_text()))
     with pytest.raises(InputError, match=r"many|claims 9+ messages"):
         read(path.parent)
 
 
-def test_times_that_are_no_numbers_are_refused(folder):
+def test_invalid_stamps_are_rejected(folder):
     (folder / "times.txt").write_text("0\nnan\n2\n3\n")
     with pytest.raises(InputError, match=r"times\.txt holds nan"):
         read(folder)
@@ -292,14 +292,14 @@ def test_times_that_are_no_numbers_are_refused(folder):
         read(folder)
 
 
-def test_cameras_at_one_place_are_refused_with_the_file(folder):
+def test_zero_baseline_is_rejected_with_the_file_name(folder):
     text = middlebury_keys().replace(f"baseline={1000 * RIG.baseline}", "baseline=0")
     (folder / "calib.txt").write_text(text)
     with pytest.raises(InputError, match=r"calib\.txt: both cameras have the same position"):
         read(folder)
 
 
-def test_where_no_pair_can_be_read_the_first_is_named(folder):
+def test_first_reason_is_given_if_no_pair_can_be_read(folder):
     shutil.rmtree(folder / "right")
     shutil.copytree(folder / "left", folder / "right")
     for path in (folder / "right").iterdir():
@@ -308,6 +308,6 @@ def test_where_no_pair_can_be_read_the_first_is_named(folder):
         read(folder)
 
 
-def test_a_folder_of_images_only_is_told_what_a_recording_is(folder):
+def test_folder_of_images_is_rejected_with_the_known_layouts(folder):
     with pytest.raises(InputError, match=r"is not a known recording .* left/, right/ and calib"):
         read(folder / "left")

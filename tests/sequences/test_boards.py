@@ -1,4 +1,4 @@
-"""A rig comes out of images of a board as it was put in."""
+"""A rig is recovered from images of a board."""
 
 import cv2
 import numpy as np
@@ -35,7 +35,7 @@ def board_dirs(tmp_path_factory):
     return path / "left", path / "right"
 
 
-def test_the_rig_comes_out_and_is_read_back(board_dirs, tmp_path):
+def test_rig_is_recovered_and_read_back(board_dirs, tmp_path):
     found = calibrate(*board_dirs, chessboard())
     rig = found.calibration
     assert found.num_pairs == 8
@@ -53,7 +53,7 @@ def test_the_rig_comes_out_and_is_read_back(board_dirs, tmp_path):
     assert (tmp_path / "calib.yaml").read_text().startswith("%YAML")
 
 
-def test_the_unit_is_that_of_the_square(board_dirs):
+def test_unit_is_that_of_the_square_size(board_dirs):
     metres, millimetres = (
         calibrate(*board_dirs, chessboard(square=side)) for side in (SQUARE, 1000 * SQUARE)
     )
@@ -61,7 +61,7 @@ def test_the_unit_is_that_of_the_square(board_dirs):
     assert ratio == pytest.approx(1000, rel=1e-3)
 
 
-def test_folders_that_are_swapped_are_told(board_dirs):
+def test_swapped_folders_are_reported(board_dirs):
     with collected_notices() as notices:
         found = calibrate(*board_dirs, chessboard())
         assert notices == []
@@ -70,13 +70,13 @@ def test_folders_that_are_swapped_are_told(board_dirs):
     assert swapped.calibration.baseline == pytest.approx(found.calibration.baseline, rel=1e-3)
 
 
-def test_another_board_is_not_found(board_dirs):
+def test_board_of_other_dimensions_is_not_found(board_dirs):
     with pytest.raises(InputError, match=r"0 pairs show a whole board of 9 x 6 .* first error"):
         calibrate(*board_dirs, chessboard((9, 6)))
 
 
 @pytest.mark.data
-def test_opencvs_boards_give_a_quarter_of_a_pixel(data_dir, tmp_path):
+def test_opencv_sample_boards_give_a_quarter_of_a_pixel(data_dir, tmp_path):
     for side in ("left", "right"):
         (tmp_path / side).mkdir()
         for file in (data_dir / "chessboard_stereo" / "opencv").glob(f"{side}*.jpg"):
@@ -99,7 +99,7 @@ def test_opencvs_boards_give_a_quarter_of_a_pixel(data_dir, tmp_path):
     assert [notice.code for notice in notices] == ["calibration-pairs-dropped"]
 
 
-def test_one_folder_may_hold_both_sides_but_never_mixes_them(tmp_path):
+def test_one_folder_may_hold_both_sides_without_mixing_them(tmp_path):
     for side in ("left", "right"):
         for number in (1, 2):
             cv2.imwrite(str(tmp_path / f"{side}{number:02d}.png"), np.zeros((9, 9), np.uint8))
@@ -114,33 +114,33 @@ def test_one_folder_may_hold_both_sides_but_never_mixes_them(tmp_path):
         list_pairs(tmp_path, tmp_path)
 
 
-def test_boards_that_one_camera_finds_turned_are_settled_by_both(monkeypatch, board_dirs):
-    """The finder is made to turn every third board, in one camera only."""
+def test_boards_detected_rotated_in_one_camera_are_resolved(monkeypatch, board_dirs):
+    """The detector is patched to rotate every third board, in one camera only."""
     target = chessboard()
     calls = iter(range(1000))
     plain = Chessboard.find
 
-    def sometimes_turned(self, image):
+    def sometimes_rotated(self, image):
         corners, call = plain(self, image), next(calls)
         if corners is None or call % 6 != 1:
             return corners
         points = corners.points_px[self.orders[1]]
         return type(corners)(numbers=corners.numbers, points_px=points)
 
-    monkeypatch.setattr(Chessboard, "find", sometimes_turned)
+    monkeypatch.setattr(Chessboard, "find", sometimes_rotated)
     found = calibrate(*board_dirs, target)
     assert found.num_pairs == 8
     assert found.rms_px < 0.1
     assert found.calibration.baseline == pytest.approx(np.linalg.norm(STEP), rel=0.005)
 
 
-def test_the_orders_of_a_board_are_its_turns():
+def test_corner_orders_of_a_board_are_its_rotations():
     assert [len(set(order)) for order in chessboard((3, 2)).orders] == [6, 6]
     np.testing.assert_array_equal(chessboard((3, 2)).orders[1], [5, 4, 3, 2, 1, 0])
     assert len(chessboard((4, 4)).orders) == 4
 
 
-def test_a_calibration_that_explains_nothing_is_refused_unless_forced(monkeypatch, board_dirs):
+def test_poor_calibration_is_rejected_unless_forced(monkeypatch, board_dirs):
     plain, rng = Chessboard.find, np.random.default_rng(1)
 
     def shaken(self, image):
@@ -160,7 +160,7 @@ CHARUCO = Charuco(columns=7, rows=5, square=SQUARE, marker=0.75 * SQUARE, dictio
 
 
 def charuco_images(path, num_pairs=8):
-    """Boards that lie partly outside of the images."""
+    """Boards that are partly outside the images."""
     rng, side = np.random.default_rng(3), 40
     words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
     board = cv2.aruco.CharucoBoard((7, 5), SQUARE, 0.75 * SQUARE, words)
@@ -181,7 +181,7 @@ def charuco_images(path, num_pairs=8):
 
 
 @pytest.mark.parametrize("dictionary", ["DICT_4X4_50", None])
-def test_a_charuco_board_may_be_seen_in_part(tmp_path, dictionary):
+def test_charuco_board_may_be_partly_visible(tmp_path, dictionary):
     left, right = charuco_images(tmp_path)
     target = parse_target("charuco:7x5" + (f":{dictionary}" if dictionary else ""), SQUARE)
     assert target.marker == CHARUCO.marker
@@ -194,12 +194,12 @@ def test_a_charuco_board_may_be_seen_in_part(tmp_path, dictionary):
 @pytest.mark.parametrize(
     "text", ["9", "9x", "1x6", "charuco:9", "charuco:5x5:DICT_9", "other:5x5", "9x6x3", "999x999"]
 )
-def test_boards_that_are_none_are_refused(text):
+def test_invalid_boards_are_rejected(text):
     with pytest.raises(InputError, match=r"is needed|are needed"):
         parse_target(text, SQUARE)
 
 
-def test_rectified_images_need_no_more_of_it(board_dirs, tmp_path):
+def test_rectified_images_need_no_further_rectification(board_dirs, tmp_path):
     rig = calibrate(*board_dirs, chessboard()).calibration
     write_calibration(rig, tmp_path / "calib.yaml")
     done = rectify_files(*board_dirs, tmp_path / "calib.yaml", tmp_path / "out")

@@ -1,4 +1,4 @@
-"""Calibration files of every form give the same rig; what is wrong is named."""
+"""Calibration files of every format give the same rig; invalid values are named."""
 
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def kalibr():
     ids=["4.x", "5", "5 with a vector", "K1", "cameraMatrix1", "kalibr"],
 )
 @pytest.mark.parametrize("name", ["calib.txt", "rig.yaml"])
-def test_yaml_of_every_kind_is_the_same_rig(tmp_path, text, name):
+def test_every_yaml_format_gives_the_same_rig(tmp_path, text, name):
     path = tmp_path / name
     path.write_text(text)
     rig = read_calibration(path)
@@ -84,7 +84,7 @@ def test_yaml_of_every_kind_is_the_same_rig(tmp_path, text, name):
 
 
 @pytest.mark.parametrize("text", [opencv(OPENCV_4), kalibr()], ids=["opencv", "kalibr"])
-def test_a_file_may_state_the_residual_of_its_calibration(tmp_path, text):
+def test_residual_of_a_calibration_file_is_read(tmp_path, text):
     path = tmp_path / "calib.yaml"
     path.write_text(text)
     assert read_calibration(path).residual_px == TYPICAL_RESIDUAL_PX
@@ -96,7 +96,7 @@ def test_a_file_may_state_the_residual_of_its_calibration(tmp_path, text):
             read_calibration(path)
 
 
-def test_what_opencv_itself_writes_is_read(tmp_path):
+def test_file_written_by_opencv_is_read(tmp_path):
     import cv2
 
     path = tmp_path / "calib.yaml"
@@ -112,7 +112,7 @@ def test_what_opencv_itself_writes_is_read(tmp_path):
     assert rig.size is None
 
 
-def test_sensor_files_give_the_rig_and_where_it_sits_on_the_body(tmp_path):
+def test_sensor_files_give_the_rig_and_its_pose_on_the_body(tmp_path):
     turn = np.array([[0, -1, 0, -0.02], [1, 0, 0, -0.06], [0, 0, 1, 0.01], [0, 0, 0, 1.0]])
     T_right_left = np.vstack([np.column_stack([R, T]), [0, 0, 0, 1]])
     for name, T_BS, K in (("l", turn, K_LEFT), ("r", turn @ np.linalg.inv(T_right_left), K_RIGHT)):
@@ -128,7 +128,7 @@ def test_sensor_files_give_the_rig_and_where_it_sits_on_the_body(tmp_path):
     assert rig.left.is_fisheye
 
 
-def test_kitti_rows_need_no_label_and_no_last_newline(tmp_path):
+def test_kitti_rows_need_no_label_and_no_final_newline(tmp_path):
     rows = [
         "707.1 0 601.9 0 0 707.1 183.1 0 0 0 1 0",
         "707.1 0 601.9 -379.8 0 707.1 183.1 0 0 0 1 0",
@@ -155,7 +155,7 @@ def test_middlebury_millimetres_become_metres(tmp_path):
 
 
 @pytest.mark.parametrize("residual", ["0", "0.25", "-1", "much"])
-def test_middlebury_keys_may_state_a_residual(tmp_path, residual):
+def test_residual_of_a_middlebury_file_is_read(tmp_path, residual):
     path = tmp_path / "calib.txt"
     path.write_text(
         "cam0=[100 0 50; 0 100 40; 0 0 1]\ncam1=[100 0 50; 0 100 40; 0 0 1]\nbaseline=100\n"
@@ -187,14 +187,14 @@ def test_middlebury_keys_may_state_a_residual(tmp_path, residual):
         ("M1: !!python/object/apply:os.system [ls]\n", "not a calibration in YAML"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named(tmp_path, text, message):
+def test_invalid_value_is_named(tmp_path, text, message):
     (tmp_path / "calib.txt").write_text(text)
     with pytest.raises(InputError, match=message) as caught:
         read_calibration(tmp_path / "calib.txt")
     assert "\n" not in str(caught.value)
 
 
-def test_binary_files_are_refused(tmp_path):
+def test_binary_files_are_rejected(tmp_path):
     (tmp_path / "calib.txt").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(InputError, match="is not UTF-8 text"):
         read_calibration(tmp_path / "calib.txt")

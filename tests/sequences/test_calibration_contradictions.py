@@ -1,4 +1,4 @@
-"""A calibration that the images contradict is said; what one pair cannot show is proved not to."""
+"""Calibrations that the images contradict are reported; limits of a single pair are proved."""
 
 import re
 from dataclasses import replace
@@ -29,7 +29,7 @@ def rng():
 
 
 def steps_of(rng, *, field=None, rig=RIG, scale=1.0):
-    """Three steps of a drive, with poses times `scale`."""
+    """Make three steps of a drive, with positions scaled by `scale`."""
     return [_step(tracks(rng, T, field=field), T, rig, scale) for T in [motion(rng) for _ in "abc"]]
 
 
@@ -50,7 +50,7 @@ def _step(seen, T_first_second, rig, scale):
 
 
 @pytest.mark.parametrize("offset", [-8.0, -3.0, 3.0, 8.0])
-def test_an_offset_of_all_disparities_is_an_angle(rng, offset):
+def test_disparity_offset_is_reported_as_an_angle(rng, offset):
     found = angle_finding(steps_of(rng, field=np.array([offset, 0, 0, 0, 0, 0])))
     assert found.code == "angle-differs"
     measured = re.search(r"with disparities (\S+) px", found.text)[1]
@@ -58,13 +58,13 @@ def test_an_offset_of_all_disparities_is_an_angle(rng, offset):
 
 
 @pytest.mark.parametrize("offset", [-1.0, 0.0, 1.0])
-def test_what_a_usual_rectification_leaves_is_no_other_angle(rng, offset):
+def test_usual_rectification_residual_is_not_reported(rng, offset):
     assert angle_finding(steps_of(rng, field=np.array([offset, 0, 0, 0, 0, 0]))) is None
     assert angle_finding([]) is None
 
 
 @pytest.mark.parametrize("scale", [0.75, 1.3, 10.0])
-def test_poses_of_another_scale(rng, scale):
+def test_poses_of_another_scale_are_reported(rng, scale):
     found = pose_finding(steps_of(rng, scale=scale))
     assert found.code == "poses-disagree"
     measured = re.search(r"with positions times (\S+):", found.text)[1]
@@ -72,37 +72,39 @@ def test_poses_of_another_scale(rng, scale):
     assert pose_finding(steps_of(rng, scale=1.05)) is None
 
 
-def test_lengths_of_a_rig_that_only_turns_contradict_nothing(rng):
+def test_scale_of_a_pure_rotation_is_not_judged(rng):
     turn = pose(cv2.Rodrigues(np.array([0.0, 0.05, 0.0]))[0], np.array([0.0, 0.0, 1e-3]))
     assert pose_finding([_step(tracks(rng, turn), turn, RIG, scale=3.0)]) is None
 
 
-def test_a_wrong_focal_length_scales_the_path_against_the_poses(rng):
+def test_wrong_focal_length_is_reported_by_the_scale_of_the_path(rng):
     found = pose_finding(steps_of(rng, rig=replace(RIG, focal_px=1.5 * RIG.focal_px)))
     assert found.code == "poses-disagree"
     assert "positions times 1.5" in found.text
     assert "focal length" in found.text
 
 
-def seen_by(rig, points):
-    """What a rig measures of points in its left frame."""
+def measured_by(rig, points):
+    """Project points in the left frame into both images of a rig."""
     left, right = rig.project_left(points), rig.project_right(points)
     return np.column_stack([left, right])
 
 
-def test_the_focal_length_cannot_be_measured_in_one_pair_nor_on_a_straight_path(rng):
-    """Every measurement of one rig is one of a rig with another focal length, of a deeper world."""
+def test_focal_length_is_unobservable_in_one_pair_or_on_a_straight_path(rng):
+    """A rig with another focal length measures the same in a world stretched in depth."""
     other = replace(RIG, focal_px=1.5 * RIG.focal_px)
     points = RIG.rays(rng.uniform(0, 370, (500, 2))) * rng.uniform(5, 40, (500, 1))
     step = np.array([0.1, 0.05, 1.2])
     for moved, by in ((points, np.zeros(3)), (points - step, step)):
-        measured = seen_by(RIG, moved)
+        measured = measured_by(RIG, moved)
         deeper = points * (1.0, 1.0, 1.5) - by * (1.0, 1.0, 1.5)
-        np.testing.assert_allclose(seen_by(other, deeper), measured, atol=1e-9)
-    # A turn shows it: no motion of the deeper world has these images.
+        np.testing.assert_allclose(measured_by(other, deeper), measured, atol=1e-9)
+    # A rotation reveals it: no rigid motion of the stretched world gives these images.
     turned = transform(pose(cv2.Rodrigues(np.array([0.0, 0.1, 0.0]))[0], step), points)
-    assert np.abs(seen_by(other, turned * (1.0, 1.0, 1.5)) - seen_by(RIG, turned)).max() < 1e-9
-    back = other.triangulate(seen_by(RIG, turned)[:, :2], _disparity(seen_by(RIG, turned)))
+    assert (
+        np.abs(measured_by(other, turned * (1.0, 1.0, 1.5)) - measured_by(RIG, turned)).max() < 1e-9
+    )
+    back = other.triangulate(measured_by(RIG, turned)[:, :2], _disparity(measured_by(RIG, turned)))
     rigid = np.linalg.lstsq(
         np.column_stack([points * (1.0, 1.0, 1.5), np.ones(len(points))]), back, rcond=None
     )[0][:3]
@@ -125,7 +127,7 @@ def turned(image, degrees):
 
 
 def distorted(image, k):
-    """The image with points drawn in from the corners by a share `k` of their distance."""
+    """Distort an image radially; `k` is the relative displacement at the corners."""
     height, width = image.shape
     centre, radius = np.array([width - 1, height - 1]) / 2, np.hypot(width - 1, height - 1) / 2
     grid = (np.stack(np.meshgrid(np.arange(width), np.arange(height)), -1) - centre) / radius
@@ -147,13 +149,13 @@ def codes(left, right):
 
 @pytest.mark.data
 @pytest.mark.parametrize("degrees", [-2.0, 1.0, 2.0])
-def test_one_camera_turned_about_the_vertical(drive, degrees):
+def test_camera_rotated_about_the_vertical_is_reported(drive, degrees):
     left, right = drive
     assert codes(left, turned(right, degrees)) == ["angle-differs"]
 
 
 @pytest.mark.data
-def test_distortion_left_in_one_image_or_alike_in_both(drive):
+def test_remaining_distortion_is_reported(drive):
     left, right = drive
     assert codes(left, right) == []
     for k in (-0.15, 0.1):

@@ -1,4 +1,4 @@
-"""Files of other people's tools: each has its right value, or is refused in a line."""
+"""Files of other tools are read correctly or rejected in one line."""
 
 import io
 import struct
@@ -26,7 +26,7 @@ IDENTITY = "[[1.0, 0.0, 0.0, {x}], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [
 def kalibr(
     step, *, model="radtan", lens="[0, 0, 0, 0]", comment="# of the lab, for twelve words\n"
 ):
-    """A chain whose cameras stand 0.11 apart; `step` names how the file says so."""
+    """Write a chain of two cameras 0.11 apart; `step` is the key that states their distance."""
     camera = CAMERA.format(model=model, lens=lens)
     places = {
         "T_cn_cnm1": (None, "-0.11"), "T_cam_imu": ("0.05", "-0.06"), "T_imu_cam": ("0.05", "0.16")
@@ -40,14 +40,14 @@ def matrix(name, rows, cols, data, form="%YAML:1.0"):
 
 
 K = [450.0, 0.0, 320.0, 0.0, 450.0, 240.0, 0.0, 0.0, 1.0]
-EYE = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
+IDENTITY_3X3 = [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
 CAMERAS = "".join(matrix(f"M{n}", 3, 3, K) + matrix(f"D{n}", 1, 5, [0.0] * 5) for n in (1, 2))
-STEP = matrix("R", 3, 3, EYE) + matrix("T", 3, 1, [-0.12, 0.0, 0.0])
+STEP = matrix("R", 3, 3, IDENTITY_3X3) + matrix("T", 3, 1, [-0.12, 0.0, 0.0])
 HEAD = "%YAML:1.0\n---\n"
 
 
 def camera_info(side, case=str.upper):
-    """A message of ROS as its tools print it; version 2 has small letters."""
+    """Write a ROS message as its tools print it; version 2 uses lower case."""
     K, R = [500.0, 0, 320, 0, 500, 240, 0, 0, 1], [1.0, 0, 0, 0, 1, 0, 0, 0, 1]
     P = [500.0, 0, 320, 0.0 if side == "left" else -60.0, 0, 500, 240, 0, 0, 0, 1, 0]
     fields = {"D": [0.0] * 5, "K": K, "R": R, "P": P}
@@ -61,7 +61,7 @@ def ros(side):
         f"image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo/{side}\n"
         f"camera_matrix:\n  rows: 3\n  cols: 3\n  data: {K}\ndistortion_model: plumb_bob\n"
         "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.0, 0.0, 0.0, 0.0, 0.0]\n"
-        f"rectification_matrix:\n  rows: 3\n  cols: 3\n  data: {EYE}\n"
+        f"rectification_matrix:\n  rows: 3\n  cols: 3\n  data: {IDENTITY_3X3}\n"
         f"projection_matrix:\n  rows: 3\n  cols: 4\n  data: [450.0, 0.0, 320.0, {x}, 0.0, 450.0,"
         " 240.0, 0.0, 0.0, 0.0, 1.0, 0.0]\n"
     )
@@ -109,7 +109,7 @@ XML = (
         f"<data>{' '.join(str(v) for v in data)}</data></{name}>\n"
         for name, rows, cols, data in (
             ("K1", 3, 3, K), ("D1", 1, 5, [0.0] * 5), ("K2", 3, 3, K), ("D2", 1, 5, [0.0] * 5),
-            ("R", 3, 3, EYE), ("T", 3, 1, [-0.12, 0, 0]),
+            ("R", 3, 3, IDENTITY_3X3), ("T", 3, 1, [-0.12, 0, 0]),
         )
     )
     + "</opencv_storage>\n"
@@ -160,7 +160,7 @@ STEREO_2012 = "".join(
         ({"000000.txt": STEREO_2012}, "000000.txt", 0.53715),
     ],
 )  # fmt: skip
-def test_calibrations_are_told_apart_by_what_they_hold(tmp_path, files, given, baseline):
+def test_calibration_format_is_detected_from_its_content(tmp_path, files, given, baseline):
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     with collected_notices() as notices:
@@ -171,7 +171,7 @@ def test_calibrations_are_told_apart_by_what_they_hold(tmp_path, files, given, b
 
 
 @pytest.mark.parametrize("text", [RAW, STEREO_2012], ids=["raw", "2012"])
-def test_kittis_colour_cameras_have_another_baseline(tmp_path, text):
+def test_kitti_colour_cameras_have_another_baseline(tmp_path, text):
     (tmp_path / "calib.txt").write_text(text)
     assert read_calibration(tmp_path / "calib.txt", (2, 3)).baseline == pytest.approx(
         0.53273, rel=2e-5
@@ -199,14 +199,14 @@ def test_kittis_colour_cameras_have_another_baseline(tmp_path, text):
         (kalibr("T_cn_cnm1", model="fov"), "camera model pinhole with fov is not known"),
     ],
 )  # fmt: skip
-def test_what_is_no_calibration_is_refused_in_a_line(tmp_path, text, message):
+def test_invalid_calibration_is_rejected_in_one_line(tmp_path, text, message):
     (tmp_path / "calib.yaml").write_text(text)
     with pytest.raises(InputError, match=message) as caught:
         read_calibration(tmp_path / "calib.yaml")
     assert "\n" not in str(caught.value)
 
 
-def test_a_rotation_that_digits_have_rounded_is_made_rigid_and_said(tmp_path):
+def test_rounded_rotation_is_made_rigid_with_a_notice(tmp_path):
     turned = kalibr("T_cn_cnm1").replace(
         "[[1.0, 0.0, 0.0, -0.11], [0.0, 1.0", "[[0.99995, 0.0, 0.0, -0.11], [0.0, 1.0"
     )
@@ -221,13 +221,13 @@ def test_a_rotation_that_digits_have_rounded_is_made_rigid_and_said(tmp_path):
     "header",
     ["Pf\n4 3\n-0.003922\n", "Pf\r\n4 3\r\n-1.0\r\n", "Pf 4 3 -1\n", "Pf\n# words\n4 3\n-255.0\n"],
 )
-def test_float_maps_of_every_form_hold_what_is_stored(tmp_path, header):
+def test_every_variant_of_pfm_is_read(tmp_path, header):
     stored = np.arange(12, dtype="<f4").reshape(3, 4) + 1.25
     (tmp_path / "disp_left.pfm").write_bytes(header.encode() + stored[::-1].tobytes())
     np.testing.assert_array_equal(read_truth(tmp_path).disparity_px, stored)
 
 
-def test_a_float_map_big_end_first_and_one_that_claims_more_than_it_holds():
+def test_big_endian_pfm_is_read_and_a_truncated_one_rejected():
     stored = np.arange(6, dtype=">f4").reshape(2, 3)
     data = b"Pf\n3 2\n1.0\n" + stored[::-1].tobytes()
     np.testing.assert_array_equal(decode_pfm(data, "map"), stored)
@@ -236,7 +236,7 @@ def test_a_float_map_big_end_first_and_one_that_claims_more_than_it_holds():
             decode_pfm(broken, "map")
 
 
-def test_truth_in_colour_must_say_the_same_in_all_channels(tmp_path):
+def test_truth_in_colour_needs_equal_channels(tmp_path):
     grey = np.full((4, 5), 24, np.uint8)
     for name, last, fits in (("same", 24, True), ("other", 25, False)):
         cv2.imwrite(
@@ -249,7 +249,7 @@ def test_truth_in_colour_must_say_the_same_in_all_channels(tmp_path):
             read_truth_file(tmp_path / f"{name}.png", 8)
 
 
-def test_kittis_truth_counts_in_256ths_and_middleburys_has_its_names(tmp_path):
+def test_truth_of_kitti_and_middlebury_is_found_and_scaled(tmp_path):
     stored = np.array([[0, 256, 640]], np.uint16)
     (tmp_path / "kitti").mkdir()
     cv2.imwrite(str(tmp_path / "kitti" / "disp_occ_0.png"), stored)
@@ -265,7 +265,7 @@ def gradient(low, high, shape=(24, 32)):
     return np.linspace(low, high, shape[0] * shape[1]).reshape(shape)
 
 
-def test_twelve_bits_in_sixteen_and_a_narrow_band_keep_their_levels(tmp_path):
+def test_narrow_ranges_of_16_bit_images_keep_their_levels(tmp_path):
     for low, high in ((0, 4095), (30_000, 30_600)):
         cv2.imwrite(str(tmp_path / "deep.png"), gradient(low, high).astype(np.uint16))
         with collected_notices() as notices:
@@ -275,7 +275,7 @@ def test_twelve_bits_in_sixteen_and_a_narrow_band_keep_their_levels(tmp_path):
         assert [notice.code for notice in notices] == ["depth-stretched"]
 
 
-def test_both_cameras_are_stretched_alike_and_eight_bits_are_left(tmp_path):
+def test_both_cameras_share_one_stretch_and_8_bit_images_stay_unchanged(tmp_path):
     dark, bright = (gradient(*ends).astype(np.uint16) for ends in ((1000, 1300), (1200, 1600)))
     cv2.imwrite(str(tmp_path / "l.png"), dark)
     cv2.imwrite(str(tmp_path / "r.png"), bright)
@@ -296,16 +296,16 @@ def jpeg(image, **options):
 
 
 @pytest.fixture
-def picture():
+def photo():
     rng = np.random.default_rng(3)
     return cv2.GaussianBlur(rng.integers(0, 256, (94, 160, 3), np.uint8), (0, 0), 2)
 
 
-def test_turning_by_exif_is_ignored_and_said(tmp_path, picture):
+def test_exif_rotation_is_ignored_with_a_notice(tmp_path, photo):
     exif = PIL.Image.Exif()
     exif[274] = 3
-    (tmp_path / "plain.jpg").write_bytes(jpeg(picture))
-    (tmp_path / "turned.jpg").write_bytes(jpeg(picture, exif=exif))
+    (tmp_path / "plain.jpg").write_bytes(jpeg(photo))
+    (tmp_path / "turned.jpg").write_bytes(jpeg(photo, exif=exif))
     with collected_notices() as notices:
         turned = read_image(tmp_path / "turned.jpg")
         plain = read_image(tmp_path / "plain.jpg")
@@ -313,41 +313,41 @@ def test_turning_by_exif_is_ignored_and_said(tmp_path, picture):
     assert [notice.code for notice in notices] == ["exif-ignored"]
 
 
-def test_grey_beside_colour_is_taken_as_grey(tmp_path, picture):
-    cv2.imwrite(str(tmp_path / "l.png"), picture)
-    cv2.imwrite(str(tmp_path / "r.png"), picture[..., 0])
+def test_colour_beside_grey_is_converted_to_grey(tmp_path, photo):
+    cv2.imwrite(str(tmp_path / "l.png"), photo)
+    cv2.imwrite(str(tmp_path / "r.png"), photo[..., 0])
     with collected_notices() as notices:
         left, right = read_pair(tmp_path / "l.png", tmp_path / "r.png")
     assert left.ndim == right.ndim == 2
     assert [notice.code for notice in notices] == ["colour-missing"]
 
 
-def test_a_targa_and_a_jpeg_with_bytes_after_its_end_are_read(tmp_path, picture):
-    PIL.Image.fromarray(picture).save(tmp_path / "rgb.tga")
-    np.testing.assert_array_equal(read_image(tmp_path / "rgb.tga"), picture)
-    (tmp_path / "trailer.jpg").write_bytes(jpeg(picture) + b"more than was asked for")
-    assert read_image(tmp_path / "trailer.jpg").shape == picture.shape
+def test_targa_and_jpeg_with_trailing_bytes_are_read(tmp_path, photo):
+    PIL.Image.fromarray(photo).save(tmp_path / "rgb.tga")
+    np.testing.assert_array_equal(read_image(tmp_path / "rgb.tga"), photo)
+    (tmp_path / "trailer.jpg").write_bytes(jpeg(photo) + b"more than was asked for")
+    assert read_image(tmp_path / "trailer.jpg").shape == photo.shape
 
 
 @pytest.mark.parametrize("options", [{}, {"progressive": True}, {"restart_marker_rows": 1}])
 @pytest.mark.parametrize("share", [0.4, 0.8])
-def test_a_jpeg_that_was_cut_and_closed_again_is_refused(tmp_path, picture, options, share):
-    data = jpeg(picture, **options)
+def test_truncated_jpeg_with_an_end_marker_is_rejected(tmp_path, photo, options, share):
+    data = jpeg(photo, **options)
     (tmp_path / "whole.jpg").write_bytes(data)
-    assert read_pixels(tmp_path / "whole.jpg").shape == picture.shape
+    assert read_pixels(tmp_path / "whole.jpg").shape == photo.shape
     (tmp_path / "cut.jpg").write_bytes(data[: int(share * len(data))] + b"\xff\xd9")
     with pytest.raises(InputError, match="is cut short"):
         read_pixels(tmp_path / "cut.jpg")
 
 
-def test_a_grey_corner_alone_does_not_make_a_jpeg_cut(tmp_path, picture):
-    half = picture.copy()
+def test_jpeg_with_a_grey_area_is_not_taken_for_truncated(tmp_path, photo):
+    half = photo.copy()
     half[40:] = 128
     (tmp_path / "grey.jpg").write_bytes(jpeg(half))
     assert (read_pixels(tmp_path / "grey.jpg")[-8:] == 128).all()
 
 
-def test_sizes_that_cannot_be_are_one_line_and_no_library_speaks(tmp_path, capfd):
+def test_impossible_image_sizes_are_rejected_without_library_output(tmp_path, capfd):
     header = struct.pack("<2sIHHIIiiHHIIiiII", b"BM", 118, 0, 0, 54, 40, 2**30, 2**30, 1, 24,
                          0, 0, 0, 0, 0, 0)  # fmt: skip
     (tmp_path / "huge.bmp").write_bytes(header + bytes(64))

@@ -1,4 +1,4 @@
-"""Points that two pairs see at one place are confirmed; what moves or was mismatched is not."""
+"""Points that several pairs agree on are confirmed; moving or mismatched points are not."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def pair_at(z):
 
 
 def seen_from(pair, points_world, rng, sigma_px=0.2):
-    """The cloud of world points as `pair` measures them."""
+    """Make the cloud of world points that `pair` measures."""
     points_left = transform(np.linalg.inv(pair.T_world_left), points_world)
     disparity = RIG.disparity(points_left[:, 2]) + rng.normal(0, sigma_px, len(points_left))
     measured = RIG.triangulate(RIG.project_left(points_left), disparity)
@@ -48,7 +48,7 @@ def run(places, clouds, **settings):
     return consistency, settled + consistency.finish()
 
 
-def test_what_stands_still_is_confirmed_by_each_neighbour(rng, points):
+def test_static_points_are_confirmed_by_each_neighbour(rng, points):
     places = [0.0, 0.8, 1.6]
     consistency, settled = run(places, [seen_from(pair_at(z), points, rng) for z in places])
     assert len(settled) == 3
@@ -56,7 +56,7 @@ def test_what_stands_still_is_confirmed_by_each_neighbour(rng, points):
     assert 0 < consistency.median_distance < 0.3
 
 
-def test_what_moves_or_is_mismatched_is_not(rng, points):
+def test_moving_or_mismatched_points_are_not_confirmed(rng, points):
     def cloud_at(number, z):
         moving = points[:100] + np.array([0, 0, 3.0 * number])
         wrong = rng.uniform([-3, -0.8, 5], [3, 0.8, 8], (100, 3))
@@ -71,7 +71,7 @@ def test_what_moves_or_is_mismatched_is_not(rng, points):
         assert wrong < 0.1
 
 
-def test_a_wrong_pose_is_noticed(rng, points):
+def test_wrong_pose_is_detected(rng, points):
     clouds = [seen_from(pair_at(z), points, rng) for z in (0.0, 0.8)]
     right, _ = run([0.0, 0.8], clouds)
     wrong, _ = run([0.0, 0.8], [clouds[0], clouds[1].transformed(pose(np.eye(3), [0, 0, 4.0]))])
@@ -80,14 +80,14 @@ def test_a_wrong_pose_is_noticed(rng, points):
     assert wrong.median_distance > 2 * right.median_distance
 
 
-def test_only_near_points_count(rng, points):
+def test_only_near_points_are_judged(rng, points):
     far = points * [2, 2, 3]
     clouds = [seen_from(pair_at(z), far, rng) for z in (0.0, 0.8)]
     assert run([0.0, 0.8], clouds, max_depth=30.0)[0].share is None
     assert run([0.0, 0.8], clouds, max_depth=100.0)[0].share > 0.97
 
 
-def test_reach_says_how_far_witnesses_are_asked(rng, points):
+def test_reach_limits_the_distance_to_neighbours(rng, points):
     half = [points[:150], points[150:], points[:150]]
     clouds = [seen_from(pair_at(0.5 * n), part, rng) for n, part in enumerate(half)]
     places = [0.0, 0.5, 1.0]
@@ -95,13 +95,13 @@ def test_reach_says_how_far_witnesses_are_asked(rng, points):
     assert run(places, clouds, reach=2)[0].share > 0.65
 
 
-def test_points_behind_and_empty_clouds_do_no_harm(rng, points):
+def test_points_behind_the_camera_and_empty_clouds_are_handled(rng, points):
     cloud = seen_from(pair_at(0.0), points, rng)
     nothing = seen_from(pair_at(0.0), points[:0], rng)
     assert run([0.0, 40.0], [cloud, nothing])[0].share == 0.0
 
 
-def test_pairs_without_a_pose_are_refused(rng, points):
+def test_pairs_without_a_pose_are_rejected(rng, points):
     pair = StereoPair(left=IMAGE, right=IMAGE, rig=RIG, name="lost")
     with pytest.raises(InputError, match="lost has no pose"):
         Consistency().add(pair, seen_from(pair_at(0.0), points, rng))

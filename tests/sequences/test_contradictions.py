@@ -1,4 +1,4 @@
-"""What images contradict is said with its code; sound ones get no word."""
+"""Contradictions in images are reported with a code; correct images give no findings."""
 
 from dataclasses import replace
 from functools import cache
@@ -27,14 +27,14 @@ T_BODY_CAMERA = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 
 
 
 def textured(rng, shape=(240, 420)):
-    """A smooth random image."""
+    """Make a smooth random image."""
     noise = cv2.GaussianBlur(rng.normal(size=shape), (0, 0), 2.0)
     return np.clip(128 + 90 * noise / noise.std() / 2, 0, 255).astype(np.uint8)
 
 
 @pytest.fixture(scope="module")
 def images():
-    """A pair whose halves are 12 and 5 px apart."""
+    """A pair whose upper and lower halves have disparities of 12 and 5 px."""
     rng = np.random.default_rng(4)
     wide = textured(rng)
     upper, lower = wide[:120, 12:-8], wide[120:, 5:-15]
@@ -45,12 +45,12 @@ def codes(left, right, **known):
     return [finding.code for finding in findings(left, right, **known)]
 
 
-def test_a_sound_pair_gets_no_word(images):
+def test_correct_pair_gives_no_findings(images):
     assert codes(*images, search=(0, 20)) == []
     assert codes(*images) == []
 
 
-def test_too_little_texture_tells_nothing():
+def test_untextured_pair_gives_no_findings():
     plain = np.full((120, 200), 90, np.uint8)
     other = plain.copy()
     other[0, 0] = 91
@@ -58,25 +58,25 @@ def test_too_little_texture_tells_nothing():
 
 
 @pytest.mark.parametrize("rows", [1, 2, -6])
-def test_rows_that_do_not_correspond(images, rows):
+def test_row_offset_is_reported(images, rows):
     left, right = images
     assert codes(left, np.roll(right, rows, axis=0)) == ["rows-differ"]
 
 
-def test_sides_that_are_swapped_or_mirrored(images):
+def test_swapped_or_mirrored_sides_are_reported(images):
     left, right = images
     assert codes(right, left, search=(0, 20)) == ["left-right-swapped"]
     assert codes(left[:, ::-1].copy(), right[:, ::-1].copy()) == ["left-right-swapped"]
-    # Eyes that converge have negative disparities, and somebody who looks for them knows it.
+    # Converging cameras have negative disparities, and a negative search range expects them.
     assert codes(right, left, search=(-20, 0)) == []
 
 
-def test_a_range_that_leaves_out_what_is_there(images):
+def test_too_small_search_range_is_reported(images):
     assert codes(*images, search=(0, 8)) == ["search-range-too-small"]
     assert codes(*images, search=(8, 20)) == ["search-range-too-small"]
 
 
-def test_images_that_have_nothing_in_common(images):
+def test_unrelated_images_are_reported(images):
     left, right = images
     assert codes(left, right[::-1, ::-1].copy()) == ["images-unrelated"]
     assert codes(left, textured(np.random.default_rng(9))[:, :400].copy()) == ["images-unrelated"]
@@ -97,35 +97,35 @@ def test_noise_over_weak_texture_does_not_make_images_unrelated():
     assert codes(left, noisy(other[:, :400])) == ["images-unrelated"]
 
 
-def test_a_pattern_that_repeats_is_not_of_another_place():
+def test_repetitive_pattern_is_not_reported_as_unrelated():
     bricks = np.tile(textured(np.random.default_rng(3), (40, 24)), (6, 20))
     assert codes(bricks[:, 5:405].copy(), bricks[:, 12:412].copy()) == []
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(0.4, 0), (0.5, 90), (1.6, -60)])
-def test_a_camera_of_another_exposure_contradicts_nothing(images, gain, offset):
+def test_exposure_difference_is_not_reported(images, gain, offset):
     left, right = images
     changed = np.clip(gain * right.astype(float) + offset, 0, 255).astype(np.uint8)
     assert codes(left, changed, search=(0, 20)) == []
     assert codes(changed, left, search=(0, 20)) == ["left-right-swapped"]
 
 
-def test_cameras_at_another_angle_see_much_behind_infinity(images):
+def test_angle_between_cameras_is_reported_by_negative_disparities(images):
     left, right = images
     assert codes(left, np.roll(right, 8, axis=1)) == ["angle-differs"]
     assert codes(left, np.roll(right, -8, axis=1)) == []
 
 
 @cache
-def far_away():
-    """A textured world."""
+def distant_world():
+    """Make the image of a distant, textured world."""
     return textured(np.random.default_rng(8), (300, 900))
 
 
-def turning(rig, number):
-    """What a rig that looks about sees of a textured world far away, both cameras alike."""
+def rotating_pair(rig, number):
+    """Render a rotating rig's pair of a distant world, the same in both cameras but for a shift."""
     moved = cv2.warpAffine(
-        far_away(),
+        distant_world(),
         np.array([[1.0, 0.0, -150.0 - 6.0 * number], [0.0, 1.0, -30.0 - 4.0 * number]]),
         (rig.width, rig.height),
         flags=cv2.INTER_LINEAR,
@@ -133,65 +133,65 @@ def turning(rig, number):
     return moved, np.roll(moved, -9, axis=1)
 
 
-def moving(num_pairs, late=0, still=False):
-    """Pairs of such a rig; the right images show what the left ones did some pairs before."""
+def rotating_pairs(num_pairs, late=0, still=False):
+    """Yield pairs of such a rig; the right images lag by `late` pairs."""
     rig = StereoRig(
         width=400, height=240, focal_px=400.0, cx_left_px=200.0, cx_right_px=200.0, cy_px=120.0,
         baseline=0.1,
     )  # fmt: skip
     for number in range(num_pairs):
         at = (0, 0) if still else (number, number - late)
-        left, right = turning(rig, at[0])[0], turning(rig, at[1])[1]
+        left, right = rotating_pair(rig, at[0])[0], rotating_pair(rig, at[1])[1]
         yield StereoPair(left=left, right=right, rig=rig, name=f"{number:06d}")
 
 
 @pytest.mark.parametrize(
     ("late", "words"), [(1, "1 pair late"), (2, "2 pairs late"), (-1, "1 pair early")]
 )
-def test_a_camera_that_lags_is_told_by_the_pairs_before(late, words):
-    *before, last = moving(3, late)
+def test_lagging_camera_is_reported_by_earlier_pairs(late, words):
+    *before, last = rotating_pairs(3, late)
     found = moment_finding(last, before[::-1])
     assert found.code == "not-simultaneous"
     assert words in found.text
 
 
 @pytest.mark.parametrize("still", [False, True])
-def test_cameras_of_one_moment_do_not_lag_moving_or_at_rest(still):
-    *before, last = moving(3, still=still)
+def test_synchronised_cameras_are_not_reported(still):
+    *before, last = rotating_pairs(3, still=still)
     assert moment_finding(last, before[::-1]) is None
 
 
 class Listed(list):
-    """Pairs as a source has them."""
+    """A list of pairs with the attributes of a source."""
 
     disparity_range = None
     skipped = ()
 
 
-def test_sides_that_are_swapped_only_from_the_middle_on_are_told():
+def test_sides_swapped_from_the_middle_on_are_reported():
     def pairs(swapped):
-        for number, pair in enumerate(moving(12)):
+        for number, pair in enumerate(rotating_pairs(12)):
             is_swapped = number in swapped
             sides = (pair.right, pair.left) if is_swapped else (pair.left, pair.right)
             yield replace(pair, left=sides[0], right=sides[1])
 
-    def told(swapped):
+    def notices_for(swapped):
         with collected_notices() as notices:
             source = Listed(pairs(swapped))
             assert len(list(CheckedPairs(source, has_given_poses=False))) == 12
         return [notice.code for notice in notices]
 
-    assert told(range(6, 12)) == ["left-right-swapped"]
-    assert told(range(12)) == ["left-right-swapped"]
-    assert told([9]) == []
+    assert notices_for(range(6, 12)) == ["left-right-swapped"]
+    assert notices_for(range(12)) == ["left-right-swapped"]
+    assert notices_for([9]) == []
 
 
-def test_one_image_on_both_sides(images):
+def test_same_image_on_both_sides_is_reported(images):
     assert codes(images[0], images[0].copy()) == ["same-image"]
 
 
 def drive(data_dir, path, *, first=20, sides=("left", "right"), late=0, rows=0, poses=None):
-    """Some pairs of the recorded drive, changed."""
+    """Write some pairs of the recorded drive with a fault."""
     recorded = data_dir / "kitti_odometry" / "sequence_1"
     for side, source, shift in zip(("left", "right"), sides, (0, late), strict=True):
         (path / side).mkdir(parents=True)
@@ -207,24 +207,24 @@ def drive(data_dir, path, *, first=20, sides=("left", "right"), late=0, rows=0, 
     return path
 
 
-def said(path, **settings):
+def notices_of(path, **settings):
     with collected_notices() as notices:
         assert len(list(open_sequence(path, SequenceSettings(**settings)))) == NUM_PAIRS
     return {notice.code: notice.text for notice in notices}
 
 
 @pytest.mark.data
-def test_a_sound_drive_gets_no_word(data_dir, tmp_path):
-    assert said(drive(data_dir, tmp_path / "later")) == {}
+def test_correct_drive_gives_no_notices(data_dir, tmp_path):
+    assert notices_of(drive(data_dir, tmp_path / "later")) == {}
 
 
 @pytest.mark.data
-def test_pairs_of_the_drive_that_contradict_what_is_said_of_them(data_dir, tmp_path):
+def test_corrupted_pairs_of_a_drive_are_reported(data_dir, tmp_path):
     swapped = drive(data_dir, tmp_path / "swapped", sides=("right", "left"))
-    assert [*said(swapped)] == ["left-right-swapped"]
-    assert [*said(drive(data_dir, tmp_path / "rows", rows=2))] == ["rows-differ"]
-    assert [*said(drive(data_dir, tmp_path / "late", late=1))] == ["not-simultaneous"]
-    assert [*said(drive(data_dir, tmp_path / "early", late=-1))] == ["not-simultaneous"]
+    assert [*notices_of(swapped)] == ["left-right-swapped"]
+    assert [*notices_of(drive(data_dir, tmp_path / "rows", rows=2))] == ["rows-differ"]
+    assert [*notices_of(drive(data_dir, tmp_path / "late", late=1))] == ["not-simultaneous"]
+    assert [*notices_of(drive(data_dir, tmp_path / "early", late=-1))] == ["not-simultaneous"]
 
 
 @pytest.mark.data
@@ -238,13 +238,13 @@ def test_pairs_of_the_drive_that_contradict_what_is_said_of_them(data_dir, tmp_p
         (lambda T: _scaled(T, 1.3), "with positions times 0.77"),
     ],
 )
-def test_poses_of_another_kind_than_the_images_show(data_dir, tmp_path, change, word):
+def test_wrong_pose_conventions_are_reported(data_dir, tmp_path, change, word):
     path = drive(data_dir, tmp_path / "drive", poses=change)
-    found = said(path)
+    found = notices_of(path)
     assert [*found] == ["poses-disagree"]
     assert word in found["poses-disagree"]
     if change is np.linalg.inv:
-        assert said(path, poses="estimated") == {}
+        assert notices_of(path, poses="estimated") == {}
 
 
 def _scaled(poses, factor):
@@ -257,7 +257,7 @@ def _scaled(poses, factor):
 @pytest.mark.parametrize(
     ("name", "highest"), [("2001/venus", 20), ("2003/cones", 60), ("2005/Moebius", 80)]
 )
-def test_recorded_pairs_get_no_word_until_they_are_spoilt(data_dir, name, highest):
+def test_recorded_pairs_are_reported_only_when_corrupted(data_dir, name, highest):
     folder = data_dir / f"middlebury{name}"
     left, right = (read_image(folder / f"{side}.png") for side in ("left", "right"))
     assert codes(left, right, search=(0, highest)) == []
@@ -266,19 +266,19 @@ def test_recorded_pairs_get_no_word_until_they_are_spoilt(data_dir, name, highes
 
 
 @pytest.mark.data
-def test_poses_that_go_wrong_on_the_way_are_said(data_dir, tmp_path, monkeypatch):
+def test_poses_wrong_from_the_middle_on_are_reported(data_dir, tmp_path, monkeypatch):
     monkeypatch.setattr("tests.sequences.test_contradictions.NUM_PAIRS", 16)
 
-    def turned_round(poses):
+    def with_reversed_end(poses):
         return np.concatenate([poses[:12], poses[12:][::-1]])
 
-    found = said(drive(data_dir, tmp_path / "drive", first=0, poses=turned_round))
+    found = notices_of(drive(data_dir, tmp_path / "drive", first=0, poses=with_reversed_end))
     assert [*found] == ["poses-disagree"]
     assert "near 0000" in found["poses-disagree"]
 
 
-def test_bricks_that_look_the_same_after_a_turn_do_not_contradict_the_poses(tmp_path):
-    """Round a tower of bricks 18 degrees are nearly the pitch of its pattern."""
+def test_rotationally_repetitive_bricks_do_not_contradict_the_poses(tmp_path):
+    """The bricks of a round tower repeat after nearly 18 degrees."""
     angles = np.radians(18.0 * np.arange(6))
     places = [18.36, 14.06, 18.36] * np.column_stack([np.sin(angles), np.ones(6), np.cos(angles)])
     np.savetxt(tmp_path / "views.txt", np.hstack([places, np.tile([0.0, 5.5, 0.0], (6, 1))]))

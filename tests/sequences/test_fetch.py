@@ -1,4 +1,4 @@
-"""The golden pair that make setup puts beside its committed calibration."""
+"""The golden pair that `make setup` fetches to its committed calibration."""
 
 from pathlib import Path
 
@@ -17,22 +17,22 @@ ROOT = Path(__file__).parents[2]
 def motorcycle(tmp_path):
     fetch("motorcycle", tmp_path)
     before = (tmp_path / "left.png").stat().st_mtime_ns
-    fetch("motorcycle", tmp_path)  # quick, and touches nothing, where all is there
+    fetch("motorcycle", tmp_path)  # changes nothing if everything is present
     assert (tmp_path / "left.png").stat().st_mtime_ns == before
     return tmp_path
 
 
-def test_its_calibration_is_the_committed_one(motorcycle):
+def test_calibration_equals_the_committed_one(motorcycle):
     committed = ROOT / "data" / "motorcycle" / "calib.txt"
     assert (motorcycle / "calib.txt").read_text() == committed.read_text()
 
 
-def test_an_unknown_sample_is_refused_with_the_nearest(tmp_path):
+def test_unknown_sample_is_rejected_with_the_nearest_name(tmp_path):
     with pytest.raises(InputError, match=r"sample is 'motorbike', .*\(nearest: motorcycle\)"):
         fetch("motorbike", tmp_path)
 
 
-def test_its_truth_is_that_of_the_left_image_in_metres(motorcycle):
+def test_truth_is_that_of_the_left_image(motorcycle):
     source = open_sequence(motorcycle, SequenceSettings())
     (pair,) = source
     assert pair.left.shape == (500, 741, 3)

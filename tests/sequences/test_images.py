@@ -1,4 +1,4 @@
-"""An image is read whole or not at all."""
+"""An image is read completely or rejected."""
 
 import cv2
 import numpy as np
@@ -13,14 +13,14 @@ def colours():
     return np.random.default_rng(1).integers(0, 256, (20, 30, 3), np.uint8)
 
 
-def test_colours_come_as_rgb_and_grey_stays_grey(tmp_path, colours):
+def test_colours_are_read_as_rgb_and_grey_stays_grey(tmp_path, colours):
     cv2.imwrite(str(tmp_path / "rgb.png"), colours[..., ::-1])
     cv2.imwrite(str(tmp_path / "grey.png"), colours[..., 0])
     np.testing.assert_array_equal(read_image(tmp_path / "rgb.png"), colours)
     np.testing.assert_array_equal(read_image(tmp_path / "grey.png"), colours[..., 0])
 
 
-def test_sixteen_bits_become_eight_and_alpha_is_a_mask(tmp_path, colours):
+def test_16_bit_images_become_8_bit_and_alpha_is_a_mask(tmp_path, colours):
     cv2.imwrite(str(tmp_path / "deep.png"), colours[..., 0].astype(np.uint16) * 257)
     np.testing.assert_array_equal(read_image(tmp_path / "deep.png"), colours[..., 0])
     alpha = np.full((20, 30, 1), 128, np.uint8)
@@ -33,7 +33,7 @@ def test_sixteen_bits_become_eight_and_alpha_is_a_mask(tmp_path, colours):
 
 @pytest.mark.parametrize("ending", ["png", "jpg"])
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
-def test_a_image_that_is_cut_is_refused(tmp_path, colours, ending, share, capfd):
+def test_truncated_image_is_rejected(tmp_path, colours, ending, share, capfd):
     path = tmp_path / f"cut.{ending}"
     cv2.imwrite(str(path), colours)
     data = path.read_bytes()
@@ -44,7 +44,7 @@ def test_a_image_that_is_cut_is_refused(tmp_path, colours, ending, share, capfd)
     assert capfd.readouterr().err == ""
 
 
-def test_a_damaged_image_is_refused(tmp_path, colours, capfd):
+def test_damaged_image_is_rejected(tmp_path, colours, capfd):
     path = tmp_path / "hit.png"
     cv2.imwrite(str(path), colours)
     data = bytearray(path.read_bytes())
@@ -55,7 +55,7 @@ def test_a_damaged_image_is_refused(tmp_path, colours, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_what_is_missing_empty_or_no_image_is_refused(tmp_path):
+def test_missing_empty_or_invalid_image_is_rejected(tmp_path):
     with pytest.raises(InputError, match=r"cannot be read \(No such file"):
         read_image(tmp_path / "none.png")
     (tmp_path / "empty.png").touch()

@@ -1,4 +1,4 @@
-"""The motion that was put into the tracks comes out again, as sure as their noise allows."""
+"""The motion behind the tracks is recovered as accurately as their noise allows."""
 
 import numpy as np
 import pytest
@@ -20,14 +20,14 @@ def rng():
     return np.random.default_rng(11)
 
 
-def test_without_noise_the_motion_is_exact(rng):
+def test_motion_is_exact_without_noise(rng):
     T_first_second = motion(rng)
     found = estimate_motion(tracks(rng, T_first_second, sigma_px=0.0), RIG)
     np.testing.assert_allclose(invert(found), T_first_second, atol=1e-6)
 
 
 def test_noise_in_is_noise_out(rng):
-    """Twice the noise, twice the error: medians over many drives."""
+    """Twice the noise gives twice the error, in medians over many drives."""
     errors = []
     for sigma_px in (0.1, 0.2):
         steps = []
@@ -40,23 +40,23 @@ def test_noise_in_is_noise_out(rng):
     assert 1.5 < errors[1] / errors[0] < 3.0
 
 
-def test_a_third_of_wrong_tracks_does_no_harm(rng):
+def test_motion_is_robust_to_a_third_of_wrong_tracks(rng):
     T = motion(rng)
     found = estimate_motion(tracks(rng, T, outliers=0.33), RIG)
     assert np.linalg.norm((invert(found) - T)[:3, 3]) < 0.03
 
 
-def test_too_few_tracks_are_no_motion(rng):
+def test_too_few_tracks_give_no_motion(rng):
     assert estimate_motion(tracks(rng, motion(rng), number=8), RIG) is None
     assert estimate_motion(tracks(rng, motion(rng), number=60, outliers=1.0), RIG) is None
 
 
-def test_points_that_coincide_are_no_motion(rng):
+def test_coincident_points_give_no_motion(rng):
     seen = tracks(rng, motion(rng)).select(np.zeros(1, int).repeat(50))
     assert estimate_motion(seen, RIG) is None
 
 
-def test_derivatives_are_those_of_finite_differences(rng):
+def test_derivatives_match_finite_differences(rng):
     T_first_second = motion(rng)
     seen, T = tracks(rng, T_first_second, number=30, sigma_px=0.0), invert(T_first_second)
     at = linearise(T, seen, RIG)
@@ -77,7 +77,7 @@ def test_derivatives_are_those_of_finite_differences(rng):
         pytest.param([0.5, 0.4, -0.3, 0.9, 0.2, -0.4], id="quadratic"),
     ],
 )
-def test_what_rectification_left_is_found_and_taken_out(rng, field):
+def test_rectification_residual_is_estimated_and_removed(rng, field):
     drives = [motion(rng) for _ in range(8)]
     seen = [tracks(rng, T, field=np.array(field)) for T in drives]
     residual = estimate_residual(seen, RIG)
@@ -86,7 +86,7 @@ def test_what_rectification_left_is_found_and_taken_out(rng, field):
     assert abs(_scale_error(seen, drives, residual)) < 0.01
 
 
-def test_left_in_it_spoils_the_scale(rng):
+def test_uncorrected_residual_biases_the_scale(rng):
     drives = [motion(rng) for _ in range(4)]
     seen = [tracks(rng, T, field=np.array([1.2, 0, 0, 0, 0, 0])) for T in drives]
     assert _scale_error(seen, drives, Residual()) > 0.03
@@ -98,18 +98,18 @@ def _scale_error(seen, drives, residual):
     return sum(lengths) / sum(np.linalg.norm(T[:3, 3]) for T in drives) - 1
 
 
-def test_a_rig_at_rest_tells_nothing(rng):
+def test_static_rig_gives_no_residual(rng):
     seen = [tracks(rng, np.eye(4), field=np.array([1.2, 0, 0, 0, 0, 0])) for _ in range(4)]
     assert np.abs(estimate_residual(seen, RIG).disparity.coefficients).max() < 0.5
 
 
-def test_nothing_tracked_leaves_no_residual(rng):
+def test_no_tracks_give_no_residual(rng):
     empty = [tracks(rng, np.eye(4)).select(np.zeros(0, int)) for _ in range(4)]
     assert not estimate_residual(empty, RIG).disparity.coefficients.any()
     assert estimate_residual([], RIG).maps(RIG) is None
 
 
-def test_maps_look_where_the_point_really_is():
+def test_correction_maps_sample_the_true_position():
     field = Field(coefficients=np.array([0.5, 0.2, 0, 1.0, 0, 0]))
     u, v = Residual(disparity=field).maps(RIG)
     np.testing.assert_allclose(
@@ -118,14 +118,14 @@ def test_maps_look_where_the_point_really_is():
     np.testing.assert_array_equal(v[:, 7], np.arange(RIG.height))
 
 
-def test_a_few_hundred_tracks_calibrate_nothing(rng):
+def test_few_hundred_tracks_are_too_few_for_a_residual(rng):
     field = np.array([1.2, 0, 0, 0, 0, 0])
     seen = [tracks(rng, motion(rng), number=60, field=field) for _ in range(8)]
     assert not estimate_residual(seen, RIG).disparity.coefficients.any()
 
 
 @pytest.mark.parametrize("kind", ["one point", "one line", "no depth", "behind"])
-def test_tracks_that_determine_no_motion_give_none_or_a_finite_one(rng, kind):
+def test_degenerate_tracks_give_no_motion_or_a_finite_one(rng, kind):
     seen = tracks(rng, motion(rng))
     first, second = seen.first, seen.second
     if kind == "one point":

@@ -1,4 +1,4 @@
-"""Poses from images, on images whose motion is known."""
+"""Poses estimated from images of known motion."""
 
 from dataclasses import replace
 
@@ -31,7 +31,7 @@ UP = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
 def corridor(number, *, step=0.25):
-    """A pair in a textured corridor: two walls, a floor, a ceiling; each ray meets the nearest."""
+    """Render a pair in a textured corridor of two walls, a floor and a ceiling."""
     return StereoPair(
         left=_look(0.0, step * number),
         right=_look(RIG.baseline, step * number),
@@ -68,8 +68,8 @@ def recording(pairs):
     return Recording([Frame(name=p.name, stamp_s=p.stamp_s, load=lambda p=p: p) for p in pairs])
 
 
-def lowered(pair):
-    """The right image moved down by 0.6 pixels; no pose."""
+def shift_right_image_down(pair):
+    """Shift the right image down by 0.6 pixels and remove the pose."""
     shift = np.float32([[1, 0, 0], [0, 1, 0.6]])
     size = (RIG.width, RIG.height)
     right = cv2.warpAffine(pair.right, shift, size, borderMode=cv2.BORDER_REPLICATE)
@@ -85,7 +85,7 @@ def drive():
     return [corridor(number) for number in range(8)]
 
 
-def test_the_path_comes_out_with_its_scale(drive):
+def test_path_is_recovered_with_its_scale(drive):
     source = EstimatedPoses(recording(drive))
     pairs = list(source)
     positions = np.array([pair.T_world_left[:3, 3] for pair in pairs])
@@ -96,55 +96,55 @@ def test_the_path_comes_out_with_its_scale(drive):
     assert len(source) == len(pairs) == len(drive)
 
 
-def test_a_row_offset_is_found_and_taken_out_of_the_images(drive):
-    crooked = [lowered(pair) for pair in drive]
-    source = EstimatedPoses(recording(crooked))
+def test_row_offset_is_estimated_and_removed_from_the_images(drive):
+    shifted = [shift_right_image_down(pair) for pair in drive]
+    source = EstimatedPoses(recording(shifted))
     straight = list(source)
     assert source.residual.row.coefficients[0] == pytest.approx(0.6, abs=0.1)
 
-    assert abs(row_offset(crooked[3])) > 0.5
+    assert abs(row_offset(shifted[3])) > 0.5
     assert abs(row_offset(straight[3])) < 0.1
-    assert "drift_percent" not in source.metrics  # there are no true poses
+    assert "drift_percent" not in source.metrics  # there are no reference poses
 
 
-def test_rows_of_given_poses_are_straightened_too_and_disparities_stay(drive):
-    source = RefinedPairs(recording([lowered(pair) for pair in drive]), row_residual)
+def test_rows_are_corrected_for_given_poses_but_disparities_stay(drive):
+    source = RefinedPairs(recording([shift_right_image_down(pair) for pair in drive]), row_residual)
     straight = list(source)
     assert source.residual.row.coefficients[0] == pytest.approx(0.6, abs=0.1)
     assert not source.residual.disparity.coefficients.any()
     assert abs(row_offset(straight[3])) < 0.1
 
 
-def test_a_straight_rig_is_left_alone_and_so_are_pairs_of_many_rigs(drive):
+def test_well_rectified_rigs_and_varying_rigs_are_left_unchanged(drive):
     for pair, straight in zip(drive, RefinedPairs(recording(drive), row_residual), strict=True):
         assert straight is pair
     rigs = [replace(p, rig=replace(RIG, baseline=0.5 + 0.01 * n)) for n, p in enumerate(drive)]
-    source = RefinedPairs(recording([lowered(pair) for pair in rigs]), row_residual)
+    source = RefinedPairs(recording([shift_right_image_down(pair) for pair in rigs]), row_residual)
     assert not source.residual.row.coefficients.any()
     assert len(list(source)) == len(drive)
 
 
-def test_inside_a_job_a_recording_is_estimated_once_and_another_one_anew(drive):
+def test_recording_is_estimated_once_per_job(drive):
     passes = []
 
-    class Watched(DerivedSource):
+    class CountedReads(DerivedSource):
         def __iter__(self):
             passes.append(len(self))
             return super().__iter__()
 
-    low, straight = recording([lowered(pair) for pair in drive]), recording(drive)
+    low, straight = recording([shift_right_image_down(pair) for pair in drive]), recording(drive)
     with shared_estimates():
-        first = shared_row_residual("low", Watched(low))
-        assert shared_row_residual("low", Watched(low)) is first
-        other = shared_row_residual("straight", Watched(straight))
+        first = shared_row_residual("low", CountedReads(low))
+        assert shared_row_residual("low", CountedReads(low)) is first
+        other = shared_row_residual("straight", CountedReads(straight))
     assert len(passes) == 2
     assert first.row.coefficients.any()
     assert not other.row.coefficients.any()
-    assert not shared_row_residual("low", Watched(straight)).row.coefficients.any()
+    assert not shared_row_residual("low", CountedReads(straight)).row.coefficients.any()
     assert len(passes) == 3
 
 
-def test_a_frame_that_cannot_be_tracked_gets_the_last_motion(drive):
+def test_untrackable_frame_repeats_the_last_motion(drive):
     blank = StereoPair(
         left=np.full((RIG.height, RIG.width), 90, np.uint8),
         right=np.full((RIG.height, RIG.width), 90, np.uint8),
@@ -159,7 +159,7 @@ def test_a_frame_that_cannot_be_tracked_gets_the_last_motion(drive):
     np.testing.assert_allclose(positions[4] - positions[3], positions[3] - positions[2], atol=1e-2)
 
 
-def test_the_same_images_give_the_same_poses(drive):
+def test_same_images_give_the_same_poses(drive):
     first, again = (
         np.array([pair.T_world_left for pair in EstimatedPoses(recording(drive[:4]))])
         for _ in range(2)
@@ -167,18 +167,18 @@ def test_the_same_images_give_the_same_poses(drive):
     np.testing.assert_array_equal(first, again)
 
 
-def test_one_pair_stands_at_the_origin(drive):
+def test_single_pair_is_at_the_origin(drive):
     (pair,) = EstimatedPoses(recording(drive[:1]))
     np.testing.assert_array_equal(pair.T_world_left, UP)
 
 
-def test_a_rig_that_changes_is_refused(drive):
+def test_changing_rig_is_rejected(drive):
     other = replace(drive[1], rig=replace(RIG, focal_px=210.0))
     with pytest.raises(InputError, match="000001 has a different rig than 000000"):
         list(EstimatedPoses(recording([drive[0], other])))
 
 
-def test_drift_is_the_share_of_the_path_after_alignment():
+def test_drift_is_relative_to_the_path_after_alignment():
     true = np.stack([pose(np.eye(3), [0.0, 0.0, z]) for z in range(11)])
     turned = pose(np.array([[0, 0, 1.0], [0, 1, 0], [-1, 0, 0]]), [5, 6, 7]) @ true
     assert drift_percent(turned, true) == pytest.approx(0, abs=1e-9)
@@ -190,7 +190,7 @@ def test_drift_is_the_share_of_the_path_after_alignment():
         drift_percent(true, true[:1].repeat(11, axis=0))
 
 
-def test_errors_of_a_path_are_those_that_were_put_in():
+def test_path_errors_equal_the_injected_ones():
     rng = np.random.default_rng(6)
     turns = Rotation.from_rotvec(rng.normal(0, 0.1, (200, 3))).as_matrix()
     true = np.stack([pose(R, [n, np.sin(n), 0.0]) for n, R in enumerate(turns)])
@@ -201,14 +201,14 @@ def test_errors_of_a_path_are_those_that_were_put_in():
     shaken = true.copy()
     shaken[:, :3, 3] += rng.normal(0, 0.1, (200, 3))
     errors = trajectory_errors(world @ shaken, true)
-    # Three axes of noise; a step has it at both of its ends.
+    # Noise on three axes, at both ends of a step.
     assert errors.ate_rmse == pytest.approx(0.1 * np.sqrt(3), rel=0.1)
     assert errors.rpe_rmse == pytest.approx(0.1 * np.sqrt(6), rel=0.1)
     assert errors.rpe_rotation_rmse_deg == pytest.approx(0, abs=1e-5)
     assert errors.drift_percent == pytest.approx(100 * errors.ate_rmse / errors.length)
 
 
-def test_paths_are_paired_by_time_or_by_row():
+def test_paths_are_matched_by_time_or_by_row():
     poses = np.stack([pose(np.eye(3), [n, 0, 0]) for n in range(6)])
     true = GivenPoses(poses=poses, stamps_s=10.0 + 0.1 * np.arange(6))
     some = GivenPoses(poses=poses[1:4], stamps_s=10.1 + 0.1 * np.arange(3))

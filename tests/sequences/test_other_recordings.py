@@ -1,4 +1,4 @@
-"""Layouts, bags and poses of other people's recorders give the same four pairs."""
+"""Layouts, bags and poses of other recorders give the same four pairs."""
 
 import json
 import shutil
@@ -38,7 +38,7 @@ def read(path, **settings):
     return list(open_sequence(path, SequenceSettings(**settings)))
 
 
-def assert_the_same(pairs):
+def assert_same_pairs(pairs):
     assert len(pairs) == NUM_PAIRS
     for pair, (left, right) in zip(pairs, image_pairs(), strict=True):
         np.testing.assert_array_equal(pair.left if pair.left.ndim == 2 else pair.left[..., 0], left)
@@ -66,20 +66,20 @@ def raw_calibration(cameras):
 @pytest.mark.parametrize(
     ("sides", "baseline"), [(("image_02", "image_03"), 0.54), (("image_00", "image_01"), 0.5)]
 )
-def test_a_raw_drive_of_kitti_has_its_calibration_a_level_up(tmp_path, sides, baseline):
+def test_raw_kitti_drive_has_its_calibration_in_the_parent_folder(tmp_path, sides, baseline):
     drive = tmp_path / "2011_09_26" / "2011_09_26_drive_0001_sync"
     write_images(drive / sides[0] / "data", drive / sides[1] / "data")
     (drive.parent / "calib_cam_to_cam.txt").write_text(raw_calibration([0, 0.5, 0.06, 0.6]))
     stamps = [f"2011-09-26 13:02:2{n}.964389445" for n in range(NUM_PAIRS)]
     (drive / sides[0] / "timestamps.txt").write_text("\n".join(stamps))
     pairs = read(drive, poses="none")
-    assert_the_same(pairs)
+    assert_same_pairs(pairs)
     assert pairs[0].rig.baseline == pytest.approx(baseline)
     np.testing.assert_allclose(np.diff([pair.stamp_s for pair in pairs]), 1.0, atol=1e-6)
     assert len(read(tmp_path / "2011_09_26", poses="none")) == NUM_PAIRS
 
 
-def test_kittis_stereo_set_has_a_calibration_per_scene(tmp_path):
+def test_kitti_stereo_set_has_one_calibration_per_scene(tmp_path):
     write_images(tmp_path / "image_2", tmp_path / "image_3")
     for side in ("image_2", "image_3"):
         for file in (tmp_path / side).iterdir():
@@ -89,27 +89,27 @@ def test_kittis_stereo_set_has_a_calibration_per_scene(tmp_path):
         text = raw_calibration([0, 0.5, 0.06, 0.6 + 0.1 * number])
         (tmp_path / "calib_cam_to_cam" / f"{number:06d}.txt").write_text(text)
     pairs = read(tmp_path, poses="none")
-    assert_the_same(pairs)
+    assert_same_pairs(pairs)
     np.testing.assert_allclose([pair.rig.baseline for pair in pairs], [0.54, 0.64, 0.74, 0.84])
 
 
-def test_a_folder_that_holds_one_recording_is_that_recording(tmp_path):
+def test_folder_with_a_single_recording_is_that_recording(tmp_path):
     write_folder(tmp_path / "outer" / "inner")
-    assert_the_same(read(tmp_path / "outer"))
+    assert_same_pairs(read(tmp_path / "outer"))
     write_folder(tmp_path / "outer" / "other")
     with pytest.raises(InputError, match="contains 2 recordings"):
         read(tmp_path / "outer")
 
 
 @pytest.mark.parametrize("sides", [("Left", "Right"), ("cam0", "cam1"), ("infra1", "infra2")])
-def test_folders_of_images_by_other_names_of_the_sides(tmp_path, sides):
+def test_other_names_of_the_image_folders_are_known(tmp_path, sides):
     write_folder(tmp_path / "drive")
     for old, new in zip(("left", "right"), sides, strict=True):
         (tmp_path / "drive" / old).rename(tmp_path / "drive" / new)
-    assert_the_same(read(tmp_path / "drive"))
+    assert_same_pairs(read(tmp_path / "drive"))
 
 
-def test_a_folder_that_holds_one_video_is_that_video(tmp_path):
+def test_folder_with_a_single_video_is_that_video(tmp_path):
     path = write_video(tmp_path / "clip")
     both = [np.hstack(pair) for pair in image_pairs()]
     for side in ("left", "right"):
@@ -120,10 +120,10 @@ def test_a_folder_that_holds_one_video_is_that_video(tmp_path):
     for frame in both:
         video.write(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR))
     video.release()
-    assert_the_same(read(path))
+    assert_same_pairs(read(path))
 
 
-def test_stamps_that_jitter_have_no_gaps(tmp_path):
+def test_jittering_stamps_are_not_gaps(tmp_path):
     path = write_euroc(tmp_path / "recording")
     stamps = [1403636579763555584, 1403636579813555456, 1403636579863555584, 1403636579913555328]
     for camera in ("cam0", "cam1"):
@@ -135,7 +135,7 @@ def test_stamps_that_jitter_have_no_gaps(tmp_path):
     assert list(source.skipped) == []
 
 
-def test_a_part_of_a_recording_is_read_without_what_lies_before(tmp_path):
+def test_slice_is_read_without_earlier_frames(tmp_path):
     path = write_folder(tmp_path / "recording")
     whole = read(path)
     for side in ("left", "right"):
@@ -149,7 +149,7 @@ def test_a_part_of_a_recording_is_read_without_what_lies_before(tmp_path):
 
 
 @pytest.mark.parametrize("write", [write_video, write_ros1, write_ros2])
-def test_videos_and_bags_can_be_read_in_part(tmp_path, write):
+def test_videos_and_bags_can_be_sliced(tmp_path, write):
     source = open_sequence(write(tmp_path / "recording"), SequenceSettings())
     whole = list(source)
     part = list(source[1:3])
@@ -166,10 +166,10 @@ def tum(stamps):
 
 @pytest.mark.parametrize("unit", [1, 10**3, 10**6, 10**9])
 @pytest.mark.parametrize("start", [0, 1_403_636_579])
-def test_poses_are_joined_by_time_whatever_its_unit(tmp_path, unit, start):
+def test_poses_are_matched_by_time_in_any_unit(tmp_path, unit, start):
     path = write_folder(tmp_path / "recording")
     (path / "times.txt").write_text("\n".join(str(start + 0.1 * n) for n in range(NUM_PAIRS)))
-    # Two poses per frame: only the time tells which belongs.
+    # Two poses per frame: only the time assigns them.
     stamps = [round((start + 0.05 * n) * unit, 3) for n in range(2 * NUM_PAIRS)]
     (path / "poses.txt").write_text(
         "\n".join(f"{stamp:.9f} 0 0 {0.35 * n} 0 0 0 1" for n, stamp in enumerate(stamps))
@@ -177,7 +177,7 @@ def test_poses_are_joined_by_time_whatever_its_unit(tmp_path, unit, start):
     np.testing.assert_allclose(positions(path), DRIVEN, atol=1e-4)
 
 
-def test_names_may_be_times(tmp_path):
+def test_image_names_may_be_stamps(tmp_path):
     path = write_folder(tmp_path / "recording")
     stamps = [1403636579763555584 + 50_000_000 * n for n in range(NUM_PAIRS)]
     for side in ("left", "right"):
@@ -187,7 +187,7 @@ def test_names_may_be_times(tmp_path):
     np.testing.assert_allclose(positions(path), DRIVEN, atol=1e-4)
 
 
-def test_poses_of_other_times_are_refused(tmp_path):
+def test_poses_without_overlapping_times_are_rejected(tmp_path):
     path = write_folder(tmp_path / "recording")
     (path / "times.txt").write_text("\n".join(f"{100 + 0.1 * n}" for n in range(NUM_PAIRS)))
     (path / "poses.txt").write_text(tum([5000.0, 5000.1, 5000.2, 5000.3]))
@@ -195,7 +195,7 @@ def test_poses_of_other_times_are_refused(tmp_path):
         read(path)
 
 
-def test_a_pose_that_repeats_its_time_is_left_out_with_a_word(tmp_path):
+def test_pose_with_a_repeated_stamp_is_dropped_with_a_notice(tmp_path):
     (tmp_path / "poses.txt").write_text(tum([0.0, 0.1, 0.1, 0.2]))
     with collected_notices() as notices:
         assert len(read_poses(tmp_path / "poses.txt")) == 3
@@ -203,7 +203,7 @@ def test_a_pose_that_repeats_its_time_is_left_out_with_a_word(tmp_path):
     assert "line 3" in notices[0].text
 
 
-def turned_poses():
+def random_poses():
     rng = np.random.default_rng(5)
     turns = Rotation.random(4, rng=rng).as_matrix()
     return np.stack([pose(R, t) for R, t in zip(turns, rng.normal(size=(4, 3)), strict=True)])
@@ -229,32 +229,32 @@ def rows_of(poses, form):
         ("kitti360", " ", ""),
     ],
 )
-def test_columns_of_other_tools(tmp_path, form, separator, heading):
-    lines = [separator.join(f"{v:.9f}" for v in row) for row in rows_of(turned_poses(), form)]
+def test_pose_columns_of_other_tools_are_read(tmp_path, form, separator, heading):
+    lines = [separator.join(f"{v:.9f}" for v in row) for row in rows_of(random_poses(), form)]
     (tmp_path / "poses.txt").write_text("\n".join([heading, *lines]))
-    np.testing.assert_allclose(read_poses(tmp_path / "poses.txt").poses, turned_poses(), atol=1e-7)
+    np.testing.assert_allclose(read_poses(tmp_path / "poses.txt").poses, random_poses(), atol=1e-7)
 
 
-def test_colmap_and_nerfstudio_give_back_what_was_written(tmp_path):
+def test_colmap_and_nerfstudio_poses_round_trip(tmp_path):
     names = [f"left/{n:06d}.png" for n in range(NUM_PAIRS)]
-    write_colmap(tmp_path / "sparse", names, turned_poses(), NUM_PAIRS * [RIG])
-    write_nerfstudio(tmp_path / "transforms.json", names, turned_poses(), NUM_PAIRS * [RIG])
+    write_colmap(tmp_path / "sparse", names, random_poses(), NUM_PAIRS * [RIG])
+    write_nerfstudio(tmp_path / "transforms.json", names, random_poses(), NUM_PAIRS * [RIG])
     for path in (tmp_path / "sparse" / "images.txt", tmp_path / "transforms.json"):
         given = read_poses(path)
         assert given.names == tuple(names)
-        np.testing.assert_allclose(given.poses, turned_poses(), atol=1e-12)
+        np.testing.assert_allclose(given.poses, random_poses(), atol=1e-12)
     camera = (tmp_path / "sparse" / "cameras.txt").read_text().splitlines()[-1].split()
     # COLMAP's pixel (0, 0) is a corner.
     assert [float(v) for v in camera[4:]] == [80.0, 80.0, RIG.cx_left_px + 0.5, RIG.cy_px + 0.5]
     frames = json.loads((tmp_path / "transforms.json").read_text())["frames"]
-    # OpenGL's camera looks along its -z.
+    # OpenGL cameras look along -z.
     np.testing.assert_allclose(
-        np.array(frames[0]["transform_matrix"])[:3, 2], -turned_poses()[0][:3, 2]
+        np.array(frames[0]["transform_matrix"])[:3, 2], -random_poses()[0][:3, 2]
     )
 
 
 @pytest.mark.parametrize("file", ["images.txt", "transforms.json"])
-def test_named_poses_are_joined_by_name(tmp_path, file):
+def test_named_poses_are_matched_by_name(tmp_path, file):
     path = write_folder(tmp_path / "recording")
     (path / "poses.txt").unlink()
     names = [f"left/{n:06d}.png" for n in range(NUM_PAIRS)][::-1]
@@ -278,7 +278,7 @@ def test_named_poses_are_joined_by_name(tmp_path, file):
         ("poses.txt", "0 0 0 0 0 0 0 0\n"),
     ],
 )
-def test_poses_that_are_none_are_refused_in_a_line(tmp_path, name, text):
+def test_invalid_poses_are_rejected_in_one_line(tmp_path, name, text):
     (tmp_path / name).write_text(text)
     with pytest.raises(InputError) as caught:
         read_poses(tmp_path / name)
@@ -288,7 +288,7 @@ def test_poses_that_are_none_are_refused_in_a_line(tmp_path, name, text):
 # One pair
 
 
-def test_one_pair_without_poses_is_level_with_y_up(tmp_path):
+def test_single_pair_without_poses_is_level_with_y_up(tmp_path):
     path = write_folder(tmp_path / "recording")
     (path / "poses.txt").unlink()
     for side in ("left", "right"):
@@ -315,13 +315,13 @@ def test_one_pair_without_poses_is_level_with_y_up(tmp_path):
          ["/left/rgb/image", "/right/rgb/image"]),
     ],
 )  # fmt: skip
-def test_topics_are_told_by_their_names(monkeypatch, topics, found):
+def test_topics_are_chosen_by_their_names(monkeypatch, topics, found):
     monkeypatch.setattr("recon.sequences.readers.bag.topics_of", lambda path, types: topics)
     chosen = image_topics(Path("bag"), SequenceSettings())
     assert [*chosen.values()] == (found or topics)
 
 
-def test_topics_that_tell_nothing_are_asked_for(monkeypatch):
+def test_ambiguous_topics_must_be_given(monkeypatch):
     topics = ["/a/image", "/b/image"]
     monkeypatch.setattr("recon.sequences.readers.bag.topics_of", lambda path, types: topics)
     with pytest.raises(InputError, match=r"/a/image, /b/image.*--left-topic"):
@@ -342,7 +342,7 @@ def message(encoding, pixels, *, step=0, big=0):
     )  # fmt: skip
 
 
-def test_encodings_of_bags():
+def test_encodings_of_bag_images_are_read():
     rng = np.random.default_rng(2)
     grey, rgb = rng.integers(0, 256, (4, 6), np.uint8), rng.integers(0, 256, (4, 6, 3), np.uint8)
     deep = rng.integers(0, 65536, (4, 6)).astype(np.uint16)
@@ -359,7 +359,7 @@ def test_encodings_of_bags():
     np.testing.assert_array_equal(image(message("mono16", swapped, big=1)), deep)
 
 
-def test_yuv_of_a_bag_and_encodings_nobody_knows():
+def test_yuv_images_of_a_bag_are_read_and_unknown_encodings_rejected():
     yuyv = np.full((4, 6, 2), 128, np.uint8)
     yuyv[..., 0] = 90
     found = image(message("yuv422_yuy2", yuyv))
@@ -373,7 +373,7 @@ def test_yuv_of_a_bag_and_encodings_nobody_knows():
         image(broken)
 
 
-def test_compressed_images_of_a_bag():
+def test_compressed_images_of_a_bag_are_read():
     deep = np.linspace(0, 4000, 24).reshape(4, 6).astype(np.uint16)
     _, png = cv2.imencode(".png", deep)
     plain = SimpleNamespace(format="16UC1; png compressed", data=png.ravel())
@@ -383,14 +383,14 @@ def test_compressed_images_of_a_bag():
     np.testing.assert_array_equal(image(depth), deep)
 
 
-def test_a_lone_file_of_ros_2_and_the_calibration_beside_it(tmp_path):
+def test_single_ros_2_file_with_a_calibration_beside_it_is_read(tmp_path):
     path = write_ros2(tmp_path / "recording")
     (file,) = [one for one in path.iterdir() if one.suffix != ".yaml"]
     alone = tmp_path / "alone"
     alone.mkdir()
     shutil.copy(file, alone / file.name)
     (alone / "poses.txt").write_text((path.parent / "poses.txt").read_text())
-    assert_the_same(read(alone / file.name))
-    assert_the_same(read(alone))
+    assert_same_pairs(read(alone / file.name))
+    assert_same_pairs(read(alone))
     (alone / "calib.txt").write_text(middlebury_keys())
     assert open_sequence(alone / file.name, SequenceSettings()).disparity_range == (0, 16)

@@ -1,4 +1,4 @@
-"""Given poses of every form, at any time, in a world with y up."""
+"""Given poses in every format, at any time, in a world with y up."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def write(path, form, poses):
 
 
 @pytest.mark.parametrize("form", ["kitti", "tum", "euroc"])
-def test_all_forms_give_the_same_poses(tmp_path, form):
+def test_all_formats_give_the_same_poses(tmp_path, form):
     trajectory = read_poses(write(tmp_path / "poses.txt", form, some_poses()))
     np.testing.assert_allclose(trajectory.poses, some_poses(), atol=1e-7)
     if form == "kitti":
@@ -70,7 +70,7 @@ def test_spaces_and_a_comment_do_not_matter(tmp_path):
         ("# nothing\n", "holds no pose"),
     ],
 )
-def test_what_is_no_pose_is_named_by_its_line(tmp_path, text, message):
+def test_invalid_pose_is_named_by_its_line(tmp_path, text, message):
     path = tmp_path / "poses.txt"
     path.write_text(text)
     with pytest.raises(InputError, match=message):
@@ -79,7 +79,7 @@ def test_what_is_no_pose_is_named_by_its_line(tmp_path, text, message):
 
 @settings(deadline=None, max_examples=30)
 @given(rotations)
-def test_a_turn_to_y_up_is_of_right_angles_and_brings_the_camera_upright(rotation):
+def test_conversion_to_y_up_uses_right_angles_and_keeps_the_camera_upright(rotation):
     turn = T_up_recorded(pose(rotation, [1.0, 2.0, 3.0]))
     assert set(np.unique(np.abs(turn))) <= {0.0, 1.0}
     assert np.linalg.det(turn[:3, :3]) == pytest.approx(1)
@@ -88,13 +88,13 @@ def test_a_turn_to_y_up_is_of_right_angles_and_brings_the_camera_upright(rotatio
     assert up_world[1] == np.abs(up_world).max()  # nearer to y than to any other axis
 
 
-def test_a_world_with_y_up_stays_and_kittis_is_turned():
+def test_world_with_y_up_is_kept_and_kitti_is_rotated():
     upright = np.diag([1.0, -1.0, -1.0, 1.0])
     np.testing.assert_array_equal(T_up_recorded(upright), np.eye(4))
     np.testing.assert_array_equal(T_up_recorded(np.eye(4)), upright)
 
 
-def test_between_two_times_the_pose_is_between_too():
+def test_poses_are_interpolated_between_stamps():
     turns = Rotation.from_rotvec([[0, 0, 0], [0, 0.4, 0]]).as_matrix()
     ends = np.stack([pose(R, t) for R, t in zip(turns, ([0, 0, 0], [1, 2, 3]), strict=True)])
     trajectory = GivenPoses(poses=ends, stamps_s=np.array([10.0, 10.2]))
@@ -106,7 +106,7 @@ def test_between_two_times_the_pose_is_between_too():
     assert trajectory.at(10.3) is None
 
 
-def test_over_a_long_gap_nothing_is_made_up():
+def test_poses_are_not_interpolated_over_long_gaps():
     trajectory = GivenPoses(poses=np.stack([np.eye(4)] * 2), stamps_s=np.array([0.0, 3.0]))
     assert trajectory.at(1.5) is None
     assert trajectory.at(3.0) is not None
@@ -123,7 +123,7 @@ def test_over_a_long_gap_nothing_is_made_up():
         (["img_5", "img_6"], 7, [5, 6]),
     ],
 )
-def test_which_row_belongs_to_a_frame(names, num_rows, rows):
+def test_rows_of_poses_are_assigned_to_frames(names, num_rows, rows):
     times = 10.0 * np.arange(num_rows)
     frame_poses = list_frame_poses(names, times, None)
     assert [frame_pose.stamp_s for frame_pose in frame_poses] == [10.0 * row for row in rows]

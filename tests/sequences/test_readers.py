@@ -1,4 +1,4 @@
-"""Every form of recording gives the same pairs through the one door."""
+"""Every format of recording gives the same pairs through `open_sequence`."""
 
 from dataclasses import astuple
 from importlib.metadata import EntryPoint
@@ -43,7 +43,7 @@ def recording(request, tmp_path):
     return WRITERS[request.param](tmp_path / "recording")
 
 
-def test_the_form_is_told_by_the_content_and_the_pairs_are_the_same(recording):
+def test_format_is_detected_and_gives_the_same_pairs(recording):
     source = open_sequence(recording, SequenceSettings())
     pairs = list(source)
     assert len(source) == len(pairs) == NUM_PAIRS
@@ -55,8 +55,8 @@ def test_the_form_is_told_by_the_content_and_the_pairs_are_the_same(recording):
         np.testing.assert_array_equal(_grey(pair.right), right)
 
 
-def test_poses_come_with_y_up(recording):
-    """The rig drives along its z, which the turned world calls -z."""
+def test_poses_have_y_up(recording):
+    """The rig drives along its z axis, which is -z in the rotated world."""
     pairs = list(open_sequence(recording, SequenceSettings()))
     for pair, T_recorded_left in zip(pairs, poses_recorded(), strict=True):
         np.testing.assert_allclose(pair.T_world_left, UP @ T_recorded_left, atol=1e-8)
@@ -64,24 +64,24 @@ def test_poses_come_with_y_up(recording):
     assert pairs[0].T_world_left[1, 1] == pytest.approx(-1)  # its y, down, is the world's -y
 
 
-def test_a_source_can_be_read_again(recording):
+def test_source_can_be_iterated_again(recording):
     source = open_sequence(recording, SequenceSettings())
     first, again = ([pair.left for pair in source] for _ in range(2))
     np.testing.assert_array_equal(first, again)
 
 
-def test_every_reads_every_nth(recording):
+def test_every_n_reads_every_nth_pair(recording):
     source = open_sequence(recording, SequenceSettings(every=3))
     assert [pair.stamp_s for pair in source] == [0.0, 3.0]
     assert len(source) == 2
 
 
-def test_poses_none_leaves_them_out(recording):
+def test_poses_none_leaves_poses_out(recording):
     pairs = list(open_sequence(recording, SequenceSettings(poses="none")))
     assert [pair.T_world_left for pair in pairs] == [None] * NUM_PAIRS
 
 
-def test_a_region_cuts_both_images_and_moves_the_principal_points(recording):
+def test_region_crops_both_images_and_moves_the_principal_points(recording):
     whole, part = (
         next(iter(open_sequence(recording, SequenceSettings(roi=roi))))
         for roi in (None, (10, 5, 50, 40))
@@ -95,13 +95,13 @@ def test_a_region_cuts_both_images_and_moves_the_principal_points(recording):
     assert part.rig.disparity(4.0) == whole.rig.disparity(4.0)
 
 
-def test_a_region_beyond_the_image_is_refused(tmp_path):
+def test_region_outside_the_image_is_rejected(tmp_path):
     path = write_folder(tmp_path / "recording")
     with pytest.raises(InputError, match=r"roi is 90,0,10,10, but a part of 96 x 64"):
         list(open_sequence(path, SequenceSettings(roi=(90, 0, 10, 10))))
 
 
-def test_a_single_pair_stands_at_the_origin_and_knows_its_search_range(tmp_path):
+def test_single_pair_is_at_the_origin_and_has_a_search_range(tmp_path):
     source = open_sequence(write_pair_dir(tmp_path / "pair"), SequenceSettings())
     (pair,) = source
     np.testing.assert_array_equal(pair.T_world_left, UP)
@@ -109,7 +109,7 @@ def test_a_single_pair_stands_at_the_origin_and_knows_its_search_range(tmp_path)
     assert source.disparity_range == (0, 16)
 
 
-def test_without_poses_several_pairs_cannot_be_put_together(tmp_path):
+def test_several_pairs_need_poses(tmp_path):
     path = write_folder(tmp_path / "recording")
     (path / "poses.txt").unlink()
     with pytest.raises(InputError, match=r"000000 has no pose.*--poses estimated"):
@@ -117,7 +117,7 @@ def test_without_poses_several_pairs_cannot_be_put_together(tmp_path):
     assert len(list(open_sequence(path, SequenceSettings(poses="none")))) == NUM_PAIRS
 
 
-def test_kitti_poses_lead_on_to_the_left_colour_camera(tmp_path):
+def test_kitti_poses_are_moved_to_the_left_colour_camera(tmp_path):
     path = write_kitti(tmp_path / "recording")
     (path / "image_0").rename(path / "image_2")
     (path / "image_1").rename(path / "image_3")
@@ -130,14 +130,14 @@ def test_kitti_poses_lead_on_to_the_left_colour_camera(tmp_path):
     assert pair.rig.baseline == pytest.approx(0.54)
 
 
-def test_kitti_poses_are_found_where_kitti_keeps_them(tmp_path):
+def test_kitti_poses_are_found_in_the_layout_of_the_dataset(tmp_path):
     path = write_kitti(tmp_path / "dataset" / "sequences" / "05")
     (tmp_path / "dataset" / "poses").mkdir()
     (path / "poses.txt").rename(tmp_path / "dataset" / "poses" / "05.txt")
     assert len(list(open_sequence(path, SequenceSettings()))) == NUM_PAIRS
 
 
-def test_one_video_holds_both_eyes_side_by_side(tmp_path):
+def test_side_by_side_video_is_split(tmp_path):
     import cv2
 
     path = write_video(tmp_path / "recording")
@@ -153,7 +153,7 @@ def test_one_video_holds_both_eyes_side_by_side(tmp_path):
         np.testing.assert_array_equal(_grey(pair.right), right)
 
 
-def test_what_is_no_recording_is_refused(tmp_path):
+def test_unknown_recording_is_rejected(tmp_path):
     with pytest.raises(InputError, match="is not a known recording"):
         open_sequence(tmp_path, SequenceSettings())
     with pytest.raises(InputError, match="does not exist"):
@@ -162,8 +162,8 @@ def test_what_is_no_recording_is_refused(tmp_path):
         open_sequence(tmp_path, SequenceSettings(format="folder"))
 
 
-def test_a_plug_in_is_found_by_its_name(tmp_path, monkeypatch):
-    plug_in(monkeypatch, mine="tests.sequences.test_readers:MINE")
+def test_plugin_reader_is_used(tmp_path, monkeypatch):
+    register_plugins(monkeypatch, mine="tests.sequences.test_readers:MINE")
     path = write_folder(tmp_path / "recording")
     (path / "left").rename(path / "links")
     (path / "mine").touch()
@@ -172,15 +172,15 @@ def test_a_plug_in_is_found_by_its_name(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("value", ["no_such_module:X", "tests.sequences.test_readers:BROKEN"])
-def test_a_broken_plug_in_hurts_nobody(tmp_path, monkeypatch, value):
-    plug_in(monkeypatch, broken=value)
+def test_broken_plugin_does_not_affect_other_readers(tmp_path, monkeypatch, value):
+    register_plugins(monkeypatch, broken=value)
     path = write_folder(tmp_path / "recording")
     assert len(list(open_sequence(path, SequenceSettings()))) == NUM_PAIRS
     with pytest.raises(InputError, match="is not a known recording"):
         open_sequence(path / "left", SequenceSettings())
 
 
-def plug_in(monkeypatch, **values):
+def register_plugins(monkeypatch, **values):
     entries = [EntryPoint(name, value, "recon.sequences") for name, value in values.items()]
     monkeypatch.setattr("recon.plugins.entry_points", lambda group: entries)
 

@@ -1,4 +1,4 @@
-"""Recorded data keeps its numbers."""
+"""Regression tests on recorded data."""
 
 import json
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.data
 
 
 def test_odometry_keeps_the_scale_of_a_drive(data_dir):
-    """Every second pair of 51, 60 m: bars are 0.5 % and, at the end, 2 %."""
+    """Every second of 51 pairs over 60 m; bounds are 0.5 % and, for the end point, 2 %."""
     path = data_dir / "kitti_odometry" / "sequence_1"
     estimating = SequenceSettings(poses="estimated", every=2)
     source = open_sequence(path, estimating, checks=False)
@@ -56,7 +56,7 @@ def _kalibr(camera):
 
 
 def _row_offsets(pair):
-    """v_right - v_left of scale-invariant features that match."""
+    """Compute v_right - v_left of matched scale-invariant features."""
     sift = cv2.SIFT_create()
     (points, left), (others, right) = (
         sift.detectAndCompute(i, None) for i in (pair.left, pair.right)
@@ -70,8 +70,8 @@ def _row_offsets(pair):
 @pytest.mark.parametrize(
     ("pair", "step"), [("middlebury2001/tsukuba", 1.0), ("middlebury2003/cones", 1 / 4)]
 )
-def test_truth_has_the_sign_and_scale_it_says(data_dir, pair, step):
-    """A left pixel is found in the right image at x - disparity, and not at x + disparity."""
+def test_truth_has_the_documented_sign_and_scale(data_dir, pair, step):
+    """A left pixel corresponds to x - disparity in the right image, not to x + disparity."""
     path = data_dir / pair
     truth = read_truth(path)
     assert truth.quantisation_px == step

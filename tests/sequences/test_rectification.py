@@ -1,4 +1,4 @@
-"""Rows correspond after rectification, and the rectified rig measures what stands in the world."""
+"""Rows correspond after rectification, and the rectified rig measures world points."""
 
 from dataclasses import replace
 
@@ -27,8 +27,8 @@ def calibration(turn, step, *, distortion=BARREL, is_fisheye=False):
     return Calibration(left=camera, right=camera, T_right_left=pose(R, step))
 
 
-def source_of(maps, points_px):
-    """Where in the raw image a rectified pixel comes from."""
+def raw_position_of(maps, points_px):
+    """Look up the raw position of a rectified pixel."""
     u, v = np.rint(points_px).astype(int).T
     return np.column_stack([maps[0][v, u], maps[1][v, u]])
 
@@ -46,7 +46,7 @@ def raw_pixels(camera, points_camera):
 
 
 def check(rig):
-    """Rectified pixels of points in the world come from the raw pixels that show them."""
+    """Check that rectified pixels of world points come from the raw pixels of the same points."""
     size = SIZE
     rectify = rectifier(rig, size)
     rng = np.random.default_rng(3)
@@ -62,7 +62,9 @@ def check(rig):
         (rig.left, points_left, pixels, rectify.maps[0]),
         (rig.right, points_right, pixels - shift, rectify.maps[1]),
     ):
-        np.testing.assert_allclose(source_of(maps, seen), raw_pixels(camera, points), atol=2e-3)
+        np.testing.assert_allclose(
+            raw_position_of(maps, seen), raw_pixels(camera, points), atol=2e-3
+        )
 
 
 @settings(deadline=None, max_examples=15)
@@ -74,19 +76,19 @@ def test_rectified_pixels_come_from_the_raw_pixels_of_the_same_point(turn, step)
     check(calibration(turn, step))
 
 
-def test_a_fisheye_rig_is_rectified_too():
+def test_fisheye_rig_is_rectified():
     check(calibration([0.01, 0.02, -0.01], [-0.2, 0.0, 0.0], distortion=FISHEYE, is_fisheye=True))
 
 
 @pytest.mark.parametrize("below", [-1.0, 1.0])
-def test_eyes_one_above_the_other_are_turned_by_a_quarter(below):
+def test_vertical_rig_is_rotated_by_a_quarter_turn(below):
     rig = calibration([0.01, -0.02, 0.01], [0.005, 0.2 * below, 0.01])
     rectify = rectifier(rig, SIZE)
     assert (rectify.rig.width, rectify.rig.height) == SIZE[::-1]
     check(rig)
 
 
-def test_no_pixel_is_empty_and_the_view_is_as_wide_as_opencvs():
+def test_rectified_images_have_no_empty_pixels_and_opencvs_field_of_view():
     rig = calibration([0.01, 0.02, -0.01], [-0.2, 0.003, 0.002])
     rectify = rectifier(rig, SIZE)
     white = np.full(SIZE[::-1], 255, np.uint8)
@@ -99,7 +101,7 @@ def test_no_pixel_is_empty_and_the_view_is_as_wide_as_opencvs():
     assert 0.95 < rectify.rig.focal_px / theirs[2][0, 0] < 1.05
 
 
-def test_rows_do_not_correspond_before():
+def test_rows_do_not_correspond_before_rectification():
     rig = calibration([0.03, 0.0, 0.0], [-0.2, 0.0, 0.0])
     points_left = np.random.default_rng(0).uniform([-1, -1, 3], [1, 1, 6], (50, 3))
     left = raw_pixels(rig.left, points_left)
@@ -107,7 +109,7 @@ def test_rows_do_not_correspond_before():
     assert np.abs(left[:, 1] - right[:, 1]).min() > 5
 
 
-def test_rectified_images_stay_as_they_are():
+def test_rectified_images_stay_unchanged():
     rig = calibration([0, 0, 0], [-0.2, 0, 0], distortion=np.zeros(0))
     K_square = np.array([[260.0, 0, 163], [0, 260, 118], [0, 0, 1]])
     square = Camera(matrix=K_square, distortion=np.zeros(5))
@@ -118,7 +120,7 @@ def test_rectified_images_stay_as_they_are():
     assert right is image
 
 
-def test_axes_are_a_rotation_that_points_from_eye_to_eye():
+def test_rectified_axes_are_a_rotation_along_the_baseline():
     rig = calibration([0.02, 0.1, -0.05], [-0.2, 0.1, 0.02])
     rotation = common_axes(rig.T_right_left)
     np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
@@ -127,14 +129,14 @@ def test_axes_are_a_rotation_that_points_from_eye_to_eye():
     np.testing.assert_allclose(rotation @ right_eye, [rig.baseline, 0, 0], atol=1e-12)
 
 
-def test_swapped_unrectified_cameras_are_refused():
+def test_swapped_unrectified_cameras_are_rejected():
     with pytest.raises(InputError, match="to the left of the left one"):
         rectifier(calibration([0.01, 0, 0], [0.2, 0, 0]), SIZE)
 
 
-def test_cameras_that_share_no_view_are_refused():
+def test_cameras_without_a_common_view_are_rejected():
     turn = [0, 2.5, 0]
-    step = Rotation.from_rotvec(turn).apply([-0.2, 0, 0])  # the right eye stands at x = 0.2
+    step = Rotation.from_rotvec(turn).apply([-0.2, 0, 0])  # the right camera is at x = 0.2
     with pytest.raises(InputError, match="share no field of view"):
         rectifier(calibration(turn, step), SIZE)
 
@@ -142,7 +144,7 @@ def test_cameras_that_share_no_view_are_refused():
 @pytest.mark.parametrize(
     ("size", "is_said"), [(SIZE, False), ((480, 360), True), ((200, 160), True)]
 )
-def test_a_calibration_without_a_size_is_held_against_its_principal_point(size, is_said):
+def test_image_size_is_checked_against_the_principal_point(size, is_said):
     rig = calibration([0.0, 0.0, 0.0], [-0.1, 0.0, 0.0])
     with collected_notices() as notices:
         rectifier(rig, size)

@@ -1,4 +1,4 @@
-"""A drive through a simulated village, its poses known exactly, seen by a rig gone crooked."""
+"""A drive through a simulated village with known poses and a slightly misaligned rig."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -26,14 +26,14 @@ def drive():
         turn = 0.03 * number
         position = np.array([-40 + 5 * np.sin(3 * turn) + 2 * number, 5.0, 60.0 - 2 * number])
         ahead = np.array([0.8 * np.cos(turn + 0.2), 0.0, -1.0])
-        target = position + 20 * ahead / np.linalg.norm(ahead)  # one distance, so one rig
+        target = position + 20 * ahead / np.linalg.norm(ahead)  # fixed distance, fixed rig
         pair = world.take(View(position=position, target=target))
         pairs.append(replace(pair, stamp_s=float(number), name=str(number)))
     return pairs
 
 
-def crooked(pair, disparity, row):
-    """The pair as a rig would see it whose right image is off by smooth fields."""
+def distort_pair(pair, disparity, row):
+    """Distort the right image by smooth fields of rows and disparities."""
     left_over = Residual(
         disparity=Field(coefficients=-np.array(disparity)), row=Field(coefficients=-np.array(row))
     )
@@ -52,8 +52,8 @@ def crooked(pair, disparity, row):
         pytest.param([0.3, 0.1, -0.2, 0.9, 0.1, 0.1], [-0.1, 0, 0, 0, 1.0, 0], id="quadratic"),
     ],
 )
-def test_the_residual_comes_out_and_the_path_keeps_its_scale(drive, disparity, row):
-    pairs = [crooked(pair, disparity, row) for pair in drive]
+def test_residual_is_recovered_and_the_path_keeps_its_scale(drive, disparity, row):
+    pairs = [distort_pair(pair, disparity, row) for pair in drive]
     frames = [Frame(name=p.name, stamp_s=p.stamp_s, load=lambda p=p: p) for p in pairs]
     source = EstimatedPoses(Recording(frames))
     estimated = np.array([pair.T_world_left[:3, 3] for pair in source])

@@ -1,4 +1,4 @@
-"""Views round an object: pairs by geometry, upright ones turned, points on the object."""
+"""Views around an object: pairs by geometry, rotated images, points on the object."""
 
 import cv2
 import numpy as np
@@ -23,21 +23,21 @@ CENTRE = np.array([0.1, 0.2, -0.1])
 DOTS = CENTRE + 0.08 * np.array([[1, 1, 1], [-1, 1, 0], [0.5, -1, 1], [-1, -0.5, -1], [0, 0, 0]])
 
 
-def standing(azimuth_deg, height=0.2, up=(0, 1, 0)):
+def camera_at(azimuth_deg, height=0.2, up=(0, 1, 0)):
     a = np.radians(azimuth_deg)
     eye = CENTRE + np.array([2 * np.sin(a), height, 2 * np.cos(a)])
     return look_at(eye, CENTRE, up)
 
 
 def write_ring(path, poses, readme=True):
-    """Images of a few dots, each of its own grey, and their par.txt."""
+    """Write images of a few dots, each with its own grey value, and their par.txt."""
     path.mkdir()
     lines = [str(len(poses))]
     for number, T_world_cam in enumerate(poses):
         image = np.zeros(SIZE[::-1], np.uint8)
         dots = transform(invert(T_world_cam), DOTS)
         places = (K @ dots.T)[:2].T / dots[:, 2:]
-        for grey, (u, v) in reversed([*enumerate(places)]):  # the first is before all others
+        for grey, (u, v) in reversed([*enumerate(places)]):  # the first is in front of all others
             centre = (round(16 * u), round(16 * v))
             cv2.circle(image, centre, 16 * 4, 250 - 40 * grey, -1, cv2.LINE_AA, 4)
         cv2.imwrite(str(path / f"view{number}.png"), image)
@@ -54,21 +54,21 @@ def write_ring(path, poses, readme=True):
 
 @pytest.fixture
 def ring(tmp_path):
-    """Five views, 20 degrees apart, one with its camera on its side; two more above each other."""
-    poses = [standing(20 * n) for n in range(4)]
-    poses.append(standing(80, up=(1, 0.1, 0)))
-    poses += [standing(200), standing(200, height=0.9)]
+    """Five views 20 degrees apart, one with its camera on its side, and two above each other."""
+    poses = [camera_at(20 * n) for n in range(4)]
+    poses.append(camera_at(80, up=(1, 0.1, 0)))
+    poses += [camera_at(200), camera_at(200, height=0.9)]
     return write_ring(tmp_path / "ring", poses)
 
 
 def dot_at(image, grey):
-    """The middle of the largest patch of about one grey."""
+    """Find the centre of the largest patch of one grey value."""
     is_dot = (np.abs(image.astype(int) - grey) < 8).astype(np.uint8)
     _, _, sizes, middles = cv2.connectedComponentsWithStats(is_dot)
     return middles[1 + np.argmax(sizes[1:, cv2.CC_STAT_AREA])]
 
 
-def test_pairs_are_neighbours_and_measure_the_object(ring):
+def test_pairs_are_neighbouring_views_and_measure_the_object(ring):
     source = open_sequence(ring, SequenceSettings())
     names = {pair.name for pair in source}
     assert names == {"view0-view1", "view1-view2", "view2-view3", "view3-view4", "view5-view6"}
@@ -81,12 +81,12 @@ def test_pairs_are_neighbours_and_measure_the_object(ring):
         np.testing.assert_allclose(transform(pair.T_world_left, point)[0], DOTS[0], atol=0.015)
 
 
-def test_forgetting_the_unequal_principal_points_would_put_all_elsewhere(ring):
+def test_ignoring_unequal_principal_points_misplaces_the_object(ring):
     pair = next(iter(open_sequence(ring, SequenceSettings())))
     assert abs(pair.rig.disparity_offset_px) > 50
 
 
-def test_pairs_come_in_turn(ring):
+def test_pairs_come_in_order_around_the_ring(ring):
     views = read_views(ring / "toy_par.txt")
     pairs = [(a, b) for a, b in neighbours(views, CENTRE)]
     turned = in_turn(pairs[::-1], CENTRE)
@@ -96,37 +96,37 @@ def test_pairs_come_in_turn(ring):
     assert any(double[n : n + 5] in (chain, chain[::-1]) for n in range(5))
 
 
-def test_a_view_from_the_same_place_is_skipped(tmp_path):
-    path = write_ring(tmp_path / "ring", [standing(0), standing(20), standing(0)])
+def test_view_from_the_same_position_is_skipped(tmp_path):
+    path = write_ring(tmp_path / "ring", [camera_at(0), camera_at(20), camera_at(0)])
     source = open_sequence(path, SequenceSettings())
     assert len(list(source)) == 1
     assert list(source.skipped) == [("view2", "it has the pose of view0")]
     assert len(distinct(read_views(path / "toy_par.txt"))[0]) == 2
 
 
-def test_without_a_readme_the_box_is_where_all_look(tmp_path):
-    path = write_ring(tmp_path / "ring", [standing(a) for a in (0, 20, 90)], readme=False)
+def test_box_without_a_readme_is_where_all_views_look(tmp_path):
+    path = write_ring(tmp_path / "ring", [camera_at(a) for a in (0, 20, 90)], readme=False)
     low, high = read_box(path, read_views(path / "toy_par.txt"))
     np.testing.assert_allclose((low + high) / 2, CENTRE, atol=1e-6)
     assert (low < DOTS.min(axis=0)).all()
     assert (high > DOTS.max(axis=0)).all()
 
 
-def test_views_too_far_apart_are_no_ring(tmp_path):
-    path = write_ring(tmp_path / "ring", [standing(0), standing(90)])
+def test_views_too_far_apart_are_rejected(tmp_path):
+    path = write_ring(tmp_path / "ring", [camera_at(0), camera_at(90)])
     with pytest.raises(InputError, match="no two views 10 to 35 degrees apart"):
         open_sequence(path, SequenceSettings())
 
 
-def test_a_line_that_is_no_view_is_named(tmp_path):
-    path = write_ring(tmp_path / "ring", [standing(0), standing(20)])
+def test_invalid_line_is_named(tmp_path):
+    path = write_ring(tmp_path / "ring", [camera_at(0), camera_at(20)])
     par = path / "toy_par.txt"
     par.write_text(par.read_text() + "\nview9.png 1 2 3")
     with pytest.raises(InputError, match=r"line 4: 21 numbers .* after view9\.png"):
         open_sequence(path, SequenceSettings())
 
 
-def test_a_dark_background_becomes_black_without_an_edge():
+def test_dark_background_becomes_black_without_an_edge():
     rng = np.random.default_rng(0)
     image = rng.integers(0, 16, (60, 60, 3), np.uint8)
     image[20:40, 20:40] = 200
@@ -138,7 +138,7 @@ def test_a_dark_background_becomes_black_without_an_edge():
 
 
 @pytest.mark.data
-def test_the_temple_is_paired_by_geometry(data_dir):
+def test_temple_views_are_paired_by_geometry(data_dir):
     source = open_sequence(data_dir / "middlebury_mvs" / "templeSparseRing", SequenceSettings())
     assert len(source) == 15
     assert [skip[0] for skip in source.skipped] == ["templeSR0011"]

@@ -1,4 +1,4 @@
-"""Depths are compared as a search tree over the image points would find them."""
+"""Depths are compared with the same neighbours that a search tree finds."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from recon.mapping.seendepths import MAX_OFFSET_PX, NUM_CANDIDATES, NUM_SIGMAS, 
 SIZE = (60, 40)
 
 
-def by_tree(seen, given):
+def differences_by_tree(seen, given):
     _, near = cKDTree(seen[0]).query(given[0], k=NUM_CANDIDATES, distance_upper_bound=MAX_OFFSET_PX)
     depth, sigma = np.append(seen[1], np.inf)[near], np.append(seen[2], 0.0)[near]
     limit = NUM_SIGMAS * np.hypot(sigma, given[2][:, None])
@@ -22,15 +22,15 @@ def points(rng, number, low, high):
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-0.2, 1.2), (0.9, 1.5)])
-def test_the_nearest_points_are_compared_inside_and_outside_the_image(low, high):
+def test_nearest_points_are_compared_inside_and_outside_the_image(low, high):
     rng = np.random.default_rng(3)
     seen, given = points(rng, 400, low, high), points(rng, 500, low, high)
     found = SeenDepths(*seen, SIZE).agree(*given)
-    assert (found == by_tree(seen, given)).all()
+    assert (found == differences_by_tree(seen, given)).all()
     assert 0.05 < found.mean() < 0.95
 
 
-def test_a_point_nowhere_agrees_with_nothing():
+def test_point_without_a_position_agrees_with_nothing():
     rng = np.random.default_rng(4)
     at, depth, sigma = points(rng, 5, 0.0, 1.0)
     at[0], at[1] = np.nan, (np.inf, 1e300)

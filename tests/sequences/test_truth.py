@@ -1,4 +1,4 @@
-"""True disparity, in pixels of the left image, whatever the file's scale."""
+"""True disparity in pixels of the left image, whatever the scale of the file."""
 
 import json
 
@@ -16,21 +16,21 @@ from recon.sequences.truth import DisparityTruth, read_truth_file
 from tests.sequences.recordings import DISPARITY_PX, write_pair_dir
 
 
-def test_the_scale_is_in_the_meta_file(tmp_path):
+def test_scale_is_read_from_the_meta_file(tmp_path):
     disparity, step = read_truth(write_pair_dir(tmp_path / "pair"))
-    assert step == 1  # all of it is in whole pixels
+    assert step == 1  # all values are integers
     assert np.isnan(disparity[:, :DISPARITY_PX]).all()
     np.testing.assert_array_equal(disparity[:, DISPARITY_PX:], DISPARITY_PX)
 
 
-def test_a_given_scale_comes_first(tmp_path):
+def test_given_scale_takes_precedence(tmp_path):
     disparity, step = read_truth(write_pair_dir(tmp_path / "pair"), truth_scale=32)
     assert step == 1 / 32
     assert np.nanmax(disparity) == DISPARITY_PX / 4
 
 
 @pytest.mark.parametrize("ending", ["pfm", "tiff"])
-def test_floats_are_pixels_and_what_is_not_finite_is_unknown(tmp_path, ending):
+def test_floats_are_pixels_and_non_finite_values_are_unknown(tmp_path, ending):
     stored = np.array([[1.5, np.inf, 0.0], [2.25, 3.0, -4.0]], np.float32)
     cv2.imwrite(str(tmp_path / f"disp_left.{ending}"), stored)
     disparity, step = read_truth(tmp_path)
@@ -39,7 +39,7 @@ def test_floats_are_pixels_and_what_is_not_finite_is_unknown(tmp_path, ending):
 
 
 @pytest.mark.parametrize("meta", [None, {}, {"truth_scale": 0}, {"truth_scale": "much"}])
-def test_whole_numbers_need_a_scale(tmp_path, meta):
+def test_integers_need_a_scale(tmp_path, meta):
     path = write_pair_dir(tmp_path / "pair")
     (path / "meta.json").unlink()
     if meta is not None:
@@ -49,7 +49,7 @@ def test_whole_numbers_need_a_scale(tmp_path, meta):
     assert read_truth(path, truth_scale=7).quantisation_px == 1 / 7
 
 
-def test_a_missing_or_broken_truth_is_refused(tmp_path):
+def test_missing_or_broken_truth_is_rejected(tmp_path):
     with pytest.raises(InputError, match="holds no disp_left"):
         read_truth(tmp_path)
     (tmp_path / "disp_left.png").write_bytes(b"")
@@ -57,7 +57,7 @@ def test_a_missing_or_broken_truth_is_refused(tmp_path):
         read_truth(tmp_path)
 
 
-def test_what_was_found_is_read_back_as_truth(tmp_path):
+def test_written_disparity_is_read_back_as_truth(tmp_path):
     found = np.array([[1.5, np.nan, -3.25], [0.5, 20.0, np.nan]])
     write_pfm(tmp_path / "dense.pfm", found)
     again = read_truth_file(tmp_path / "dense.pfm")
@@ -66,7 +66,7 @@ def test_what_was_found_is_read_back_as_truth(tmp_path):
 
 
 def matches_at(disparity_px):
-    """A match at every tenth pixel of a truth, and what it should be."""
+    """Make a match at every tenth pixel of a truth, with its expected disparity."""
     height, width = disparity_px.shape
     v, u = np.mgrid[:height:3, :width:3].reshape(2, -1)
     return Matches(
@@ -90,7 +90,7 @@ def matches_at(disparity_px):
         (lambda truth: truth[::-1, ::-1] + 40, "is it the left image's, of these two"),
     ],
 )
-def test_a_truth_that_matches_contradict_is_told(change, words):
+def test_truth_that_contradicts_the_matches_is_reported(change, words):
     true = 20.0 + 15.0 * np.random.default_rng(3).random((60, 80))
     image = np.zeros(true.shape, np.uint8)
     with collected_notices() as notices:
@@ -100,14 +100,14 @@ def test_a_truth_that_matches_contradict_is_told(change, words):
 
 
 @pytest.mark.parametrize("shape", [(59, 80), (60, 81)])
-def test_a_truth_of_another_size_is_refused(shape):
+def test_truth_of_another_size_is_rejected(shape):
     image = np.zeros((60, 80), np.uint8)
     with pytest.raises(InputError, match="but the left image has 80 x 60"):
         check_truth(image, matches_at(np.ones((60, 80))), DisparityTruth(np.ones(shape), 0.0))
 
 
 def sheets(side):
-    """True disparity of one image of three vertical sheets at 5, 20 and 35 px."""
+    """Make the true disparity of one image of three vertical sheets at 5, 20 and 35 px."""
     columns = np.arange(240)
     # In the left image the sheets begin at 0, 80 and 160.
     edges = [80, 160] if side == "left" else [60, 125]
@@ -119,10 +119,10 @@ def sheets(side):
     [
         (sheets("left"), None),
         (sheets("right"), "the truth is the right image's"),
-        (np.full((60, 240), 20.0), None),  # of one depth: nothing tells them apart
+        (np.full((60, 240), 20.0), None),  # of one depth: left and right are indistinguishable
     ],
 )
-def test_the_truth_of_the_right_image_is_told(truth, words):
+def test_truth_of_the_right_image_is_reported(truth, words):
     found = truth if words is None else sheets("left")
     image = np.zeros(truth.shape, np.uint8)
     matches = matches_at(found)
@@ -132,7 +132,7 @@ def test_the_truth_of_the_right_image_is_told(truth, words):
     assert [words in notice.text for notice in notices] == ([True] if words else [])
 
 
-def test_truth_stored_from_the_bottom_up_is_told():
+def test_vertically_flipped_truth_is_reported():
     true = 20.0 + 15.0 * np.random.default_rng(3).random((60, 80))
     with collected_notices() as notices:
         check_truth(
