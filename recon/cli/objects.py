@@ -42,7 +42,7 @@ def _rounded(value: float, decimals: int) -> str:
 
 
 def _reason(found: dict[str, Any]) -> str:
-    """Why it has no name, where a catalogue was asked."""
+    """The reason why it has no name, if a catalogue was asked."""
     if found["probability"] is None or not found.get("reason"):
         return ""
     return f"   ({found['reason']})"

@@ -69,7 +69,7 @@ class FrontierController:
         return "a round past unseen sides of obstacles and unknown ground, by gain per length"
 
     def result(self) -> str:
-        """Why it ended."""
+        """The reason why it ended."""
         return self.reason
 
     def next_view(self, state: State) -> View | None:

@@ -49,7 +49,7 @@ class ThesisController:
         return "the strategy of the thesis, section 4.4"
 
     def result(self) -> str:
-        """Why it ended."""
+        """The reason why it ended."""
         return "nothing reachable" if self.num_barred else "all known"
 
     def next_view(self, state: State) -> View | None:

@@ -98,7 +98,7 @@ class BoxModel:
         return replace(state, centre=middle, sizes=high - low)
 
     def _faceless(self, state: Box) -> str:
-        """Why the points do not show the faces of a box; empty if they do."""
+        """The reason why the points do not show the faces of a box; empty if they do."""
         local = np.abs((self.points - state.centre) @ state.axes.T)
         face = np.argmax(local - state.sizes / 2.0, axis=1)
         along = np.abs(self.normals @ state.axes.T)[np.arange(len(face)), face]

@@ -131,7 +131,7 @@ def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample 
 
 
 def _fault(points: Array) -> str:
-    """Why no solid can be fitted to the points; empty if one can."""
+    """The reason why no solid can be fitted to the points; empty if one can."""
     num_bad = int((~np.isfinite(points).all(axis=1)).sum())
     if num_bad:
         return f"{num_bad} of {len(points)} points are not finite"

@@ -117,7 +117,7 @@ def _chances(found: list[Hypothesis]) -> dict[str, tuple[float, Hypothesis]]:
 
 
 def _reason(nearest: Hypothesis | None) -> str:
-    """Why an object has no name."""
+    """The reason why an object has no name."""
     if nearest is None or nearest.kind is None:
         return NO_KIND_FITS
     return f"too little speaks for the nearest kind, {nearest.kind.name}"

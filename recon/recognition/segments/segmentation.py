@@ -83,7 +83,7 @@ def _majority(upper: NDArray[np.bool_], pairs: NDArray[np.intp]) -> NDArray[np.b
 
 
 def _not_apart(chroma: Array, colours: NDArray[np.uint8], upper: NDArray[np.bool_]) -> str:
-    """Why the two parts do not have two colours; empty if they do."""
+    """The reason why the two parts do not have two colours; empty if they do."""
     if upper.all() or not upper.any():
         return "all cells have one colour"
     groups = [chroma[~upper], chroma[upper]]
