@@ -1,6 +1,7 @@
 """Errors that a user can fix, reported in one line."""
 
 import difflib
+import os
 from collections.abc import Iterable, Sequence
 
 import numpy as np
@@ -78,6 +79,12 @@ def check_type(name: str, value: object, wanted: type, *others: type) -> None:
     if not isinstance(value, (wanted, *others)):
         words = " or ".join(one.__name__ for one in (wanted, *others))
         raise InputError(f"{name} is of type {type(value).__name__}, but {words} is needed")
+
+
+def check_path(value: object) -> None:
+    """Raise `InputError` unless `value` is a path."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"path is {value!r}, but a path is needed")
 
 
 def check_finite(name: str, array: NDArray[np.floating]) -> None:

@@ -88,8 +88,8 @@ def write(
     MissingLibraryError
         If the library of the format is not installed.
     """
-    form = format_of(path)
     check_name(path)
+    form = format_of(path)
     if is_in_partitions(data):
         is_all = box is None and up in (None, form.up) and data.num_cells > 0
         if form.write_parts and is_all:
@@ -137,6 +137,8 @@ def _write_whole(data: Data, path: PathLike, form: Format) -> None:
 def _cannot_hold(form: Format, data: Data) -> str:
     if form.write is None and form.write_mesh is None:
         return "the format is read-only"
+    if not is_map(data) and not isinstance(data, PointCloud | Voxels):
+        return f"data is a {type(data).__name__}, but a cloud, cells, a map or a mesh is needed"
     kind = "a cloud of points" if isinstance(data, PointCloud) else "cells"
     holds = "triangles" if form.write is None else "cells"
     return f"a format for {holds} cannot hold {kind}"
@@ -201,6 +203,7 @@ def read_silently(
     seed: int = 0,
 ) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
     """Do the same as `read`, without a notice about the rotation."""
+    check_name(path)
     rng = np.random.default_rng(seed)
     if is_partitioned(path):
         from recon.exports.partitions.partitioned import PartitionedMap
@@ -219,7 +222,6 @@ def read_silently(
 
 
 def _readable(path: PathLike) -> Format:
-    check_name(path)
     if not Path(path).exists():
         raise FileNotFoundError(2, "No such file or directory", str(path))
     if Path(path).suffix.lower() != ".zarr":

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from recon.errors import InputError
+from recon.errors import InputError, check_path
 from recon.files.atomic import PathLike
 
 _GIGABYTE = 1 << 30
@@ -37,7 +37,8 @@ def check_regular(path: PathLike) -> None:
 
 
 def check_name(path: PathLike) -> None:
-    """Raise `InputError` unless the name is UTF-8."""
+    """Raise `InputError` unless it is a path whose name is UTF-8."""
+    check_path(path)
     try:
         os.fspath(path).encode()
     except UnicodeEncodeError as error:

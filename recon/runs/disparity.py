@@ -160,5 +160,8 @@ def write_matches(path: Path, matches: Matches) -> None:
 
 
 DISPARITY = Kind(
-    run=_match, base=_base, takes={"truth": path, "truth_scale": positive, "calib": path}
+    run=_match,
+    num_inputs=2,
+    base=_base,
+    takes={"truth": path, "truth_scale": positive, "calib": path},
 )

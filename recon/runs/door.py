@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from recon.errors import InputError
+from recon.errors import InputError, check_path
 from recon.exploration.agent import explore as lead
 from recon.exploration.controllers import Controller
 from recon.exploration.explorable import Explorable
@@ -177,6 +177,5 @@ def recognise(
 
 def checked_path(path: str | Path) -> Path:
     """The path, or `InputError` for what is not one."""
-    if not isinstance(path, str | Path):
-        raise InputError(f"path is {path!r}, but a path is needed")
+    check_path(path)
     return Path(path)

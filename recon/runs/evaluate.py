@@ -174,6 +174,7 @@ def model_arrays(left: Features, right: Features, matches: Matches, settings: Se
 
 EVALUATE = Kind(
     run=_evaluate,
+    num_inputs=None,
     takes={"matchers": texts, "truth_scale": positive},
     stages=("reading", "stereo", "figures"),
 )

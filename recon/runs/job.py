@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from recon.errors import check_number, check_type
+from recon.errors import InputError, check_number, check_type
 from recon.manifest import RunPlan
 from recon.plugins import Registry
 from recon.runs.arguments import Argument, checked
@@ -51,6 +51,7 @@ class Job:
     def resolved(self) -> Self:
         """The same job with every default filled in."""
         kind = KINDS.load(self.kind)
+        kind.check_inputs(self)
         found = replace(
             self,
             inputs=tuple(kind.find(path) for path in self.inputs),
@@ -89,6 +90,8 @@ class Kind:
 
     run: Callable[[Job, "Work"], Numbers]
     """Does the work, and returns the content of `metrics.json` and `--json`."""
+    num_inputs: int | None = 1
+    """Number of inputs; None = one or more."""
     base: Callable[[Job], Tree] = lambda job: {}
     """The settings that the kind and its inputs suggest, by stage and name."""
     find: Callable[[Path], Path] = lambda path: path
@@ -103,6 +106,13 @@ class Kind:
     """Stages that `seconds` of metrics.json always contains."""
     judged: Callable[[Job, Path], list[tuple[str, str]]] = lambda job, run_path: []
     """True names of the objects of a finished run, each with its assigned name."""
+
+    def check_inputs(self, job: Job) -> None:
+        """Raise `InputError` unless a job has as many inputs as its kind needs."""
+        given = len(job.inputs)
+        if given != (self.num_inputs if self.num_inputs is not None else max(given, 1)):
+            need = "1 or more" if self.num_inputs is None else self.num_inputs
+            raise InputError(f"{job.kind} has {given} inputs, but {need} are needed")
 
 
 KINDS: Registry[Kind] = Registry(

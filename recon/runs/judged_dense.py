@@ -98,5 +98,7 @@ def _means(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
     return means
 
 
-DENSE = Kind(run=_judge, takes={"truth_scale": positive}, stages=("stereo", "figures"))
+DENSE = Kind(
+    run=_judge, num_inputs=None, takes={"truth_scale": positive}, stages=("stereo", "figures")
+)
 """`recon evaluate --dense`."""

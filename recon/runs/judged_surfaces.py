@@ -75,6 +75,7 @@ def _distances(run: Path, truth: Array) -> Sequence[float]:
 
 SURFACE = Kind(
     run=_judge,
+    num_inputs=0,
     takes={"surface": path, "truth": path, "distances": positives},
     stages=("reading", "surface"),
 )

@@ -115,4 +115,6 @@ def _report(name: str, target: Path, lesson: Lesson) -> Numbers:
     }
 
 
-LEARN = Kind(run=_learn, takes={"name": word, "catalogue": text, "examples": texts})
+LEARN = Kind(
+    run=_learn, num_inputs=None, takes={"name": word, "catalogue": text, "examples": texts}
+)

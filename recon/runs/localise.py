@@ -72,4 +72,10 @@ def _base(job: Job) -> Tree:
     return {stage: given_tree(read_settings(run))[stage] for stage in kept}
 
 
-LOCALISE = Kind(run=_localise, base=_base, takes={"recording": path}, stages=("places", "localise"))
+LOCALISE = Kind(
+    run=_localise,
+    num_inputs=2,
+    base=_base,
+    takes={"recording": path},
+    stages=("places", "localise"),
+)

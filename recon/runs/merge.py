@@ -132,6 +132,7 @@ def _joined(ways: list[Trajectory]) -> Trajectory:
 
 MERGE = Kind(
     run=_merge,
+    num_inputs=None,
     base=_base,
     folder=lambda job: Path("runs") / "merged",
     stages=("map", "recognise", "figures", "write"),

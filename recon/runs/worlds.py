@@ -125,6 +125,7 @@ def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
 
 WORLDS = Kind(
     run=_worlds,
+    num_inputs=0,
     judged=_judged,
     base=lambda job: EXPLORER_BASE,
     takes={"worlds": count},

@@ -8,7 +8,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import as_numbers, check_finite, check_shape
+from recon.errors import as_numbers, check_finite, check_number, check_shape
 from recon.records import PointCloud
 
 Columns = Mapping[str, NDArray[Any]]
@@ -26,6 +26,10 @@ class Scan:
     """(3,) camera position, world."""
     view: int | None
     """Number of the view."""
+
+    def __post_init__(self) -> None:
+        if self.view is not None:
+            check_number("view", self.view, low=0)
 
 
 def eye_of(origin: ArrayLike | None) -> NDArray[np.float64] | None:

@@ -179,6 +179,21 @@ def test_arguments_come_as_the_kind_takes_them():
     assert job.arguments == {"matchers": ("sgbm",)}
 
 
+@pytest.mark.parametrize(
+    ("kind", "inputs", "message"),
+    [
+        ("explore", (), "explore has 0 inputs, but 1 are needed"),
+        ("explore", ("a", "b"), "explore has 2 inputs, but 1 are needed"),
+        ("localise", ("a",), "localise has 1 inputs, but 2 are needed"),
+        ("merge", (), "merge has 0 inputs, but 1 or more are needed"),
+        ("worlds", ("a",), "worlds has 1 inputs, but 0 are needed"),
+    ],
+)
+def test_number_of_inputs_is_that_of_the_kind(kind, inputs, message):
+    with pytest.raises(recon.InputError, match=message):
+        recon.Job(kind=kind, inputs=inputs).resolved()
+
+
 def asked(source):
     """Names of the arguments that a source takes out of its job."""
     found = set()
