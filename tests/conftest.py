@@ -1,4 +1,4 @@
-"""What the tests of every room share."""
+"""Fixtures and hooks shared by all tests."""
 
 import os
 from collections.abc import Iterator
@@ -59,6 +59,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _place(item: pytest.Item) -> int:
-    """The place of an item's file in the order of files; all but the slowest share the last."""
+    """Rank an item by its file; all files but the slowest share the last rank."""
     file = item.path.relative_to(TESTS).as_posix()
     return SLOWEST.index(file) if file in SLOWEST else len(SLOWEST)

@@ -1,6 +1,6 @@
 """Files that are only read together with others: parts of folders, bags, videos, maps of two files.
 
-Each is fed a mutated part, put into its place among the sound ones.
+Each reader gets a mutated part in its place among the valid ones.
 """
 
 import shutil
@@ -22,7 +22,7 @@ RECORDING = SequenceSettings(poses="none")
 
 
 def contained_files(folder: Path) -> Iterator[tuple[str, Callable[[Path], Any], bytes]]:
-    """(name, reader, content) of each."""
+    """Yield (name, reader, content) of each file."""
     for name, write_whole, pattern, read_whole in (
         (".meta.zarr", _write_zarr, "zarr.json", read),
         (".array.zarr", _write_zarr, "x/zarr.json", read),

@@ -1,8 +1,8 @@
-"""What `objects.json` says of every object, named or not, whatever it was found in."""
+"""Properties that `objects.json` gives for every object, named or not, of any source."""
 
 
 def assert_described(found, *, has_views=True, has_colours=True):
-    """Every property of an object of a document is known, as far as its source shows it."""
+    """Check that every property of an object is given, as far as its source shows it."""
     is_unknown = found["label"] == "unknown"
     assert (found["reason"] is not None) == is_unknown
     assert found["probability"] is None or 0.0 < found["probability"] <= 1.0

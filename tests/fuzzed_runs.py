@@ -1,4 +1,4 @@
-"""Jobs, partitioned maps, run folders and meshes for the fuzzer: files that others lie beside."""
+"""Jobs, partitioned maps, run folders and meshes for the fuzzer: files that need other files."""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ from recon.settings import Settings
 from recon.settings.files import to_toml
 from tests.exports.maps import sample_cloud, sample_map
 
-Sound = tuple[str, Callable[[Path], Any], bytes]
+FuzzedFile = tuple[str, Callable[[Path], Any], bytes]
 
 JOBS = """[[job]]
 name = "a"
@@ -59,8 +59,8 @@ OBJECTS = {
 }  # fmt: skip
 
 
-def sound_runs(folder: Path) -> Iterator[Sound]:
-    """(name, reader, content) of each; what lies beside a file is made below `folder`."""
+def run_files(folder: Path) -> Iterator[FuzzedFile]:
+    """Yield (name, reader, content) of each file; the files it needs are written below `folder`."""
     (folder / "left").mkdir(exist_ok=True)
     yield ".jobs.toml", read_jobs, JOBS.encode()
     record = folder / "refined.json"
@@ -72,7 +72,7 @@ def sound_runs(folder: Path) -> Iterator[Sound]:
 
 
 def beside(home: Path, name: str, read: Callable[[Path], Any]) -> Callable[[Path], Any]:
-    """A reader of a folder in which one file is the one that it is given."""
+    """Make a reader of a folder that replaces one of its files by the given one."""
 
     def reader(path: Path) -> Any:
         shutil.copyfile(path, home / name)
@@ -81,21 +81,21 @@ def beside(home: Path, name: str, read: Callable[[Path], Any]) -> Callable[[Path
     return reader
 
 
-def sound(home: Path, name: str, mark: str, read: Callable[[Path], Any]) -> Sound:
-    """One file of a folder, which is copied so that the others stay sound."""
+def file_in_folder(home: Path, name: str, mark: str, read: Callable[[Path], Any]) -> FuzzedFile:
+    """Take one file of a folder, of which a copy is made to keep the others valid."""
     own = home.with_name(f"{home.name}-{mark}")
     shutil.copytree(home, own, dirs_exist_ok=True)
     return f".{mark}", beside(own, name, read), (home / name).read_bytes()
 
 
-def _partitions(home: Path) -> Iterator[Sound]:
+def _partitions(home: Path) -> Iterator[FuzzedFile]:
     city = write_partitions(sample_map(), home, 64)
     for name, mark in ((MANIFEST, "partitions.json"), (city.partitions[0].file, "cells.parquet")):
-        yield sound(home, name, mark, lambda place: PartitionedMap(place).whole())
+        yield file_in_folder(home, name, mark, lambda place: PartitionedMap(place).whole())
 
 
-def _run(home: Path) -> Iterator[Sound]:
-    """Files of a finished run, each read by what reads runs."""
+def _run(home: Path) -> Iterator[FuzzedFile]:
+    """Yield the files of a finished run, each with a reader of runs."""
     plan = RunPlan(command="reconstruct", settings_toml=to_toml(Settings()), seed=0, inputs=())
     run = RunFolder.prepare(home, plan, overwrite=True, resume=False)
     with run.opened():
@@ -107,11 +107,11 @@ def _run(home: Path) -> Iterator[Sound]:
         with CloudWriter(home / "cloud.ply") as cloud:
             cloud.append(sample_cloud(num=20), 0)
     for name in ("manifest.json", "settings.toml", "objects.json", "trajectory.txt", "map.npz"):
-        yield sound(home, name, f"run-{name}", read_reconstruction)
+        yield file_in_folder(home, name, f"run-{name}", read_reconstruction)
     for name in ("manifest.json", "metrics.json"):
-        yield sound(home, name, f"info-{name}", describe)
-    yield sound(home, "cloud.ply", "run-cloud.ply", _cells_of_run)
-    yield sound(home, "manifest.json", "merged-manifest.json", _merged)
+        yield file_in_folder(home, name, f"info-{name}", describe)
+    yield file_in_folder(home, "cloud.ply", "run-cloud.ply", _cells_of_run)
+    yield file_in_folder(home, "manifest.json", "merged-manifest.json", _merged)
     yield _partial(home.parent)
 
 
@@ -123,8 +123,8 @@ def _merged(run: Path) -> Any:
     return MERGE.base(Job(kind="merge", inputs=(run,)))
 
 
-def _partial(folder: Path) -> Sound:
-    """The matches of a pair that a cut run kept."""
+def _partial(folder: Path) -> FuzzedFile:
+    """Take the matches of a pair that an interrupted run saved."""
     from recon.mapping.pair import PairResult
     from recon.records import Matches
 
@@ -139,12 +139,12 @@ def _partial(folder: Path) -> Sound:
     home.mkdir(exist_ok=True)
     saved = SavedResults(folder=home)
     saved.keep(0, result)
-    return sound(
+    return file_in_folder(
         home, saved.path(0).name, "partial.npz", lambda one: SavedResults(folder=one).load(0)
     )
 
 
-def _meshes(folder: Path) -> Iterator[Sound]:
+def _meshes(folder: Path) -> Iterator[FuzzedFile]:
     mesh = Mesh(
         vertices=np.eye(4, 3),
         triangles=np.array([[0, 1, 2], [1, 2, 3]], np.int32),

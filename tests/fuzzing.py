@@ -1,4 +1,4 @@
-"""Mutations of small sound files, and every reader that is fed with them."""
+"""Mutations of small valid files, and every reader that is tested with them."""
 
 import signal
 import warnings
@@ -21,8 +21,8 @@ from recon.settings.files import to_toml
 from recon.stereo.matching.vonmises import load_model
 from tests.contained import contained_files
 from tests.exports.maps import sample_cloud, sample_map
-from tests.fuzzed_runs import sound_runs
-from tests.sequences.fuzzed import sound_files
+from tests.fuzzed_runs import run_files
+from tests.sequences.fuzzed import valid_files
 
 WORDS = [b"-1", b"0", b"nan", b"1e308", b"99999999999999999999", b"", b"x", b"\xff", b"1e-300"]
 NUMBERS = [0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 2**63, 2**64 - 1]
@@ -32,18 +32,18 @@ CONTAINED_SHARE = 0.1
 
 @dataclass(frozen=True)
 class Reader:
-    """What is fed, and what with."""
+    """A reader and a valid file for it."""
 
     name: str
-    """The ending that the file gets too."""
+    """Name, and ending of the file."""
     read: Callable[[Path], Any]
     content: bytes
     share: float = 1.0
-    """Of the mutations that others get: some readers are slow."""
+    """Share of the usual number of mutations, for slow readers."""
 
 
 def mutated(content: bytes, rng: np.random.Generator) -> bytes:
-    """A copy with one to four changes: bits, numbers, words, pieces, ends."""
+    """Copy with one to four changes: bits, numbers, words, pieces, truncation."""
     changed = bytearray(content)
     for _ in range(rng.integers(1, 5)):
         at = int(rng.integers(0, max(len(changed), 1)))
@@ -69,7 +69,7 @@ def mutated(content: bytes, rng: np.random.Generator) -> bytes:
 
 
 def _replace_word(changed: bytearray, rng: np.random.Generator) -> None:
-    """One of the words of the first bytes, where headers are, becomes another."""
+    """Replace one of the words near the start, where headers are."""
     head = bytes(changed[:2000])
     words = head.split()
     if words:
@@ -80,7 +80,7 @@ def _replace_word(changed: bytearray, rng: np.random.Generator) -> None:
 
 @contextmanager
 def within(seconds: int) -> Iterator[None]:
-    """Raise `TimeoutError` where the block hangs."""
+    """Raise `TimeoutError` if the block hangs."""
 
     def stop(*_: object) -> None:
         raise TimeoutError(f"still reading after {seconds} s")
@@ -95,7 +95,7 @@ def within(seconds: int) -> Iterator[None]:
 
 
 def fault(reader: Reader, content: bytes, folder: Path) -> str | None:
-    """What is wrong with how a reader takes a file; None where it reads it or refuses it well."""
+    """Describe how a reader fails on a file; None if it reads it or rejects it properly."""
     path = folder / f"mutated{reader.name}"
     path.write_bytes(content)
     try:
@@ -111,8 +111,8 @@ def fault(reader: Reader, content: bytes, folder: Path) -> str | None:
 
 
 def readers(folder: Path) -> dict[str, Reader]:
-    """Every reader with a sound file of its own, by name."""
-    recorded = [Reader(*one) for one in [*sound_files(), *sound_runs(folder)]]
+    """Collect every reader with its own valid file, by name."""
+    recorded = [Reader(*one) for one in [*valid_files(), *run_files(folder)]]
     contained = [Reader(*one, share=CONTAINED_SHARE) for one in contained_files(folder)]
     found = [*_of_formats(folder), *_of_documents(), *recorded, *contained]
     return {one.name: one for one in found}

@@ -1,4 +1,4 @@
-"""A small rendered recording that tests of several rooms share."""
+"""A small rendered recording shared by tests of several folders."""
 
 from pathlib import Path
 
@@ -27,7 +27,7 @@ def write_wall(path: Path) -> None:
 
 
 def render_drive(folder: Path, num_views: int, size: list[str] = SIZE) -> Path:
-    """Render views past the wall; the folder of the recording."""
+    """Render views along the wall; return the folder of the recording."""
     write_wall(folder / "wall.ply")
     views = ["--views", f"drive:{num_views}"]
     drive = folder / "drive"

@@ -1,10 +1,10 @@
-"""A scheduler that tests of several rooms share."""
+"""A scheduler shared by tests of several folders."""
 
 import pickle
 
 
 class Sent:
-    """A scheduler that does the calls in this process, as they arrive at a worker."""
+    """A scheduler that runs calls in this process, pickled as for a worker."""
 
     def __init__(self, *_):
         pass

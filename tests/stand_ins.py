@@ -1,4 +1,4 @@
-"""Small stand-ins for what the pages speak of, each in the folder that a page is followed in."""
+"""Small stand-ins for the files that the pages use, in the folder in which a page is tested."""
 
 import re
 import shutil
@@ -19,18 +19,18 @@ DOCS = Path(__file__).parents[1] / "docs"
 
 
 def blocks(page: str) -> list[tuple[str, str]]:
-    """Language and text of each block of a page."""
+    """Find language and text of each code block of a page."""
     return re.findall(r"^```(\w*)\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S)
 
 
 def block(page: str, language: str, begin: str = "") -> str:
-    """The one block of a language on a page that holds `begin`."""
+    """Find the only block of a language on a page that contains `begin`."""
     (text,) = (text for kind, text in blocks(page) if kind == language and begin in text)
     return text
 
 
 def mugs(folder: Path) -> None:
-    """Two clouds of mugs, a ring of views round a third, and the catalogue of the page."""
+    """Write two clouds of mugs, a ring of views around a table, and the catalogue of the page."""
     rng = np.random.default_rng(3)
     for number, height in enumerate((2.0, 2.1), start=1):
         turn, up = rng.uniform(0, 2 * np.pi, 3000), rng.uniform(0, height, 3000)
@@ -42,7 +42,7 @@ def mugs(folder: Path) -> None:
 
 
 def jobs(folder: Path) -> None:
-    """The job file of the page, of an exploration of one pair, and a recording."""
+    """Write the job file of the page, with an exploration of one pair, and a recording."""
     text = block("howto/cluster.md", "toml", "[[job]]").replace("[2, 5]", "[2]")
     short = text.replace("seed = 1", 'seed = 1\nsettings = { "exploration.max_pairs" = 1 }')
     (folder / "jobs.toml").write_text(short)
@@ -50,7 +50,7 @@ def jobs(folder: Path) -> None:
 
 
 def drives(folder: Path) -> None:
-    """Recordings of drives, and the runs of two of them in parts."""
+    """Write a recording of a drive, and two chunked runs of it."""
     write_folder(folder / "recordings" / "drive")
     for name in ("north", "south"):
         where = ["recordings/drive", "--chunk", "2", "-o", f"runs/{name}", "-q"]
@@ -58,7 +58,7 @@ def drives(folder: Path) -> None:
 
 
 def places(folder: Path) -> None:
-    """A drive, the run of it, and the same drive as that of another day."""
+    """Write a drive, its run, and a copy of the drive as of another day."""
     drive(folder)
     shutil.copytree(folder / "drive", folder / "today")
     fast = ["--quality", "fast", "-q"]
@@ -66,7 +66,7 @@ def places(folder: Path) -> None:
 
 
 def walk(folder: Path) -> None:
-    """What the run of a walk left, and files of other programs."""
+    """Write the results of a run, and files of other programs."""
     (folder / "runs/walk").mkdir(parents=True)
     sample_map().save(folder / "runs/walk/map.npz")
     write(sample_cloud(), folder / "runs/walk/cloud.ply")
@@ -79,7 +79,7 @@ def walk(folder: Path) -> None:
 
 
 def recordings(folder: Path) -> None:
-    """A bag, and a drive of images as wide as KITTI's."""
+    """Write a bag, and a drive with images of KITTI's size."""
     shutil.copy(write_ros1(folder / "bags"), folder / "recording.bag")
     wide = write_folder(folder / "drive")
     text = (wide / "calib.txt").read_text()
@@ -91,7 +91,7 @@ def recordings(folder: Path) -> None:
 
 
 def boards(folder: Path) -> None:
-    """Images of a board of 9 by 6, one pair of them by name, and a drive."""
+    """Write images of a 9 by 6 board, a copy of one pair, and a drive."""
     draw_boards(folder / "boards", board=(9, 6), square=0.025)
     for side in ("left", "right"):
         shutil.copy(folder / f"boards/{side}/{side}00.png", folder / f"{side}.png")

@@ -1,4 +1,4 @@
-"""What the pages say is what the code does."""
+"""The pages agree with the code."""
 
 import ast
 import re
@@ -32,20 +32,20 @@ def rows():
     }
 
 
-def test_the_table_of_parameters_is_the_preset():
+def test_table_of_parameters_matches_the_preset():
     own, thesis = flat(Settings()), flat(with_preset(Settings(), "thesis"))
     table = rows()
     assert {name: (thesis[name], own[name]) for name in table} == table
 
 
-def test_no_difference_is_left_out():
+def test_table_covers_every_difference():
     own, thesis = flat(Settings()), flat(with_preset(Settings(), "thesis"))
     assert {name for name in own if own[name] != thesis[name]} <= set(rows())
 
 
-def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
+def test_messages_on_the_troubleshooting_page_occur_in_the_code():
     sources = "".join(path.read_text() for path in (DOCS.parent / "recon").rglob("*.py"))
-    # Texts go on in the next line; what stands in braces is told apart below.
+    # Strings continue on the next line; their placeholders are split off below.
     sources = re.sub(r'"\s*\n\s*f?"', "", sources)
     page = (DOCS / "troubleshooting.md").read_text()
     known = [words for row in re.findall(r"^\| `(.+?)` \|", page, re.M) for words in pieces(row)]
@@ -54,7 +54,7 @@ def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
 
 
 def pieces(message):
-    """The fixed parts of a message."""
+    """Split a message into its fixed parts."""
     shown = message.replace("different settings", "different ...").replace("las]", "...]")
     return [words for part in shown.split("...") if len(words := part.strip(" :;()'")) > 3]
 
@@ -76,7 +76,7 @@ def wrong_terms(text):
     return [found[0] for term in WRONG for found in re.finditer(term, prose, re.M)]
 
 
-def test_the_pages_use_the_terms_of_the_field():
+def test_pages_use_standard_terms():
     assert wrong_terms("It is no way to seperate a pair of an own rig.")
     pages = [*DOCS.rglob("*.md"), DOCS.parent / "README.md", DOCS.parent / "CONTRIBUTING.md"]
     found = {page.name: wrong for page in pages if (wrong := wrong_terms(page.read_text()))}

@@ -1,4 +1,4 @@
-"""`import recon`: what Python callers are given, what it says of itself, and what it refuses."""
+"""`import recon`: the functions for Python callers, their results, and rejected arguments."""
 
 from pathlib import Path
 
@@ -74,12 +74,12 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: recon.fit("points"), "points"),
     ],
 )
-def test_what_cannot_be_used_is_named(call, message):
+def test_invalid_argument_is_named(call, message):
     with pytest.raises(recon.InputError, match=message):
         call()
 
 
-def test_what_there_is_says_what_it_is():
+def test_records_have_a_readable_repr():
     voxel_map = recon.VoxelMap(0.5, channels=["views"])
     assert repr(voxel_map) == "VoxelMap(0 cells of 0.5, keeps views)"
     assert repr(CLOUD) == "PointCloud(3 points)"
@@ -89,7 +89,7 @@ def test_what_there_is_says_what_it_is():
     assert "0 pairs" in repr(recon.Mapper())
 
 
-def test_keywords_are_settings_by_stage_or_by_their_own_name():
+def test_keywords_are_settings_with_or_without_their_stage():
     assert Settings.of(max_disparity=60).matching.max_disparity == 60
     assert Settings.of(matching={"max_disparity": 60}).matching.max_disparity == 60
     assert Settings.of(**{"matching.max_disparity": 60}).matching.max_disparity == 60
@@ -100,7 +100,7 @@ def test_keywords_are_settings_by_stage_or_by_their_own_name():
         Settings.of(max_sigma=1.0)
 
 
-def test_what_is_not_given_follows_from_the_kind_and_what_is_stays():
+def test_defaults_follow_from_the_kind_and_given_settings_are_kept():
     job = recon.Job(kind="worlds", arguments={"worlds": 1})
     resolved = job.resolved().settings
     assert (resolved.matching.min_disparity, resolved.matching.max_disparity) == (-10, 20)
@@ -118,13 +118,13 @@ def num_points(settings):
     return len(result.cloud)
 
 
-def test_the_search_range_that_a_recording_states_is_searched():
+def test_search_range_of_a_recording_is_used():
     stated = num_points(Settings.of(quality="fast"))
     assert stated == num_points(Settings.of(quality="fast", max_disparity=70, min_disparity=0))
     assert num_points(Settings.of(quality="fast", max_disparity=20)) < 0.6 * stated
 
 
-def test_a_folder_becomes_a_map():
+def test_folder_is_reconstructed_to_a_map():
     done = recon.reconstruct(PAIR, quality="fast")
     assert done.map.num_cells > 1000
     assert len(done.voxels) > 500

@@ -1,4 +1,4 @@
-"""recon works where its libraries find no place to write, and says nothing of it but in doctor."""
+"""recon works silently where its libraries cannot write; only `recon doctor` mentions it."""
 
 import ctypes
 import os
@@ -26,7 +26,7 @@ print(kernel_folder())
 
 @pytest.fixture
 def read_only(tmp_path):
-    """A copy of the package that nobody may write, and a folder for temporary files."""
+    """A read-only copy of the package, and a folder for temporary files."""
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(SOURCE, tmp_path / "site" / "recon", ignore=ignored)
     for path in (tmp_path / "site").rglob("*"):
@@ -38,32 +38,32 @@ def read_only(tmp_path):
         path.chmod(0o755)
 
 
-def as_anybody():
-    """Give up what lets root write what is read-only (CAP_DAC_OVERRIDE), before a child begins."""
+def drop_root_override():
+    """Drop root's right to write read-only files (CAP_DAC_OVERRIDE) before a child starts."""
     ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0)
 
 
 def run(code, path, **variables):
-    """A child that may write in the folder for temporary files only."""
+    """Run a child process that may write only to the folder for temporary files."""
     known = {
         "PATH": os.environ["PATH"], "PYTHONPATH": str(path / "site"), "HOME": str(path / "site"),
         "PYTHONDONTWRITEBYTECODE": "1",
     }  # fmt: skip
     return subprocess.run(
         [sys.executable, "-c", code], env=known | variables, cwd=path, text=True,
-        capture_output=True, check=False, preexec_fn=as_anybody,
+        capture_output=True, check=False, preexec_fn=drop_root_override,
     )  # fmt: skip
 
 
 @pytest.fixture
-def cannot_write(read_only):
+def without_root_override(read_only):
     probe = f"open({str(read_only / 'site' / 'trial')!r}, 'w')"
     if not run(probe, read_only).returncode:
         pytest.skip("this user writes what is read-only")
 
 
-@pytest.mark.usefixtures("cannot_write")
-def test_a_read_only_package_without_a_home_keeps_kernels_in_a_folder_of_its_own(read_only):
+@pytest.mark.usefixtures("without_root_override")
+def test_read_only_package_without_a_home_caches_kernels_in_a_private_folder(read_only):
     temporary = read_only / "temporary"
     done = run(KERNEL, read_only, TMPDIR=str(temporary))
     assert (done.returncode, done.stderr) == (0, "")
@@ -72,8 +72,8 @@ def test_a_read_only_package_without_a_home_keeps_kernels_in_a_folder_of_its_own
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
-@pytest.mark.usefixtures("cannot_write")
-def test_a_folder_that_others_can_write_is_not_trusted(read_only):
+@pytest.mark.usefixtures("without_root_override")
+def test_world_writable_folder_is_not_trusted(read_only):
     temporary = read_only / "temporary"
     own = temporary / f"recon-{os.getuid()}"
     own.mkdir()
@@ -85,7 +85,7 @@ def test_a_folder_that_others_can_write_is_not_trusted(read_only):
     assert folder.is_relative_to(temporary)
 
 
-def test_without_any_place_kernels_are_compiled_and_not_kept(monkeypatch):
+def test_kernels_are_compiled_without_a_cache_if_no_folder_is_writable(monkeypatch):
     told = []
     monkeypatch.setattr(environment, "kernel_folder", lambda: None)
     monkeypatch.setattr(environment, "_own_folder", lambda name: None)
@@ -94,7 +94,7 @@ def test_without_any_place_kernels_are_compiled_and_not_kept(monkeypatch):
     assert told == [True]
 
 
-def test_what_is_writable_is_kept_as_it_is(tmp_path, monkeypatch):
+def test_writable_cache_folder_is_used_unchanged(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "mine"))
     environment.prepare()
     assert environment.kernel_folder() == tmp_path / "mine"
@@ -103,7 +103,7 @@ def test_what_is_writable_is_kept_as_it_is(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", ["with a space", "Ümläut"])
-def test_names_of_folders_and_the_locale_do_not_matter(tmp_path, name):
+def test_folder_names_and_locale_do_not_matter(tmp_path, name):
     from tests.sequences.recordings import write_pair_dir
 
     pair = write_pair_dir(tmp_path / name)
@@ -125,7 +125,7 @@ def test_names_of_folders_and_the_locale_do_not_matter(tmp_path, name):
         ("libGL.so.1: cannot open shared object file", MissingLibraryError),
     ],
 )
-def test_ctrl_c_while_open3d_loads_is_ctrl_c(monkeypatch, message, raised):
+def test_ctrl_c_during_the_import_of_open3d_is_kept(monkeypatch, message, raised):
     def fail(name):
         raise ImportError(message)
 

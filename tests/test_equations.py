@@ -1,4 +1,4 @@
-"""The table of equations names functions and tests that are there, and leaves no equation out."""
+"""The table of equations refers to existing functions and tests, and covers every equation."""
 
 import importlib
 import re
@@ -17,7 +17,7 @@ def rows():
 
 
 @pytest.mark.parametrize("row", rows(), ids=lambda row: row[0])
-def test_the_function_and_the_test_of_an_equation_are_there(row):
+def test_function_and_test_of_an_equation_exist(row):
     module, _, path = row[3].strip("`").partition(":")
     assert callable(reduce(getattr, path.split("."), importlib.import_module(module)))
     file, _, name = row[4].strip("`").partition("::")

@@ -1,4 +1,4 @@
-"""The examples: short, run as users run them, and typed as users see them."""
+"""The examples are short, run as users run them, and type-check as users see them."""
 
 import os
 import re
@@ -22,7 +22,7 @@ MAX_LINES = 15
 
 @pytest.fixture
 def run(tmp_path, monkeypatch, capsys):
-    """Run an example in this process, which has loaded recon already; return what it prints."""
+    """Run an example in this process, which has already loaded recon; return its output."""
     monkeypatch.chdir(tmp_path)
 
     def run_example(name, *arguments):
@@ -40,7 +40,7 @@ def test_two_images_are_matched(run):
     assert 0.02 < float(out.split("surer than ")[1].split()[0]) < 1.0
 
 
-def test_a_folder_becomes_a_map_and_the_map_goes_to_other_libraries(run, tmp_path):
+def test_map_of_a_folder_is_passed_to_other_libraries(run, tmp_path):
     run("folder_to_map.py", PAIR, "map.npz")
     assert recon.VoxelMap.load(tmp_path / "map.npz").num_cells > 1000
     out = run("map_to_open3d_and_pyvista.py", "map.npz", "cells.vtp")
@@ -48,7 +48,7 @@ def test_a_folder_becomes_a_map_and_the_map_goes_to_other_libraries(run, tmp_pat
     assert (tmp_path / "cells.vtp").stat().st_size > 10_000
 
 
-def test_the_objects_of_a_cloud_are_named(run, tmp_path):
+def test_objects_of_a_cloud_are_named(run, tmp_path):
     rng = np.random.default_rng(7)
     angle, height = rng.uniform(0, 2 * np.pi, 6000), rng.uniform(0, 8, 6000)
     trunk = np.column_stack([2 * np.cos(angle), height, 2 * np.sin(angle)])
@@ -60,8 +60,8 @@ def test_the_objects_of_a_cloud_are_named(run, tmp_path):
     assert run("name_objects.py", "tree.ply").startswith("apple tree at")
 
 
-def test_a_recording_is_reconstructed_by_a_matcher_of_ones_own(tmp_path):
-    """In a process of its own: the matcher stays registered."""
+def test_custom_matcher_reconstructs_a_recording(tmp_path):
+    """The example runs in a separate process, because its matcher stays registered."""
     done = subprocess.run(
         [sys.executable, str(EXAMPLES / "own_matcher.py"), str(PAIR)],
         capture_output=True, text=True, cwd=tmp_path, check=False,
@@ -71,13 +71,13 @@ def test_a_recording_is_reconstructed_by_a_matcher_of_ones_own(tmp_path):
     assert int(done.stdout.split("Reconstruction(")[1].split()[0]) > 1000
 
 
-def test_a_place_of_ones_own_is_explored(run):
+def test_custom_source_is_explored(run):
     out = run("own_source.py", "three_apples", 2)
     assert "2 poses" in out
     assert out.split()[-1] == "limit"
 
 
-def test_a_live_camera_gives_points(run, tmp_path):
+def test_live_camera_gives_points(run, tmp_path):
     both = np.hstack([cv2.imread(str(PAIR / f"{side}.png")) for side in ("left", "right")])
     height, width = both.shape[:2]
     file = cv2.VideoWriter(
@@ -99,12 +99,12 @@ def test_every_example_is_short():
         assert len(lines) <= MAX_LINES, file.name
 
 
-def test_the_examples_are_typed_from_outside_the_package_and_wrong_calls_are_found(tmp_path):
+def test_examples_type_check_from_outside_and_wrong_calls_are_found(tmp_path):
     for file in EXAMPLES.glob("*.py"):
         shutil.copy(file, tmp_path)
     wrong = tmp_path / "wrong.py"
     wrong.write_text("import recon\nrecon.VoxelMap('x')\nrecon.VoxelMpa\nrecon.fit()\n")
-    # With the project's own options, so that what mypy knows of recon already serves here too.
+    # With the project's options, to reuse mypy's cache of recon.
     done = subprocess.run(
         [sys.executable, "-m", "mypy", str(tmp_path)],
         capture_output=True, text=True, cwd=ROOT, check=False,

@@ -1,11 +1,11 @@
-"""Files appear whole or not at all."""
+"""Files appear complete or not at all."""
 
 import pytest
 
 from recon.files import atomic_path
 
 
-def test_a_file_takes_its_place_at_the_end(tmp_path):
+def test_file_appears_only_when_complete(tmp_path):
     path = tmp_path / "map.nii.npz"
     path.write_text("old")
     with atomic_path(path) as temporary:
@@ -17,7 +17,7 @@ def test_a_file_takes_its_place_at_the_end(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_missing_folder_is_named(tmp_path):
+def test_missing_folder_is_named(tmp_path):
     with pytest.raises(FileNotFoundError) as error, atomic_path(tmp_path / "no" / "map.npz"):
         pass
     assert error.value.filename == str(tmp_path / "no")
@@ -29,7 +29,7 @@ def cut_short(path):
         raise RuntimeError("cut")
 
 
-def test_a_failure_leaves_what_was_there(tmp_path):
+def test_failure_keeps_the_existing_file(tmp_path):
     path = tmp_path / "map.npz"
     path.write_text("old")
     with pytest.raises(RuntimeError, match="cut"):

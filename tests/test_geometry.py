@@ -28,13 +28,13 @@ def random_pose(rng, angle=None):
 
 
 @pytest.mark.parametrize("angle", ANGLES)
-def test_a_motion_and_its_inverse_are_the_identity(angle):
+def test_pose_times_its_inverse_is_the_identity(angle):
     T = random_pose(np.random.default_rng(1), angle)
     np.testing.assert_allclose(T @ invert(T), np.eye(4), atol=1e-12)
     np.testing.assert_allclose(invert(invert(T)), T, atol=1e-12)
 
 
-def test_inner_names_cancel_and_only_inner_names():
+def test_only_inner_frame_names_cancel():
     rng = np.random.default_rng(2)
     T_a_b, T_b_c, points_c = random_pose(rng), random_pose(rng), rng.normal(size=(50, 3))
     by_steps = transform(T_a_b, transform(T_b_c, points_c))
@@ -43,7 +43,7 @@ def test_inner_names_cancel_and_only_inner_names():
     assert np.linalg.norm(wrong - by_steps, axis=1).min() > 0.1
 
 
-def test_transform_keeps_its_input_and_names_bad_shapes():
+def test_transform_keeps_its_input_and_names_wrong_shapes():
     points = np.ones((4, 3))
     points.flags.writeable = False
     transform(np.eye(4), points)
@@ -71,21 +71,21 @@ def test_y_is_up_in_the_world_and_down_in_the_image():
     assert upside_down[1, 1] > 0.99
 
 
-def test_look_at_refuses_a_target_straight_above():
+def test_look_at_rejects_a_target_straight_above():
     with pytest.raises(InputError, match="no horizontal direction"):
         look_at([1, 2, 3], [1, 9, 3])
 
 
-def test_a_turn_about_y_is_counter_clockwise_seen_from_above():
+def test_rotation_about_y_is_counter_clockwise_from_above():
     turned = rotation_about_y(np.pi / 2) @ [0, 0, -1]
     np.testing.assert_allclose(turned, [-1, 0, 0], atol=1e-12)
 
 
-def test_check_rigid_fires_on_scale_mirror_and_nan():
+def test_check_rigid_rejects_scale_reflection_and_nan():
     for broken in (np.diag([2.0, 2, 2, 1]), np.diag([-1.0, 1, 1, 1]), np.full((4, 4), np.nan)):
         with pytest.raises(InputError):
             check_rigid("T", broken)
 
 
-def test_hue_runs_round_a_circle():
+def test_hue_is_cyclic():
     np.testing.assert_allclose(hue_distance_deg([350, 10, 0], [10, 350, 180]), [20, 20, 180])

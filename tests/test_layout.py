@@ -1,4 +1,4 @@
-"""The house as the design page has it: floors, homes of libraries, sizes, names."""
+"""The architecture of the design page: floors, homes of libraries, file sizes, names."""
 
 import ast
 import re
@@ -58,18 +58,18 @@ HOMES = {
     "fsspec": {"exports", "batch"},
 }
 
-# A door's call stands for the import it makes.
-DOORS = {"load_open3d": "open3d", "load_pyvista": "pyvista"}
+# A call of these functions counts as the import it makes.
+LAZY_IMPORTS = {"load_open3d": "open3d", "load_pyvista": "pyvista"}
 
 
 def room_of(path: Path) -> str:
-    """The room a file belongs to."""
+    """Name the room of a file."""
     first = path.relative_to(RECON).parts[0]
     return first.removesuffix(".py")
 
 
 def imports(source: str) -> Iterator[str]:
-    """Every module a source imports, at the top or late, by statement or by door."""
+    """Yield every module that a source imports, at the top, inside functions or lazily."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -78,14 +78,14 @@ def imports(source: str) -> Iterator[str]:
             if node.module == "recon":
                 yield from (f"recon.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            if node.func.id in DOORS:
-                yield DOORS[node.func.id]
+            if node.func.id in LAZY_IMPORTS:
+                yield LAZY_IMPORTS[node.func.id]
             if node.func.id == "load_extra" and isinstance(node.args[0], ast.Constant):
                 yield str(node.args[0].value)
 
 
 def faults(room: str, source: str) -> list[str]:
-    """What a source imports against the design."""
+    """List the imports of a source that violate the design."""
     found = []
     for module in imports(source):
         parts = module.split(".")
@@ -107,7 +107,7 @@ def sources() -> list[Path]:
 
 
 @pytest.mark.parametrize("path", sources(), ids=lambda path: str(path.relative_to(RECON)))
-def test_imports_go_strictly_downwards_and_libraries_stay_home(path):
+def test_imports_go_strictly_downwards_and_libraries_stay_in_their_rooms(path):
     assert faults(room_of(path), path.read_text()) == []
 
 
@@ -137,19 +137,19 @@ def test_no_file_is_over_300_lines():
     assert long == {}
 
 
-def test_no_room_is_called_after_nothing():
+def test_no_module_has_a_meaningless_name():
     nouns = {part for path in RECON.rglob("*") for part in [path.stem.lower()]}
     assert not nouns & {"utils", "util", "common", "helpers", "helper", "tools", "misc"}
 
 
 def module_of(path: Path) -> str:
-    """The dotted name of a file; of a package's __init__ that of the package."""
+    """Give the dotted name of a file; that of the package for an `__init__`."""
     parts = path.relative_to(RECON.parent).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
 def first_imports(source: str, known: set[str]) -> set[str]:
-    """Modules of recon that a source imports when it is imported itself."""
+    """List the modules of recon that a source imports at import time."""
     found = set()
     for node in ast.parse(source).body:
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -159,7 +159,7 @@ def first_imports(source: str, known: set[str]) -> set[str]:
 
 
 def graph() -> dict[str, set[str]]:
-    """Every module with those it imports."""
+    """Map every module to the modules it imports."""
     files = {module_of(path): path for path in RECON.rglob("*.py")}
     return {
         name: first_imports(path.read_text(), set(files)) - {name} for name, path in files.items()
@@ -167,7 +167,7 @@ def graph() -> dict[str, set[str]]:
 
 
 def inner_rooms(modules: dict[str, set[str]]) -> dict[str, set[str]]:
-    """The same between inner rooms, and files that lie beside them."""
+    """Reduce the graph to inner rooms and the files beside them."""
     rooms: dict[str, set[str]] = {}
     for module, others in modules.items():
         room = ".".join(module.split(".")[:3])
@@ -177,7 +177,7 @@ def inner_rooms(modules: dict[str, set[str]]) -> dict[str, set[str]]:
 
 
 def cycle(imports_of: dict[str, set[str]]) -> list[str]:
-    """A cycle, or nothing."""
+    """Find a cycle, if there is one."""
     try:
         TopologicalSorter(imports_of).prepare()
     except CycleError as error:
@@ -185,12 +185,12 @@ def cycle(imports_of: dict[str, set[str]]) -> list[str]:
     return []
 
 
-def test_no_module_and_no_inner_room_imports_itself_by_others():
+def test_no_module_or_inner_room_is_in_an_import_cycle():
     assert cycle(graph()) == []
     assert cycle(inner_rooms(graph())) == []
 
 
-def test_a_cycle_is_found_where_there_is_one():
+def test_import_cycle_is_detected():
     modules = {"recon.a.b.x": {"recon.a.c.y"}, "recon.a.c.y": set(), "recon.a.c.z": {"recon.a.b.x"}}
     assert cycle(modules) == []
     assert len(cycle(inner_rooms(modules))) > 1
@@ -203,5 +203,5 @@ def test_the_design_page_shows_every_room_on_its_floor():
     assert shown == FLOORS
 
 
-def test_files_of_tests_that_start_first_are_there():
+def test_listed_slow_test_files_exist():
     assert [name for name in SLOWEST if not (TESTS / name).is_file()] == []

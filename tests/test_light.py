@@ -29,7 +29,7 @@ EXPORTS = ["b.pcd", "b.las", "b.npz", "b.csv", "b.pts", "b.npy", "b.glb", "b.zar
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
-    """A pair of images, and a cloud of a ball."""
+    """A pair of images and a point cloud of a ball."""
     folder = tmp_path_factory.mktemp("light")
     for name, image in zip(("left.png", "right.png"), next(image_pairs()), strict=True):
         cv2.imwrite(str(folder / name), image)
@@ -44,7 +44,7 @@ def after(commands, folder):
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
 
 
-def test_measuring_and_most_exports_need_neither_open3d_nor_vtk(bench):
+def test_disparity_and_most_exports_load_neither_open3d_nor_vtk(bench):
     done = after(
         [
             ["info", "a.ply"],
@@ -60,7 +60,7 @@ def test_measuring_and_most_exports_need_neither_open3d_nor_vtk(bench):
     assert done.returncode == 0, done.stderr
 
 
-def test_what_needs_vtk_is_seen_to_load_it(bench):
+def test_commands_that_need_vtk_load_it(bench):
     (bench / "a.vtk").write_text(
         "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n1 2 3\n"
     )

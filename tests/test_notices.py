@@ -13,7 +13,7 @@ def test_notices_are_collected_once_and_in_order(caplog):
     assert len(caplog.records) == 2
 
 
-def test_outside_a_collection_a_notice_is_only_logged(caplog):
+def test_notice_outside_a_collection_is_only_logged(caplog):
     with collected_notices() as notices:
         pass
     notify("box-empty", "nothing lies in the box")

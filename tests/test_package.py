@@ -1,4 +1,4 @@
-"""The package as it is imported: late, whole, and the same version everywhere."""
+"""The imported package: lazy, complete, and of the same version everywhere."""
 
 import ast
 import importlib
@@ -17,7 +17,7 @@ import recon
 ROOT = Path(__file__).parents[1]
 
 
-def test_public_names_come_late_and_all_of_them_come():
+def test_all_public_names_are_imported_lazily():
     script = "import sys, recon; print('numpy' in sys.modules, len(dir(recon)))"
     out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert out.stdout.split() == ["False", str(len(recon.__all__))]
@@ -26,7 +26,7 @@ def test_public_names_come_late_and_all_of_them_come():
 
 
 def names_for_type_checkers():
-    """Name and home of everything that `import recon` shows to editors."""
+    """Collect name and module of everything that `import recon` shows to type checkers."""
     tree = ast.parse((ROOT / "recon" / "__init__.py").read_text())
     (block,) = (node for node in tree.body if isinstance(node, ast.If))
     return {
@@ -38,14 +38,14 @@ def names_for_type_checkers():
     }
 
 
-def test_editors_see_the_names_that_come():
+def test_names_for_type_checkers_match_the_public_names():
     seen = names_for_type_checkers()
     assert sorted(seen) == sorted(recon.__all__)
     for name, home in seen.items():
         assert getattr(importlib.import_module(home), name) is getattr(recon, name)
 
 
-def test_the_package_says_that_it_is_typed():
+def test_package_is_marked_as_typed():
     data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     assert "py.typed" in data["package-data"]["recon"]
     assert (ROOT / "recon" / "py.typed").exists()
@@ -57,13 +57,13 @@ GPL = re.compile(r"\bA?GPL|GNU (Affero )?General Public", re.IGNORECASE)
 def license_of(name):
     found = importlib.metadata.metadata(name)
     classifiers = [c for c in found.get_all("Classifier") or [] if c.startswith("License")]
-    # Some write the whole text of all licences into this field; a name is short.
+    # Some packages put the full text of all licences into this field; a name is short.
     words = [found.get("License-Expression") or "", found.get("License") or ""]
     return "; ".join([*(word for word in words if len(word) < 100), *classifiers])
 
 
 def required(name, seen):
-    """The libraries that `name` asks for, and what they ask for, without extras."""
+    """Collect the dependencies of `name`, direct and indirect, without extras."""
     for line in importlib.metadata.requires(name) or []:
         wanted = Requirement(line)
         if wanted.marker and not wanted.marker.evaluate({"extra": ""}):
@@ -74,7 +74,7 @@ def required(name, seen):
     return seen
 
 
-def test_nothing_that_is_required_is_under_the_gpl():
+def test_no_required_dependency_is_under_the_gpl():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     seen = set()
     for line in project["dependencies"]:
@@ -85,7 +85,7 @@ def test_nothing_that_is_required_is_under_the_gpl():
     assert {name: word for name in seen if GPL.search(word := license_of(name))} == {}
 
 
-def test_the_weight_of_an_installation_is_the_stated_one():
+def test_documented_size_of_an_installation_is_correct():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names: set[str] = set()
     for line in project["dependencies"]:
@@ -100,18 +100,18 @@ def test_the_weight_of_an_installation_is_the_stated_one():
 
 
 @pytest.mark.parametrize("word", ["GPL-3.0-only", "License :: OSI Approved :: GNU General Public"])
-def test_the_gpl_is_known_when_it_is_seen(word):
+def test_gpl_is_recognised(word):
     assert GPL.search(word)
     assert not GPL.search("LGPL-2.1; MIT; License :: OSI Approved :: GNU Lesser General Public")
 
 
-def test_an_unknown_name_says_what_there_is():
+def test_unknown_name_lists_the_known_ones():
     with pytest.raises(AttributeError, match=r"recon has no VoxelMpa, but .*VoxelMap"):
         recon.VoxelMpa  # noqa: B018 -- the access is what is tested
 
 
-def test_there_is_one_version():
-    """A tag says it; what is cited is the release that the changelog speaks of first."""
+def test_version_is_the_same_everywhere():
+    """The tag defines it; the citation names the first release in the changelog."""
     assert recon.__version__ == importlib.metadata.version("recon-stereo")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert project["dynamic"] == ["version"]
@@ -128,7 +128,7 @@ def test_every_folder_of_the_package_is_a_package():
     assert [str(f) for f in folders if not (f / "__init__.py").exists()] == []
 
 
-def test_constraints_pin_what_the_project_asks_for_and_name_no_address():
+def test_constraints_pin_every_dependency_and_contain_no_url():
     text = (ROOT / "constraints.txt").read_text()
     pinned = {line.partition("==")[0].lower().replace("_", "-") for line in text.splitlines()}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

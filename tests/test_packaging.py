@@ -1,4 +1,4 @@
-"""What is released: a source archive, the wheel made of it, and what they do on their own."""
+"""Release artefacts: a source archive and a wheel built from it, tested in isolation."""
 
 import re
 import shutil
@@ -13,20 +13,20 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 VERSION = "7.8.9"
-"""Of the tag of a release that is made here."""
+"""Version of the tag of the release that is built here."""
 SUPPORTED = ("3.11", "3.12", "3.13")
-HELD = {
+EXPECTED_FILES = {
     "recon/py.typed", "recon/stereo/vonmises_venus.json", "recon/world/shipped/village.scene",
     "recon/world/shipped/brick.png", "recon/recognition/naming/catalogues/village.toml",
 }  # fmt: skip
-WITHOUT_LIBRARIES = """
+PARSE_SOURCES = """
 import ast, recon, sys
 from pathlib import Path
 for file in Path(recon.__file__).parent.rglob("*.py"):
     ast.parse(file.read_bytes(), file)
 sys.exit(recon.__version__ != sys.argv[1])
 """
-FROM_ELSEWHERE = """
+READ_SHIPPED_FILES = """
 import recon
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.stereo.matching.vonmises import load_model
@@ -48,7 +48,7 @@ def run(*words, cwd=None):
 
 @pytest.fixture(scope="module")
 def dist(tmp_path_factory):
-    """The two files of a release, made of a copy of the project."""
+    """The two files of a release, built from a copy of the project."""
     folder = tmp_path_factory.mktemp("release")
     kept = shutil.ignore_patterns("__pycache__", "*.nb[ci]")
     shutil.copytree(ROOT / "recon", folder / "recon", ignore=kept)
@@ -60,13 +60,13 @@ def dist(tmp_path_factory):
     run(*git, "add", ".")
     run(*git, "commit", "-q", "-m", "Release")
     run(*git, "tag", "-m", "Release", f"v{VERSION}")
-    # The wheel is made of the archive, which has no history.
+    # The wheel is built from the archive, which has no history.
     run(sys.executable, "-m", "build", "--no-isolation", folder)
     return folder / "dist"
 
 
 @pytest.mark.parametrize("has_history", [False, True])
-def test_sources_without_a_tag_have_a_version_too(tmp_path, has_history):
+def test_untagged_sources_have_a_version(tmp_path, has_history):
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     if has_history:
         run("git", "init", "-q", tmp_path)
@@ -82,10 +82,10 @@ def wheel(dist):
     return found
 
 
-def test_the_wheel_holds_what_recon_needs_and_nothing_else(wheel):
+def test_wheel_contains_exactly_what_recon_needs(wheel):
     assert wheel.name == f"recon_stereo-{VERSION}-py3-none-any.whl"
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert names >= HELD
+    assert names >= EXPECTED_FILES
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert [name for name in names if not name.startswith(("recon/", "recon_stereo-"))] == []
     sources = {path.relative_to(ROOT).as_posix() for path in (ROOT / "recon").rglob("*.py")}
@@ -93,15 +93,15 @@ def test_the_wheel_holds_what_recon_needs_and_nothing_else(wheel):
     assert wheel.stat().st_size < 3_000_000
 
 
-def test_the_source_archive_holds_the_same(dist):
+def test_source_archive_contains_the_same(dist):
     (archive,) = dist.glob("*.tar.gz")
     with tarfile.open(archive) as held:
         names = {name.partition("/")[2] for name in held.getnames()}
-    assert names >= HELD | {"LICENSE", "pyproject.toml"}
+    assert names >= EXPECTED_FILES | {"LICENSE", "pyproject.toml"}
 
 
 def pythons():
-    """Every Python that recon supports and this machine has."""
+    """Find every supported Python on this machine."""
     found = []
     for version in SUPPORTED:
         places = [shutil.which(f"python{version}")]
@@ -115,7 +115,7 @@ def pythons():
 
 
 def environment(python, folder, wheel):
-    """A fresh environment with the wheel in it, and nothing that it depends on."""
+    """Make a fresh environment with the wheel but without its dependencies."""
     run(python, "-m", "venv", "--without-pip", folder)
     inner = folder / "bin" / "python"
     pip = [sys.executable, "-m", "pip", "--python", inner, "install", "--no-compile"]
@@ -124,14 +124,14 @@ def environment(python, folder, wheel):
 
 
 @pytest.mark.parametrize("python", pythons())
-def test_every_python_takes_the_wheel(python, wheel, tmp_path):
+def test_wheel_installs_on_every_python(python, wheel, tmp_path):
     inner = environment(python, tmp_path / "env", wheel)
-    run(inner, "-I", "-c", WITHOUT_LIBRARIES, VERSION, cwd=tmp_path)
+    run(inner, "-I", "-c", PARSE_SOURCES, VERSION, cwd=tmp_path)
 
 
 @pytest.fixture(scope="module")
 def installed(wheel, tmp_path_factory):
-    """The same with the libraries of this environment, but not its recon."""
+    """The same with the libraries of the current environment, but not its recon."""
     folder = tmp_path_factory.mktemp("installed")
     inner = environment(sys.executable, folder / "env", wheel)
     (site,) = folder.glob("env/lib/python*/site-packages")
@@ -139,10 +139,10 @@ def installed(wheel, tmp_path_factory):
     return inner
 
 
-def test_an_installed_recon_finds_what_ships_with_it_from_any_folder(installed, tmp_path):
+def test_installed_recon_finds_its_shipped_files_from_any_folder(installed, tmp_path):
     home = run(installed, "-I", "-c", "import recon; print(recon.__file__)", cwd=tmp_path)
     assert Path(home.strip()).is_relative_to(installed.parents[1])
-    run(installed, "-I", "-c", FROM_ELSEWHERE, cwd=tmp_path)
+    run(installed, "-I", "-c", READ_SHIPPED_FILES, cwd=tmp_path)
     program = installed.parent / "recon"
     assert VERSION in run(program, "--version", cwd=tmp_path)
     run(program, "fetch", "motorcycle", "-o", "motorcycle", cwd=tmp_path)
@@ -150,7 +150,7 @@ def test_an_installed_recon_finds_what_ships_with_it_from_any_folder(installed, 
 
 
 @pytest.mark.slow
-def test_an_installed_recon_explores_and_shows(installed, tmp_path):
+def test_installed_recon_explores_and_serves_pages(installed, tmp_path):
     program = installed.parent / "recon"
     run(program, "explore", "village", "--max-pairs", "2", cwd=tmp_path)
     run(program, "demo", "--overwrite", "--set", "exploration.max_pairs=2", cwd=tmp_path)

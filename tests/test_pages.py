@@ -1,4 +1,4 @@
-"""The pages that a stranger follows, line by line, each in a folder with small stand-ins."""
+"""The pages are tested line by line, each in a folder with small stand-ins."""
 
 import json
 import re
@@ -32,21 +32,21 @@ PREPARED = {
     "howto/scene.md": stand_ins.scene,
     "howto/surfaces.md": stand_ins.drive_run,
 }
-"""Pages, and what makes the files that a page takes for granted."""
+"""Pages, and the functions that write the files they need."""
 ELSEWHERE = {
     "hour.md": "below, with what it must leave",
     "howto/programs.md": "below, with what it must leave",
     "plugin/README.md": "test_plugin_example",
 }
-SMALLER = {
+REDUCED = {
     "explore own.scene": ["--max-pairs", "2"],
     "explore village": ["--max-pairs", "2", *SIZE],
     "render village --views ring:20": SIZE,
     "render cottage --views ring:20": SIZE,
     "batch jobs.toml --scheduler": ["--resume", "-j", "1"],
 }
-"""Beginnings of commands, and the words that make less work of them."""
-OTHER_WORDS = {
+"""Prefixes of commands, and the options that reduce their work."""
+SUBSTITUTES = {
     "/cam0/image_raw": "/stereo/left/image_rect",
     "/cam1/image_raw": "/stereo/right/image_rect",
     "/shared/runs/all": "runs/all",
@@ -61,16 +61,16 @@ def commands(text):
     return [shlex.split(line.partition(" #")[0]) for line in text.splitlines()]
 
 
-def smaller(words):
-    """The words of a command, with those that the stand-ins ask for."""
+def reduced(words):
+    """Adapt the words of a command to the stand-ins."""
     line = " ".join(words)
-    extra = next((words for begin, words in SMALLER.items() if line.startswith(begin)), [])
-    return [OTHER_WORDS.get(word, word) for word in words] + extra
+    extra = next((words for begin, words in REDUCED.items() if line.startswith(begin)), [])
+    return [SUBSTITUTES.get(word, word) for word in words] + extra
 
 
 @contextmanager
-def a_cluster(words):
-    """The words of a command, with a scheduler in this process for any of Dask."""
+def with_local_cluster(words):
+    """Replace any Dask scheduler in the words of a command by one in this process."""
     if "--scheduler" not in words:
         yield words
         return
@@ -81,27 +81,27 @@ def a_cluster(words):
         yield [address if word in ("local", "tcp://head:8786") else word for word in words]
 
 
-def do(words):
-    """Do what a command of a page says; a server is started and left."""
+def run_command(words):
+    """Run a command of a page; a server is started and stopped."""
     if words[0] in ("simulate", "inspect"):
         with served(*words, folder=Path.cwd()) as url:
             assert url.startswith("http://")
         return
-    with a_cluster(smaller(words)) as given:
+    with with_local_cluster(reduced(words)) as given:
         assert main(given) == 0, words
 
 
 def follow(page):
-    """Do what a page says, in order; its blocks of Python see what the earlier ones named."""
+    """Run all blocks of a page in order; Python blocks share one namespace."""
     names = {}
     for language, text in blocks(page):
         if language == "python":
             exec(compile(text, page, "exec"), names)
         for words in commands(text) if language == "console" else ():
-            do(words[1:])
+            run_command(words[1:])
 
 
-def test_every_page_with_code_is_followed():
+def test_every_page_with_code_is_tested():
     code = {"console", "python"}
     shown = [page for page in pages() if code & {kind for kind, _ in blocks(page)}]
     assert sorted(shown) == sorted([*PREPARED, *ELSEWHERE])
@@ -109,7 +109,7 @@ def test_every_page_with_code_is_followed():
 
 @pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize("page", PREPARED)
-def test_what_a_page_says_works(page, tmp_path, monkeypatch):
+def test_commands_and_code_of_a_page_work(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("recon.batch.schedulers.Processes", Sent)
     prepare = PREPARED[page]
@@ -118,7 +118,7 @@ def test_what_a_page_says_works(page, tmp_path, monkeypatch):
     follow(page)
 
 
-def test_the_first_hour_ends_with_a_figure_a_mesh_and_a_named_object(tmp_path, monkeypatch):
+def test_first_hour_gives_a_figure_a_mesh_and_a_named_object(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     follow("hour.md")
     (found,) = json.loads(Path("runs/first/objects.json").read_text())["objects"]
@@ -129,8 +129,8 @@ def test_the_first_hour_ends_with_a_figure_a_mesh_and_a_named_object(tmp_path, m
     assert b"object" in Path("named.ply").read_bytes()[:600]
 
 
-def understood(words):
-    """Read words as the program does, without doing what they say."""
+def parse_command(words):
+    """Parse words as the program does, without running the command."""
     command: click.Command = program
     context = click.Context(program, info_name="recon")
     while isinstance(command, click.Group):
@@ -138,7 +138,7 @@ def understood(words):
     command.make_context(name, list(words), parent=context)
 
 
-def test_every_command_of_the_pages_is_one_that_the_program_knows():
+def test_every_command_of_the_pages_parses():
     found = [
         words for page in pages() for kind, text in blocks(page) if kind == "console"
         for words in commands(text)
@@ -146,17 +146,17 @@ def test_every_command_of_the_pages_is_one_that_the_program_knows():
     assert len(found) > 30
     assert {words[0] for words in found} == {"recon"}
     for words in found:
-        understood(words[1:])
+        parse_command(words[1:])
     with pytest.raises(click.NoSuchOption):
-        understood(["explore", "village", "--no-such-option"])
+        parse_command(["explore", "village", "--no-such-option"])
 
 
-def test_no_command_hides_in_a_block_without_a_language():
+def test_every_block_with_commands_states_its_language():
     hidden = [text for page in pages() for language, text in blocks(page) if not language]
     assert [text for text in hidden if text.startswith(("recon ", "import "))] == []
 
 
-def test_files_that_the_pages_promise_are_what_they_say(tmp_path, monkeypatch):
+def test_files_described_on_the_pages_have_the_described_content(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     stand_ins.walk(tmp_path)
     follow("howto/programs.md")
@@ -164,12 +164,12 @@ def test_files_that_the_pages_promise_are_what_they_say(tmp_path, monkeypatch):
     assert sorted(recon.read("table.parquet").attributes) == ["time"]
 
 
-def test_the_scene_of_the_page_is_a_scene(tmp_path):
+def test_scene_on_the_page_is_valid(tmp_path):
     stand_ins.scene(tmp_path)
     assert len(read_scene(tmp_path / "own.scene").visuals) == 2
 
 
-def test_links_between_pages_lead_somewhere():
+def test_links_between_pages_resolve():
     links = [
         (page, link)
         for page in pages().values()

@@ -1,4 +1,4 @@
-"""The example package, with a part in every group, installed beside recon and used by name."""
+"""The example package: a plugin in every group, installed beside recon and used by name."""
 
 import importlib
 import json
@@ -22,8 +22,8 @@ PAIR = ROOT / "data" / "motorcycle"
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """The folder into which the package is installed."""
-    # A build leaves its litter in the source folder, so it is made from a copy.
+    """Install the package into a folder."""
+    # Building leaves files in the source folder, so a copy is built.
     folder = tmp_path_factory.mktemp("plugin")
     source, target = shutil.copytree(PLUGIN, folder / "source"), folder / "installed"
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
@@ -41,7 +41,7 @@ def plugged_in(installed, monkeypatch):
         del sys.modules[name]
 
 
-def test_it_has_a_part_and_a_page_for_every_group():
+def test_every_plugin_group_has_a_part_and_a_page():
     for group in GROUPS:
         values = [entry.value for entry in entry_points(group=f"recon.{group}")]
         assert any(value.startswith("recon_example.") for value in values), group
@@ -49,7 +49,7 @@ def test_it_has_a_part_and_a_page_for_every_group():
         assert f"({group}.md)" in (PLUGIN / "README.md").read_text()
 
 
-def test_its_reader_and_its_matcher_reconstruct(tmp_path):
+def test_reader_and_matcher_of_the_plugin_reconstruct(tmp_path):
     ((pair),) = recon.open_sequence(PAIR)
     np.savez(
         tmp_path / "pair.npz", left=pair.left[None], right=pair.right[None],
@@ -60,7 +60,7 @@ def test_its_reader_and_its_matcher_reconstruct(tmp_path):
     assert done.map.num_cells > 500
 
 
-def test_its_format_is_written_and_read(tmp_path):
+def test_format_of_the_plugin_round_trips(tmp_path):
     points = np.random.default_rng(0).normal(size=(50, 3))
     recon.write(recon.PointCloud(points=points), tmp_path / "a.jsonl")
     assert main(["export", str(tmp_path / "a.jsonl"), str(tmp_path / "a.ply"), "-q"]) == 0
@@ -71,7 +71,7 @@ def test_its_format_is_written_and_read(tmp_path):
     assert main(["info", str(tmp_path / "bad.jsonl")]) == 2
 
 
-def test_its_controller_renderer_and_recogniser_explore(tmp_path, capsys):
+def test_controller_renderer_and_recogniser_of_the_plugin_explore(tmp_path, capsys):
     argv = ["explore", "three_apples", "--controller", "carousel", "--renderer", "night", "--json"]
     argv += ["--recogniser", "height", "--max-pairs", "3", "-o", str(tmp_path / "run")]
     assert main(argv) == 0

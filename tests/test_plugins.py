@@ -1,4 +1,4 @@
-"""Parts by name: recon's own and those of installed packages, with one behaviour on failure."""
+"""Parts by name: built-in and installed ones, with uniform behaviour on failure."""
 
 from importlib.metadata import EntryPoint, EntryPoints
 
@@ -18,7 +18,7 @@ def registry(monkeypatch):
     return Registry("g", "matcher", OWN)
 
 
-def test_a_part_is_loaded_by_name_and_none_of_recons_is_replaced(registry):
+def test_plugin_is_loaded_by_name_without_replacing_a_built_in(registry):
     import os.path
 
     assert registry.load("join") is os.path.join
@@ -26,12 +26,12 @@ def test_a_part_is_loaded_by_name_and_none_of_recons_is_replaced(registry):
     assert registry.names() == ["join", "split", "broken"]
 
 
-def test_an_unknown_name_is_refused_with_the_nearest(registry):
+def test_unknown_name_is_rejected_with_the_nearest(registry):
     with pytest.raises(InputError, match=r"matcher is 'jion', but one of .* \(nearest: join\)"):
         registry.load("jion")
 
 
-def test_a_broken_plugin_is_named_in_one_line_and_hurts_nobody_else(registry, caplog):
+def test_broken_plugin_is_named_in_one_line_and_others_still_load(registry, caplog):
     with pytest.raises(InputError, match=r"'broken' \(no_such_module:part\) does not load"):
         registry.load("broken")
     assert [name for name, _ in registry.parts()] == ["join", "split"]
@@ -39,7 +39,7 @@ def test_a_broken_plugin_is_named_in_one_line_and_hurts_nobody_else(registry, ca
     assert "'broken'" in caplog.text
 
 
-def test_what_is_registered_is_found_but_replaces_nothing(monkeypatch):
+def test_registered_part_is_found_but_replaces_no_built_in(monkeypatch):
     monkeypatch.setattr("recon.plugins._registered", {})
     matchers = Registry("recon.matchers", "matcher", OWN)
     register("matchers", "mine", len)
@@ -51,7 +51,7 @@ def test_what_is_registered_is_found_but_replaces_nothing(monkeypatch):
         register("matcher", "mine", len)
 
 
-def test_the_same_fault_is_said_once(caplog):
+def test_same_fault_is_reported_once(caplog):
     for _ in range(2):
         say_once("format 'one of a test' fails")
     assert [record.getMessage() for record in caplog.records] == ["format 'one of a test' fails"]

@@ -1,4 +1,4 @@
-"""The README's commands, run as written, and what the village's run must show."""
+"""The README's commands, run as written, and the expected results for the village."""
 
 import json
 import re
@@ -23,7 +23,7 @@ def commands():
 
 @pytest.fixture(scope="module")
 def readme(tmp_path_factory):
-    """A folder like the project's, in which every command of the README has run, in order."""
+    """A folder like the project's in which every command of the README has run, in order."""
     folder = tmp_path_factory.mktemp("readme")
     for name in ("data", "scenes"):
         (folder / name).symlink_to(ROOT / name)
@@ -39,7 +39,7 @@ def test_every_command_of_the_readme_works(readme):
     assert set(codes.values()) == {0}, codes
 
 
-def test_the_village_is_known(readme):
+def test_run_of_the_village_has_the_documented_results(readme):
     folder, _ = readme
     found = json.loads((folder / "runs/walk/objects.json").read_text())["objects"]
     truth = World.from_file(ROOT / "scenes" / "village.scene", Settings()).objects
@@ -51,14 +51,14 @@ def test_the_village_is_known(readme):
         assert nearest["views"] >= 2
 
 
-def test_the_images_of_the_readme_are_there():
+def test_images_of_the_readme_exist():
     text = (ROOT / "README.md").read_text()
     assert text.startswith("![")
     image = text[text.index("(") + 1 : text.index(")")]
     assert (ROOT / image).stat().st_size > 10_000
 
 
-def test_the_python_of_the_readme_works(readme):
+def test_python_code_of_the_readme_works(readme):
     folder, _ = readme
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)
     names: dict[str, object] = {}

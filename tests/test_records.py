@@ -1,4 +1,4 @@
-"""Records: what they refuse, that they pickle, that they leave what they are given alone."""
+"""Records reject invalid values, survive pickling, and do not modify their inputs."""
 
 import pickle
 
@@ -30,7 +30,7 @@ def grey(height=4, width=6):
     return np.zeros((height, width), dtype=np.uint8)
 
 
-def test_a_pair_pickles_whole():
+def test_pair_survives_pickling():
     pair = StereoPair(left=grey(), right=grey(), rig=RIG, T_world_left=np.eye(4), name="a")
     copy = pickle.loads(pickle.dumps(pair))
     assert copy.rig == pair.rig
@@ -47,17 +47,17 @@ def test_a_pair_pickles_whole():
         (grey(0, 6), grey(0, 6), r"\(0, 6\)"),
     ],
 )
-def test_a_pair_of_other_images_is_refused(left, right, message):
+def test_inconsistent_pair_is_rejected(left, right, message):
     with pytest.raises(InputError, match=message):
         StereoPair(left=left, right=right, rig=RIG, name="pair 7")
 
 
-def test_a_view_takes_focal_length_or_field_of_view():
+def test_view_takes_focal_length_or_field_of_view():
     with pytest.raises(InputError, match="one follows from the other"):
         View(position=[0, 5, 0], target=[0, 5, -9], focal_length=0.1, fov_deg=80.0)
 
 
-def test_a_moved_cloud_keeps_colour_sigma_and_its_source():
+def test_transformed_cloud_keeps_colours_and_sigma():
     rng = np.random.default_rng(5)
     points = rng.normal(size=(9, 3))
     points.flags.writeable = False
@@ -69,19 +69,19 @@ def test_a_moved_cloud_keeps_colour_sigma_and_its_source():
     assert moved.sigma is cloud.sigma
 
 
-def test_a_cloud_names_the_array_that_does_not_fit():
+def test_array_of_the_wrong_shape_is_named():
     with pytest.raises(InputError, match=r"colours has shape \(2, 3\), but \(3, 3\) is needed"):
         PointCloud(points=np.zeros((3, 3)), colours=np.zeros((2, 3), np.uint8))
 
 
-def test_checks_say_name_value_and_need():
+def test_checks_state_name_value_and_requirement():
     with pytest.raises(InputError, match=r"disparity_px has shape \(4,\), but \(3,\) is needed"):
         check_shape("disparity_px", np.zeros(4), (3,))
     with pytest.raises(InputError, match="depth holds nan at flat index 2"):
         check_finite("depth", np.array([0.0, 1.0, np.nan]))
 
 
-def test_objects_come_back_from_their_json():
+def test_objects_round_trip_through_json():
     cone = TruncatedCone(
         point=np.array([1.0, 8, 3]), axis=np.array([0.0, 1, 0]), radius_bottom=7.0, radius_top=1.0,
         height=4.0,
@@ -102,6 +102,6 @@ def test_objects_come_back_from_their_json():
     assert document["objects"][0]["parts"][1]["parameters"]["half_angle_deg"] == 45.0
 
 
-def test_a_shape_that_is_no_solid_is_refused():
+def test_unknown_shape_is_rejected():
     with pytest.raises(InputError, match="torus with"):
         from_parameters("torus", {"radius": 1.0})

@@ -1,4 +1,4 @@
-"""The run folder: whole or not at all, refused, resumed, overwritten."""
+"""The run folder: complete or absent, rejected, resumed, overwritten."""
 
 import json
 import subprocess
@@ -29,7 +29,7 @@ def finish(path, plan, **flags):
     return run
 
 
-def test_a_finished_run_says_what_it_is(tmp_path, plan):
+def test_manifest_describes_a_finished_run(tmp_path, plan):
     finish(tmp_path / "run", plan)
     manifest = read_manifest(tmp_path / "run")
     assert manifest["state"] == "finished"
@@ -38,13 +38,13 @@ def test_a_finished_run_says_what_it_is(tmp_path, plan):
     assert manifest["outputs"]["metrics.json"] == digest(tmp_path / "run" / "metrics.json")
 
 
-def test_an_existing_run_is_refused_without_a_flag(tmp_path, plan):
+def test_existing_run_is_rejected_without_a_flag(tmp_path, plan):
     finish(tmp_path / "run", plan)
     with pytest.raises(InputError, match="give --overwrite, --resume, or another -o"):
         prepare(tmp_path / "run", plan)
 
 
-def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
+def test_overwrite_empties_a_run_but_no_other_folder(tmp_path, plan):
     finish(tmp_path / "run", plan)
     (tmp_path / "run" / "old.txt").write_text("x")
     finish(tmp_path / "run", plan, overwrite=True)
@@ -60,7 +60,7 @@ def test_overwrite_starts_empty_but_spares_what_is_no_run(tmp_path, plan):
     assert (tmp_path / "thesis" / "only_copy.tex").exists()
 
 
-def test_resume_starts_fresh_or_finds_it_done_or_refuses(tmp_path, plan):
+def test_resume_starts_finds_a_finished_run_or_rejects_changes(tmp_path, plan):
     assert not prepare(tmp_path / "run", plan, resume=True).is_finished
     finish(tmp_path / "run", plan)
     assert prepare(tmp_path / "run", plan, resume=True).is_finished
@@ -72,7 +72,7 @@ def test_resume_starts_fresh_or_finds_it_done_or_refuses(tmp_path, plan):
         prepare(tmp_path / "run", plan, resume=True)
 
 
-def test_bad_input_leaves_no_folder_and_failed_work_leaves_its_reason(tmp_path, plan):
+def test_invalid_input_leaves_no_folder_and_failure_leaves_its_reason(tmp_path, plan):
     with pytest.raises(InputError, match="bad"), prepare(tmp_path / "bad", plan).opened():
         raise InputError("bad")
     assert not (tmp_path / "bad").exists()
@@ -82,7 +82,7 @@ def test_bad_input_leaves_no_folder_and_failed_work_leaves_its_reason(tmp_path, 
     assert (manifest["state"], manifest["error"]) == ("failed", "out of luck")
 
 
-def test_an_interrupted_run_keeps_what_it_needs_to_go_on(tmp_path, plan):
+def test_interrupted_run_keeps_its_partial_results(tmp_path, plan):
     run = prepare(tmp_path / "run", plan)
 
     def cut_short():
@@ -99,12 +99,12 @@ def test_an_interrupted_run_keeps_what_it_needs_to_go_on(tmp_path, plan):
     assert not (tmp_path / "run" / "partial").exists()
 
 
-def test_a_folder_that_is_no_run_is_named(tmp_path):
+def test_folder_that_is_not_a_run_is_named(tmp_path):
     with pytest.raises(InputError, match="is not a run folder"):
         read_manifest(tmp_path)
 
 
-def test_what_was_there_stays_until_the_new_run_can_be_made(tmp_path, plan):
+def test_existing_run_is_kept_until_the_new_one_can_start(tmp_path, plan):
     finish(tmp_path / "run", plan)
     (tmp_path / "run" / "old.txt").write_text("x")
     run = prepare(tmp_path / "run", plan, overwrite=True)
@@ -119,7 +119,7 @@ def test_what_was_there_stays_until_the_new_run_can_be_made(tmp_path, plan):
     assert (tmp_path / "run" / "old.txt").exists()
 
 
-def test_an_input_inside_the_folder_is_not_overwritten(tmp_path, plan):
+def test_input_inside_the_run_folder_is_not_overwritten(tmp_path, plan):
     finish(tmp_path / "run", plan)
     inside = tmp_path / "run" / "left.png"
     inside.write_text("x")
@@ -128,7 +128,7 @@ def test_an_input_inside_the_folder_is_not_overwritten(tmp_path, plan):
         prepare(tmp_path / "run", other, overwrite=True)
 
 
-def test_inputs_of_one_name_are_told_apart(tmp_path, plan):
+def test_inputs_of_the_same_name_are_distinguished(tmp_path, plan):
     for side in ("a", "b"):
         (tmp_path / side).mkdir()
         (tmp_path / side / "x.png").write_text(side)
@@ -140,8 +140,8 @@ def test_inputs_of_one_name_are_told_apart(tmp_path, plan):
         prepare(tmp_path / "run", both, resume=True)
 
 
-def ended(run, error):
-    """Open a run and end it by an error."""
+def fail_run(run, error):
+    """Open a run and end it with an error."""
 
     def work():
         with run.opened():
@@ -157,37 +157,37 @@ def pairs(path):
 
 
 @pytest.mark.parametrize("error", [OSError(28, "No space left"), InputError("x"), MemoryError()])
-def test_an_earlier_run_outlives_the_failure_of_the_one_that_replaces_it(tmp_path, plan, error):
+def test_earlier_run_survives_a_failed_replacement(tmp_path, plan, error):
     finish(tmp_path / "run", plan)
-    ended(prepare(tmp_path / "run", plan, overwrite=True), error)
+    fail_run(prepare(tmp_path / "run", plan, overwrite=True), error)
     assert pairs(tmp_path / "run") == 3
     assert read_manifest(tmp_path / "run")["state"] == "finished"
     assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
 
 
-def test_a_write_that_fails_without_a_name_is_reported_with_the_folder(tmp_path, plan):
+def test_write_error_without_a_file_name_names_the_folder(tmp_path, plan):
     run = prepare(tmp_path / "run", plan)
     with pytest.raises(OSError, match=r"No space left.*run'$"), run.opened():
         raise OSError(28, "No space left")
 
 
-def test_an_interrupted_replacement_goes_on_and_only_then_the_earlier_run_goes(tmp_path, plan):
+def test_earlier_run_is_removed_only_after_a_resumed_replacement(tmp_path, plan):
     finish(tmp_path / "run", plan)
-    ended(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
+    fail_run(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
     assert read_manifest(tmp_path / "run")["state"] == "interrupted"
     assert pairs(tmp_path / ".run.before") == 3
     finish(tmp_path / "run", plan, resume=True)
     assert not (tmp_path / ".run.before").exists()
 
 
-def test_of_two_earlier_runs_the_finished_one_is_kept(tmp_path, plan):
+def test_finished_one_of_two_earlier_runs_is_kept(tmp_path, plan):
     finish(tmp_path / "run", plan)
-    ended(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
-    ended(prepare(tmp_path / "run", plan, overwrite=True), OSError(28, "No space left"))
+    fail_run(prepare(tmp_path / "run", plan, overwrite=True), KeyboardInterrupt())
+    fail_run(prepare(tmp_path / "run", plan, overwrite=True), OSError(28, "No space left"))
     assert pairs(tmp_path / "run") == 3
 
 
-def test_two_processes_do_not_write_one_run(tmp_path, plan):
+def test_two_processes_cannot_write_the_same_run(tmp_path, plan):
     first, second = (prepare(tmp_path / "run", plan) for _ in range(2))
 
     def both():
@@ -199,7 +199,7 @@ def test_two_processes_do_not_write_one_run(tmp_path, plan):
     assert not (tmp_path / ".run.lock").exists()
 
 
-def test_the_lock_of_a_process_that_died_is_taken_over(tmp_path, plan):
+def test_lock_of_a_dead_process_is_taken_over(tmp_path, plan):
     (tmp_path / ".run.lock").touch()
     finish(tmp_path / "run", plan)
     script = (
@@ -213,8 +213,8 @@ def test_the_lock_of_a_process_that_died_is_taken_over(tmp_path, plan):
     assert not lock.exists()
 
 
-def test_files_of_a_killed_process_are_swept(tmp_path, plan):
-    ended(prepare(tmp_path / "run", plan), KeyboardInterrupt())
+def test_temporary_files_of_a_killed_process_are_removed(tmp_path, plan):
+    fail_run(prepare(tmp_path / "run", plan), KeyboardInterrupt())
     (tmp_path / "run" / ".4711-0123abcd-map.npz").write_text("half")
     (tmp_path / "run" / ".mine").write_text("x")
     finish(tmp_path / "run", plan, resume=True)

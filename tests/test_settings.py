@@ -1,4 +1,4 @@
-"""Settings: TOML round trip, presets, and what is refused."""
+"""Settings: TOML round trip, presets, and rejected values."""
 
 import tomllib
 
@@ -21,7 +21,7 @@ from recon.settings.files import to_tree
 
 
 @pytest.mark.parametrize("preset", PRESETS)
-def test_what_is_saved_is_what_was_used(tmp_path, preset):
+def test_saved_settings_round_trip(tmp_path, preset):
     settings = with_preset(Settings(), preset)
     file = tmp_path / "settings.toml"
     file.write_text(to_toml(settings))
@@ -33,7 +33,7 @@ def test_qualities_name_known_values(quality):
     assert tomllib.loads(to_toml(with_quality(Settings(), quality)))
 
 
-def test_the_thesis_preset_is_the_table_of_the_thesis():
+def test_thesis_preset_matches_the_table_of_the_thesis():
     settings = with_preset(Settings(), "thesis")
     assert (settings.eyes.width, settings.eyes.baseline, settings.eyes.fov_deg) == (256, 0.3, 80.0)
     assert (settings.matching.min_disparity, settings.matching.max_disparity) == (-10, 20)
@@ -43,7 +43,7 @@ def test_the_thesis_preset_is_the_table_of_the_thesis():
     assert settings.recognition.hue_tolerance_deg == 7
 
 
-def test_overrides_are_read_as_toml_or_as_a_word():
+def test_overrides_are_parsed_as_toml_or_as_a_word():
     tree = parse_overrides(["map.cell_size=0.5", "matching.keep=none", "render.renderer=filament"])
     settings = updated(Settings(), tree)
     assert settings.map.cell_size == 0.5
@@ -63,19 +63,19 @@ def test_overrides_are_read_as_toml_or_as_a_word():
         ("matching.max_disparity=-5", "max_disparity -5 is below min_disparity 0"),
     ],
 )
-def test_what_is_wrong_is_named(override, message):
+def test_invalid_setting_is_named(override, message):
     with pytest.raises(InputError, match=message):
         updated(Settings(), parse_overrides([override]), "--set")
 
 
-def test_a_file_that_is_no_toml_is_named(tmp_path):
+def test_invalid_toml_file_is_named(tmp_path):
     file = tmp_path / "broken.toml"
     file.write_text("map = {")
     with pytest.raises(InputError, match=r"broken\.toml.*TOML file is needed"):
         read_toml(file)
 
 
-def test_settings_of_an_older_recon_are_read_as_far_as_they_are_known():
+def test_settings_of_an_older_version_are_read_as_far_as_known():
     tree = to_tree(updated(Settings(), {"eyes": {"near": 200.0, "far": 300.0}}))
     tree["eyes"]["gone"] = 1
     tree["old"] = {"stage": True}

@@ -1,4 +1,4 @@
-"""The reference names every setting, with its meaning."""
+"""The reference lists every setting with its description."""
 
 from dataclasses import asdict
 
@@ -12,7 +12,7 @@ def test_every_setting_is_listed_once_with_its_default():
     assert listed == {f"{s}.{n}": v for s, values in tree.items() for n, v in values.items()}
 
 
-def test_types_meanings_and_the_thesis_are_told():
+def test_types_meanings_and_thesis_values_are_listed():
     found = {one.name: one for one in reference()}
     assert found["matching.cross_check"].type == "exact | row"
     assert found["eyes.width"].type == "int >= 1 and <= 4096"
@@ -25,5 +25,5 @@ def test_types_meanings_and_the_thesis_are_told():
     )
 
 
-def test_every_setting_has_a_meaning():
+def test_every_setting_has_a_description():
     assert [one.name for one in reference() if not one.meaning] == []

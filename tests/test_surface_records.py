@@ -1,4 +1,4 @@
-"""Disparity maps and meshes: what they refuse, areas, and what a change leaves alone."""
+"""Disparity maps and meshes: rejected values, areas, transformations and selections."""
 
 import pickle
 
@@ -23,14 +23,14 @@ def square(**changed):
     return Mesh(**parts | changed)
 
 
-def test_the_area_is_that_of_the_triangles():
+def test_area_is_the_sum_of_the_triangles():
     assert square().area == pytest.approx(4.0, abs=1e-12)
     np.testing.assert_allclose(square().triangle_areas, [2, 2], atol=1e-12)
     assert Mesh.none().area == 0
     assert len(Mesh.none()) == 0
 
 
-def test_a_moved_mesh_keeps_area_and_turns_its_normals():
+def test_transformed_mesh_keeps_its_area_and_rotates_normals():
     T = pose(rotation_about_y(np.pi / 2), [1, 2, 3])
     moved = square().transformed(T)
     assert moved.area == pytest.approx(4.0, abs=1e-12)
@@ -38,14 +38,14 @@ def test_a_moved_mesh_keeps_area_and_turns_its_normals():
     np.testing.assert_allclose(moved.vertices[0], [1, 2, 3], atol=1e-12)
 
 
-def test_chosen_triangles_keep_only_their_vertices():
+def test_selected_triangles_keep_only_their_vertices():
     half = square().select(np.array([False, True]))
     assert half.triangles.tolist() == [[0, 1, 2]]
     np.testing.assert_array_equal(half.vertices, SQUARE[[0, 2, 3]])
     np.testing.assert_array_equal(half.colours[1], square().colours[2])
 
 
-def test_a_mesh_pickles_whole():
+def test_mesh_survives_pickling():
     again = pickle.loads(pickle.dumps(square()))
     np.testing.assert_array_equal(again.triangles, TRIANGLES)
 
@@ -62,7 +62,7 @@ def test_a_mesh_pickles_whole():
         ({"normals": np.zeros((4, 2))}, r"normals has shape \(4, 2\)"),
     ],
 )
-def test_a_mesh_names_what_does_not_fit(changed, message):
+def test_inconsistent_array_of_a_mesh_is_named(changed, message):
     with pytest.raises(InputError, match=message):
         square(**changed)
 
@@ -72,7 +72,7 @@ def found(**changed):
     return DisparityMap(**{"disparity_px": disparity, "sigma_px": disparity * 0.1} | changed)
 
 
-def test_a_disparity_map_tells_what_is_known():
+def test_disparity_map_gives_its_known_pixels():
     assert found().coverage == 0.75
     assert found().valid_mask.tolist() == [[True, False], [True, True]]
     fewer = found().where(np.array([[True, True], [False, True]]))

@@ -1,4 +1,4 @@
-"""Calls in threads: in order, few at a time, and with what their caller set."""
+"""Calls in threads: in order, few at a time, and in the context of the caller."""
 
 import threading
 from contextvars import ContextVar
@@ -17,7 +17,7 @@ def number(request, monkeypatch):
     return int(request.param)
 
 
-def test_results_come_in_order_and_few_items_are_taken_ahead(number):
+def test_results_are_in_order_and_few_items_are_prefetched(number):
     taken = []
 
     def items():
@@ -31,7 +31,7 @@ def test_results_come_in_order_and_few_items_are_taken_ahead(number):
     assert list(results) == [item * item for item in range(5, 20)]
 
 
-def test_calls_see_the_context_and_run_side_by_side(number):
+def test_calls_share_the_context_and_run_concurrently(number):
     barrier = threading.Barrier(number)
     token = given.set(7)
 
@@ -43,19 +43,19 @@ def test_calls_see_the_context_and_run_side_by_side(number):
     given.reset(token)
 
 
-def test_a_call_has_one_thread_unless_it_is_the_only_one(monkeypatch):
+def test_call_has_one_thread_unless_it_is_the_only_one(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
     assert list(in_threads(lambda _: num_threads(), range(4))) == [1] * 4
     assert list(in_threads(lambda _: num_threads(), range(2), most=1)) == [3, 3]
     assert num_threads() == 3
 
 
-def test_what_a_call_raises_is_raised(number):
+def test_exception_of_a_call_is_raised(number):
     with pytest.raises(ZeroDivisionError):
         list(in_threads(lambda item: 1 // item, [1, 0, 1]))
 
 
-def test_the_allowance_is_that_of_the_environment(monkeypatch):
+def test_number_of_threads_follows_the_environment(monkeypatch):
     assert "NUMBA_NUM_THREADS" in THREAD_VARIABLES
     monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
     assert num_threads() == 3
@@ -64,7 +64,7 @@ def test_the_allowance_is_that_of_the_environment(monkeypatch):
         assert num_threads() >= 1
 
 
-def test_slurm_allows_fewer_processors_and_never_more(monkeypatch):
+def test_slurm_can_only_reduce_the_number_of_processors(monkeypatch):
     monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
     monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
     bound = num_processors()

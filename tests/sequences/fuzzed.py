@@ -32,7 +32,7 @@ CALIBRATIONS = {
 }
 
 
-def sound_files() -> Iterator[tuple[str, Callable[[Path], Any], bytes]]:
+def valid_files() -> Iterator[tuple[str, Callable[[Path], Any], bytes]]:
     """Yield (name, reader, content) of each file."""
     rng = np.random.default_rng(0)
     image = cv2.GaussianBlur(rng.integers(0, 256, (20, 30, 3), np.uint8), (0, 0), 2)
