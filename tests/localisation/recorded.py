@@ -1,4 +1,4 @@
-"""Pairs of the village, taken on a ring round it: every second one makes a map."""
+"""Pairs of the village, taken on a ring around it: every second one is used for a map."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -21,7 +21,7 @@ SETTINGS = updated(
 
 @dataclass(frozen=True)
 class Recorded:
-    """A map, the places in it, and pairs that are not in it, with their true poses."""
+    """A map, its places, and pairs that are not in it, with their true poses."""
 
     voxels: Voxels
     atlas: Atlas
@@ -30,7 +30,7 @@ class Recorded:
 
 @cache
 def village() -> Recorded:
-    """Half the pairs of a round among the houses, and the map of the others."""
+    """Take half of the pairs of a round among the houses, and map the others."""
     world = World.from_file("village", SETTINGS)
     mapper, keeper = Mapper(SETTINGS, compares=False), PlaceKeeper()
     others = []

@@ -1,4 +1,4 @@
-"""The graph of a walk: drift goes in, and comes out as far as landmarks and links tell."""
+"""The pose graph of a walk: landmarks and links remove drift as far as they determine it."""
 
 import itertools
 
@@ -12,7 +12,7 @@ RADIUS = 4.0
 
 
 def walked(rng, number=30):
-    """A round walk as it was meant and as it was, each (N, 3)."""
+    """Make a round walk as commanded and as executed, each (N, 3)."""
     angle = np.linspace(0.0, 2.0 * np.pi, number)
     meant = np.column_stack([10.0 * np.cos(angle), 10.0 * np.sin(angle), angle + 0.5])
     true = [meant[0]]
@@ -53,7 +53,7 @@ def solved(rng, sees=True, wrong=0):
     return off, graph
 
 
-def test_landmarks_take_the_drift_out_and_the_covariance_says_how_far():
+def test_landmarks_remove_drift_and_the_covariance_is_consistent():
     rng = np.random.default_rng(0)
     runs = [solved(rng) for _ in range(25)]
     ratio = np.mean([off @ np.linalg.solve(g.covariance(), off) / 3.0 for off, g in runs])
@@ -65,12 +65,12 @@ def test_landmarks_take_the_drift_out_and_the_covariance_says_how_far():
     assert np.sqrt(np.mean([off[:2] @ off[:2] for off, _ in blind])) > 0.6
 
 
-def test_things_taken_for_others_do_not_bend_the_way():
+def test_wrong_data_associations_do_not_distort_the_path():
     off, _ = solved(np.random.default_rng(1), wrong=5)
     assert np.hypot(*off[:2]) < 0.4
 
 
-def test_a_link_back_to_the_start_closes_the_way():
+def test_link_to_the_start_closes_the_path():
     rng = np.random.default_rng(2)
     meant, true = walked(rng)
     graph = Graph.at(meant[0], STEP_SIGMA)

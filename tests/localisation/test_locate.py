@@ -1,4 +1,4 @@
-"""The pose of a pair near a guess: back to the truth, as sure as it says."""
+"""The pose of a pair near a guess: recovered, with a consistent covariance."""
 
 import numpy as np
 import pytest
@@ -17,15 +17,15 @@ SIGMA, ACROSS = 0.15, 0.03
 
 
 def corner(rng, number):
-    """Points on the ground and on two walls of a room, world."""
+    """Sample points on the ground and two walls of a room, in the world frame."""
     a, b = rng.uniform(0.0, 8.0, (2, number))
     zero = np.zeros(number)
     walls = [np.column_stack([a, b, zero]), np.column_stack([zero, a, b])]
     return np.vstack([*walls, np.column_stack([a, zero, b])])
 
 
-def seen(rng, T_world_left):
-    """The room as a pair at a pose measures it."""
+def measured_room(rng, T_world_left):
+    """Measure the room with a pair at a pose."""
     points = transform(invert(T_world_left), corner(rng, 150))
     depth = points[:, 2:]
     noisy = points * (1.0 + SIGMA * rng.normal(size=depth.shape) / depth)
@@ -50,11 +50,11 @@ def guess_near(rng):
     return pose(turn @ T_TRUE[:3, :3], T_TRUE[:3, 3] + rng.normal(0.0, 0.2, 3))
 
 
-def test_the_truth_is_found_and_the_covariance_says_how_nearly(room):
+def test_pose_is_recovered_and_the_covariance_is_consistent(room):
     rng = np.random.default_rng(1)
     ratios = []
     for _ in range(40):
-        found = locate_points(seen(rng, T_TRUE), room, prior_of(guess_near(rng), 0.5))
+        found = locate_points(measured_room(rng, T_TRUE), room, prior_of(guess_near(rng), 0.5))
         assert isinstance(found, PoseEstimate)
         turn = found.T_world_left[:3, :3] @ T_TRUE[:3, :3].T
         shift = found.T_world_left[:3, 3] - T_TRUE[:3, 3]
@@ -65,9 +65,9 @@ def test_the_truth_is_found_and_the_covariance_says_how_nearly(room):
     assert 0.4 < np.sqrt(np.mean(ratios)) < 1.4
 
 
-def test_one_wall_does_not_tell_how_far_along_it_the_pair_is(room):
+def test_floor_alone_leaves_the_horizontal_position_uncertain(room):
     rng = np.random.default_rng(2)
-    points = seen(rng, T_TRUE)
+    points = measured_room(rng, T_TRUE)
     world = transform(T_TRUE, points.points_left)
     on_floor = (np.abs(world[:, 1]) < 0.3) & (world[:, [0, 2]].min(axis=1) > 1.5)
     floor = Points(**{n: getattr(points, n)[on_floor] for n in Points.__slots__})
@@ -77,9 +77,9 @@ def test_one_wall_does_not_tell_how_far_along_it_the_pair_is(room):
     assert min(sigma[[0, 2]]) > 0.3
 
 
-def test_what_is_not_on_the_map_is_not_located(room):
+def test_pair_outside_the_map_is_not_located(room):
     rng = np.random.default_rng(3)
-    points = seen(rng, T_TRUE)
+    points = measured_room(rng, T_TRUE)
     away = pose(T_TRUE[:3, :3], T_TRUE[:3, 3] + [100.0, 0.0, 0.0])
     assert locate_points(points, room, prior_of(away, 0.5)).reason.startswith("too few points")
     few = Points(**{n: getattr(points, n)[:5] for n in Points.__slots__})
@@ -88,7 +88,7 @@ def test_what_is_not_on_the_map_is_not_located(room):
     assert locate_points(points, empty, prior_of(T_TRUE, 0.5)).reason == "the map is empty"
 
 
-def test_a_pair_is_located_in_the_map_of_others():
+def test_pair_is_located_in_a_map_of_other_pairs():
     pair = village().others[1]
     T_true = pair.T_world_left
     guess = pose(T_true[:3, :3], T_true[:3, 3] + [0.5, 0.0, -0.5])
@@ -100,7 +100,7 @@ def test_a_pair_is_located_in_the_map_of_others():
     assert isinstance(recon.locate(pair, VoxelMap(1.0), guess, SETTINGS), FitFailure)
 
 
-def test_what_cannot_be_located_is_refused():
+def test_invalid_arguments_of_locate_are_rejected():
     pair = village().others[0]
     with pytest.raises(recon.InputError, match="guess"):
         recon.locate(pair, village().voxels, np.zeros((4, 4)))

@@ -1,4 +1,4 @@
-"""Drives that come back: loops are found, checked, and take the drift out."""
+"""Drives that return: loops are found, checked, and remove the drift."""
 
 import itertools
 
@@ -16,7 +16,7 @@ NUMBER, RADIUS = 60, 20.0
 
 
 def round_drive(rng):
-    """True poses of a round that begins and ends where the village is seen, and drifting ones."""
+    """Make true and drifting poses of a round that starts and ends in view of the village."""
     T_start = village().others[0].T_world_left
     middle = T_start[:3, 3] + RADIUS * T_start[:3, 0]
     true = []
@@ -31,7 +31,7 @@ def round_drive(rng):
 
 
 def with_places(poses):
-    """The first and the last pair of the drive show the same; between them nothing is seen."""
+    """Make an atlas in which the first and last pairs show the same and the others nothing."""
     seen, keeper = village().others[0], PlaceKeeper()
     for number in (0, NUMBER - 1):
         keeper.add(
@@ -41,7 +41,7 @@ def with_places(poses):
     return keeper.atlas(Trajectory(stamps_s=np.arange(float(NUMBER)), T_world_left=poses))
 
 
-def test_a_loop_takes_out_what_odometry_drifted():
+def test_loop_closure_removes_the_drift_of_odometry():
     true, drifting = round_drive(np.random.default_rng(0))
     closed = close_loops(drifting, with_places(drifting))
     assert closed.num_loops == 1
@@ -54,7 +54,7 @@ def test_a_loop_takes_out_what_odometry_drifted():
     assert np.allclose(closed.poses[0], drifting[0], atol=1e-9)
 
 
-def test_a_drive_straight_on_has_no_loop():
+def test_straight_drive_has_no_loop():
     _, drifting = round_drive(np.random.default_rng(0))
     straight = drifting.copy()
     straight[:] = drifting[0]
@@ -63,7 +63,7 @@ def test_a_drive_straight_on_has_no_loop():
     assert close_loops(straight, with_places(straight)) is None
 
 
-def test_of_a_long_drive_few_poses_are_nodes_and_the_others_are_carried_along():
+def test_long_drive_is_corrected_by_few_nodes_and_interpolation():
     rng = np.random.default_rng(1)
     poses = np.tile(np.eye(4), (2000, 1, 1))
     angle = np.linspace(0.0, 2.0 * np.pi, 2000)
@@ -84,7 +84,7 @@ def test_of_a_long_drive_few_poses_are_nodes_and_the_others_are_carried_along():
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_a_drive_of_hardly_a_place_has_no_loop(number):
+def test_drive_with_fewer_than_two_places_has_no_loop(number):
     atlas = PlaceKeeper().atlas(
         Trajectory(stamps_s=np.zeros(number), T_world_left=np.zeros((number, 4, 4)))
     )

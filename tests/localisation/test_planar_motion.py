@@ -1,4 +1,4 @@
-"""The motion of level cameras: what was put in comes out, as sure as the points tell."""
+"""The motion of level cameras is recovered, with a consistent covariance."""
 
 from dataclasses import replace
 
@@ -17,15 +17,15 @@ T_FIRST_SECOND = invert(TILTS[0]) @ standing(STEP, TILTS[1])
 GUESS = STEP + np.array([0.2, 0.1, 0.02])
 
 
-def test_without_noise_the_motion_is_exact():
+def test_motion_is_exact_without_noise():
     seen = tracks(np.random.default_rng(0), T_FIRST_SECOND, sigma_px=0.0)
     found = planar_motion(seen, RIG, TILTS, GUESS)
     np.testing.assert_allclose(found.place, STEP, atol=1e-6)
 
 
 @pytest.mark.parametrize("common_px", [0.0, 0.05])
-def test_the_covariance_is_that_of_the_errors(common_px):
-    """A common error of all disparities, which is not noise, is covered as well."""
+def test_covariance_matches_the_errors(common_px):
+    """A common error of all disparities, which is not noise, is included."""
     rng, ratios = np.random.default_rng(1), []
     for _ in range(40):
         seen = tracks(rng, T_FIRST_SECOND, number=60, sigma_px=0.2)
@@ -36,6 +36,6 @@ def test_the_covariance_is_that_of_the_errors(common_px):
     assert 0.5 < np.sqrt(np.mean(ratios)) < 1.5
 
 
-def test_points_that_coincide_do_not_determine_a_motion():
+def test_coincident_points_give_no_motion():
     seen = tracks(np.random.default_rng(2), T_FIRST_SECOND).select(np.zeros(1, int).repeat(50))
     assert planar_motion(seen, RIG, TILTS, GUESS) is None

@@ -1,4 +1,4 @@
-"""The kidnapped robot: pairs found again in a map, or said to be nowhere."""
+"""The kidnapped robot: pairs are recalled in a map, or reported as unknown."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def known():
     return KnownWorld.of(recorded.voxels, recorded.atlas, SETTINGS)
 
 
-def test_pairs_of_a_known_round_are_found_and_none_is_put_elsewhere(known):
+def test_pairs_of_a_mapped_round_are_recalled_and_none_is_misplaced(known):
     pairs = village().others[1::2]
     found = [(known.recall(pair), pair) for pair in pairs]
     assert sum(error(one, pair) < 0.3 for one, pair in found if one) >= len(pairs) // 2
@@ -37,7 +37,7 @@ def test_pairs_of_a_known_round_are_found_and_none_is_put_elsewhere(known):
     assert all(one.probability > 0.9 and one.sigma < 0.5 for one, _ in found if one)
 
 
-def test_a_pair_that_shows_nothing_is_nowhere(known):
+def test_blank_pair_is_not_recalled(known):
     pair = village().others[0]
     blank = np.full_like(pair.left, 128)
     found = known.recall(StereoPair(left=blank, right=blank, rig=pair.rig))
@@ -45,7 +45,7 @@ def test_a_pair_that_shows_nothing_is_nowhere(known):
     assert found.reason == "too little is seen"
 
 
-def at(x, same, different, is_known=True):
+def hypothesis_at(x, same, different, is_known=True):
     T = np.eye(4)
     T[0, 3] = x
     estimate = PoseEstimate(
@@ -58,24 +58,31 @@ def at(x, same, different, is_known=True):
     )  # fmt: skip
 
 
-def test_of_places_that_look_alike_none_is_chosen():
-    assert choose([at(0, 40, 1), at(9, 30, 9)]).T_world_left[0, 3] == 0
-    assert choose([at(0, 40, 1), at(9, 40, 1)]).reason == "several places look like it"
-    assert choose([at(0, 40, 1), at(9, 39, 1, is_known=False)]).reason.startswith("several")
-    assert choose([at(9, 40, 0, is_known=False)]).reason == "too little is seen"
-    assert choose([at(0, 40, 30)]).reason == "the map shows other things there"
-    assert choose([at(0, 5, 0)]).reason == "too little is seen"
+def test_ambiguous_places_are_not_chosen():
+    assert choose([hypothesis_at(0, 40, 1), hypothesis_at(9, 30, 9)]).T_world_left[0, 3] == 0
+    assert (
+        choose([hypothesis_at(0, 40, 1), hypothesis_at(9, 40, 1)]).reason
+        == "several places look like it"
+    )
+    assert choose(
+        [hypothesis_at(0, 40, 1), hypothesis_at(9, 39, 1, is_known=False)]
+    ).reason.startswith("several")
+    assert choose([hypothesis_at(9, 40, 0, is_known=False)]).reason == "too little is seen"
+    assert choose([hypothesis_at(0, 40, 30)]).reason == "the map shows other things there"
+    assert choose([hypothesis_at(0, 5, 0)]).reason == "too little is seen"
     assert choose([]).reason == "no place looks like it"
 
 
-def test_features_decide_as_far_as_they_are_trusted():
-    both = [at(0, 40, 1), at(9, 40, 1, is_known=False)]
+def test_features_decide_only_if_trusted():
+    both = [hypothesis_at(0, 40, 1), hypothesis_at(9, 40, 1, is_known=False)]
     assert choose(both, trust=0.0).reason.startswith("several")
     assert choose(both, trust=8.0).T_world_left[0, 3] == 0
-    assert choose([at(9, 40, 0, is_known=False)], trust=8.0).reason == "too little is seen"
+    assert (
+        choose([hypothesis_at(9, 40, 0, is_known=False)], trust=8.0).reason == "too little is seen"
+    )
 
 
-def test_places_that_look_alike_and_are_not_take_the_trust_away():
+def test_lookalike_places_reduce_the_trust_in_features():
     atlas = village().atlas
     trust = trust_in(atlas)
     assert trust > 0.0
@@ -85,7 +92,7 @@ def test_places_that_look_alike_and_are_not_take_the_trust_away():
     assert trust_in(Atlas(places=[], numbers=[], T_world_left=np.zeros((0, 4, 4)))) == 0.0
 
 
-def test_an_atlas_comes_back_from_its_file_and_damage_is_said(tmp_path):
+def test_atlas_round_trips_and_a_damaged_file_is_rejected(tmp_path):
     atlas, path = village().atlas, tmp_path / "places.npz"
     atlas.save(path)
     again = Atlas.load(path)
@@ -106,12 +113,12 @@ def test_an_atlas_comes_back_from_its_file_and_damage_is_said(tmp_path):
         Atlas.load(path)
 
 
-def test_an_atlas_without_places_is_an_atlas(tmp_path):
+def test_empty_atlas_round_trips(tmp_path):
     Atlas(places=[], numbers=[], T_world_left=np.zeros((0, 4, 4))).save(tmp_path / "places.npz")
     assert len(Atlas.load(tmp_path / "places.npz")) == 0
 
 
-def test_a_place_is_no_surer_than_its_own_pose(known):
+def test_recalled_pose_is_no_more_certain_than_that_of_its_place(known):
     (one, *_) = [found for pair in village().others[1::2] if (found := known.recall(pair))]
     assert np.degrees(np.sqrt(np.diag(one.covariance)[:3])).min() >= PLACE_SIGMA_DEG
     depth = float(known.depths.min())

@@ -1,4 +1,4 @@
-"""The search of all positions: an upright camera finds its place, or says that it cannot."""
+"""Search over all positions: an upright camera is located, or the ambiguity is reported."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ RADII = np.array([3.0, 2.0, 4.0])
 
 
 def balls(rng, number, centres=CENTRES, radii=RADII):
-    """Points on the surfaces of some balls."""
+    """Sample points on the surfaces of some balls."""
     ways = rng.normal(size=(len(radii), number, 3))
     ways /= np.linalg.norm(ways, axis=2, keepdims=True)
     return (centres[:, None] + radii[:, None, None] * ways).reshape(-1, 3)
@@ -58,7 +58,7 @@ def search_of(points, stance):
 
 
 def seen_from(T_world_left, points, rng):
-    """The points that a camera sees, with the noise of stereo along their rays."""
+    """Take the points that a camera sees, with stereo noise along their rays."""
     left = transform(invert(T_world_left), points)
     ahead = left[left[:, 2] > 1.0]
     pixels = RIG.project_left(ahead)
@@ -82,7 +82,7 @@ def world():
     return balls(np.random.default_rng(1), 6000)
 
 
-def test_three_things_show_where_the_camera_is(world, stance):
+def test_three_objects_determine_the_pose(world, stance):
     true = stance.at(np.array([-8.3, -9.4, 0.85]), 0.0)
     points = seen_from(true, world, np.random.default_rng(2))
     found = search_of(thinned(world, 1.0), stance).recall(points, RIG, [])
@@ -93,7 +93,7 @@ def test_three_things_show_where_the_camera_is(world, stance):
     assert 0.005 < found.sigma < 0.3
 
 
-def test_one_ball_looks_the_same_from_all_round(stance):
+def test_single_ball_leaves_the_pose_ambiguous(stance):
     ball = balls(np.random.default_rng(1), 6000, CENTRES[:1], RADII[:1])
     true = stance.at(np.array([-8.3, -4.0, 0.4]), 0.0)
     points = seen_from(true, ball, np.random.default_rng(2))
@@ -102,13 +102,13 @@ def test_one_ball_looks_the_same_from_all_round(stance):
     assert "several places" in found.reason or "exact place" in found.reason
 
 
-def test_few_points_are_said_to_be_few(world, stance):
+def test_too_few_points_are_reported(world, stance):
     points = Points(points_left=np.ones((5, 3)), sigma=np.ones(5), across=np.ones(5))
     found = search_of(thinned(world, 1.0), stance).recall(points, RIG, [])
     assert found.reason == "too little is seen"
 
 
-def test_the_true_place_agrees_better_than_others(world, stance):
+def test_true_pose_agrees_better_than_others(world, stance):
     place = np.array([-8.3, -9.4, 0.85])
     points = seen_from(stance.at(place, 0.0), world, np.random.default_rng(2))
     tilt = tilt_by(0.0)
@@ -124,7 +124,7 @@ def test_the_true_place_agrees_better_than_others(world, stance):
         assert value(step) < value([0.0, 0.0, 0.0]) - 3.0
 
 
-def test_a_stance_is_that_of_upright_cameras_of_one_height():
+def test_stance_needs_upright_cameras_of_one_height():
     poses = np.array(
         [pose(rotation_about_y(turn) @ tilt_by(0.18), [turn, 5.0, 1.0]) for turn in (0.0, 1.0, 4.0)]
     )
@@ -138,7 +138,7 @@ def test_a_stance_is_that_of_upright_cameras_of_one_height():
     assert Stance.of(poses[:0], 1.0) is None
 
 
-def test_unseen_sides_are_completed_by_the_solids_of_objects():
+def test_unseen_sides_are_completed_from_fitted_solids():
     ball = Sphere(centre=np.array([0.0, 4.0, 0.0]), radius=3.0)
     front = balls(np.random.default_rng(1), 2000, CENTRES[:1], RADII[:1])
     front = thinned(front[front[:, 2] > 0.0], 1.0)
@@ -161,7 +161,7 @@ def candidate(x, evidence, sigma=0.05, is_known=False, reach=0.0):
     return Candidate(estimate=estimate, evidence=evidence, is_known=is_known, reach=reach)
 
 
-def test_a_place_is_said_only_if_no_other_comes_near_it():
+def test_pose_is_returned_only_if_clearly_better_than_others():
     said = decide([candidate(0.0, 30.0), candidate(9.0, 20.0)], 1.0)
     assert said.T_world_left[0, 3] == 0.0
     assert said.probability > 0.99
@@ -173,27 +173,27 @@ def test_a_place_is_said_only_if_no_other_comes_near_it():
     assert not candidate(0.0, 1.0).is_apart(candidate(0.3, 1.0), 1.0)
 
 
-def test_features_tell_the_place_that_shape_leaves_open():
+def test_features_resolve_a_pose_that_shape_leaves_ambiguous():
     open_place = candidate(1.5, 30.0, sigma=0.9)
     known = candidate(0.0, 29.0, is_known=True)
     assert "exact place" in decide(distinct([open_place, candidate(0.0, 29.0)], 1.0), 1.0).reason
     said = decide(distinct([open_place, known, candidate(40.0, 2.0)], 1.0), 1.0)
     assert said.T_world_left[0, 3] == 0.0
     assert said.sigma == pytest.approx(0.05)
-    # A vague one does not.
+    # A vague one does not help.
     vague = candidate(0.0, 29.0, sigma=0.95, is_known=True)
     assert "exact place" in decide(distinct([open_place, vague], 1.0), 1.0).reason
-    # Places that the same features would have told are not taken for it.
+    # Poses that the same features would have distinguished are not confused with it.
     seen = candidate(0.0, 30.0, is_known=True, reach=9.0)
     beside, beyond = candidate(4.0, 29.5), candidate(12.0, 29.5)
     assert len(distinct([seen, beside, beyond], 1.0)) == 2
     assert len(distinct([candidate(0.0, 30.0, reach=9.0), beside, beyond], 1.0)) == 3
-    # Somewhere else, features say nothing about it.
+    # Features of another place do not resolve it.
     elsewhere = candidate(9.0, 29.0, is_known=True)
     assert "several" in decide(distinct([open_place, elsewhere], 1.0), 1.0).reason
 
 
-def test_an_upright_camera_has_the_height_of_its_run(stance):
+def test_upright_camera_takes_the_height_of_its_run(stance):
     true = stance.at(np.array([3.0, -2.0, 0.7]), stance.pitches[0])
     covariance = np.diag(np.repeat([np.radians(1.0), 0.3], 3) ** 2)
     lifted = pose(true[:3, :3], true[:3, 3] + [0.1, 0.4, 0.0])
