@@ -6,10 +6,10 @@ from reference import Pair, best_of
 
 from recon.settings import FeatureSettings
 from recon.stereo.features import detect
-from recon.stereo.matching import cost as scores
+from recon.stereo.matching import ring
 from recon.stereo.matching.aggregation import aggregate
-from recon.stereo.matching.cost import C_COS, Search
 from recon.stereo.matching.phase import _points, _responses
+from recon.stereo.matching.search import C_COS, Search
 from scenes import textured_pair
 
 SEARCHES = [
@@ -31,8 +31,8 @@ def features():
 @pytest.fixture(params=["one strip", "many strips"])
 def strips(request, monkeypatch):
     if request.param == "many strips":
-        monkeypatch.setattr(scores, "_RING_BYTES", 0)
-        monkeypatch.setattr(scores, "_NARROWEST", 8)
+        monkeypatch.setattr(ring, "_RING_BYTES", 0)
+        monkeypatch.setattr(ring, "_NARROWEST", 8)
 
 
 def points_of(features, count=90):

@@ -11,15 +11,9 @@ from numpy.typing import NDArray
 from recon.stereo.kernels.memory import aligned_zeros
 from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, filled, kernel
 from recon.stereo.kernels.threads import bands, run
-from recon.stereo.matching.cost import (
-    Responses,
-    Ring,
-    Search,
-    fill_row,
-    line_start,
-    make_ring,
-    to_slack,
-)
+from recon.stereo.matching.cost import Responses, fill_row
+from recon.stereo.matching.ring import Ring, line_start, make_ring, to_slack
+from recon.stereo.matching.search import Search
 from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
 from recon.stereo.matching.windows import DIRECTIONS, NUM_LINES, SIDE_RADIUS, Window, windows
 

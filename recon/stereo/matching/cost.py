@@ -1,7 +1,6 @@
 """Similarity of a pixel to those of a row of the other image, at every shift (Eqs 16 to 18).
 
-The image is processed in vertical strips, from top to bottom. Only the scores of the last rows of a
-strip are kept, in a ring buffer of constant size that mostly fits into the cache.
+The image is processed in vertical strips, from top to bottom.
 """
 
 from typing import NamedTuple
@@ -9,12 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.memory import aligned_empty, aligned_zeros
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
     Lanes,
-    filled,
     kernel,
     larger,
     load,
@@ -26,16 +23,19 @@ from recon.stereo.kernels.simd import (
     spread,
     store,
 )
+from recon.stereo.matching.ring import Ring, line_start, to_slack
+from recon.stereo.matching.search import Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 SLACK = np.float32(0.9)
 """Weight of a member's score at the neighbouring shift."""
 
-_RING_BYTES = 2 << 20
-"""Maximum size of a ring."""
-_NARROWEST = 64
-"""Minimum columns of a strip, as it is computed with a margin on both sides."""
 _TINY = np.float32(1e-12)
+_APART = NUM_LANES // 2
+"""Distance, in columns of a ring, of two pixels that are scored at once."""
+
+_Response = tuple[Lanes, Lanes, Lanes]
+"""Real and imaginary part and inverse energy of one pixel in one channel, in all lanes."""
 
 
 class Responses(NamedTuple):
@@ -47,85 +47,6 @@ class Responses(NamedTuple):
     """(H, W) pixels that may be matched."""
     grey: NDArray[np.uint8]
     """((H + 2 R) * (W + 2 R),) brightness, row by row, with a margin of R = SIDE_RADIUS."""
-
-
-class Search(NamedTuple):
-    """Pixel u is compared with the pixels u + first, u + first + 1, ... of the other image."""
-
-    first: int
-    num_shifts: int
-    row_shift: int
-    """Row of the other image minus the row of this one."""
-    every: int
-    """2: only pixels of every second row are members; 1: every second pixel of all rows."""
-    is_unique: bool
-    """True if only the best of the points of a row that choose the same partner is kept."""
-    table: Floats
-    """(S, B, P) similarity by scale, magnitude similarity c and cosine of the phase difference, in
-    equal bins; (0, 0, 0) for the similarity c cos."""
-
-
-C_COS = np.zeros((0, 0, 0), np.float32)
-"""The table of the similarity ``c cos(phase difference)``."""
-
-
-class Ring(NamedTuple):
-    """Scores of the last rows of a strip: for every second pixel of a row, one lane per shift."""
-
-    scores: Floats
-    """(2 * rows * columns * lanes,) exact scores, then those with slack for slanted surfaces."""
-    rows: int
-    every: int
-    """Step between image rows with scores; see `Search`."""
-    columns: int
-    lanes: int
-    """Shifts, padded to multiples of 2 * `NUM_LANES`."""
-    width: int
-    """Image columns in a strip; with a margin of SIDE_RADIUS on both sides they are twice
-    `columns`."""
-    here: Floats
-    """(C * 3 * reach,) responses and inverse energies of the strip's current row."""
-    there: Floats
-    """(C * 3 * reach,) the same for the row of the other image."""
-    reach: int
-    line: Floats
-    """The scores of a pixel, with zeros for `NUM_LANES` before and after."""
-
-
-def make_ring(num_channels: int, search: Search, size: int) -> Ring:
-    """An empty ring for the strips of `size` columns of an image."""
-    lanes = filled(search.num_shifts, 2 * NUM_LANES)
-    rows = 2 * SIDE_RADIUS // search.every + 1
-    fitting = _RING_BYTES // (2 * rows * lanes * 4) * 2 - 2 * SIDE_RADIUS
-    num_strips = -(-size // max(fitting, _NARROWEST))
-    width = filled(-(-size // num_strips))
-    columns = width // 2 + SIDE_RADIUS
-    reach = filled(2 * columns + 2 * NUM_LANES + lanes)
-    return Ring(
-        # Every line is written before it is read.
-        scores=aligned_empty(2 * rows * columns * lanes),
-        rows=rows,
-        every=search.every,
-        columns=columns,
-        lanes=lanes,
-        width=width,
-        here=aligned_zeros(num_channels * 3 * reach),
-        there=aligned_zeros(num_channels * 3 * reach),
-        reach=reach,
-        line=np.zeros(lanes + 2 * NUM_LANES, np.float32),
-    )
-
-
-@kernel
-def line_start(ring: Ring, v: int) -> int:
-    """Start of the exact scores of a row of the image."""
-    return v // ring.every % ring.rows * ring.columns * ring.lanes
-
-
-@kernel
-def to_slack(ring: Ring) -> int:
-    """Step from exact scores to those with slack."""
-    return ring.rows * ring.columns * ring.lanes
 
 
 @kernel
@@ -147,22 +68,23 @@ def fill_row(
         return
     left = first - SIDE_RADIUS
     behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
-    _read(ring, base, v, left - behind, ring.here)
-    _read(ring, other, v_other, left + search.first - behind_other, ring.there)
+    _read(base, v, left - behind, ring.every, (ring.here, ring.reach_here))
+    origin = left + search.first - behind_other
+    _read(other, v_other, origin, ring.every, (ring.there, ring.reach))
     # In even rows the even pixels are members, in odd rows the odd ones.
     _score(ring, (v & 1) + behind, (v & 1) + behind_other, search, lines)
 
 
 @kernel
-def _read(ring: Ring, image: Responses, v: int, origin: int, row: Floats) -> None:
+def _read(image: Responses, v: int, origin: int, every: int, target: tuple[Floats, int]) -> None:
     """Write responses and inverse energies, starting at a column that is a multiple of lanes.
 
     Inverse energies are 0 for pixels that cannot be matched.
     """
-    reach = ring.reach
+    row, reach = target
     channels, _, padded = image.planes.shape[1:]
     planes, plane = image.planes.reshape(-1), v * channels * 2 * padded + origin
-    to_next_row = ring.every * channels * 2 * padded
+    to_next_row = every * channels * 2 * padded
     share = np.float32(1.0) / np.float32(channels)
     mask = image.mask[v]
     first, end = max(0, -origin), min(reach, padded - origin)
@@ -188,59 +110,88 @@ def _read(ring: Ring, image: Responses, v: int, origin: int, row: Floats) -> Non
 @kernel
 def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
     """Write the scores, exact and with slack, of every second pixel of a row."""
-    for column in range(ring.columns):
-        start = column * ring.lanes
-        _score_pixel(ring, here + 2 * column, there + 2 * column, search, ring.line)
-        _slacken(ring.line, start, lines)
-        for i in range(search.num_shifts, ring.lanes):
-            lines[1][start + i] = 0.0
+    for first in range(0, ring.columns, NUM_LANES):
+        for column in range(first, first + _APART):
+            _score_two(ring, here + 2 * column, there + 2 * column, search)
+            for k in range(2):
+                _slacken(ring.line[k], (column + k * _APART) * ring.lanes, search, lines)
 
 
 @kernel
-def _score_pixel(ring: Ring, u: int, start: int, search: Search, line: Floats) -> None:
-    """Write the scores of one pixel; all are 0 if it cannot be matched."""
-    if ring.here[2 * ring.reach + u] == 0.0:
+def _score_two(ring: Ring, u: int, start: int, search: Search) -> None:
+    """Write the scores of two pixels, `NUM_LANES` apart; all are 0 if they cannot be matched."""
+    weights, line = ring.here[2 * ring.reach_here :], ring.line
+    if weights[u] == 0.0 and weights[u + NUM_LANES] == 0.0:
         line[:] = 0.0
         return
     if search.table.size:
-        _look_up(ring, u, start, search.table, line)
+        _look_up(ring, u, start, search.table, line[0])
+        _look_up(ring, u + NUM_LANES, start + NUM_LANES, search.table, line[1])
     else:
-        _compare(ring, u, start, line)
-    for i in range(search.num_shifts, ring.lanes):
-        line[NUM_LANES + i] = 0.0
+        _compare(ring, u, start)
+    for i in range(NUM_LANES + search.num_shifts, NUM_LANES + ring.lanes):
+        line[0, i] = line[1, i] = 0.0
 
 
 @kernel
-def _compare(ring: Ring, u: int, start: int, line: Floats) -> None:
-    """Mean over scales and orientations of c cos(phase difference).
+def _compare(ring: Ring, u: int, start: int) -> None:
+    """Mean over scales and orientations of c cos(phase difference), for two pixels.
 
-    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without computing an angle or a root.
+    ``Re(r conj r') / max(|r|^2, |r'|^2)`` is c cos, without computing an angle or a root. What the
+    first pixel compares at one shift, the second does `NUM_LANES` shifts before: it is read once.
     """
-    here, there, reach = ring.here, ring.there, ring.reach
+    line, there, end = ring.line, ring.there, ring.lanes
     # The orientations of one scale at a time.
-    for scale in range(0, here.size, 9 * reach):
-        a = _response(here, scale + u, reach)
-        b = _response(here, scale + 3 * reach + u, reach)
-        d = _response(here, scale + 6 * reach + u, reach)
-        for i in range(0, ring.lanes, NUM_LANES):
-            k = scale + start + i
-            score = _alike(a, there, k, reach)
-            score += _alike(b, there, k + 3 * reach, reach)
-            score += _alike(d, there, k + 6 * reach, reach)
-            if scale:
-                score += load(line, NUM_LANES + i)
-            store(line, NUM_LANES + i, score)
+    for scale in range(len(there) // (9 * ring.reach)):
+        one = _responses(ring, scale, u)
+        two = _responses(ring, scale, u + NUM_LANES)
+        k = 9 * scale * ring.reach + start
+        _add(line[0], NUM_LANES, _alike(one, there, k, ring.reach), scale)
+        for i in range(NUM_LANES, end, NUM_LANES):
+            first = _alike(one, there, k + i, ring.reach)
+            second = _alike(two, there, k + i, ring.reach)
+            _add(line[0], NUM_LANES + i, first, scale)
+            _add(line[1], i, second, scale)
+        _add(line[1], end, _alike(two, there, k + end, ring.reach), scale)
 
 
 @kernel
-def _response(here: Floats, k: int, reach: int) -> tuple[Lanes, Lanes, Lanes]:
-    """Response and inverse energy of one pixel in one channel."""
+def _add(line: Floats, k: int, score: Lanes, scale: int) -> None:
+    """Add to the scores of the scales before."""
+    if scale:
+        score += load(line, k)
+    store(line, k, score)
+
+
+@kernel
+def _responses(ring: Ring, scale: int, u: int) -> tuple[_Response, _Response, _Response]:
+    """Responses and inverse energies of one pixel in the orientations of a scale."""
+    k, reach = 9 * scale * ring.reach_here + u, ring.reach_here
+    return (
+        _response(ring.here, k, reach),
+        _response(ring.here, k + 3 * reach, reach),
+        _response(ring.here, k + 6 * reach, reach),
+    )
+
+
+@kernel
+def _response(here: Floats, k: int, reach: int) -> _Response:
     return repeat(here, k), repeat(here, k + reach), repeat(here, k + 2 * reach)
 
 
 @kernel
-def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: int) -> Lanes:
-    """c cos of a response and those of the other row, starting at index k."""
+def _alike(
+    responses: tuple[_Response, _Response, _Response], there: Floats, k: int, reach: int
+) -> Lanes:
+    """c cos, summed over orientations, of a pixel and those of the other row from index k on."""
+    score = _alike_in_one(responses[0], there, k, reach)
+    score += _alike_in_one(responses[1], there, k + 3 * reach, reach)
+    score += _alike_in_one(responses[2], there, k + 6 * reach, reach)
+    return score
+
+
+@kernel
+def _alike_in_one(response: _Response, there: Floats, k: int, reach: int) -> Lanes:
     real, imag, inverse = response
     dot = real * load(there, k) + imag * load(there, k + reach)
     return dot * smaller(inverse, load(there, k + 2 * reach))
@@ -250,7 +201,7 @@ def _alike(response: tuple[Lanes, Lanes, Lanes], there: Floats, k: int, reach: i
 def _look_up(ring: Ring, u: int, start: int, table: Floats, line: Floats) -> None:
     """Mean over scales and orientations of the table's similarity."""
     scales, num_c, num_cos = table.shape
-    here = ring.here.reshape(-1, 3, ring.reach)
+    here = ring.here.reshape(-1, 3, ring.reach_here)
     there = ring.there.reshape(-1, 3, ring.reach)
     channels = len(here)
     for k in range(start, start + ring.lanes):
@@ -271,7 +222,7 @@ def _look_up(ring: Ring, u: int, start: int, table: Floats, line: Floats) -> Non
 
 
 @kernel
-def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
+def _slacken(line: Floats, start: int, search: Search, lines: tuple[Floats, Floats]) -> None:
     """Write the scores, clipped to >= 0, and the maximum of each and its neighbours.
 
     The neighbours are weighted by `SLACK`.
@@ -286,3 +237,5 @@ def _slacken(line: Floats, start: int, lines: tuple[Floats, Floats]) -> None:
         place = start + i - NUM_LANES
         store(lines[0], place, exact)
         store(lines[1], place, larger(exact, SLACK * beside))
+    for i in range(search.num_shifts, line.size - 2 * NUM_LANES):
+        lines[1][start + i] = 0.0

@@ -15,7 +15,8 @@ from recon.stereo.exposure import gain_between
 from recon.stereo.kernels.simd import Floats
 from recon.stereo.kernels.sorting import falling
 from recon.stereo.matching.aggregation import Points, Support, aggregate_rows
-from recon.stereo.matching.cost import C_COS, Responses, Search
+from recon.stereo.matching.cost import Responses
+from recon.stereo.matching.search import C_COS, Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
 _RIVAL_WEIGHT = 0.3
@@ -50,7 +51,7 @@ def match_by(
     table: Floats,
     confidence: Callable[[Support], Floats],
 ) -> Matches:
-    """Match with the similarity of a table (see `cost.Search`) and a custom confidence."""
+    """Match with the similarity of a table (see `Search`) and a custom confidence."""
     height, width = left.grey.shape
     lowest = max(settings.min_disparity, 1 - width)
     count = min(settings.max_disparity, width - 1) - lowest + 1
