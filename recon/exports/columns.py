@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.colours import colour_names, colours_of
 from recon.exports.numbers import leave_out
+from recon.notices import notify
 from recon.records import Crs, PointCloud, Voxels
 
 Columns = dict[str, NDArray[Any]]
@@ -57,8 +58,8 @@ def from_columns(
 ) -> PointCloud | Voxels:
     """Cells if the columns include index, count and size, otherwise points.
 
-    Points that are not finite, by which depth cameras mark missing measurements, are left out.
-    Columns of text are left out with a notice.
+    Points that are not finite, by which depth cameras mark missing measurements, and columns of
+    text are left out with a notice.
 
     Raises
     ------
@@ -109,9 +110,13 @@ def _sigma(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.float64] | None:
 
 
 def measured(cloud: PointCloud) -> PointCloud:
-    """The points that are finite."""
+    """The points that are finite; the number of the others is reported."""
     finite = np.flatnonzero(np.isfinite(cloud.points).all(axis=1))
-    return cloud if len(finite) == len(cloud) else cloud.select(finite)
+    if len(finite) == len(cloud):
+        return cloud
+    num_left_out = len(cloud) - len(finite)
+    notify("points-left-out", f"{num_left_out} of {len(cloud)} points are not finite; left out")
+    return cloud.select(finite)
 
 
 def _as_voxels(columns: Mapping[str, NDArray[Any]]) -> Voxels:

@@ -13,6 +13,7 @@ import yaml
 from recon.errors import InputError, MissingLibraryError
 from recon.exports import FORMATS, read, write
 from recon.libraries import load_open3d
+from recon.notices import collected_notices
 from recon.records import PointCloud, Voxels
 from recon.voxelmap import VoxelMap
 from tests.exports.maps import CHANNELS, same, sample_cloud, sample_map
@@ -371,11 +372,14 @@ def test_npz_in_fortran_order_is_read_without_nan_points(tmp_path):
 
 
 @pytest.mark.parametrize("ending", CLOUD_FORMATS[:2])
-def test_nan_points_are_left_out(tmp_path, ending):
+def test_nan_points_are_left_out_with_a_notice(tmp_path, ending):
     cloud = sample_cloud()
     cloud.points[7] = np.nan
     write(cloud, tmp_path / f"cloud{ending}")
-    assert len(read(tmp_path / f"cloud{ending}")) == len(cloud) - 1
+    with collected_notices() as notices:
+        assert len(read(tmp_path / f"cloud{ending}")) == len(cloud) - 1
+    assert [notice.code for notice in notices] == ["points-left-out"]
+    assert f"1 of {len(cloud)} points are not finite" in notices[0].text
 
 
 def test_ply_without_coordinates_is_rejected(tmp_path):
