@@ -1,4 +1,4 @@
-"""Pairs are matched ahead: in order, by any number of workers, and not twice."""
+"""Pairs are matched ahead: in order, with any number of workers, and only once."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.usefixtures("without_figures")
 FILES = ("map.npz", "cloud.ply", "objects.json", "trajectory.txt")
 
 
-def test_items_are_read_ahead_in_order_and_their_faults_come_out():
+def test_items_are_prefetched_in_order_and_exceptions_are_raised():
     def source():
         yield from range(5)
         raise OSError("the disk went away")
@@ -27,7 +27,7 @@ def test_items_are_read_ahead_in_order_and_their_faults_come_out():
     assert list(read_ahead([])) == []
 
 
-def test_no_more_is_read_than_asked_for():
+def test_no_more_items_are_read_than_requested():
     read = []
     pairs = read_ahead(read.append(i) or i for i in range(100))
     assert [next(pairs), next(pairs)] == [0, 1]
@@ -49,7 +49,7 @@ def same(one, other):
 
 
 @pytest.mark.data
-def test_two_workers_and_one_thread_leave_the_same_bytes(drive, tmp_path, monkeypatch):
+def test_number_of_workers_does_not_change_the_bytes(drive, tmp_path, monkeypatch):
     argv, run = drive
     assert main([*argv, "-j", "2", "-o", str(tmp_path / "two")]) == 0
     assert same(run, tmp_path / "two")
@@ -58,7 +58,7 @@ def test_two_workers_and_one_thread_leave_the_same_bytes(drive, tmp_path, monkey
     assert same(run, tmp_path / "one")
 
 
-def test_pairs_are_matched_side_by_side_as_far_as_memory_goes():
+def test_number_of_parallel_pairs_is_limited_by_memory():
     def pair(width, height):
         image = np.zeros((height, width), np.uint8)
         centre = {"cx_left_px": width / 2, "cx_right_px": width / 2, "cy_px": height / 2}
@@ -66,13 +66,13 @@ def test_pairs_are_matched_side_by_side_as_far_as_memory_goes():
         return StereoPair(left=image, right=image, rig=rig)
 
     assert ahead._num_at_once([pair(1226, 370)], 51) == 9
-    assert ahead._num_at_once([pair(1226, 370)], 1) == 1  # its rows are shared by the threads
+    assert ahead._num_at_once([pair(1226, 370)], 1) == 1  # its rows are split among the threads
     assert ahead._num_at_once([pair(4000, 3000)], 51) == 1
     assert ahead._num_at_once([], 0) == 1
 
 
 @pytest.mark.data
-def test_a_cut_run_goes_on_with_the_pair_it_was_cut_at(drive, tmp_path, monkeypatch):
+def test_interrupted_run_resumes_at_the_next_pair(drive, tmp_path, monkeypatch):
     argv, run = drive
     matched = []
 

@@ -1,4 +1,4 @@
-"""Figures drawn by other processes are those of the first; without them nothing is lost."""
+"""Figures drawn by helper processes are the same; without helpers nothing is lost."""
 
 import os
 import signal
@@ -35,7 +35,7 @@ def artist():
     others.close()
 
 
-def test_calls_are_done_and_their_errors_raised(artist, tmp_path):
+def test_calls_are_run_and_their_exceptions_raised(artist, tmp_path):
     path = tmp_path / "figure"
     for text in ("first", "second"):
         artist.draw(Path.write_text, path, text)
@@ -46,7 +46,7 @@ def test_calls_are_done_and_their_errors_raised(artist, tmp_path):
     assert (tmp_path / "renamed").read_text() == "second"
 
 
-def test_what_a_killed_process_owes_is_drawn_by_this_one(artist, tmp_path):
+def test_calls_of_a_killed_process_are_run_in_this_one(artist, tmp_path):
     artist.draw(os._exit, 1)
     artist._waiting.clear()
     for name in ("first", "second"):
@@ -55,16 +55,16 @@ def test_what_a_killed_process_owes_is_drawn_by_this_one(artist, tmp_path):
         assert (tmp_path / name).read_text() == "drawn"
 
 
-def test_a_command_alone_draws_the_same_figures(tmp_path, monkeypatch):
+def test_figures_drawn_by_a_helper_process_are_the_same(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
     drawn = []
 
-    class Noted(OtherProcesses):
+    class RecordedCalls(OtherProcesses):
         def draw(self, call, *arguments):
             drawn.append(arguments[-1])
             super().draw(call, *arguments)
 
-    monkeypatch.setattr("recon.runs.artist.OtherProcesses", Noted)
+    monkeypatch.setattr("recon.runs.artist.OtherProcesses", RecordedCalls)
     run = tmp_path / "run"
     argv = ["explore", "three_kinds", "-q", "--max-pairs", "1", "-o", str(run)]
     assert main([*argv, "--set", "eyes.width=96", "--set", "eyes.height=96"], is_alone=True) == 0
@@ -78,7 +78,7 @@ def test_a_command_alone_draws_the_same_figures(tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems cannot fork safely")
-def test_ctrl_c_is_for_the_first_process(tmp_path):
+def test_ctrl_c_is_handled_by_the_main_process_only(tmp_path):
     (tmp_path / "interrupted.py").write_text(INTERRUPTED)
     done = subprocess.run(
         [sys.executable, "interrupted.py"],
@@ -90,10 +90,10 @@ def test_ctrl_c_is_for_the_first_process(tmp_path):
         check=False,
     )
     assert done.returncode == -signal.SIGINT
-    assert done.stderr.count("Traceback") == 1  # of the first
+    assert done.stderr.count("Traceback") == 1  # of the main process
     assert (tmp_path / "second").read_text() == "drawn"
 
 
-def test_workers_are_forked_where_that_is_safe():
+def test_workers_are_forked_only_if_safe():
     way = start_drawing().get_start_method()
     assert way == ("forkserver" if sys.platform == "linux" else "spawn")

@@ -1,4 +1,4 @@
-"""A map made in chunks is the map, byte for byte, and every command works on it in partitions."""
+"""A map built in chunks is the same byte for byte, and every command reads its partitions."""
 
 import json
 
@@ -28,7 +28,7 @@ def files(folder):
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, without_figures):
-    """One run as a whole, two in chunks."""
+    """One run in one piece, and two in chunks."""
     folder = tmp_path_factory.mktemp("chunks")
     drive = render_drive(folder, 5)
     for name, given in {
@@ -41,7 +41,7 @@ def runs(tmp_path_factory, without_figures):
     return folder
 
 
-def test_any_chunking_leaves_the_same_bytes(runs):
+def test_any_chunk_size_gives_the_same_bytes(runs):
     assert files(runs / "twos" / "map.parquet") == files(runs / "threes" / "map.parquet")
     assert len(PartitionedMap(runs / "twos" / "map.parquet")) > 1
     for name in SHARED:
@@ -54,32 +54,32 @@ def test_any_chunking_leaves_the_same_bytes(runs):
     assert metrics[0] == metrics[1]
 
 
-def test_exported_as_a_whole_it_is_the_map_of_one_run(runs, tmp_path):
+def test_export_as_one_file_equals_the_map_of_one_run(runs, tmp_path):
     assert main(["export", str(runs / "twos"), str(tmp_path / "map.npz"), "-q"]) == 0
     assert (tmp_path / "map.npz").read_bytes() == (runs / "whole" / "map.npz").read_bytes()
 
 
 @pytest.mark.parametrize("ending", [".ply", ".parquet", ".csv", ".glb"])
-def test_exports_hold_the_same_cells_whether_they_stream_or_not(runs, ending, tmp_path, capsys):
+def test_streamed_exports_hold_the_same_cells(runs, ending, tmp_path, capsys):
     found = [
         call(capsys, "export", runs / run, tmp_path / f"{run}{ending}") for run in ("whole", "twos")
     ]
     assert found[0]["num_cells"] == found[1]["num_cells"] > 100
-    if ending != ".parquet":  # a group of rows for each partition
+    if ending != ".parquet":  # one row group per partition
         assert found[0]["bytes"] == found[1]["bytes"]
     if ending != ".glb":
         whole, streamed = (read(tmp_path / f"{run}{ending}") for run in ("whole", "twos"))
         assert sorted(map(tuple, whole.means)) == sorted(map(tuple, streamed.means))
 
 
-def test_a_box_of_it_is_the_box_of_the_whole(runs, tmp_path):
+def test_box_of_a_partitioned_map_is_that_of_the_whole(runs, tmp_path):
     box = ["--box", "-0.5,0.5,-1,0.5,1.5,1", "-q"]
     for run in ("whole", "twos"):
         assert main(["export", str(runs / run), str(tmp_path / f"{run}.npz"), *box]) == 0
     assert (tmp_path / "whole.npz").read_bytes() == (tmp_path / "twos.npz").read_bytes()
 
 
-def test_it_is_drawn_described_shown_and_recognised(runs, capsys):
+def test_partitioned_map_is_drawn_described_shown_and_recognised(runs, capsys):
     whole, twos = runs / "whole", runs / "twos"
     for run in (whole, twos):
         assert main(["figure", str(run), "--kind", "occupancy", "--data", "-q"]) == 0
@@ -91,11 +91,11 @@ def test_it_is_drawn_described_shown_and_recognised(runs, capsys):
     shown, own = (open_exhibit(run).layers["map"] for run in (twos, whole))
     assert (shown.places == own.places).all()
     assert open_exhibit(twos / "map.parquet").layers["map.parquet"].noun == "cells"
-    asked = [call(capsys, "recognise", one) for one in (whole, twos, twos / "map.parquet")]
-    assert asked[0] == asked[1] == asked[2]
+    results = [call(capsys, "recognise", one) for one in (whole, twos, twos / "map.parquet")]
+    assert results[0] == results[1] == results[2]
 
 
-def test_what_does_not_fit_is_drawn_coarser_and_that_is_said(runs, capsys, monkeypatch):
+def test_too_large_map_is_drawn_coarser_with_a_notice(runs, capsys, monkeypatch):
     monkeypatch.setattr(maps, "MAX_CELLS", 20)
     found = call(capsys, "recognise", runs / "twos")
     codes = [one["code"] for one in found["warnings"]]
@@ -103,7 +103,7 @@ def test_what_does_not_fit_is_drawn_coarser_and_that_is_said(runs, capsys, monke
     assert main(["figure", str(runs / "twos"), "--kind", "occupancy", "-q"]) == 0
 
 
-def test_a_run_that_was_cut_goes_on(runs, tmp_path, monkeypatch):
+def test_interrupted_run_is_resumed(runs, tmp_path, monkeypatch):
     drive, cut = runs / "drive", tmp_path / "cut"
     argv = ["reconstruct", str(drive), "-o", str(cut), "-q", *SETTINGS, "--chunk", "2"]
 

@@ -1,4 +1,4 @@
-"""Maps and clouds from files, through the command line: named, fitted, exported, described."""
+"""Maps and clouds from files, on the command line: named, fitted, exported, described."""
 
 import json
 
@@ -32,7 +32,7 @@ def ball(tmp_path):
     return path
 
 
-def test_a_ball_is_fitted(ball, capsys):
+def test_ball_is_fitted(ball, capsys):
     code, report = run_json(capsys, "fit", ball)
     assert code == 0
     assert report["shape"] == "sphere"
@@ -42,7 +42,7 @@ def test_a_ball_is_fitted(ball, capsys):
     assert {"shape", "rms", "bic"} == set(report["candidates"][0])
 
 
-def test_a_single_point_is_no_solid_in_one_line(tmp_path, capsys):
+def test_single_point_is_rejected_in_one_line(tmp_path, capsys):
     write(as_cloud(np.zeros((1, 3))), tmp_path / "dot.ply")
     assert main(["fit", str(tmp_path / "dot.ply")]) == 1
     error = capsys.readouterr().err
@@ -64,17 +64,17 @@ def test_export_keeps_the_points_inside_the_box(ball, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("box", ["1,2,3", "0,0,0,-1,1,1", "a,b,c,d,e,f"])
-def test_a_box_that_is_none_is_refused(ball, tmp_path, capsys, box):
+def test_invalid_box_is_rejected(ball, tmp_path, capsys, box):
     assert main(["export", str(ball), str(tmp_path / "x.pcd"), "--box", box]) == 2
     assert "--box" in capsys.readouterr().err
 
 
-def test_an_ending_nobody_knows_is_named(ball, tmp_path, capsys):
+def test_unknown_extension_is_named(ball, tmp_path, capsys):
     assert main(["export", str(ball), str(tmp_path / "ball.docx")]) == 2
     assert ".docx" in capsys.readouterr().err
 
 
-def test_a_tree_is_named_and_the_catalogue_is_the_users(tmp_path, capsys):
+def test_tree_is_named_by_the_catalogue_of_the_user(tmp_path, capsys):
     rng = np.random.default_rng(7)
     angle, height = rng.uniform(0, 2 * np.pi, 6000), rng.uniform(0, 8, 6000)
     trunk = np.column_stack([2 * np.cos(angle), height, 2 * np.sin(angle)])
@@ -97,7 +97,7 @@ def test_a_tree_is_named_and_the_catalogue_is_the_users(tmp_path, capsys):
     assert report["objects"][0]["label"] == "lollipop"
 
 
-def test_a_cylinder_bears_a_quarter_of_outliers_and_says_so(tmp_path, capsys):
+def test_cylinder_fit_reports_a_quarter_of_outliers(tmp_path, capsys):
     rng = np.random.default_rng(3)
     angle, height = rng.uniform(0, 2 * np.pi, 1540), rng.uniform(0, 8, 1540)
     rod = np.column_stack([2 * np.cos(angle), height, 2 * np.sin(angle)])
@@ -113,13 +113,13 @@ def test_a_cylinder_bears_a_quarter_of_outliers_and_says_so(tmp_path, capsys):
     assert [one["code"] for one in report["warnings"]] == ["points-unexplained"]
 
 
-def test_a_sound_fit_explains_all_and_warns_of_nothing(ball, capsys):
+def test_good_fit_explains_all_points_without_a_warning(ball, capsys):
     _, report = run_json(capsys, "fit", ball)
     assert 0.98 < report["explained"] <= 1.0
     assert report["warnings"] == []
 
 
-def test_an_empty_box_is_said(ball, tmp_path, capsys):
+def test_empty_box_is_reported(ball, tmp_path, capsys):
     code, report = run_json(
         capsys, "export", ball, tmp_path / "none.ply", "--box", "50,50,50,51,51,51"
     )
@@ -139,9 +139,9 @@ def test_an_empty_box_is_said(ball, tmp_path, capsys):
         ("a.ply", "b.ply", ["--up", "z"], lambda p: p[:, [0, 2, 1]] * [1, -1, 1], []),
     ],
 )
-def test_the_axis_that_is_up_is_chosen(tmp_path, capsys, source, target, up, turn, codes):
+def test_up_axis_can_be_chosen(tmp_path, capsys, source, target, up, turn, codes):
     points = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    # The files hold the points as they are, whatever is up.
+    # Files hold the points in their own axes, whatever is up.
     write(PointCloud(points=points), tmp_path / source, up="y" if source == "a.ply" else None)
     if source == "a.las":
         write(PointCloud(points=points), tmp_path / source, up="y")
@@ -149,18 +149,18 @@ def test_the_axis_that_is_up_is_chosen(tmp_path, capsys, source, target, up, tur
     code, report = run_json(capsys, "export", tmp_path / source, tmp_path / target, *up, *box)
     assert code == 0
     assert [one["code"] for one in report["warnings"]] == codes
-    assert np.allclose(in_file(tmp_path / target), turn(points)[:1])
+    assert np.allclose(in_file_axes(tmp_path / target), turn(points)[:1])
 
 
-def in_file(path):
-    """Places as the file has them."""
+def in_file_axes(path):
+    """Read coordinates in the axes of the file."""
     if path.suffix == ".ply":
         return read(path).points
     laspy = pytest.importorskip("laspy")
     return laspy.read(path).xyz
 
 
-def test_a_mesh_stays_a_mesh_and_becomes_points_where_asked(tmp_path, capsys):
+def test_mesh_stays_a_mesh_unless_points_are_requested(tmp_path, capsys):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     code, report = run_json(capsys, "export", tmp_path / "a.obj", tmp_path / "b.ply")
     assert (code, report["num_triangles"]) == (0, 1)
@@ -172,7 +172,7 @@ def test_a_mesh_stays_a_mesh_and_becomes_points_where_asked(tmp_path, capsys):
     assert (code, report["num_points"]) == (0, 50)
 
 
-def test_columns_are_named_by_the_user(tmp_path, capsys):
+def test_columns_can_be_named_by_the_user(tmp_path, capsys):
     (tmp_path / "a.txt").write_text("1 2 3 4\n5 6 7 8\n")
     code, _ = run_json(
         capsys, "export", tmp_path / "a.txt", tmp_path / "b.ply", "--columns", "time,x,y,z"
@@ -182,7 +182,7 @@ def test_columns_are_named_by_the_user(tmp_path, capsys):
     assert read(tmp_path / "b.ply").attributes["time"].tolist() == [1, 5]
 
 
-def test_memory_is_bounded_by_the_user(ball, tmp_path, capsys):
+def test_memory_can_be_limited_by_the_user(ball, tmp_path, capsys):
     argv = ["export", str(ball), str(tmp_path / "b.ply"), "--max-memory"]
     assert main([*argv, "1kB"]) == 2
     assert "give --max-memory" in capsys.readouterr().err

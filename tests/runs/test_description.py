@@ -1,4 +1,4 @@
-"""`recon info`: a few facts of anything that recon reads or writes."""
+"""`recon info`: the basic facts about anything that recon reads or writes."""
 
 import json
 
@@ -26,7 +26,7 @@ def info(capsys, path):
 @pytest.mark.parametrize(
     "ending", [".ply", ".pcd", ".las", ".npz", ".npy", ".csv", ".xyz", ".parquet"]
 )
-def test_a_cloud_in_any_format(tmp_path, capsys, ending):
+def test_cloud_in_any_format_is_described(tmp_path, capsys, ending):
     attributes = {"label": np.array([1, 2, 3], np.uint8)}
     write(PointCloud(points=POINTS, attributes=attributes), tmp_path / f"cloud{ending}")
     facts = info(capsys, tmp_path / f"cloud{ending}")
@@ -36,7 +36,7 @@ def test_a_cloud_in_any_format(tmp_path, capsys, ending):
 
 
 @pytest.mark.parametrize("ending", [".ply", ".obj", ".stl", ".off", ".glb"])
-def test_a_mesh_in_any_format(tmp_path, capsys, ending):
+def test_mesh_in_any_format_is_described(tmp_path, capsys, ending):
     mesh = Mesh(vertices=np.eye(3), triangles=np.array([[0, 1, 2]], np.int32))
     write(mesh, tmp_path / f"mesh{ending}")
     facts = info(capsys, tmp_path / f"mesh{ending}")
@@ -45,7 +45,7 @@ def test_a_mesh_in_any_format(tmp_path, capsys, ending):
 
 
 @pytest.mark.parametrize("ending", [".npz", ".vti", ".bt", ".zarr", ".yaml", ".pgm"])
-def test_a_map_in_any_format(tmp_path, capsys, ending):
+def test_map_in_any_format_is_described(tmp_path, capsys, ending):
     voxel_map = VoxelMap(0.5)
     voxel_map.insert(PointCloud(points=POINTS))
     write(voxel_map, tmp_path / f"map{ending}")
@@ -75,14 +75,14 @@ def test_a_map_in_any_format(tmp_path, capsys, ending):
          {"kind": "objects", "num_objects": 0, "failures": {"small": 2}}),
     ],
 )  # fmt: skip
-def test_text_is_told_by_what_it_says(tmp_path, capsys, name, content, expected):
+def test_text_files_are_identified_by_their_content(tmp_path, capsys, name, content, expected):
     (tmp_path / name).write_text(content)
     facts = info(capsys, tmp_path / name)
     assert expected.items() <= facts.items()
     assert facts["warnings"] == []
 
 
-def test_images_disparities_and_matches(tmp_path, capsys):
+def test_images_disparities_and_matches_are_described(tmp_path, capsys):
     image = np.arange(12, dtype=np.uint16).reshape(3, 4)
     cv2.imwrite(str(tmp_path / "a.png"), image)
     facts = info(capsys, tmp_path / "a.png")
@@ -96,7 +96,7 @@ def test_images_disparities_and_matches(tmp_path, capsys):
     assert facts["disparity_px"] == {"lowest": 1.0, "median": 2.0, "highest": 3.0}
 
 
-def test_people_get_tables(tmp_path, capsys):
+def test_human_readable_output_is_a_table(tmp_path, capsys):
     one = {
         "id": 0, "label": "pine", "probability": 0.5, "centre": [1.0, 2.0, 3.0],
         "size": [1.0, 1.0, 1.0], "num_voxels": 7, "views": 1, "parts": [],
@@ -122,7 +122,7 @@ def test_people_get_tables(tmp_path, capsys):
         ("a.unknown", b""), ("a.npz", b""),
     ],
 )  # fmt: skip
-def test_damaged_documents_are_one_line(tmp_path, capsys, name, content):
+def test_damaged_documents_are_reported_in_one_line(tmp_path, capsys, name, content):
     (tmp_path / name).write_bytes(content)
     assert main(["info", str(tmp_path / name)]) in (1, 2)
     captured = capsys.readouterr()
@@ -131,7 +131,7 @@ def test_damaged_documents_are_one_line(tmp_path, capsys, name, content):
     assert name in captured.err
 
 
-def test_a_folder_with_a_bag_tells_its_topics_and_its_format(tmp_path):
+def test_topics_and_format_of_a_bag_are_described(tmp_path):
     write_ros1(tmp_path / "drive")
     facts = describe(tmp_path / "drive")
     assert facts["format"] == "bag"
@@ -140,7 +140,7 @@ def test_a_folder_with_a_bag_tells_its_topics_and_its_format(tmp_path):
     assert describe(tmp_path / "plain")["format"] == "folder"
 
 
-def test_what_is_wrong_with_a_calibration_is_said_of_it(tmp_path, capsys):
+def test_error_in_a_calibration_is_reported(tmp_path, capsys):
     path = tmp_path / "calib.txt"
     path.write_text(middlebury_keys().replace("ndisp=16", "ndisp=-5"))
     assert main(["info", str(path)]) == 2

@@ -1,4 +1,4 @@
-"""Matchers judged side by side through the command line."""
+"""Matchers compared on the command line."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ ROWS = slice(150, 350)
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
-    """The middle rows of the pair: enough to judge matchers by, in less than half the time."""
+    """The middle rows of the pair, which suffice to compare matchers in less than half the time."""
     folder = tmp_path_factory.mktemp("rows") / "motorcycle"
     folder.mkdir()
     for side in ("left.png", "right.png"):
@@ -28,7 +28,7 @@ def rows(tmp_path_factory):
     return folder
 
 
-def test_two_matchers_side_by_side(rows, tmp_path, capsys):
+def test_two_matchers_are_compared(rows, tmp_path, capsys):
     out = tmp_path / "evaluation"
     argv = ["evaluate", str(rows), "--matcher", "phase", "--matcher", "sgbm", "--quality", "fast"]
     assert main([*argv, "--keep", "3000", "-o", str(out), "--json"]) == 0
@@ -42,7 +42,7 @@ def test_two_matchers_side_by_side(rows, tmp_path, capsys):
     assert "motorcycle_sgbm_tuning.png" in figures
 
 
-def test_the_table_has_a_line_a_pair(rows, capsys):
+def test_table_has_one_line_per_pair(rows, capsys):
     assert main(["evaluate", str(rows), "--quality", "fast"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2
@@ -50,20 +50,20 @@ def test_the_table_has_a_line_a_pair(rows, capsys):
     assert lines[1].split()[:2] == ["motorcycle", "phase"]
 
 
-def test_a_pair_without_truth_is_one_line(tmp_path, capsys):
+def test_pair_without_truth_is_rejected_in_one_line(tmp_path, capsys):
     assert main(["evaluate", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "disp_left" in error
 
 
-def test_pairs_of_one_name_are_refused(capsys):
+def test_pairs_of_the_same_name_are_rejected(capsys):
     assert main(["evaluate", str(PAIR), str(PAIR)]) == 2
     assert "named motorcycle" in capsys.readouterr().err
 
 
-def test_a_range_that_was_given_wins_over_that_of_the_pair(rows, capsys):
-    """The pair states 0 to 70, and holds disparities from 6 to 59."""
+def test_given_search_range_overrides_that_of_the_pair(rows, capsys):
+    """The pair states a range of 0 to 70, but its disparities are 6 to 59."""
     argv = ["evaluate", str(rows), "--matcher", "sgbm", "--quality", "fast", "--json"]
     assert main([*argv, "--set", "matching.max_disparity=20"]) == 0
     said = capsys.readouterr()
@@ -76,7 +76,7 @@ def test_a_range_that_was_given_wins_over_that_of_the_pair(rows, capsys):
     assert narrow["num_matches"] < 0.9 * wide["num_matches"]
 
 
-def test_a_trained_model_is_used(rows, tmp_path, capsys):
+def test_trained_model_is_used(rows, tmp_path, capsys):
     model = tmp_path / "model.json"
     assert main(["train", str(rows), "-o", str(model), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["num_pairs"] == 1

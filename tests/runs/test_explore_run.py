@@ -1,4 +1,4 @@
-"""An exploration through the command line: what it leaves, and that it leaves the same twice."""
+"""An exploration on the command line: its files, and their reproducibility."""
 
 import json
 import shutil
@@ -35,7 +35,7 @@ def explore(folder, *flags, scene="three_apples"):
 
 
 def comparable(folder):
-    """Every file but the manifest, and the metrics without their seconds."""
+    """Read every file but the manifest, and the metrics without their seconds."""
     found = {}
     for path in sorted(folder.rglob("*")):
         if path.is_file() and path.name not in ("manifest.json", "metrics.json"):
@@ -45,14 +45,14 @@ def comparable(folder):
     return found | {"metrics.json": metrics}
 
 
-def undrawn(folder):
-    """What is comparable, without figures."""
+def comparable_without_figures(folder):
+    """Read all comparable files but the figures."""
     return {name: held for name, held in comparable(folder).items() if "figures/" not in name}
 
 
 @pytest.fixture
 def without_figures(monkeypatch):
-    """Runs that draw no figures, which take most of their time."""
+    """Draw no figures in runs: they take most of the time."""
     monkeypatch.setattr(explore_module, "draw_run_figures", lambda *drawn: None)
 
 
@@ -63,20 +63,20 @@ def run(tmp_path_factory):
     return folder
 
 
-def test_the_run_folder_holds_what_the_contract_promises(run):
+def test_run_folder_contains_the_documented_files(run):
     files = {p.relative_to(run).as_posix() for p in run.rglob("*") if p.is_file()}
     assert files == FILES
     assert json.loads((run / "manifest.json").read_text())["state"] == "finished"
 
 
-def test_every_object_is_described(run):
+def test_every_object_is_fully_described(run):
     objects = json.loads((run / "objects.json").read_text())["objects"]
     assert objects
     for found in objects:
         assert_described(found)
 
 
-def test_the_files_agree_with_each_other(run):
+def test_files_of_a_run_are_consistent(run):
     metrics = json.loads((run / "metrics.json").read_text())
     trajectory = np.loadtxt(run / "trajectory.txt")
     clouds = list(read_cloud_chunks(run / "cloud.ply"))
@@ -89,13 +89,13 @@ def test_the_files_agree_with_each_other(run):
     np.testing.assert_allclose(trajectory[:, 2], 5.0, atol=1e-8)
 
 
-def test_the_same_command_gives_the_same_bytes(run, tmp_path):
+def test_same_command_gives_the_same_bytes(run, tmp_path):
     assert explore(tmp_path / "again") == 0
     assert comparable(tmp_path / "again") == comparable(run)
 
 
-def explore_cut(folder, monkeypatch, *flags, num_taken=2):
-    """An exploration that Ctrl-C ends after some pairs."""
+def interrupted_exploration(folder, monkeypatch, *flags, num_taken=2):
+    """Run an exploration that is interrupted after some pairs."""
     take = explore_module.Recorder.take
 
     def cut_short(self, view):
@@ -109,28 +109,28 @@ def explore_cut(folder, monkeypatch, *flags, num_taken=2):
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_a_cut_run_is_resumed_to_the_same_bytes(run, tmp_path, monkeypatch):
+def test_resumed_run_gives_the_same_bytes(run, tmp_path, monkeypatch):
     folder = tmp_path / "cut"
-    explore_cut(folder, monkeypatch)
+    interrupted_exploration(folder, monkeypatch)
     assert json.loads((folder / "manifest.json").read_text())["state"] == "interrupted"
     assert json.loads((folder / "metrics.json").read_text())["stop_reason"] == "interrupted"
     assert explore(folder, "--resume") == 0
-    assert undrawn(folder) == undrawn(run)
+    assert comparable_without_figures(folder) == comparable_without_figures(run)
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_a_cut_run_with_motion_errors_is_resumed_to_the_same_bytes(tmp_path, monkeypatch):
+def test_resumed_run_with_motion_errors_gives_the_same_bytes(tmp_path, monkeypatch):
     slip = ("--set", "motion.position_noise=0.1", "--set", "motion.heading_noise_deg=1")
     whole, folder = tmp_path / "whole", tmp_path / "cut"
     assert explore(whole, *slip) == 0
-    explore_cut(folder, monkeypatch, *slip, num_taken=4)
+    interrupted_exploration(folder, monkeypatch, *slip, num_taken=4)
     assert explore(folder, *slip, "--resume") == 0
-    assert undrawn(folder) == undrawn(whole)
+    assert comparable_without_figures(folder) == comparable_without_figures(whole)
     believed, true = (np.loadtxt(whole / f"trajectory{end}.txt") for end in ("", "_true"))
     assert 0.0 < np.abs(believed - true).max() < 2.0
 
 
-def test_a_finished_run_is_left_alone(run):
+def test_finished_run_is_left_unchanged(run):
     before = (run / "manifest.json").stat().st_mtime_ns
     assert explore(run, "--resume") == 0
     assert (run / "manifest.json").stat().st_mtime_ns == before
@@ -138,7 +138,7 @@ def test_a_finished_run_is_left_alone(run):
     assert explore(run, "--resume", "--seed", "1") == 2
 
 
-def test_json_is_the_metrics_with_run_and_objects(run, capsys):
+def test_json_output_is_metrics_with_run_and_objects(run, capsys):
     scene = str(SCENES / "three_apples.scene")
     code = main(["explore", scene, "-o", str(run), "--resume", "--max-pairs", str(PAIRS), "--json"])
     report = json.loads(capsys.readouterr().out)
@@ -147,7 +147,7 @@ def test_json_is_the_metrics_with_run_and_objects(run, capsys):
     assert {"num_pairs", "coverage", "curve", "seconds", "objects", "path_bound"} <= set(report)
 
 
-def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
+def test_figures_are_redrawn_at_the_requested_size(run, capsys):
     assert main(["figure", str(run), "--kind", "occupancy", "--size", "320x300", "--json"]) == 0
     (path,) = json.loads(capsys.readouterr().out)["figures"]
     header = Path(path).read_bytes()[16:24]
@@ -158,7 +158,7 @@ def test_figures_are_drawn_again_at_the_size_asked(run, capsys):
     assert main(["figure", str(run), "--size", "bigxbig"]) == 2
 
 
-def test_names_of_files_carry_the_view_and_the_format(run, capsys):
+def test_file_names_include_view_and_format(run, capsys):
     before = (run / "figures" / "map3d.png").read_bytes()
     argv = ["figure", str(run), "--kind", "map3d", "--size", "300x240", "--json"]
     for more, name in (
@@ -173,7 +173,7 @@ def test_names_of_files_carry_the_view_and_the_format(run, capsys):
     assert (run / "figures" / "map3d.png").read_bytes() == before
 
 
-def test_dots_per_inch_keep_the_size_on_paper(run, capsys):
+def test_dots_per_inch_keep_the_printed_size(run, capsys):
     argv = ["figure", str(run), "--kind", "occupancy", "--dpi", "50", "--json"]
     assert main(argv) == 0
     (path,) = json.loads(capsys.readouterr().out)["figures"]
@@ -183,7 +183,7 @@ def test_dots_per_inch_keep_the_size_on_paper(run, capsys):
     assert 0.4 * 430 <= height <= 430
 
 
-def test_labels_are_also_maps_for_others(run, capsys):
+def test_labels_are_exported_to_map_formats(run, capsys):
     assert main(["figure", str(run), "--kind", "labels", "--data", "--json"]) == 0
     written = {Path(path).name for path in json.loads(capsys.readouterr().out)["figures"]}
     assert written == {
@@ -199,7 +199,7 @@ def test_labels_are_also_maps_for_others(run, capsys):
         np.testing.assert_allclose(label["position"], [x, -z], atol=1e-5)
 
 
-def test_a_damaged_table_of_arrays_is_one_line(run, capsys, tmp_path):
+def test_damaged_npz_is_reported_in_one_line(run, capsys, tmp_path):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
     (copy / "figures" / "disparity.npz").write_bytes(b"PK nothing")
@@ -207,7 +207,7 @@ def test_a_damaged_table_of_arrays_is_one_line(run, capsys, tmp_path):
     assert "cannot be read" in capsys.readouterr().err
 
 
-def test_every_figure_is_also_data(run, capsys):
+def test_every_figure_is_available_as_data(run, capsys):
     assert main(["figure", str(run), "--data", "--json"]) == 0
     paths = [Path(path) for path in json.loads(capsys.readouterr().out)["figures"]]
     data = {path.stem: np.load(path, allow_pickle=False) for path in paths if path.suffix == ".npz"}
@@ -221,7 +221,7 @@ def test_every_figure_is_also_data(run, capsys):
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_sigma_is_drawn_where_the_map_keeps_weights(tmp_path):
+def test_sigma_is_drawn_if_the_map_keeps_weights(tmp_path):
     folder = tmp_path / "weighed"
     assert explore(folder, "--set", 'map.occupancy=["count", "weight"]') == 0
     assert main(["figure", str(folder), "--kind", "sigma", "--data", "-q"]) == 0
@@ -229,7 +229,7 @@ def test_sigma_is_drawn_where_the_map_keeps_weights(tmp_path):
     assert 0 < np.median(sigma) < 1
 
 
-def test_info_knows_runs_maps_clouds_scenes_and_images(run, capsys):
+def test_info_describes_runs_maps_clouds_scenes_and_images(run, capsys):
     for name, kind in {
         ".": "run", "map.npz": "map", "cloud.ply": "cloud", "figures/map3d.png": "image",
     }.items():  # fmt: skip
@@ -249,7 +249,9 @@ def test_info_knows_runs_maps_clouds_scenes_and_images(run, capsys):
         ("# Radius\n4\n", "", "line"),
     ],
 )
-def test_a_broken_scene_is_one_line_and_no_folder(tmp_path, capsys, old, new, message):
+def test_broken_scene_is_reported_in_one_line_and_leaves_no_folder(
+    tmp_path, capsys, old, new, message
+):
     text = (SCENES / "village.scene").read_text()
     assert old in text
     broken = tmp_path / "broken.scene"
@@ -262,7 +264,7 @@ def test_a_broken_scene_is_one_line_and_no_folder(tmp_path, capsys, old, new, me
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_progress_counts_the_floor_that_is_known(tmp_path):
+def test_progress_is_the_known_share_of_the_floor(tmp_path):
     progress = []
     events = Events(on_progress=lambda *now: progress.append(now))
     two = updated(Settings(), {"exploration": {"max_pairs": 2}})

@@ -1,4 +1,4 @@
-"""Figures of runs without a map are drawn again from what the run kept."""
+"""Figures of runs without a map are redrawn from the saved results."""
 
 import json
 from pathlib import Path
@@ -19,7 +19,7 @@ def run(tmp_path_factory):
     return folder
 
 
-def test_a_pairs_figures_are_drawn_again(run, capsys):
+def test_figures_of_a_pair_are_redrawn(run, capsys):
     before = (run / "figures" / "disparity.png").read_bytes()
     (run / "figures" / "disparity.png").unlink()
     assert main(["figure", str(run), "--json"]) == 0
@@ -29,14 +29,14 @@ def test_a_pairs_figures_are_drawn_again(run, capsys):
     assert (run / "figures" / "disparity.png").read_bytes() == before
 
 
-def test_what_a_run_does_not_tell_is_one_line(run, capsys):
+def test_missing_content_of_a_run_is_reported_in_one_line(run, capsys):
     lacks = {"map3d": "no map.npz", "errors": "has no data", "overview": "has no data"}
     for kind, said in lacks.items():
         assert main(["figure", str(run), "--kind", kind]) == 2
         assert said in capsys.readouterr().err
 
 
-def test_arrays_that_lack_something_are_one_line(run, capsys):
+def test_incomplete_arrays_are_reported_in_one_line(run, capsys):
     np.savez(run / "figures" / "other_errors.npz", kind=np.array("errors"), left=np.zeros((4, 5)))
     assert main(["figure", str(run), "--kind", "errors"]) == 2
     assert "points_px" in capsys.readouterr().err

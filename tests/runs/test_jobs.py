@@ -1,4 +1,4 @@
-"""Jobs: what makes one what it is, what it tells while it runs, and what is left of it."""
+"""Jobs: identity, events while running, and results."""
 
 import ast
 import hashlib
@@ -24,7 +24,7 @@ FAST = recon.Settings.of(quality="fast", keep=500)
 
 @pytest.fixture(scope="module")
 def small_pair(tmp_path_factory):
-    """A part of the Motorcycle pair with its truth."""
+    """A crop of the Motorcycle pair with its truth."""
     folder = tmp_path_factory.mktemp("pairs") / "small"
     folder.mkdir()
     part = np.s_[150:270, 250:490]
@@ -51,13 +51,13 @@ def matching(**changes):
         {"seed": 1},
     ],
 )
-def test_everything_that_decides_is_part_of_the_identity(changes):
+def test_identity_covers_everything_that_affects_the_result(changes):
     same, other = matching().identity(), matching(**changes).identity()
     assert same == matching().identity()
     assert same != other
 
 
-def test_the_content_of_a_catalogue_or_model_is_part_of_the_identity(tmp_path):
+def test_identity_covers_the_content_of_catalogue_and_model(tmp_path):
     catalogue = tmp_path / "kinds.toml"
     catalogue.write_text("a = 1")
     job = matching(settings=recon.Settings.of(catalogue=str(catalogue)))
@@ -67,14 +67,14 @@ def test_the_content_of_a_catalogue_or_model_is_part_of_the_identity(tmp_path):
 
 
 @pytest.mark.parametrize("kind", KINDS.names())
-def test_a_job_travels(kind):
+def test_job_survives_pickling(kind):
     job = recon.Job(kind=kind, inputs=("a",), settings=FAST, seed=3)
     again = pickle.loads(pickle.dumps(job))
     assert again == job
     assert again.settings.matching.searching((3, 9)).max_disparity == 9
 
 
-def test_stages_add_up_and_are_told_with_steps_and_progress(tmp_path):
+def test_stages_steps_and_progress_are_reported_and_add_up(tmp_path):
     stages, steps, progress = [], [], []
     events = recon.Events(
         on_stage=stages.append, on_step=steps.append, on_progress=lambda *now: progress.append(now)
@@ -93,7 +93,7 @@ def test_stages_add_up_and_are_told_with_steps_and_progress(tmp_path):
     json.dumps(report.as_json(), allow_nan=False)
 
 
-def test_a_cancelled_job_ends_and_says_so(tmp_path):
+def test_cancelled_job_ends_as_interrupted(tmp_path):
     job = recon.Job(kind="reconstruct", inputs=(PAIR,), settings=FAST)
     with pytest.raises(recon.Cancelled):
         recon.execute(job, tmp_path / "run", recon.Events(is_cancelled=lambda: True))
@@ -101,7 +101,7 @@ def test_a_cancelled_job_ends_and_says_so(tmp_path):
     assert manifest["state"] == "interrupted"
 
 
-def test_a_finished_evaluation_is_not_done_again(small_pair, tmp_path, capsys, monkeypatch):
+def test_finished_evaluation_is_not_recomputed(small_pair, tmp_path, capsys, monkeypatch):
     argv = ["evaluate", str(small_pair), "--quality", "fast", "--keep", "500", "--json"]
     argv += ["-o", str(tmp_path / "run"), "--resume"]
     assert main(argv) == 0
@@ -112,7 +112,7 @@ def test_a_finished_evaluation_is_not_done_again(small_pair, tmp_path, capsys, m
 
 
 @pytest.mark.parametrize("other", [["--matcher", "sgbm"], ["--truth-scale", "2"], ["--seed", "4"]])
-def test_another_evaluation_is_not_taken_for_the_same(small_pair, tmp_path, capsys, other):
+def test_resuming_a_different_evaluation_is_rejected(small_pair, tmp_path, capsys, other):
     argv = ["evaluate", str(small_pair), "--quality", "fast", "--keep", "500", "-q"]
     argv += ["-o", str(tmp_path / "run"), "--resume"]
     assert main(argv) == 0
@@ -120,14 +120,14 @@ def test_another_evaluation_is_not_taken_for_the_same(small_pair, tmp_path, caps
     assert "was made with different" in capsys.readouterr().err
 
 
-def test_another_number_of_worlds_is_not_taken_for_the_same(tmp_path):
+def test_identity_covers_the_number_of_worlds(tmp_path):
     def worlds(number):
         return recon.Job(kind="worlds", arguments={"worlds": number}).plan()
 
     assert worlds(1).identity() != worlds(2).identity()
 
 
-def test_digests_are_those_that_sha256sum_prints(tmp_path):
+def test_digests_match_sha256sum(tmp_path):
     recon.execute(matching(), tmp_path / "run")
     manifest = json.loads((tmp_path / "run" / "manifest.json").read_text())
     for name, digest in manifest["outputs"].items():
@@ -137,14 +137,14 @@ def test_digests_are_those_that_sha256sum_prints(tmp_path):
     )
 
 
-def test_what_is_noticed_is_one_line_and_an_entry(tmp_path, capsys, monkeypatch):
+def test_notice_is_one_line_and_one_entry(tmp_path, capsys, monkeypatch):
     measure = disparity.measure
 
-    def noticing(*given):
+    def measure_with_notice(*given):
         notify("rows-differ", "rows differ by 2 pixels")
         return measure(*given)
 
-    monkeypatch.setattr(disparity, "measure", noticing)
+    monkeypatch.setattr(disparity, "measure", measure_with_notice)
     argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png"), "--quality", "fast"]
     argv += ["--max-disparity", "70", "--json", "-o", str(tmp_path / "run")]
     assert main(argv) == 0
@@ -155,7 +155,7 @@ def test_what_is_noticed_is_one_line_and_an_entry(tmp_path, capsys, monkeypatch)
     assert said.err.count("rows differ") == 1
 
 
-def test_one_pair_is_not_some_pairs():
+def test_counts_use_singular_and_plural():
     assert [counted(number, "pair") for number in (0, 1, 2)] == ["0 pairs", "1 pair", "2 pairs"]
 
 
@@ -168,12 +168,12 @@ def test_one_pair_is_not_some_pairs():
         ({"truth_scale": float("nan")}, "truth_scale is nan"),
     ],
 )
-def test_arguments_that_a_kind_does_not_take_are_named(arguments, message):
+def test_invalid_arguments_of_a_kind_are_named(arguments, message):
     with pytest.raises(recon.InputError, match=message):
         recon.Job(kind="evaluate", inputs=PAIR, arguments=arguments).resolved()
 
 
-def test_arguments_come_as_the_kind_takes_them():
+def test_arguments_are_converted_for_their_kind():
     job = recon.Job(kind="evaluate", inputs=str(PAIR), arguments={"matchers": "sgbm"}).resolved()
     assert job.inputs == (PAIR,)
     assert job.arguments == {"matchers": ("sgbm",)}
@@ -189,13 +189,13 @@ def test_arguments_come_as_the_kind_takes_them():
         ("worlds", ("a",), "worlds has 1 inputs, but 0 are needed"),
     ],
 )
-def test_number_of_inputs_is_that_of_the_kind(kind, inputs, message):
+def test_wrong_number_of_inputs_is_rejected(kind, inputs, message):
     with pytest.raises(recon.InputError, match=message):
         recon.Job(kind=kind, inputs=inputs).resolved()
 
 
-def asked(source):
-    """Names of the arguments that a source takes out of its job."""
+def requested_arguments(source):
+    """Find the names of the arguments that a source reads from its job."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         match node:
@@ -210,10 +210,15 @@ def asked(source):
 
 
 @pytest.mark.parametrize("kind", KINDS.names())
-def test_a_kind_takes_what_it_asks_for(kind):
+def test_kind_declares_the_arguments_it_uses(kind):
     loaded = KINDS.load(kind)
-    assert asked(inspect.getsource(inspect.getmodule(loaded.run))) <= set(loaded.takes)
+    assert requested_arguments(inspect.getsource(inspect.getmodule(loaded.run))) <= set(
+        loaded.takes
+    )
 
 
-def test_what_is_asked_for_is_seen():
-    assert asked("job.arguments.get('a', 1), job.arguments['b'], other.get('c')") == {"a", "b"}
+def test_use_of_arguments_is_detected():
+    assert requested_arguments("job.arguments.get('a', 1), job.arguments['b'], other.get('c')") == {
+        "a",
+        "b",
+    }

@@ -1,4 +1,4 @@
-"""`recon localise`: pairs of a drive come back to its map, others are nowhere."""
+"""`recon localise`: pairs of a drive are located in its map, others are not."""
 
 import json
 import shutil
@@ -36,7 +36,7 @@ def answers(capsys, run, pairs):
     return json.loads(capsys.readouterr().out)
 
 
-def test_pairs_of_a_drive_are_found_in_its_map(drive, run, capsys):
+def test_pairs_of_a_drive_are_located_in_its_map(drive, run, capsys):
     said = answers(capsys, run, drive)
     true = np.loadtxt(run / "trajectory.txt")[:, 1:4]
     found = [one["T_world_left"] for one in said["poses"]]
@@ -47,7 +47,7 @@ def test_pairs_of_a_drive_are_found_in_its_map(drive, run, capsys):
             assert np.linalg.norm(np.array(T_world_left)[:3, 3] - place) < 0.05
 
 
-def test_pairs_of_elsewhere_are_nowhere(drive, run, capsys, tmp_path):
+def test_pairs_of_another_place_are_not_located(drive, run, capsys, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     for path in (drive / side / f"{name}.png" for side in ("left", "right") for name in SOME):
         copy = elsewhere / path.relative_to(drive)
@@ -59,6 +59,6 @@ def test_pairs_of_elsewhere_are_nowhere(drive, run, capsys, tmp_path):
     assert all(one["T_world_left"] is None and one["reason"] for one in said["poses"])
 
 
-def test_what_is_no_run_is_said(drive, tmp_path, capsys):
+def test_folder_that_is_not_a_run_is_rejected(drive, tmp_path, capsys):
     assert main(["localise", str(tmp_path), str(drive)]) != 0
     assert "map.npz" in capsys.readouterr().err

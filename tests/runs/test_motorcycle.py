@@ -1,4 +1,4 @@
-"""The golden real pair, through the command line: images in, numbers within their bands."""
+"""The golden real pair on the command line: results are within their bounds."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 
 @pytest.fixture(scope="module")
 def expected():
-    """The bands, with the command that made them."""
+    """The bounds, with the command that produced them."""
     return json.loads((PAIR / "expected.json").read_text())
 
 
@@ -25,7 +25,7 @@ def assert_within(document, bands):
         assert low <= document[name] <= high, f"{name} is {document[name]}"
 
 
-def test_disparity_is_right(expected, tmp_path, capsys):
+def test_disparity_is_within_its_bounds(expected, tmp_path, capsys):
     argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png")]
     argv += ["--calib", str(PAIR / "calib.txt"), "--truth", str(PAIR / "disp_left.pfm")]
     assert main([*argv, "-o", str(tmp_path / "out"), "--json"]) == 0
@@ -37,7 +37,7 @@ def test_disparity_is_right(expected, tmp_path, capsys):
         assert len(np.unique(saved["points_px"], axis=0)) == report["num_matches"]
 
 
-def test_a_dense_disparity_is_left_where_it_is_wanted(tmp_path, capsys):
+def test_dense_disparity_is_written_on_request(tmp_path, capsys):
     argv = ["disparity", str(PAIR / "left.png"), str(PAIR / "right.png"), "--quality", "fast"]
     argv += ["--max-disparity", "70", "--truth", str(PAIR / "disp_left.pfm"), "--json"]
     assert main([*argv, "-o", str(tmp_path / "out"), "--dense"]) == 0
@@ -56,13 +56,13 @@ def test_a_dense_disparity_is_left_where_it_is_wanted(tmp_path, capsys):
     assert not (tmp_path / "sparse" / "dense.pfm").exists()
 
 
-def test_the_wrong_way_round_is_wrong(tmp_path, capsys):
+def test_swapped_images_give_wrong_disparities(tmp_path, capsys):
     argv = ["disparity", str(PAIR / "right.png"), str(PAIR / "left.png"), "--max-disparity", "70"]
     assert main([*argv, "--truth", str(PAIR / "disp_left.pfm"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["success_all"] < 30
 
 
-def test_the_pair_is_rebuilt(expected, tmp_path, capsys):
+def test_pair_is_reconstructed(expected, tmp_path, capsys):
     run = tmp_path / "run"
     assert main(["reconstruct", str(PAIR), "-o", str(run), "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
@@ -70,20 +70,20 @@ def test_the_pair_is_rebuilt(expected, tmp_path, capsys):
     for found in json.loads((run / "objects.json").read_text())["objects"]:
         assert_described(found)
     (cloud, _), *_ = read_cloud_chunks(run / "cloud.ply")
-    # The eye looks along -z of a world whose y is up, and the floor is grey.
+    # The camera looks along -z in a world whose y is up, and the floor is grey.
     assert np.median(cloud.points[:, 2]) < -2
     low = cloud.colours[cloud.points[:, 1] < np.quantile(cloud.points[:, 1], 0.1)]
     assert np.ptp(low.astype(float).mean(axis=0)) < 25
     assert (cloud.sigma > 0).all()
 
 
-def test_images_of_different_size_are_one_line(tmp_path, capsys):
+def test_images_of_different_sizes_are_rejected_in_one_line(tmp_path, capsys):
     argv = ["disparity", str(PAIR / "left.png"), str(PAIR.parents[1] / "docs/images/village.png")]
     assert main(argv) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_a_image_that_is_none_is_one_line(tmp_path, capsys):
+def test_invalid_image_is_rejected_in_one_line(tmp_path, capsys):
     fake = tmp_path / "left.png"
     fake.write_text("no image")
     assert main(["disparity", str(fake), str(PAIR / "right.png"), "-o", str(tmp_path / "o")]) == 2

@@ -23,7 +23,7 @@ OTHER = dataclasses.replace(RIG, focal_px=90.0)
 
 @pytest.fixture
 def run(tmp_path):
-    """A run of two pairs whose cameras differ."""
+    """A run of two pairs with different cameras."""
     path = tmp_path / "run"
     path.mkdir()
     (path / "manifest.json").write_text("{}")
@@ -35,7 +35,7 @@ def run(tmp_path):
     return path
 
 
-def test_cameras_that_differ_are_told_apart(run, tmp_path):
+def test_different_cameras_are_distinguished(run, tmp_path):
     export_poses(run, tmp_path / "transforms.json")
     frames = json.loads((tmp_path / "transforms.json").read_text())["frames"]
     assert [frame["fl_x"] for frame in frames] == [80.0, 90.0]
@@ -59,7 +59,7 @@ def test_cameras_that_differ_are_told_apart(run, tmp_path):
         (None, "is missing"),
     ],
 )
-def test_a_run_without_its_cameras_is_refused(run, tmp_path, text, message):
+def test_run_without_its_cameras_is_rejected(run, tmp_path, text, message):
     (run / CAMERAS).unlink()
     if text is not None:
         (run / CAMERAS).write_text(text)
@@ -67,7 +67,7 @@ def test_a_run_without_its_cameras_is_refused(run, tmp_path, text, message):
         export_poses(run, tmp_path / "images.txt")
 
 
-def test_a_reconstruction_leaves_the_cameras_under_the_names_of_its_images(tmp_path):
+def test_reconstruction_names_cameras_after_its_images(tmp_path):
     recording = write_folder(tmp_path / "drive")
     execute(Job(kind="reconstruct", inputs=(recording,)), tmp_path / "run")
     report = export_poses(tmp_path / "run", tmp_path / "transforms.json")

@@ -1,4 +1,4 @@
-"""`recon recognise`, `learn` and `catalogue` through the command line."""
+"""`recon recognise`, `learn` and `catalogue` on the command line."""
 
 import json
 
@@ -15,8 +15,8 @@ from tests.described_objects import assert_described
 BALL, CAN = (0.1, 0.1), (0.03, 0.12)
 
 
-def things(rng, *, table=True):
-    """A ball and a can on a table, y up, metres."""
+def objects_on_a_table(rng, *, table=True):
+    """Sample a ball and a can on a table, y up, in metres."""
     unit = rng.normal(size=(4000, 3))
     ball = 0.1 * unit / np.linalg.norm(unit, axis=1, keepdims=True) + [0.2, 0.1, 0.0]
     turn, height = rng.uniform(0, 2 * np.pi, 4000), rng.uniform(0, 0.12, 4000)
@@ -32,7 +32,7 @@ def as_cloud(points):
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     path = tmp_path_factory.mktemp("desk") / "desk.ply"
-    write(as_cloud(np.concatenate(things(np.random.default_rng(0)))), path)
+    write(as_cloud(np.concatenate(objects_on_a_table(np.random.default_rng(0)))), path)
     return path
 
 
@@ -41,7 +41,7 @@ def run_json(capsys, *words):
     return json.loads(capsys.readouterr().out)
 
 
-def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
+def test_cloud_with_a_column_of_objects_is_written(desk, tmp_path, capsys):
     target = tmp_path / "out.ply"
     report = run_json(capsys, "recognise", desk, "-o", target)
     assert len(report["objects"]) == 2
@@ -56,8 +56,8 @@ def test_a_cloud_with_a_column_of_objects_is_left(desk, tmp_path, capsys):
     assert main(["recognise", str(desk), "-o", str(target)]) == 2
 
 
-def test_a_cloud_without_colours_says_that_those_of_objects_are_not_known(tmp_path, capsys):
-    plain = np.concatenate(things(np.random.default_rng(0), table=False))[::8]
+def test_colourless_cloud_gives_objects_of_unknown_colour(tmp_path, capsys):
+    plain = np.concatenate(objects_on_a_table(np.random.default_rng(0), table=False))[::8]
     write(PointCloud(points=plain), tmp_path / "plain.ply")
     plain_map = VoxelMap(cell_size=0.01)
     plain_map.insert(PointCloud(points=plain))
@@ -79,12 +79,12 @@ def test_names_with_sizes_need_a_scale(desk, capsys):
     assert {one["box"]["unit"] for one in without["objects"]} == {None}
 
 
-def test_the_empty_catalogue_says_that_it_names_nothing(capsys):
+def test_empty_catalogue_gives_a_notice(capsys):
     assert main(["catalogue", "check", "none"]) == 0
     assert capsys.readouterr().out == "no kinds: nothing is named\n"
 
 
-def test_a_catalogue_is_checked_with_the_line_that_is_wrong(tmp_path, capsys):
+def test_invalid_line_of_a_catalogue_is_named(tmp_path, capsys):
     assert main(["catalogue", "check", "household"]) == 0
     assert "body: sphere, radius 0.02 to 0.15 m" in capsys.readouterr().out
     wrong = tmp_path / "wrong.toml"
@@ -96,12 +96,12 @@ def test_a_catalogue_is_checked_with_the_line_that_is_wrong(tmp_path, capsys):
     assert f"{wrong}:9: object.1.min_seen" in capsys.readouterr().err
 
 
-def test_a_kind_is_learned_into_a_catalogue_and_found(desk, tmp_path, capsys):
+def test_learned_kind_is_added_to_a_catalogue_and_recognised(desk, tmp_path, capsys):
     kinds = tmp_path / "kinds.toml"
     examples = []
     for seed in range(1, 4):
         path = tmp_path / f"ball_{seed}.ply"
-        write(as_cloud(things(np.random.default_rng(seed), table=False)[0]), path)
+        write(as_cloud(objects_on_a_table(np.random.default_rng(seed), table=False)[0]), path)
         examples.append(path)
     report = run_json(capsys, "learn", *examples, "--name", "globe", "-o", kinds)
     assert report["num_examples"] == 3

@@ -1,4 +1,4 @@
-"""Recordings and boards through the command line."""
+"""Recordings and boards on the command line."""
 
 import json
 
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("without_figures")
 
 
 @pytest.mark.data
-def test_a_drive_without_poses(data_dir, tmp_path, capsys):
+def test_drive_without_poses_is_reconstructed(data_dir, tmp_path, capsys):
     run = tmp_path / "drive"
     argv = ["reconstruct", str(data_dir / "kitti_odometry" / "sequence_1"), "-o", str(run)]
     argv += ["--poses", "estimated", "--every", "3", "--quality", "fast"]
@@ -27,7 +27,7 @@ def test_a_drive_without_poses(data_dir, tmp_path, capsys):
 
 
 @pytest.mark.data
-def test_boards_give_a_rig(data_dir, tmp_path, capsys):
+def test_boards_give_a_calibration(data_dir, tmp_path, capsys):
     boards = str(data_dir / "chessboard_stereo" / "opencv")
     out = tmp_path / "calib.yaml"
     argv = ["calibrate", boards, boards, "--board", "9x6", "--square", "1", "-o", str(out)]

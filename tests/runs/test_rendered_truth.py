@@ -1,4 +1,4 @@
-"""Recordings with truth: rendered, rebuilt, and judged through the command line."""
+"""Recordings with truth: rendered, reconstructed, and evaluated on the command line."""
 
 import json
 
@@ -38,21 +38,21 @@ def boxes(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drive(boxes, tmp_path_factory):
-    """Three views past the wall."""
+    """Three views along the wall."""
     folder = tmp_path_factory.mktemp("recording") / "drive"
     settings = argv_of([*SMALL, "eyes.baseline=0.4"])
     assert main(["render", str(boxes), "--views", "drive:3", *settings, "-o", str(folder)]) == 0
     return folder
 
 
-def test_the_scale_of_a_calibration_is_metres_and_of_a_rendered_world_unknown(drive, tmp_path):
+def test_unit_of_a_calibration_is_metres_and_of_a_rendered_world_unknown(drive, tmp_path):
     (tmp_path / "par.txt").write_text("0\n")
     assert unit_of(drive.parent) == "m"
     assert unit_of(drive) is None
     assert unit_of(tmp_path) is None
 
 
-def test_a_rendered_recording_is_read_with_its_poses_and_truth(drive):
+def test_rendered_recording_is_read_with_its_poses_and_truth(drive):
     source = open_sequence(drive, SequenceSettings())
     pairs = list(source)
     assert len(pairs) == 3
@@ -71,7 +71,7 @@ def test_a_rendered_recording_is_read_with_its_poses_and_truth(drive):
     np.testing.assert_allclose((points @ T[:3, :3].T + T[:3, 3])[:, 2], 0, atol=1e-4)
 
 
-def test_the_same_seed_gives_the_same_images_and_another_does_not(boxes, tmp_path):
+def test_images_are_reproducible_from_the_seed(boxes, tmp_path):
     for name, seed in (("a", 1), ("b", 1), ("c", 2)):
         argv = ["render", str(boxes), "--views", "ring:2", "-o", str(tmp_path / name)]
         assert main([*argv, "--seed", str(seed), *argv_of(SMALL)]) == 0
@@ -80,7 +80,7 @@ def test_the_same_seed_gives_the_same_images_and_another_does_not(boxes, tmp_pat
     assert first != other
 
 
-def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, capsys):
+def test_surface_of_a_recording_is_evaluated_against_its_truth(drive, tmp_path, capsys):
     run = tmp_path / "run"
     report = call(capsys, "reconstruct", drive, "--mesh", "--voxel", "0.05", "-o", run)
     assert report["num_triangles"] > 500
@@ -93,7 +93,7 @@ def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, caps
         capsys, "evaluate", "--surface", run, "--truth", drive / "scene.ply", "--distance", "0.1"
     )
     assert by_mesh["precision"]["0.1"] > 0.85
-    # A negative control: another surface is not near.
+    # Negative control: a displaced surface is not near.
     moved = read_mesh(run / "mesh.ply").transformed(
         np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.5], [0, 0, 0, 1]])
     )
@@ -108,13 +108,13 @@ def test_the_surface_of_a_recording_is_judged_by_its_truth(drive, tmp_path, caps
     assert again["mesh_area"] == pytest.approx(report["mesh_area"], rel=0.3)
 
 
-def test_a_run_without_its_recording_cannot_be_meshed(drive, tmp_path, capsys):
+def test_run_without_its_recording_cannot_be_meshed(drive, tmp_path, capsys):
     assert main(["mesh", str(drive), "-o", str(tmp_path / "out")]) == 2
     assert "one of reconstruct or explore is needed" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("views", ["ring:0", "ring:x", "spiral:3", "drive:"])
-def test_views_that_are_none_are_refused(boxes, tmp_path, capsys, views):
+def test_invalid_views_are_rejected(boxes, tmp_path, capsys, views):
     assert main(["render", str(boxes), "--views", views, "-o", str(tmp_path / "out")]) == 2
     assert "is needed" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -129,7 +129,7 @@ def test_views_are_read_from_a_file(boxes, tmp_path, capsys):
     assert report["num_pairs"] == 2
 
 
-def test_surface_and_truth_belong_together(tmp_path, capsys):
+def test_surface_and_truth_must_be_given_together(tmp_path, capsys):
     assert main(["evaluate", "--surface", str(tmp_path)]) == 2
     assert "and nothing else" in capsys.readouterr().err
     assert main(["evaluate", "--surface", str(tmp_path), "--truth", str(tmp_path)]) == 2
@@ -138,7 +138,7 @@ def test_surface_and_truth_belong_together(tmp_path, capsys):
 
 @pytest.fixture
 def pair_dir(tmp_path):
-    """A level plane, 6 px off, with its truth."""
+    """A pair of a fronto-parallel plane at a disparity of 6 px, with its truth."""
     rng = np.random.default_rng(1)
     texture = cv2.GaussianBlur(rng.normal(size=(60, 120)), (0, 0), 1.0)
     texture = (128 + 45 * texture / texture.std()).clip(0, 255).astype(np.uint8)
@@ -151,7 +151,7 @@ def pair_dir(tmp_path):
     return folder
 
 
-def test_every_pixel_is_judged_beside_the_peers(pair_dir, tmp_path, capsys):
+def test_dense_matching_is_evaluated_beside_its_peers(pair_dir, tmp_path, capsys):
     report = call(capsys, "evaluate", pair_dir, "--dense", "-o", tmp_path / "out")
     rows = {row["matcher"]: row for row in report["pairs"]}
     assert list(rows) == ["recon", "hh", "sgbm", "bm"]

@@ -1,4 +1,4 @@
-"""Surfaces through the command line: files, numbers, and what is refused."""
+"""Surfaces on the command line: files, metrics, and rejected input."""
 
 import json
 import shutil
@@ -23,7 +23,7 @@ def drive(tmp_path_factory):
     rng = np.random.default_rng(3)
     texture = cv2.GaussianBlur(rng.normal(size=(60, 400)), (0, 0), 1.2)
     texture = (128 + 50 * texture / texture.std()).clip(0, 255).astype(np.uint8)
-    # 100 px focal length, baseline 0.2, depth 4: a disparity of 5 px, and 25 px for each unit.
+    # Focal length 100 px, baseline 0.2, depth 4: a disparity of 5 px, and 25 px per unit.
     for number in range(3):
         start = 100 + 5 * number
         for side, shift in (("left", 0), ("right", 5)):
@@ -49,7 +49,7 @@ MESH = ("--mesh", "--voxel", "0.1", "--quality", "fast")
 
 @pytest.fixture(scope="module")
 def wall(drive, tmp_path_factory):
-    """A run with the surface of the wall."""
+    """A run that has the surface of the wall."""
     run = tmp_path_factory.mktemp("runs") / "wall"
     argv = ["reconstruct", str(drive), "-o", str(run), "--set", "matching.max_disparity=12"]
     assert main([*argv, *MESH, "--depth", "--quiet"]) == 0
@@ -60,10 +60,10 @@ def metrics_of(run):
     return json.loads((run / "metrics.json").read_text())
 
 
-def test_a_wall_becomes_a_cloud_and_a_mesh(wall):
+def test_wall_becomes_a_cloud_and_a_mesh(wall):
     run, report = wall, metrics_of(wall)
     mesh = read_mesh(run / "mesh.ply")
-    # The camera looks along -z of a world whose y is up.
+    # The camera looks along -z in a world whose y is up.
     np.testing.assert_allclose(np.median(mesh.vertices[:, 2]), -4, atol=0.05)
     assert mesh.colours is not None
     assert report["num_triangles"] == len(mesh)
@@ -84,20 +84,20 @@ def test_a_wall_becomes_a_cloud_and_a_mesh(wall):
     assert (steps[~known] == 0).all()
 
 
-def test_a_run_that_is_not_asked_leaves_no_surface(drive, tmp_path, capsys):
+def test_surface_is_written_only_on_request(drive, tmp_path, capsys):
     report = reconstruct(drive, tmp_path / "run", capsys)
     assert "num_dense_points" not in report
     assert not list((tmp_path / "run").glob("dense*"))
     assert not (tmp_path / "run" / "mesh.ply").exists()
 
 
-def test_the_same_command_gives_the_same_bytes(wall, drive, tmp_path, capsys):
+def test_same_command_gives_the_same_bytes(wall, drive, tmp_path, capsys):
     reconstruct(drive, tmp_path / "again", capsys, *MESH)
     for file in ("mesh.ply", "dense.ply"):
         assert (tmp_path / "again" / file).read_bytes() == (wall / file).read_bytes()
 
 
-def test_pairs_are_fused_where_closed_loops_put_them(wall, drive, tmp_path, capsys, monkeypatch):
+def test_pairs_are_fused_at_loop_closed_poses(wall, drive, tmp_path, capsys, monkeypatch):
     def moved(source, mapper, places, work):
         poses = mapper.trajectory.T_world_left.copy()
         poses[:, 0, 3] += 10
@@ -114,7 +114,7 @@ def test_pairs_are_fused_where_closed_loops_put_them(wall, drive, tmp_path, caps
     assert not (tmp_path / "moved" / "views").exists()
 
 
-def test_every_pixel_goes_into_the_map_where_it_is_wanted(wall, drive, tmp_path, capsys):
+def test_every_pixel_is_added_to_the_map_on_request(wall, drive, tmp_path, capsys):
     sparse = metrics_of(wall)
     dense = reconstruct(
         drive, tmp_path / "dense", capsys, "--set", "map.points=dense", "--quality", "fast"
@@ -125,7 +125,7 @@ def test_every_pixel_goes_into_the_map_where_it_is_wanted(wall, drive, tmp_path,
 
 @pytest.fixture(scope="module")
 def walk(tmp_path_factory):
-    """Three views of an exploration with its surface."""
+    """An exploration of three views with its surface."""
     run = tmp_path_factory.mktemp("runs") / "walk"
     argv = ["explore", "three_apples", "-o", str(run), "--max-pairs", "3", "--quiet"]
     assert (
@@ -135,7 +135,7 @@ def walk(tmp_path_factory):
     return run
 
 
-def test_an_exploration_leaves_its_surface_too(walk):
+def test_exploration_writes_a_surface(walk):
     metrics = json.loads((walk / "metrics.json").read_text())
     cloud, mesh = read(walk / "dense.ply"), read_mesh(walk / "mesh.ply")
     assert len(cloud) == metrics["num_dense_points"] > 1000
@@ -149,7 +149,7 @@ def test_an_exploration_leaves_its_surface_too(walk):
     }  # fmt: skip
 
 
-def test_a_mesh_of_an_exploration_looks_at_its_world_again(walk, tmp_path, capsys):
+def test_mesh_of_an_exploration_renders_its_world_again(walk, tmp_path, capsys):
     run = tmp_path / "mesh"
     assert main(["mesh", str(walk), "-o", str(run), "--voxel", "0.3", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
@@ -159,7 +159,7 @@ def test_a_mesh_of_an_exploration_looks_at_its_world_again(walk, tmp_path, capsy
     assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 0.6
 
 
-def test_a_mesh_needs_a_run_with_images(walk, tmp_path, capsys):
+def test_mesh_needs_a_run_with_images(walk, tmp_path, capsys):
     other = tmp_path / "other"
     shutil.copytree(walk, other)
     manifest = json.loads((other / "manifest.json").read_text())
@@ -172,7 +172,7 @@ def test_a_mesh_needs_a_run_with_images(walk, tmp_path, capsys):
     assert "give --recording PATH" in capsys.readouterr().err
 
 
-def test_the_depth_of_the_fullest_view_is_drawn_and_can_be_drawn_again(walk, capsys):
+def test_depth_of_the_fullest_view_is_drawn_and_redrawn(walk, capsys):
     assert (walk / "figures" / "depth.png").stat().st_size > 5000
     assert main(["figure", str(walk), "--kind", "depth", "--format", "svg"]) == 0
     assert "depth [world units]" in (walk / "figures" / "depth.svg").read_text()

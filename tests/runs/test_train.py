@@ -1,4 +1,4 @@
-"""What a model is learned from."""
+"""Images that a model is trained on."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from recon.runs import train
 from recon.settings import Settings
 
 
-def test_both_cameras_of_sixteen_bits_are_stretched_alike(tmp_path, monkeypatch):
+def test_both_16_bit_cameras_share_one_stretch(tmp_path, monkeypatch):
     dark = np.random.default_rng(0).integers(1000, 2000, (20, 30)).astype(np.uint16)
     cv2.imwrite(str(tmp_path / "left.png"), dark)
     cv2.imwrite(str(tmp_path / "right.png"), 2 * dark)

@@ -23,7 +23,7 @@ def found_object(x, label):
     return FoundObject(id=0, label=label, probability=0.9, centre=centre, size=size, num_voxels=90)
 
 
-def test_true_objects_are_named_by_the_nearest_within_their_width():
+def test_true_objects_match_the_nearest_within_their_width():
     true = (true_object(0.0), true_object(20.0), true_object(40.0, "cottage"))
     found = (found_object(1.0, "pine tree"), found_object(18.0, "apple tree"))
     assert [one.found for one in namings(true, found)] == ["pine tree", "apple tree", NOT_FOUND]
@@ -36,7 +36,7 @@ def test_true_objects_are_named_by_the_nearest_within_their_width():
         summary([])
 
 
-def test_one_world_from_the_command_line(tmp_path, capsys):
+def test_one_world_is_run_from_the_command_line(tmp_path, capsys):
     out = tmp_path / "worlds"
     argv = ["evaluate", "--worlds", "1", "-o", str(out), "--set", "exploration.max_pairs=5"]
     assert main([*argv, "--json"]) == 0
