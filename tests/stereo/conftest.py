@@ -1,4 +1,4 @@
-"""Pairs and features that several tests of the room share."""
+"""Pairs and features shared by the tests of this folder."""
 
 import sys
 from pathlib import Path
@@ -14,7 +14,7 @@ from scenes import textured_pair
 
 @pytest.fixture(scope="session")
 def plane():
-    """A slanted plane: left, right, truth."""
+    """A slanted plane: left image, right image, true disparity."""
     return textured_pair()
 
 

@@ -1,4 +1,4 @@
-"""Scores, support and sides as the documentation says them: slowly, a pixel at a time."""
+"""Reference implementation of scores, support and sides, as documented, pixel by pixel."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ class Pair:
         self.cache = {}
 
     def is_open(self, v, u):
-        """Which shifts of a pixel lead to a candidate."""
+        """Mark the shifts of a pixel that lead to a candidate."""
         height, width = self.other_mask.shape
         row = v + self.search.row_shift
         columns = u + self.search.first + np.arange(self.search.num_shifts)
@@ -28,7 +28,7 @@ class Pair:
         return found
 
     def scores(self, v, u):
-        """Exact and slack scores of a member at every shift."""
+        """Compute exact and slack scores of a member at every shift."""
         if (v, u) not in self.cache:
             self.cache[v, u] = self._scores(v, u)
         return self.cache[v, u]
@@ -51,7 +51,7 @@ class Pair:
         return (v + u) % 2 == 0
 
     def mean(self, v, u, radius, weigh):
-        """Weighted sum of the members' scores, and the weights' sum."""
+        """Compute the weighted sum of the members' scores, and the sum of the weights."""
         total, weights = np.zeros(self.search.num_shifts), 0.0
         for dv in range(-radius, radius + 1):
             for du in range(-radius, radius + 1):
@@ -64,7 +64,7 @@ class Pair:
         return total, weights
 
     def support(self, v, u):
-        """Support of every shift; -inf where it leads to no candidate."""
+        """Compute the support of every shift; -inf if it leads to no candidate."""
         height, width = self.grey.shape
 
         def alike(dv, du):
@@ -75,7 +75,7 @@ class Pair:
         return np.where(self.is_open(v, u), total / weights, -np.inf)
 
     def side(self, v, u, best, orientation):
-        """How much more the half disc ahead has the best shift than the other."""
+        """Compare the evidence for the best shift in the half disc ahead and the one behind."""
         angle = (min(int(orientation * DIRECTIONS / np.pi), DIRECTIONS - 1) + 0.5) / DIRECTIONS
         normal = np.cos(np.pi * angle), np.sin(np.pi * angle)
         evidence = []
@@ -96,7 +96,7 @@ def responses(features):
 
 
 def best_of(support):
-    """Best shift, its support, and the share of it that the best other shift has."""
+    """Find the best shift, its support, and the support of the best rival relative to it."""
     best = int(np.argmax(support))
     others = np.abs(np.arange(len(support)) - best) >= RIVAL_GAP
     rival = max(support[others].max(initial=0.0), 0.0)

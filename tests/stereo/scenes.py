@@ -1,11 +1,11 @@
-"""Made-up pairs with exact truth: textured planes seen by two eyes."""
+"""Synthetic pairs with exact truth: textured planes seen by two cameras."""
 
 import cv2
 import numpy as np
 
 
 def textured_pair(shape=(120, 160), slope=(0.02, 0.01), middle=8.0, noise=1.5, seed=0, row_shift=0):
-    """Left and right uint8 images of a slanted plane, and the left disparity."""
+    """Render left and right uint8 images of a slanted plane, and the left disparity."""
     height, width = shape
     rng = np.random.default_rng(seed)
     white = rng.normal(size=(height, 2 * width)).astype(np.float32)
@@ -28,7 +28,7 @@ def _responses(image, noise, rng):
 
 
 def step_pair(near=12, far=4, shape=(120, 200), seed=5):
-    """A near square before a far wall, both of fine texture; the left truth."""
+    """Render a finely textured near square before a far wall, with the left truth."""
     rng = np.random.default_rng(seed)
 
     def texture(mean):

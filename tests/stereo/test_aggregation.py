@@ -1,4 +1,4 @@
-"""The compiled loops give what the slow reference gives, whatever strips they go in."""
+"""The compiled loops match the slow reference, in strips of any height."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def strips(request, monkeypatch):
 
 
 def points_of(features, count=90):
-    """Some features, the outermost ones among them."""
+    """Select some features, including the outermost ones."""
     rows = np.unique(np.linspace(0, len(features) - 1, count).astype(int))
     u, v = features.points_px.astype(np.int64).T
     rows = np.union1d(rows, [u.argmin(), u.argmax(), v.argmin(), v.argmax()])
@@ -45,7 +45,7 @@ def points_of(features, count=90):
 
 
 @pytest.mark.parametrize("search", SEARCHES, ids=lambda s: "_".join(map(str, s[:4])))
-def test_support_is_that_of_the_reference(features, search, strips):
+def test_support_matches_the_reference(features, search, strips):
     points = points_of(features[0])
     found = aggregate(*(_responses(f) for f in features), points, search)
     slow = Pair(*features, search)
@@ -67,7 +67,7 @@ def test_support_is_that_of_the_reference(features, search, strips):
     assert compared > 50
 
 
-def test_of_a_row_the_best_keeps_a_partner(features, strips):
+def test_one_to_one_matching_keeps_the_best_partner(features, strips):
     search = Search(-8, 9, 0, 2, True, C_COS)
     points = points_of(features[0], 10_000)
     found = aggregate(*(_responses(f) for f in features), points, search)

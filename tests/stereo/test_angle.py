@@ -1,4 +1,4 @@
-"""The quick angle is the angle."""
+"""The fast approximation of the angle is accurate."""
 
 import numpy as np
 from hypothesis import given
@@ -16,7 +16,7 @@ def found(real, imag):
     return out
 
 
-def test_all_round_the_circle_and_at_every_size():
+def test_angle_is_accurate_around_the_circle_and_at_every_magnitude():
     turn = np.linspace(-np.pi, np.pi, 10_001)[1:-1]
     for size in (1e-6, 1.0, 1e6):
         out = found(*((size * part(turn)).astype(np.float32) for part in (np.cos, np.sin)))
@@ -24,13 +24,13 @@ def test_all_round_the_circle_and_at_every_size():
 
 
 @given(parts, parts)
-def test_it_is_numpys(real, imag):
-    real[real == 0] = 0.0  # a zero has no sign here
+def test_angle_matches_numpy(real, imag):
+    real[real == 0] = 0.0  # signed zeros are not distinguished here
     imag[imag == 0] = 0.0
     assert np.abs(found(real, imag) - np.arctan2(imag, real)).max() < 1e-6
 
 
-def test_axes_and_nothing():
+def test_angle_of_axes_and_zero():
     real = np.array([1, 0, -1, 0, 0], np.float32)
     imag = np.array([0, 1, 0, -1, 0], np.float32)
     wanted = [0, np.pi / 2, np.pi, -np.pi / 2, 0]

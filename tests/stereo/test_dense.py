@@ -1,4 +1,4 @@
-"""Every pixel: exact on planes, cut at edges, unsure where it should be, bounded in memory."""
+"""Dense matching: exact on planes, sharp at edges, honest sigma, bounded memory."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def step():
 
 
 @pytest.mark.parametrize(("quality", "median_px"), [("best", 0.06), ("fast", 0.15)])
-def test_a_slanted_plane_is_matched_everywhere(plane, quality, median_px):
+def test_slanted_plane_is_matched_everywhere(plane, quality, median_px):
     left, right, truth = plane
     found = recon.match_dense(left, right, quality=quality)
     assert isinstance(found, DisparityMap)
@@ -44,21 +44,21 @@ def test_a_slanted_plane_is_matched_everywhere(plane, quality, median_px):
     error = error_of(found, truth)
     assert np.nanmedian(error) < median_px
     assert np.nanquantile(error, 0.95) < 4 * median_px
-    # A negative control: a pixel off is not within the bounds.
+    # Negative control: disparities off by one pixel exceed the bounds.
     assert np.nanmedian(np.abs(found.disparity_px + 1 - truth)) > 0.9
 
 
 def test_negative_disparities_are_searched(plane):
     left, right, truth = plane
     found = matched(right, left, min_disparity=-20, max_disparity=0)
-    # The right image's pixels lie on the other side.
+    # Pixels of the right image shift the other way.
     assert np.nanmedian(found.disparity_px) == pytest.approx(-np.median(truth), abs=0.3)
     outside = matched(right, left, min_disparity=0, max_disparity=20)
     assert outside.coverage < found.coverage / 2
 
 
 @pytest.mark.parametrize("quality", QUALITIES)
-def test_disparity_jumps_where_the_image_does(step, quality):
+def test_disparity_jumps_at_image_edges(step, quality):
     left, right, truth = step
     found = recon.match_dense(left, right, quality=quality)
     both = seen_by_both(truth)
@@ -66,7 +66,7 @@ def test_disparity_jumps_where_the_image_does(step, quality):
     assert np.nanmedian(found.disparity_px[40:80, 90:130]) == pytest.approx(12, abs=0.1)
 
 
-def test_what_one_camera_sees_alone_lies_behind_and_is_unsure(step):
+def test_occluded_pixels_get_background_disparity_and_large_sigma(step):
     left, right, truth = step
     hidden = ~seen_by_both(truth)
     hidden[:, :16] = False  # beyond the border, not behind something
@@ -80,7 +80,7 @@ def test_what_one_camera_sees_alone_lies_behind_and_is_unsure(step):
     assert np.isnan(unfilled.disparity_px[hidden]).mean() > 0.6
 
 
-def test_sigma_is_as_large_as_the_error():
+def test_sigma_matches_the_error():
     within_one, within_two = [], []
     for seed, noise in ((1, 1.0), (2, 3.0), (3, 6.0)):
         left, right, truth = textured_pair(noise=noise, seed=seed)
@@ -92,7 +92,7 @@ def test_sigma_is_as_large_as_the_error():
     assert min(within_two) > 0.85
 
 
-def test_sigma_grows_with_the_noise():
+def test_sigma_grows_with_noise():
     medians = []
     for noise in (0.5, 8.0):
         left, right, _ = textured_pair(noise=noise, seed=4)
@@ -102,7 +102,7 @@ def test_sigma_grows_with_the_noise():
 
 @pytest.mark.parametrize("quality", QUALITIES)
 @pytest.mark.parametrize("noise", [1.0, 4.0])
-def test_where_the_image_may_be_noise_alone_the_disparity_is_uncertain(noise, quality):
+def test_disparity_is_uncertain_where_the_image_may_be_pure_noise(noise, quality):
     left, right, _ = textured_pair(noise=noise)
     rng = np.random.default_rng(3)
     for image in (left, right):
@@ -113,7 +113,7 @@ def test_where_the_image_may_be_noise_alone_the_disparity_is_uncertain(noise, qu
     assert np.nanmedian(textured) < 0.3
 
 
-def test_where_the_images_disagree_little_is_known(plane):
+def test_few_disparities_are_known_where_the_images_disagree(plane):
     left, right, _ = plane
     strange = right.copy()
     noise = np.random.default_rng(2).integers(0, 256, right.shape)
@@ -123,7 +123,7 @@ def test_where_the_images_disagree_little_is_known(plane):
     assert np.isfinite(found.disparity_px[:, 100:]).mean() < 0.4
 
 
-def test_strips_give_what_the_whole_image_gives(plane, monkeypatch):
+def test_strips_give_the_result_of_the_whole_image(plane, monkeypatch):
     left, right, truth = plane
     whole = matched(left, right)
     bytes_per_row = 4 * left.shape[1] * Search(0, 21).depth
@@ -144,7 +144,7 @@ def test_grey_and_coloured_images_agree(plane):
 
 @pytest.mark.parametrize("quality", QUALITIES)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 30), (30, 1), (6, 6), (3, 17)])
-def test_small_images_give_an_answer(shape, quality):
+def test_small_images_are_matched(shape, quality):
     image = np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8)
     found = recon.match_dense(image, image, max_disparity=5, quality=quality)
     assert found.disparity_px.shape == shape
@@ -152,14 +152,14 @@ def test_small_images_give_an_answer(shape, quality):
 
 
 @pytest.mark.parametrize("quality", QUALITIES)
-def test_flat_images_are_not_sure(quality):
+def test_flat_images_are_uncertain(quality):
     flat = np.full((40, 60), 90, np.uint8)
     found = recon.match_dense(flat, flat, quality=quality)
     sure = found.valid_mask & (found.sigma_px < 0.3)
     assert sure.mean() < 0.05
 
 
-def test_unlike_images_and_empty_searches_are_refused():
+def test_images_of_different_sizes_and_empty_searches_are_rejected():
     image = np.zeros((10, 12), np.uint8)
     with pytest.raises(InputError, match="left image has shape"):
         recon.match_dense(image, image[:, :10])
@@ -170,14 +170,14 @@ def test_unlike_images_and_empty_searches_are_refused():
 
 
 @pytest.mark.parametrize("quality", QUALITIES)
-def test_the_same_images_give_the_same_bytes(quality):
+def test_same_images_give_the_same_bytes(quality):
     left, right, _ = textured_pair(shape=(50, 70))
     first, second = (recon.match_dense(left, right, quality=quality) for _ in range(2))
     assert first.disparity_px.tobytes() == second.disparity_px.tobytes()
     assert first.sigma_px.tobytes() == second.sigma_px.tobytes()
 
 
-def test_the_right_disparity_costs_least():
+def test_true_disparity_has_the_lowest_cost():
     left, right, _ = textured_pair(slope=(0.0, 0.0), middle=7.0, noise=0.5)
     cost = cost_volume(left, right, Search(2, 10))
     assert cost.shape == (*left.shape, 16)
@@ -187,14 +187,14 @@ def test_the_right_disparity_costs_least():
 
 
 @pytest.mark.parametrize("name", PEERS)
-def test_peers_find_a_plane_too(plane, name):
+def test_peers_match_a_plane(plane, name):
     left, right, truth = plane
     found = PEERS[name](left, right, Search(0, 21))
     assert np.isfinite(found[:, 20:]).mean() > 0.7
     assert np.nanmedian(np.abs(found - truth)) < 0.2
 
 
-def test_sigma_falls_with_a_clear_choice_and_grows_with_the_spread():
+def test_sigma_decreases_with_distinctness_and_grows_with_spread():
     shape = (20, 20)
 
     def sigma(steepness, lead, spread):
@@ -210,7 +210,7 @@ def test_sigma_falls_with_a_clear_choice_and_grows_with_the_spread():
 
 
 @pytest.mark.parametrize("part", [0.2, 0.3, 0.4])
-def test_parts_of_a_pixel_are_not_drawn_to_whole_ones(part):
+def test_fractional_disparities_are_not_biased_to_whole_pixels(part):
     left, right, _ = textured_pair(slope=(0.0, 0.0), middle=7 + part, noise=1.0, seed=3)
     inside = matched(left, right).disparity_px[10:-10, 20:-10]
     assert np.nanmedian(inside) == pytest.approx(7 + part, abs=0.06)

@@ -1,4 +1,4 @@
-"""Parts of the dense stage against slow references: paths, planes, medians, holes, specks."""
+"""Steps of dense matching against slow references: paths, planes, medians, holes, specks."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ NAN = np.float32(np.nan)
 
 
 def reference_paths(cost, grey, penalties):
-    """Hirschmueller's recursion, written down as it is published."""
+    """Hirschmueller's recursion, as published."""
     height, width, _ = cost.shape
     total = np.zeros(cost.shape, np.int64)
     for dv, du in [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)]:
@@ -35,7 +35,7 @@ def reference_paths(cost, grey, penalties):
 
 
 @pytest.mark.parametrize("shape", [(9, 11, 32), (1, 7, 16), (6, 1, 16), (1, 1, 16)])
-def test_paths_are_those_of_the_reference(shape):
+def test_paths_match_the_reference(shape):
     rng = np.random.default_rng(sum(shape))
     cost = rng.integers(0, 1000, shape).astype(np.int16)
     grey = rng.integers(0, 256, shape[:2]).astype(np.uint8)
@@ -50,10 +50,10 @@ def slanted(shape=(30, 40)):
     return np.float32(5) + np.float32(0.05) * u + np.float32(0.02) * v
 
 
-def test_a_plane_stays_as_it_is_and_noise_is_smoothed():
+def test_smoothing_keeps_planes_and_reduces_noise():
     truth, grey = slanted(), np.full((30, 40), 90, np.uint8)
     exact = smooth(truth, grey)
-    # Windows that the border cuts are held to be a little level.
+    # Windows cut off by the border are slightly biased to be level.
     np.testing.assert_allclose(exact.disparity_px[3:-3, 3:-3], truth[3:-3, 3:-3], atol=1e-4)
     noisy = truth + np.random.default_rng(0).normal(0, 0.1, truth.shape).astype(np.float32)
     found = smooth(noisy, grey)
@@ -61,7 +61,7 @@ def test_a_plane_stays_as_it_is_and_noise_is_smoothed():
     assert 0.05 < np.median(found.spread_px) < 0.12
 
 
-def test_smoothing_stops_at_jumps_and_holes_stay():
+def test_smoothing_stops_at_jumps_and_keeps_holes():
     disparity = np.full((20, 30), 4, np.float32)
     disparity[:, 15:] = 9
     disparity[5:8, 5:8] = NAN
@@ -70,7 +70,7 @@ def test_smoothing_stops_at_jumps_and_holes_stay():
     assert np.isnan(found.spread_px[6, 6])
 
 
-def test_unlike_pixels_have_less_say():
+def test_dissimilar_pixels_have_less_weight():
     disparity = np.full((15, 15), 4, np.float32)
     disparity[:, 8:] = 4.6
     grey = np.full((15, 15), 60, np.uint8)
@@ -80,7 +80,7 @@ def test_unlike_pixels_have_less_say():
     assert abs(seeing - 4) < 0.3 * abs(blind - 4)
 
 
-def test_the_median_is_of_what_is_known():
+def test_median_ignores_unknown_values():
     disparity = np.random.default_rng(1).normal(10, 3, (9, 12)).astype(np.float32)
     disparity[3, 4] = disparity[0, 0] = NAN
     found = median(disparity)
@@ -90,7 +90,7 @@ def test_the_median_is_of_what_is_known():
     assert np.isnan(found[3, 4])
 
 
-def test_small_patches_are_specks():
+def test_small_patches_are_removed_as_specks():
     disparity = np.full((30, 40), 6, np.float32)
     disparity[10:13, 10:13] = 20
     kept = without_specks(disparity, 9)
@@ -101,7 +101,7 @@ def test_small_patches_are_specks():
     assert np.isnan(without_specks(nothing, 5)).all()
 
 
-def test_holes_are_filled_with_what_lies_behind():
+def test_holes_are_filled_with_the_background():
     disparity = np.full((20, 40), 4, np.float32)
     disparity[:, 20:] = 12
     disparity[:, 15:20] = NAN
@@ -113,13 +113,13 @@ def test_holes_are_filled_with_what_lies_behind():
     np.testing.assert_array_equal(filled_behind(disparity, 0), disparity)
 
 
-def test_a_hole_that_nothing_round_agrees_with_stays():
+def test_hole_without_agreeing_neighbours_stays():
     disparity = np.full((3, 9), NAN)
     disparity[1, 0] = 5
     assert np.isfinite(filled_behind(disparity, 8)).sum() == 1
 
 
-def test_the_right_image_has_to_choose_alike_where_opencv_matches():
+def test_peers_drop_pixels_that_the_right_image_contradicts():
     left, right, truth = step_pair()
     # The wall beside the square is hidden from the right camera.
     hidden = np.zeros(truth.shape, bool)
@@ -133,24 +133,24 @@ def test_the_right_image_has_to_choose_alike_where_opencv_matches():
     assert kept[~hidden].mean() > 0.9 * np.isfinite(alone[~hidden]).mean()
 
 
-def test_borders_move_to_the_edge_of_the_image():
+def test_borders_move_to_image_edges():
     image = np.full((30, 40, 3), (90, 60, 100), np.uint8)
     image[:, 20:] = (60, 75, 100)
     fattened = np.full((30, 40), 4, np.float32)
-    fattened[:, 19:] = 12  # a column too far
+    fattened[:, 19:] = 12  # one column too far
     fattened[5, 30] = NAN
     found = at_image_edges(fattened, image)
     assert (found[:, :20] == 4).all()
     assert (np.delete(found[:, 20:], 10, axis=1) == 12).all()
     assert np.isnan(found[5, 30])
-    # Negative controls: no edge in the image, no border in the disparities.
+    # Negative controls: no edge in the image, or no border in the disparities.
     np.testing.assert_array_equal(at_image_edges(fattened, np.full_like(image, 90)), fattened)
     plane = slanted((30, 40))
     np.testing.assert_array_equal(at_image_edges(plane, image), plane)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_medians_at_borders_are_those_of_the_definition(seed):
+def test_medians_at_borders_match_the_definition(seed):
     rng = np.random.default_rng(seed)
     image = rng.integers(0, 60, (9, 11)).astype(np.uint8)
     disparity = rng.uniform(0, 9, (9, 11)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Numbers of right and wrong, counted by hand."""
+"""Metrics of correct and wrong matches, counted by hand."""
 
 import numpy as np
 import pytest
@@ -26,16 +26,16 @@ def test_hand_counted_numbers():
     assert found.subpixel_rms_px == pytest.approx(np.sqrt(0.13))
 
 
-def test_an_error_of_exactly_a_pixel_is_no_mismatch():
+def test_error_of_exactly_one_pixel_is_not_a_mismatch():
     assert evaluate(matches_of([[20, 5]], [5.0]), flat_truth()).num_mismatches == 0
 
 
 @pytest.mark.parametrize(("step", "mismatches"), [(0.0, 1), (1.0, 0)])
-def test_disparities_are_rounded_where_the_truth_was(step, mismatches):
+def test_disparities_are_rounded_for_rounded_truth(step, mismatches):
     assert evaluate(matches_of([[20, 5]], [5.3]), flat_truth(), step).num_mismatches == mismatches
 
 
-def test_occluded_points_are_those_that_a_nearer_one_covers():
+def test_points_covered_by_nearer_ones_are_occluded():
     truth = flat_truth(2.0)
     truth[:, 30:40] = 10.0
     seen = seen_by_both(truth)
@@ -43,12 +43,12 @@ def test_occluded_points_are_those_that_a_nearer_one_covers():
     # The near strip covers the right pixels 20..29, which far left pixels 22..29 had.
     assert not seen[:, 22:30].any()
     assert seen[:, 2:22].all()
-    assert not seen[:, :2].any()  # out of the right image
+    assert not seen[:, :2].any()  # outside the right image
     found = evaluate(matches_of([[25, 5], [10, 5]], [9.0, 2.0]), truth)
     assert (found.success_all, found.success_nonocc) == (50.0, 100.0)
 
 
-def test_a_right_truth_decides_where_there_is_one():
+def test_truth_of_the_right_image_decides_occlusion():
     truth, right = flat_truth(2.0), flat_truth(2.0)
     right[:, 10] = 7.0
     seen = seen_by_both(truth, right)
@@ -56,14 +56,14 @@ def test_a_right_truth_decides_where_there_is_one():
     assert seen[:, 13].all()
 
 
-def test_nothing_to_judge_is_nothing_known():
+def test_no_matches_give_unknown_metrics():
     numbers = evaluate(Matches.none(), flat_truth()).as_metrics()
     assert numbers["num_mismatches"] == 0
     assert numbers["success_all"] is None
     assert numbers["subpixel_median_px"] is None
 
 
-def test_a_truth_of_another_size_is_refused():
+def test_truth_of_another_size_is_rejected():
     with pytest.raises(InputError, match=r"truth is 60 x 40 pixels, but a match lies at \(80, 5\)"):
         evaluate(matches_of([[80, 5]], [1.0]), flat_truth())
 
@@ -73,7 +73,7 @@ def test_coverage_counts_blocks():
     assert coverage(Matches.none(), (64, 64)) == 0.0
 
 
-def test_a_map_is_judged_as_the_matches_at_its_pixels_are():
+def test_disparity_map_is_evaluated_like_matches_at_its_pixels():
     rng = np.random.default_rng(4)
     truth = np.full((8, 9), 3.0)
     truth[0] = np.nan

@@ -1,4 +1,4 @@
-"""Cameras of unlike gain and offset match as like ones do, and like ones are left as they are."""
+"""Cameras of different gain and offset match like equal ones; equal ones are left unchanged."""
 
 import numpy as np
 import pytest
@@ -11,28 +11,28 @@ from recon.stereo.exposure import gain_between, with_gain_of
 from scenes import step_pair, textured_pair, truth_at
 
 
-def seen_through(image, gain, offset=0.0):
+def exposed_with(image, gain, offset=0.0):
     return np.clip(np.rint(gain * image + offset), 0, 255).astype(np.uint8)
 
 
 @pytest.fixture(scope="module")
 def pair():
     left, right, truth = textured_pair(noise=1.0)
-    # So far from white that no gain or offset of these tests clips it.
-    return seen_through(left, 0.6, 20), seen_through(right, 0.6, 20), truth
+    # Dark enough that no gain or offset of these tests clips it.
+    return exposed_with(left, 0.6, 20), exposed_with(right, 0.6, 20), truth
 
 
 @settings(max_examples=20, deadline=None)
 @given(gain=st.floats(1.1, 1.3), offset=st.floats(-20, 10))
-def test_a_gain_is_measured_whatever_the_offset(pair, gain, offset):
+def test_gain_is_measured_whatever_the_offset(pair, gain, offset):
     left, right, _ = pair
-    assert gain_between(left, seen_through(right, gain, offset)) == pytest.approx(gain, rel=0.02)
-    assert gain_between(seen_through(left, gain, offset), right) == pytest.approx(
+    assert gain_between(left, exposed_with(right, gain, offset)) == pytest.approx(gain, rel=0.02)
+    assert gain_between(exposed_with(left, gain, offset), right) == pytest.approx(
         1 / gain, rel=0.02
     )
 
 
-def test_like_cameras_are_left_as_they_are(pair):
+def test_equal_cameras_are_left_unchanged(pair):
     left, right, _ = pair
     assert gain_between(left, right) == 1.0
     assert with_gain_of(left, right) is right
@@ -40,7 +40,7 @@ def test_like_cameras_are_left_as_they_are(pair):
     assert gain_between(near_left, near_right) == 1.0
 
 
-def test_what_one_camera_alone_sees_is_no_gain(pair):
+def test_content_seen_by_one_camera_is_not_taken_for_gain(pair):
     left, right, _ = pair
     rng = np.random.default_rng(0)
     seen = left.copy()
@@ -51,11 +51,11 @@ def test_what_one_camera_alone_sees_is_no_gain(pair):
 
 
 @pytest.mark.parametrize("quality", ["best", "fast"])
-def test_unlike_cameras_match_as_like_ones_do(pair, quality):
+def test_cameras_of_different_exposure_match_like_equal_ones(pair, quality):
     left, right, truth = pair
     found = [
         match_pair(left, image, max_disparity=16, quality=quality)
-        for image in (right, seen_through(right, 1.15, -8))
+        for image in (right, exposed_with(right, 1.15, -8))
     ]
     right_shares = [
         np.mean(np.abs(matches.disparity_px - truth_at(truth, matches)) < 0.5) for matches in found
@@ -66,11 +66,11 @@ def test_unlike_cameras_match_as_like_ones_do(pair, quality):
 
 
 @pytest.mark.parametrize("quality", ["best", "fast"])
-def test_every_pixel_too(pair, quality):
+def test_dense_matching_compensates_exposure(pair, quality):
     left, right, truth = pair
     found = [
         match_dense(left, image, max_disparity=16, quality=quality).disparity_px
-        for image in (right, seen_through(right, 1.15, -8))
+        for image in (right, exposed_with(right, 1.15, -8))
     ]
     covered = [np.isfinite(one).mean() for one in found]
     errors = [np.nanmedian(np.abs(one - truth)) for one in found]

@@ -1,4 +1,4 @@
-"""Features lie on ridges, as many as wanted; bad images are refused in one line."""
+"""Features lie on ridges, in the requested number; invalid images are rejected in one line."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ METHODS = ["steerable", "population"]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_number_follows_the_wanted_share(plane, method):
+def test_number_of_features_follows_the_share(plane, method):
     few, many = (
         len(detect(plane[0], FeatureSettings(share=share, method=method))) for share in (0.02, 0.05)
     )
@@ -21,7 +21,7 @@ def test_number_follows_the_wanted_share(plane, method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_step_gives_one_thin_line_with_its_normal(method):
+def test_step_gives_one_thin_line_with_its_normal(method):
     image = np.full((60, 60), 60, np.uint8)
     image[:, 30:] = 180
     features = detect(image, FeatureSettings(share=0.02, widths_px=(2.0, 4.0), method=method))
@@ -32,7 +32,7 @@ def test_a_step_gives_one_thin_line_with_its_normal(method):
     assert across[inner].max() < np.radians(2)
 
 
-def test_thinning_leaves_no_features_side_by_side_across_an_edge(plane):
+def test_thinning_leaves_no_adjacent_features_across_an_edge(plane):
     features = detect(plane[0], FeatureSettings())
     place = {(u, v) for u, v in features.points_px.astype(int).tolist()}
     flat = np.abs(np.cos(features.orientation_rad)) > 0.99
@@ -43,20 +43,20 @@ def test_thinning_leaves_no_features_side_by_side_across_an_edge(plane):
     assert not any(beside)
 
 
-def test_the_threshold_holds_whatever_number_is_wanted(plane):
+def test_threshold_applies_whatever_the_share(plane):
     settings = FeatureSettings(share=1.0, threshold=30.0)
     features = detect(plane[0], settings)
     assert features.modulus.min() >= 30.0
     assert 0 < len(features) < len(detect(plane[0], FeatureSettings(share=1.0)))
 
 
-def test_points_come_in_the_order_of_the_rows(plane_features):
+def test_points_are_in_row_order(plane_features):
     u, v = plane_features[0].points_px.T
     place = v * 10_000 + u
     assert (np.diff(place) > 0).all()
 
 
-def test_colour_is_taken_as_brightness(plane):
+def test_colour_is_converted_to_brightness(plane):
     grey = detect(plane[0], FeatureSettings())
     colour = detect(np.repeat(plane[0][..., None], 3, axis=2), FeatureSettings())
     np.testing.assert_array_equal(grey.points_px, colour.points_px)
@@ -64,11 +64,11 @@ def test_colour_is_taken_as_brightness(plane):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape", [(1, 1), (1, 50), (50, 1), (5, 5), (40, 40)])
-def test_images_with_nothing_in_them_have_no_features(method, shape):
+def test_blank_images_have_no_features(method, shape):
     assert len(detect(np.full(shape, 77, np.uint8), FeatureSettings(method=method))) == 0
 
 
-def test_share_zero_gives_none(plane):
+def test_share_zero_gives_no_features(plane):
     assert len(detect(plane[0], FeatureSettings(share=0.0))) == 0
 
 
@@ -83,12 +83,12 @@ def test_share_zero_gives_none(plane):
         (np.zeros(9, np.uint8), r"shape \(9,\)"),
     ],
 )
-def test_what_is_no_image_is_refused(image, message):
+def test_invalid_image_is_rejected(image, message):
     with pytest.raises(InputError, match=message):
         detect(image, FeatureSettings())
 
 
-def test_the_image_is_not_written_to():
+def test_image_is_not_modified():
     left, _, _ = textured_pair(shape=(40, 40))
     left.flags.writeable = False
     detect(left, FeatureSettings())

@@ -1,4 +1,4 @@
-"""Lanes do to eight numbers what Python does to one."""
+"""Lanes compute on eight numbers what Python computes on one."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def reduce(a):
 
 @settings(deadline=None, max_examples=50)
 @given(numbers, numbers)
-def test_arithmetic_is_that_of_arrays(a, b):
+def test_arithmetic_matches_arrays(a, b):
     out = np.zeros_like(a)
     calculate(a, b, out)
     x = a + 2 * b
@@ -53,7 +53,7 @@ def test_arithmetic_is_that_of_arrays(a, b):
 
 @settings(deadline=None, max_examples=50)
 @given(numbers)
-def test_reductions_take_in_every_number_once(a):
+def test_reductions_use_every_number_once(a):
     highest, added = reduce(a)
     assert highest == a[1 : 1 + NUM_LANES].max()
     assert added == pytest.approx(a[1 : 1 + NUM_LANES].sum(dtype=float), abs=1e-3)
@@ -67,14 +67,14 @@ def slide(a, out):
 
 @settings(deadline=None, max_examples=20)
 @given(numbers)
-def test_neighbours_are_those_of_a_shifted_load(a):
+def test_neighbours_match_a_shifted_load(a):
     out = np.zeros_like(a)
     slide(a, out)
     np.testing.assert_array_equal(out[:NUM_LANES], a[NUM_LANES - 1 : -1])
     np.testing.assert_array_equal(out[NUM_LANES:], a[1 : NUM_LANES + 1])
 
 
-def test_a_store_writes_eight_numbers_and_no_more():
+def test_store_writes_exactly_eight_numbers():
     @njit
     def write(out):
         store(out, 3, spread(7.0))
@@ -89,7 +89,7 @@ def test_a_store_writes_eight_numbers_and_no_more():
     [np.zeros(16), np.zeros((2, 8), np.float32), np.zeros(32, np.float32)[::2]],
     ids=["float64", "two axes", "gaps"],
 )
-def test_what_is_no_row_of_floats_does_not_compile(array):
+def test_only_rows_of_floats_compile(array):
     @njit
     def read(array):
         return total(load(array, 0))
@@ -101,12 +101,12 @@ def test_what_is_no_row_of_floats_does_not_compile(array):
 @pytest.mark.parametrize(
     ("size", "whole", "wanted"), [(0, 8, 0), (1, 8, 8), (16, 8, 16), (17, 16, 32)]
 )
-def test_filled_is_the_next_multiple(size, whole, wanted):
+def test_filled_rounds_up_to_the_next_multiple(size, whole, wanted):
     assert lanes.filled(size, whole) == wanted
 
 
 @pytest.mark.parametrize("size", [1, 37, 5000])
-def test_rooms_begin_where_a_line_of_the_memory_does(size):
+def test_arrays_are_aligned_to_cache_lines(size):
     room = aligned_zeros(size)
     assert room.shape == (size,)
     assert room.ctypes.data % 64 == 0

@@ -1,4 +1,4 @@
-"""Every matcher finds a plane, its sign is right, and odd searches are answered."""
+"""Every matcher finds a plane with the correct sign, and handles unusual search ranges."""
 
 import pickle
 
@@ -34,12 +34,12 @@ def share_right(matches, truth, within=1.0):
     return np.mean(np.abs(matches.disparity_px - truth_at(truth, matches)) <= within)
 
 
-def test_the_table_names_every_matcher_of_the_settings():
+def test_table_names_every_matcher_of_the_settings():
     assert set(matching.MATCHERS.names()) >= {"phase", "vonmises", "sgbm"}
 
 
 @pytest.mark.parametrize("way", EVERY_WAY, ids=lambda way: "-".join(way.values()))
-def test_a_plane_is_found_by_every_matcher(plane, way):
+def test_every_matcher_matches_a_plane(plane, way):
     left, right, truth = plane
     matches = solve(left, right, **way)
     assert len(matches) > 500
@@ -55,7 +55,7 @@ def test_a_plane_is_found_by_every_matcher(plane, way):
 
 
 @pytest.mark.parametrize("way", EVERY_WAY, ids=lambda way: "-".join(way.values()))
-def test_unrelated_images_give_little_confidence(plane, way):
+def test_unrelated_images_give_low_confidence(plane, way):
     if way["matcher"] == "sgbm":
         pytest.skip("StereoSGBM has no confidence")
     noise = np.random.default_rng(1).integers(0, 256, plane[0].shape).astype(np.uint8)
@@ -65,7 +65,7 @@ def test_unrelated_images_give_little_confidence(plane, way):
     assert np.sum(nonsense.score > np.quantile(right.score, 0.1)) < 0.02 * len(right)
 
 
-def test_negative_disparities_where_the_eyes_converge():
+def test_converging_cameras_give_negative_disparities():
     left, right, truth = textured_pair(middle=-6.0)
     matches = solve(left, right, min_disparity=-12, max_disparity=3)
     assert share_right(matches, truth) > 0.98
@@ -81,7 +81,7 @@ def test_both_ends_of_the_range_are_searched():
 
 @pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(-1000, 1000), (0, 500), (-500, 20)])
-def test_a_range_wider_than_the_image_is_cut(plane, search, matcher):
+def test_range_wider_than_the_image_is_clipped(plane, search, matcher):
     low, high = search
     matches = solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
     assert len(matches) > 500
@@ -90,27 +90,27 @@ def test_a_range_wider_than_the_image_is_cut(plane, search, matcher):
 
 @pytest.mark.parametrize("matcher", ["phase", "sgbm"])
 @pytest.mark.parametrize("search", [(500, 600), (-900, -400)])
-def test_a_range_outside_the_image_is_refused(plane, search, matcher):
+def test_range_outside_the_image_is_rejected(plane, search, matcher):
     low, high = search
     with pytest.raises(InputError, match="all lie outside the image, whose width is 160"):
         solve(*plane[:2], min_disparity=low, max_disparity=high, matcher=matcher)
 
 
-def test_max_row_offset_px_cures_rows_that_are_off():
+def test_max_row_offset_px_tolerates_row_offsets():
     left, right, truth = textured_pair(row_shift=1, slope=(0.02, 0.0))
     strict, lenient = (solve(left, right, max_row_offset_px=rows) for rows in (0, 1))
     assert share_right(lenient, truth) > 0.98
     assert np.median(lenient.score) > np.median(strict.score) + 0.05
 
 
-def test_keep_takes_the_most_confident(plane):
+def test_keep_takes_the_most_confident_matches(plane):
     everything, few = solve(*plane[:2]), solve(*plane[:2], keep=50)
     assert len(few) == 50
     np.testing.assert_array_equal(few.points_px, everything.points_px[:50])
     np.testing.assert_array_equal(few.disparity_px, everything.disparity_px[:50])
 
 
-def test_a_quota_spreads_the_matches(plane):
+def test_quota_per_block_spreads_the_matches(plane):
     matches = solve(*plane[:2], per_block=5)
     u, v = matches.points_px.astype(int).T // matching.BLOCK_PX
     _, counts = np.unique(v * 100 + u, return_counts=True)
@@ -118,7 +118,7 @@ def test_a_quota_spreads_the_matches(plane):
     assert (np.diff(matches.score) <= 0).all()
 
 
-def test_the_same_images_give_the_same_bytes(plane):
+def test_same_images_give_the_same_bytes(plane):
     first, second = solve(*plane[:2]), solve(*plane[:2])
     for name in ("points_px", "disparity_px", "sigma_px", "score"):
         assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
@@ -131,18 +131,18 @@ def test_tiny_or_empty_images_give_no_matches(matcher, shape):
     assert len(solve(image, image, max_disparity=0, matcher=matcher)) == 0
 
 
-def test_a_constant_against_a_textured_image_gives_none(plane):
+def test_constant_image_gives_no_matches(plane):
     assert len(solve(plane[0], np.full_like(plane[0], 9))) == 0
 
 
-def test_images_of_two_sizes_are_refused(plane_features):
+def test_images_of_different_sizes_are_rejected(plane_features):
     other = detect(np.zeros((20, 20), np.uint8), FeatureSettings())
     with pytest.raises(InputError, match=r"left image has shape \(120, 160\), right \(20, 20\)"):
         matching.match(plane_features[0], other, MatchingSettings())
 
 
 @pytest.mark.parametrize("widths", [(2.0,), (2.0, 4.0, 8.0, 16.0)])
-def test_features_of_unlike_filters_are_refused(plane, plane_features, widths):
+def test_features_of_different_filters_are_rejected(plane, plane_features, widths):
     other = detect(plane[1], FeatureSettings(widths_px=widths))
     for step in (matching.match, lambda left, right, _: refine(Matches.none(), left, right)):
         for pair in ((plane_features[0], other), (other, plane_features[0])):
@@ -151,7 +151,7 @@ def test_features_of_unlike_filters_are_refused(plane, plane_features, widths):
 
 
 @pytest.mark.parametrize("width", [150, 157, 160])
-def test_what_fills_rows_up_means_nothing(width):
+def test_padding_of_rows_has_no_effect(width):
     left, right, _ = textured_pair(shape=(60, width), middle=-3.0)
     pair = [detect(image, FeatureSettings()) for image in (left, right)]
     settings = MatchingSettings(min_disparity=-9, max_disparity=4)
@@ -163,12 +163,12 @@ def test_what_fills_rows_up_means_nothing(width):
         np.testing.assert_array_equal(getattr(filled, name), getattr(clean, name))
 
 
-def test_an_unknown_matcher_is_named_with_the_known_ones():
+def test_unknown_matcher_is_rejected_with_the_known_ones():
     with pytest.raises(InputError, match="matcher is 'sift', but one of phase, sgbm, vonmises"):
         matching.MATCHERS.load("sift")
 
 
-def test_points_on_an_occluding_edge_move_to_the_side_that_has_their_disparity(monkeypatch):
+def test_points_on_an_occluding_edge_move_to_the_side_of_their_disparity(monkeypatch):
     from recon.stereo.matching import phase
 
     left, right, truth = step_pair()

@@ -1,4 +1,4 @@
-"""The quick order is the stable one, and the quick median numpy's."""
+"""The fast sort is stable, and the fast median matches numpy's."""
 
 import numpy as np
 import pytest
@@ -10,20 +10,20 @@ from recon.stereo.kernels.sorting import falling, median, order
 
 
 @given(arrays(np.float32, st.integers(0, 60), elements=st.floats(-3, 3, width=16)))
-def test_falling_is_the_stable_order_of_floats(values):
+def test_descending_order_of_floats_is_stable(values):
     np.testing.assert_array_equal(falling(values), np.argsort(-values, kind="stable"))
 
 
 @given(arrays(np.int64, st.integers(0, 60), elements=st.integers(-9, 9)))
-def test_order_is_the_stable_order_of_integers(keys):
+def test_order_of_integers_is_stable(keys):
     np.testing.assert_array_equal(order(keys), np.argsort(keys, kind="stable"))
 
 
 @pytest.mark.parametrize("extreme", [2**31 - 1, -(2**31)])
-def test_order_takes_what_fits_into_32_bits(extreme):
+def test_order_accepts_all_32_bit_integers(extreme):
     np.testing.assert_array_equal(order(np.array([extreme, 0])), [1, 0] if extreme > 0 else [0, 1])
 
 
 @given(arrays(np.float64, st.integers(1, 40), elements=st.floats(-3, 3, width=16)))
-def test_median_is_that_of_numpy(values):
+def test_median_matches_numpy(values):
     assert median(values) == np.median(values)

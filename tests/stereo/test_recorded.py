@@ -1,4 +1,4 @@
-"""Recorded pairs with truth: success at the thesis's pair counts and beyond (Tables 1 and 3)."""
+"""Recorded pairs with truth: success rates at the thesis's numbers of pairs (Tables 1 and 3)."""
 
 import json
 
@@ -14,7 +14,7 @@ from recon.stereo.subpixel import refine
 
 pytestmark = pytest.mark.data
 
-# Folder, largest disparity, K, success that fast and best must reach at K, in percent.
+# Folder, largest disparity, K, success in percent that fast and best must reach at K.
 PAIRS = [
     ("middlebury2001/venus", 20, 1310, 99.0, 99.5),
     ("middlebury2001/sawtooth", 20, 3079, 98.8, 99.5),
@@ -56,7 +56,7 @@ def test_success_at_k(data_dir, name, last, num, fast, best):
             assert twice.success_all >= bar - 1.0
 
 
-def test_fine_tuning_and_sigma_on_venus(data_dir):
+def test_subpixel_refinement_and_sigma_on_venus(data_dir):
     matches, truth = solve(data_dir / "middlebury2001/venus", "best", 20)
     found = evaluate(matches.select(slice(0, 1310)), truth)
     assert 0.02 < found.subpixel_median_px <= 0.09
@@ -64,7 +64,7 @@ def test_fine_tuning_and_sigma_on_venus(data_dir):
 
 
 @pytest.mark.parametrize("name", ["middlebury2001/sawtooth", "middlebury2005/Moebius"])
-def test_sigma_is_honest_on_recorded_pairs(data_dir, name):
+def test_sigma_is_consistent_on_recorded_pairs(data_dir, name):
     matches, truth = solve(data_dir / name, "best", 78)
     u, v = matches.points_px.astype(int).T
     error = matches.disparity_px - truth[v, u]
@@ -73,7 +73,7 @@ def test_sigma_is_honest_on_recorded_pairs(data_dir, name):
 
 
 def miscalibration(probability, is_right):
-    """Mean distance of the probability from the share that is right, over bins."""
+    """Average the distance of the probability from the share of correct matches, over bins."""
     number = np.digitize(probability, [0.5, 0.8, 0.95, 0.99])
     gaps = [abs((probability - is_right)[number == k].sum()) for k in range(5)]
     return sum(gaps) / len(probability)
@@ -81,7 +81,7 @@ def miscalibration(probability, is_right):
 
 @pytest.mark.parametrize("name", ["middlebury2005/Moebius", "middlebury2006/Baby1"])
 @pytest.mark.parametrize("quality", ["fast", "best"])
-def test_of_likely_matches_that_share_is_right(data_dir, name, quality):
+def test_probability_is_calibrated_on_recorded_pairs(data_dir, name, quality):
     matches, truth = solve(data_dir / name, quality, 110)
     u, v = matches.points_px.astype(int).T
     error = np.abs(matches.disparity_px - truth[v, u])

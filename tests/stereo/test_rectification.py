@@ -1,4 +1,4 @@
-"""Rows tell how exact a rig is: not at all where they differ, and noise hides it."""
+"""The residual of a rig is estimated from row differences, unless noise hides it."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def residual(features, matches):
 
 
 @pytest.mark.parametrize("widths", [(1.5, 3.0, 6.0), (2.0,)])
-def test_rows_that_differ_are_those_of_a_typical_rig(widths):
+def test_row_differences_give_the_residual_of_a_typical_rig(widths):
     exact, off, far_off = (
         residual(*matched(row_shift, widths=widths)) for row_shift in (0.0, -0.1, 0.4)
     )
@@ -37,18 +37,18 @@ def test_rows_that_differ_are_those_of_a_typical_rig(widths):
     assert 0.85 * TYPICAL_RESIDUAL_PX < off < far_off < TYPICAL_RESIDUAL_PX
 
 
-def test_what_noise_hides_is_not_exact():
+def test_residual_hidden_by_noise_is_not_taken_for_zero():
     residuals = [residual(*matched(noise=noise)) for noise in (1.0, 10.0)]
     assert residuals[1] > 1.5 * residuals[0]
 
 
-def test_of_few_matches_it_is_that_of_a_typical_rig():
+def test_few_matches_give_the_residual_of_a_typical_rig():
     features, matches = matched()
     for num in (0, 5):
         assert residual(features, matches.select(slice(0, num))) == TYPICAL_RESIDUAL_PX
 
 
-def test_refinement_asks_the_rows_where_no_rig_states_it():
+def test_refinement_estimates_the_residual_if_the_rig_does_not_state_it():
     features, matches = matched()
     asked, exact, typical = (
         np.median(refine(matches, *features, one).sigma_px) for one in (None, 0.0, 0.13)

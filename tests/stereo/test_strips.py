@@ -1,4 +1,4 @@
-"""Large images are matched strip by strip: nothing is lost or doubled where strips meet."""
+"""Large images are matched in strips: nothing is lost or duplicated where strips meet."""
 
 from itertools import pairwise
 
@@ -27,7 +27,7 @@ def places(found):
     return {tuple(row) for row in found.matches.points_px.tolist()}
 
 
-def test_strips_find_what_the_whole_image_does(pair, monkeypatch):
+def test_strips_give_the_matches_of_the_whole_image(pair, monkeypatch):
     whole = solve(pair)
     monkeypatch.setattr(sparse, "_STRIP_BYTES", 1)
     assert len(list(sparse._strips((700, 160), (1.5, 3.0, 6.0)))) == 3

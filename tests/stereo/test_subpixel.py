@@ -1,4 +1,4 @@
-"""Fine tuning has the right sign, helps, never breaks a match, and knows how sure it is."""
+"""Sub-pixel refinement has the right sign, helps, breaks no match, and has a consistent sigma."""
 
 import dataclasses
 
@@ -22,18 +22,18 @@ def coarse_and_fine(left, right, **features):
 
 
 @pytest.mark.parametrize("fraction", [-0.4, -0.2, 0.0, 0.3, 0.5])
-def test_fractions_of_a_pixel_come_out_with_their_sign(fraction):
+def test_fractions_of_a_pixel_are_recovered_with_their_sign(fraction):
     left, right, truth = textured_pair(slope=(0.0, 0.0), middle=8 + fraction, noise=0.5)
     _, fine = coarse_and_fine(left, right)
     error = fine.disparity_px - truth_at(truth, fine)
     assert abs(np.median(error)) < 0.03
     if fraction:
-        # The other sign would err by twice the fraction.
+        # The other sign would double the fraction as an error.
         assert np.median(np.abs(error)) < 0.3 * abs(2 * fraction)
 
 
 @pytest.mark.parametrize("widths", [(1.5, 3.0, 6.0), (2.0,), (2.0, 4.0)])
-def test_tuning_beats_whole_pixels_and_breaks_nothing(plane, widths):
+def test_refinement_beats_whole_pixels_and_breaks_no_match(plane, widths):
     coarse, fine = coarse_and_fine(*plane[:2], widths_px=widths)
     truth = truth_at(plane[2], coarse)
     before, after = (np.abs(m.disparity_px - truth) for m in (coarse, fine))
@@ -42,7 +42,7 @@ def test_tuning_beats_whole_pixels_and_breaks_nothing(plane, widths):
     assert np.sum(after > 1) <= np.sum(before > 1)
 
 
-def test_sigma_of_an_exact_rig_is_of_the_size_of_the_error(plane):
+def test_sigma_of_an_exact_rig_matches_the_error(plane):
     pair = [detect(image, FeatureSettings()) for image in plane[:2]]
     coarse = matching.match(*pair, MatchingSettings(max_disparity=16))
     error = refine(coarse, *pair).disparity_px - truth_at(plane[2], coarse)
@@ -51,12 +51,12 @@ def test_sigma_of_an_exact_rig_is_of_the_size_of_the_error(plane):
         np.std(error[good] / refine(coarse, *pair, residual_px).sigma_px[good])
         for residual_px in (0.0, 0.3)
     ]
-    # This plane has no silhouettes, which err most: sigma keeps room for them.
+    # This plane has no silhouettes, where errors are largest: sigma covers them as well.
     assert 0.35 < spreads[0] < 1.1
-    assert spreads[1] < 0.2  # such an error of the calibration would be seen
+    assert spreads[1] < 0.2  # such a calibration error would be visible
 
 
-def test_the_residual_of_the_rig_adds_to_the_variance(plane_features):
+def test_residual_of_the_rig_adds_to_the_variance(plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     exact, recorded = (refine(coarse, *plane_features, r) for r in (0.0, 0.2))
     is_tuned = exact.sigma_px < np.float32(UNTUNED_SIGMA_PX)
@@ -66,17 +66,17 @@ def test_the_residual_of_the_rig_adds_to_the_variance(plane_features):
     assert (exact.disparity_px == recorded.disparity_px).all()
 
 
-def test_pairs_that_may_be_wrong_have_a_larger_sigma(plane_features):
+def test_doubtful_matches_have_a_larger_sigma(plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     medians = []
     for probability in (0.999, 0.9, np.nan):
         one = dataclasses.replace(coarse, probability=np.full(len(coarse), probability))
         medians.append(np.median(refine(one, *plane_features, 0.0).sigma_px))
     assert medians[1] > 2 * medians[0]
-    assert medians[2] == pytest.approx(medians[0], rel=0.05)  # unknown: no doubt
+    assert medians[2] == pytest.approx(medians[0], rel=0.05)  # an unknown probability adds no doubt
 
 
-def test_more_noise_gives_more_error_and_more_sigma():
+def test_more_noise_gives_larger_error_and_sigma():
     def numbers(noise):
         left, right, truth = textured_pair(noise=noise)
         _, fine = coarse_and_fine(left, right)
@@ -88,13 +88,13 @@ def test_more_noise_gives_more_error_and_more_sigma():
     assert loud[1] > 1.1 * quiet[1]
 
 
-def test_filters_too_fine_to_tune_leave_whole_pixels(plane):
+def test_too_fine_filters_leave_whole_pixels(plane):
     coarse, fine = coarse_and_fine(*plane[:2], widths_px=(1.5,))
     np.testing.assert_array_equal(coarse.disparity_px, fine.disparity_px)
     assert (fine.sigma_px == np.float32(UNTUNED_SIGMA_PX)).all()
 
 
-def test_what_is_tuned_already_is_left_alone(plane, plane_features):
+def test_refined_matches_are_left_unchanged(plane, plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     done = dataclasses.replace(coarse, sigma_px=np.full(len(coarse), 0.2))
     again = refine(done, *plane_features)
@@ -102,7 +102,7 @@ def test_what_is_tuned_already_is_left_alone(plane, plane_features):
     np.testing.assert_array_equal(again.sigma_px, done.sigma_px)
 
 
-def test_before_tuning_sigma_is_unknown(plane_features):
+def test_sigma_is_unknown_before_refinement(plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     assert np.isnan(coarse.sigma_px).all()
     assert (coarse.disparity_px == np.rint(coarse.disparity_px)).all()
@@ -114,7 +114,7 @@ def test_before_tuning_sigma_is_unknown(plane_features):
      {"disparity_px": np.array(500.0)}, {"disparity_px": np.array(-500.0)}],
     ids=["right of it", "above it", "partner left of it", "partner right of it"],
 )  # fmt: skip
-def test_matches_outside_the_image_are_refused(plane_features, change):
+def test_matches_outside_the_image_are_rejected(plane_features, change):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     ((name, value),) = change.items()
     numbers = getattr(coarse, name).copy()

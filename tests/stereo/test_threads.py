@@ -1,4 +1,4 @@
-"""Threads: the same bytes for any number of them, and no more than were allowed."""
+"""Threads: the same bytes for any number of threads, and no more threads than allowed."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from scenes import textured_pair
 
 
 @pytest.mark.parametrize("quality", ["best", "fast"])
-def test_the_bytes_do_not_depend_on_the_number_of_threads(quality, monkeypatch):
+def test_number_of_threads_does_not_change_the_bytes(quality, monkeypatch):
     left, right, _ = textured_pair()
     wide = [np.concatenate([image] * 4, axis=1) for image in (left, right)]
     found = {}
@@ -31,9 +31,9 @@ def test_bands_cover_everything_once(monkeypatch):
     assert len(bands(95, 96)) == 1
 
 
-def test_bands_cost_about_the_same(monkeypatch):
+def test_bands_have_similar_cost(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
-    cost = np.concatenate([np.zeros(200), np.arange(101.0)])  # nothing in the upper 200 rows
+    cost = np.concatenate([np.zeros(200), np.arange(101.0)])  # the upper 200 rows are empty
     edges = bands(300, 96, cost)
     assert [first for first, _ in edges] == [0, *(end for _, end in edges[:-1])]
     assert edges[-1][1] == 300
@@ -41,7 +41,7 @@ def test_bands_cost_about_the_same(monkeypatch):
     np.testing.assert_allclose(costs, 100 / 3, atol=1.0)
 
 
-def test_a_failure_in_a_thread_is_raised(monkeypatch):
+def test_exception_in_a_thread_is_raised(monkeypatch):
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
 
     def fail():

@@ -1,4 +1,4 @@
-"""Points come out where they are, with the colour of their place and the sigma of their depth."""
+"""Points are triangulated at their positions, with colour and the sigma of their depth."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def pair_of(left):
     return StereoPair(left=left, right=left, rig=RIG)
 
 
-def test_a_known_point_comes_back():
+def test_known_point_is_recovered():
     point = np.array([[0.4, -0.2, 3.0]])
     matches = matches_of(RIG.project_left(point), RIG.disparity(point[:, 2]))
     image = np.zeros((48, 64, 3), np.uint8)
@@ -40,7 +40,7 @@ def test_a_known_point_comes_back():
     assert cloud.colours.tolist() == [[200, 0, 0]]
 
 
-def test_noise_of_disparity_is_the_sigma_of_depth():
+def test_disparity_noise_gives_the_sigma_of_depth():
     rng = np.random.default_rng(0)
     depth, sigma_px = 3.0, 0.05
     noisy = RIG.disparity(depth) + rng.normal(0, sigma_px, 4000)
@@ -50,13 +50,13 @@ def test_noise_of_disparity_is_the_sigma_of_depth():
 
 
 @pytest.mark.parametrize("disparity", [0.0, -2.0, np.nan])
-def test_what_does_not_meet_in_front_of_the_eyes_is_left_out(disparity):
+def test_points_without_an_intersection_in_front_are_left_out(disparity):
     matches = matches_of([[10, 10], [20, 20]], [5.0, disparity])
     cloud = triangulate(matches, pair_of(np.zeros((48, 64), np.uint8)), TriangulationSettings())
     assert len(cloud) == 1
 
 
-def test_unsure_points_are_left_out_where_wanted():
+def test_uncertain_points_are_left_out_on_request():
     matches = matches_of([[10, 10], [20, 20]], [5.0, 1.0])
     image = np.zeros((48, 64), np.uint8)
     sure = triangulate(matches, pair_of(image), TriangulationSettings(max_sigma=0.5))
@@ -64,7 +64,7 @@ def test_unsure_points_are_left_out_where_wanted():
     assert sure.points[0, 2] == pytest.approx(3.0)
 
 
-def test_the_colour_is_the_mean_of_the_window_also_at_the_border():
+def test_colour_is_the_mean_of_the_window_even_at_the_border():
     image = np.zeros((48, 64), np.uint8)
     image[10, 10] = 90
     matches = matches_of([[10, 10], [0, 0]], [5.0, 5.0])
@@ -72,6 +72,6 @@ def test_the_colour_is_the_mean_of_the_window_also_at_the_border():
     assert cloud.colours.tolist() == [[10, 10, 10], [0, 0, 0]]
 
 
-def test_no_matches_make_an_empty_cloud():
+def test_no_matches_give_an_empty_cloud():
     image = np.zeros((48, 64), np.uint8)
     assert len(triangulate(Matches.none(), pair_of(image), TriangulationSettings())) == 0

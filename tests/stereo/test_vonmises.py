@@ -1,4 +1,4 @@
-"""The mixture is fitted as it should be, and the model learns, travels and is refused when bad."""
+"""The mixture is fitted correctly; models are trained, saved, and rejected if invalid."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from scenes import textured_pair, truth_at
 
 
 def sample(rng, size=4000):
-    """Two thirds at 0.8 with kappa 20, one third at -1.5 with kappa 5."""
+    """Draw two thirds at 0.8 with kappa 20, and one third at -1.5 with kappa 5."""
     near, far = rng.vonmises(0.8, 20, size), rng.vonmises(-1.5, 5, size // 2)
     return np.concatenate([near, far])
 
@@ -37,8 +37,8 @@ def log_likelihoods(improve, phases, rounds=30):
     return np.array(found)
 
 
-def improved_by_doubled_angles(current, phases):
-    """Eqs 32 and 36 to the letter: the thesis doubles the angle, as for axes."""
+def fit_by_doubled_angles(current, phases):
+    """Apply Eqs 32 and 36 literally: the thesis doubles the angle, as for axes."""
     density = current.components(phases)
     share = (density / density.sum(axis=0))[:-1]
     total = share.sum(axis=1)
@@ -51,8 +51,8 @@ def improved_by_doubled_angles(current, phases):
 def test_likelihood_never_falls_and_the_doubled_angle_is_worse():
     phases = sample(np.random.default_rng(1))
     single = log_likelihoods(mixture.improved, phases)
-    doubled = log_likelihoods(improved_by_doubled_angles, phases)
-    assert np.diff(single).min() > -1e-3  # kappa's closed form is good to 0.9 percent
+    doubled = log_likelihoods(fit_by_doubled_angles, phases)
+    assert np.diff(single).min() > -1e-3  # the closed form of kappa is accurate to 0.9 percent
     assert single[-1] > doubled[-1] + 0.1
 
 
@@ -62,13 +62,13 @@ def test_concentration_is_within_one_percent(kappa):
     assert mixture.concentration(np.array(length)) == pytest.approx(kappa, rel=0.009)
 
 
-def test_density_is_a_density():
+def test_density_integrates_to_one():
     found = mixture.fit(sample(np.random.default_rng(2)), 3)
     phases = np.linspace(-np.pi, np.pi, 2000, endpoint=False)
     assert found.density(phases).mean() * 2 * np.pi == pytest.approx(1.0, abs=1e-6)
 
 
-def test_too_few_phases_are_refused():
+def test_too_few_phases_are_rejected():
     with pytest.raises(InputError, match="there are 3 phases, but 2 components need at least 4"):
         mixture.fit(np.zeros(3), 2)
 
@@ -81,20 +81,20 @@ def trained():
     return vonmises.train([(*pair, matches)], np.random.default_rng(0))
 
 
-def test_a_model_travels_through_json(trained):
+def test_model_round_trips_through_json(trained):
     again = vonmises.Model.from_json(trained.to_json())
     phases = np.linspace(-3, 3, 7)
     np.testing.assert_allclose(again.log_ratio(phases), trained.log_ratio(phases))
 
 
-def test_right_pairs_have_small_phases_and_like_magnitudes(trained):
+def test_correct_matches_have_small_phases_and_similar_magnitudes(trained):
     ratio = trained.log_ratio(np.array([0.0, np.pi]))
     assert (ratio[:, -1, 0] > 1.0).all()
     assert (ratio[:, -1, 1] < 0.0).all()
     assert (ratio[:, -1, 0] > ratio[:, 0, 0] + 1.0).all()
 
 
-def test_training_twice_gives_the_same_model(trained):
+def test_training_is_reproducible(trained):
     left, right, _ = textured_pair(seed=11)
     pair = detect(left, FeatureSettings()), detect(right, FeatureSettings())
     matches = matching.match(*pair, MatchingSettings(max_disparity=16))
@@ -103,7 +103,7 @@ def test_training_twice_gives_the_same_model(trained):
     )
 
 
-def test_a_trained_model_matches_another_scene_and_scores_are_probabilities(
+def test_trained_model_matches_another_scene_with_probabilities_as_scores(
     trained, tmp_path, plane, plane_features
 ):
     path = tmp_path / "model.json"
@@ -116,38 +116,38 @@ def test_a_trained_model_matches_another_scene_and_scores_are_probabilities(
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[1]", '{"format": "other"}', "not json"])
-def test_what_is_no_model_is_refused_with_its_name(text):
+def test_invalid_model_is_rejected_with_its_name(text):
     with pytest.raises(InputError, match=r"m\.json is not a recon von Mises model"):
         vonmises.Model.from_json(text, "m.json")
 
 
-def test_a_missing_model_file_is_named(plane_features):
+def test_missing_model_file_is_named(plane_features):
     settings = MatchingSettings(matcher="vonmises", model="nowhere/model.json")
     with pytest.raises(InputError, match=r"nowhere/model\.json cannot be read"):
         matching.match(*plane_features, settings)
 
 
-def test_one_bin_is_phase_alone(plane_features):
+def test_single_bin_uses_phase_only(plane_features):
     matches = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     model = vonmises.train([(*plane_features, matches)], np.random.default_rng(0), num_bins=1)
     assert model.share_right.tolist() == [[1.0]] * 3
 
 
-def test_training_without_examples_is_refused():
+def test_training_without_examples_is_rejected():
     with pytest.raises(InputError, match="0 examples"):
         vonmises.train([], np.random.default_rng(0))
 
 
-def test_pairs_that_are_all_but_certain_are_still_ranked(plane_features):
+def test_nearly_certain_matches_are_still_ranked(plane_features):
     matches = vonmises.match(*plane_features, MatchingSettings(max_disparity=16))
     assert np.sum(matches.score > 0.9999) > 300
-    # By position they would be those of the uppermost rows.
+    # Ranked by position, they would all lie in the uppermost rows.
     rows = matches.points_px[:300, 1]
     assert rows.min() < 30
     assert rows.max() > 90
 
 
-def test_of_probable_pairs_that_share_is_right(plane):
+def test_probability_is_the_share_of_correct_matches(plane):
     noise = np.random.default_rng(3).normal(0, 25, (2, *plane[0].shape))
     noisy = [
         np.clip(image + n, 0, 255).astype(np.uint8)
