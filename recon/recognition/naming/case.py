@@ -60,12 +60,12 @@ class Case:
     alone: tuple[Candidate, ...]
     """Single solids fitted to at most `MOST_FOR_SOLIDS` of the cells, best first."""
 
-    @property
+    @cached_property
     def weights(self) -> Array:
         """Weights (N,): cells with few points are more often off the surface than on it."""
         return trust_by_points(self.cells, TRUSTS)
 
-    @property
+    @cached_property
     def overall_slenderness(self) -> float:
         """Height over half the width of the box around the cells."""
         height = float(self.cells.means[:, 1].max()) - self.ground

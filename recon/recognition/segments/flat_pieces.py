@@ -12,9 +12,10 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import grouped, joined
+from recon.recognition.segments.local_planes import local_planes
 from recon.recognition.segments.outer_planes import outer_planes
 from recon.recognition.segments.peeling import LINK_CELLS, ON_PLANE_CELLS, peeled
-from recon.recognition.segments.plane_votes import largest_group, local_planes
+from recon.recognition.segments.plane_votes import largest_group
 from recon.records import Cylinder, Plane, Solid, Voxels
 
 Array = NDArray[np.float64]

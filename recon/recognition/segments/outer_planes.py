@@ -86,6 +86,7 @@ def _is_slope(points: Array, own: Rows, normal: Array, cell_size: float, least: 
 def _chosen(points: Array, facing: Array, reach: float) -> tuple[Array, Array]:
     """The direction, facing another one unless that is 0, whose plane has the most votes."""
     best, place, normal = -1.0, np.zeros(3), np.array([0.0, 1.0, 0.0])
+    columns = np.ascontiguousarray(points.T)
     for tilt_deg in TILTS_DEG:
         tilt = math.radians(tilt_deg)
         for number in range(NUM_AZIMUTHS):
@@ -96,7 +97,7 @@ def _chosen(points: Array, facing: Array, reach: float) -> tuple[Array, Array]:
             x, z = math.sin(tilt) * x, math.sin(tilt) * z
             direction = np.array([x, math.cos(tilt), z])
             top = direction * _outermost(points, direction)
-            total = sum_of_votes(points, top, direction, reach)
+            total = sum_of_votes(columns, top, direction, reach)
             if total > best:
                 best, place, normal = total, top, direction
     return place, normal

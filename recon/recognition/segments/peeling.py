@@ -5,7 +5,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.principal_axes import principal_axes, weighted_spread
-from recon.recognition.segments.plane_votes import best_plane, fitted_plane, largest_group
+from recon.recognition.segments.plane_votes import (
+    fitted_plane,
+    largest_group,
+    settled_plane,
+    tally,
+)
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -48,12 +53,13 @@ def peeled(
     number = np.full(len(points), -1)
     is_open = np.ones(len(middles), dtype=np.bool_)
     count, reach = 0, ON_PLANE_CELLS * cell_size
+    votes = tally(points, middles, normals, reach)
     for _ in range(MOST_PLANES):
-        rest, choice = np.flatnonzero(number < 0), np.flatnonzero(is_open)
-        if len(rest) < least or len(choice) == 0:
+        rest = np.flatnonzero(number < 0)
+        if len(rest) < least or not is_open.any():
             break
-        some = points[rest]
-        place, normal = best_plane(some, middles[choice], normals[choice], is_upright, reach)
+        some, best = points[rest], np.argmax(np.where(is_open, votes, -1.0))
+        place, normal = settled_plane(some, middles[best], normals[best], is_upright, reach)
         near = near_plane(some, place, normal, reach)
         own = _surface(some, near, is_upright, cell_size, least)
         if len(own):
@@ -62,6 +68,8 @@ def peeled(
             number[rest[own]] = count
             count += 1
             _close(is_open, rest[own], len(points))
+            choice = np.flatnonzero(is_open)
+            votes[choice] -= tally(some[own], middles[choice], normals[choice], reach)
         else:
             _close_alike(is_open, normals, normal, rest[near], len(points))
     return places[:count], directions[:count], number

@@ -8,58 +8,35 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.principal_axes import principal_axes, weighted_spread
+from recon.recognition.segments.local_planes import REORDERED
 
 Array = NDArray[np.float64]
 
-WIDE = 2.0
-"""Reach of the votes in a neighbourhood, over that of those of all points: at an edge the plane
-settles on one of the two faces."""
-LOCAL_ROUNDS, MOST_ROUNDS = 3, 10
-"""Fits of a neighbourhood's plane, and the most of the best plane to all points."""
+MOST_ROUNDS = 10
+"""Most fits of the best plane to all points."""
 
 
 @njit(cache=True)
-def local_planes(
-    points: Array, is_upright: bool, reach: tuple[float, float]
-) -> tuple[Array, Array]:
-    """The plane of each point's neighbourhood.
-
-    Parameters
-    ----------
-    points : (N, 3)
-    is_upright : bool
-        Fit upright planes.
-    reach : (float, float)
-        Distances up to which points are neighbours, and vote.
-
-    Returns
-    -------
-    middles, normals : (N, 3)
-    """
-    middles, normals = np.empty_like(points), np.empty_like(points)
-    for i in range(len(points)):
-        near = _neighbours(points, i, reach[0])
-        middle, normal = fitted_plane(near, np.ones(len(near)), is_upright)
-        for _ in range(LOCAL_ROUNDS - 1):
-            votes = votes_for(near, middle, normal, WIDE * reach[1])
-            middle, normal = fitted_plane(near, votes, is_upright)
-        middles[i], normals[i] = middle, normal
-    return middles, normals
+def tally(points: Array, middles: Array, normals: Array, reach: float) -> Array:
+    """Sum (P,) of the votes of points (N, 3) for each of some planes (P, 3)."""
+    columns, totals = np.ascontiguousarray(points.T), np.empty(len(middles))
+    for plane in range(len(middles)):
+        totals[plane] = sum_of_votes(columns, middles[plane], normals[plane], reach)
+    return totals
 
 
 @njit(cache=True)
-def best_plane(
-    points: Array, middles: Array, normals: Array, is_upright: bool, reach: float
+def settled_plane(
+    points: Array, point: Array, normal: Array, is_upright: bool, reach: float
 ) -> tuple[Array, Array]:
-    """The plane with the most votes, fitted to the points that vote for it.
+    """A plane fitted to the points that vote for it, again and again while votes grow.
 
     Closer points count more: a plane across an edge is near many points but close to few.
 
     Parameters
     ----------
     points : (N, 3)
-    middles, normals : (P, 3)
-        The planes to choose from, upright if these are asked for.
+    point, normal : (3,)
     is_upright : bool
         Keep the plane upright.
     reach : float
@@ -69,14 +46,11 @@ def best_plane(
     -------
     point, normal : (3,)
     """
-    best, point, normal = -1.0, np.zeros(3), np.zeros(3)
-    for i in range(len(middles)):
-        total = sum_of_votes(points, middles[i], normals[i], reach)
-        if total > best:
-            best, point, normal = total, middles[i], normals[i]
+    columns = np.ascontiguousarray(points.T)
+    best = sum_of_votes(columns, point, normal, reach)
     for _ in range(MOST_ROUNDS):
         middle, across = fitted_plane(points, votes_for(points, point, normal, reach), is_upright)
-        total = sum_of_votes(points, middle, across, reach)
+        total = sum_of_votes(columns, middle, across, reach)
         if total <= best:
             break
         best, point, normal = total, middle, across
@@ -130,17 +104,6 @@ def _flooded(
 
 
 @njit(cache=True)
-def _neighbours(points: Array, first: int, reach: float) -> Array:
-    """The points within reach of one of them."""
-    near, count = np.empty_like(points), 0
-    for i in range(len(points)):
-        if _square(points[i], points[first]) <= reach * reach:
-            near[count] = points[i]
-            count += 1
-    return near[:count]
-
-
-@njit(cache=True)
 def _square(first: Array, second: Array) -> float:
     """Square of the distance of two points."""
     total = 0.0
@@ -160,13 +123,14 @@ def votes_for(points: Array, point: Array, normal: Array, reach: float) -> Array
     return votes
 
 
-@njit(cache=True)
-def sum_of_votes(points: Array, point: Array, normal: Array, reach: float) -> float:
-    """Sum of the votes of all points, without a list of them."""
+@njit(cache=True, fastmath=REORDERED)
+def sum_of_votes(columns: Array, point: Array, normal: Array, reach: float) -> float:
+    """Sum of the votes of all points, given as x, y and z (3, N), without a list of them."""
     total, scale = 0.0, 1.0 / reach
     a, b, c = normal[0] * scale, normal[1] * scale, normal[2] * scale
     offset = a * point[0] + b * point[1] + c * point[2]
-    for i in range(len(points)):
-        away = a * points[i, 0] + b * points[i, 1] + c * points[i, 2] - offset
+    x, y, z = columns
+    for i in range(len(x)):
+        away = a * x[i] + b * y[i] + c * z[i] - offset
         total += max(1.0 - away * away, 0.0)
     return total
