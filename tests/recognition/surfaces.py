@@ -1,17 +1,17 @@
-"""Points on solids in an upright frame of their own, for the tests of fits."""
+"""Points on solids in their own upright frame, for the tests of fits."""
 
 import numpy as np
 
 
 def rotation(rng):
-    """A random rotation (3, 3)."""
+    """Draw a random rotation (3, 3)."""
     q, r = np.linalg.qr(rng.normal(size=(3, 3)))
     q *= np.sign(np.diag(r))
     return q if np.linalg.det(q) > 0 else -q
 
 
 def frustum(rng, bottom, top, height, count):
-    """Points spread evenly over an open frustum from z = 0 upwards."""
+    """Sample an open frustum from z = 0 upwards uniformly."""
     share = rng.uniform(size=count)
     rho = np.sqrt(bottom**2 + share * (top**2 - bottom**2))
     z = share if bottom == top else (rho - bottom) / (top - bottom)
@@ -20,13 +20,13 @@ def frustum(rng, bottom, top, height, count):
 
 
 def ball(rng, radii, count):
-    """Points on an ellipsoid round the origin."""
+    """Sample points on an ellipsoid around the origin."""
     unit = rng.normal(size=(count, 3))
     return unit / np.linalg.norm(unit, axis=1, keepdims=True) * radii
 
 
 def box(rng, sizes, count):
-    """Points spread evenly over the faces of a box round the origin."""
+    """Sample the faces of a box around the origin uniformly."""
     sizes = np.asarray(sizes, float)
     areas = np.prod(sizes) / sizes
     face = rng.choice(3, count, p=areas / areas.sum())
@@ -36,7 +36,7 @@ def box(rng, sizes, count):
 
 
 def make(kind, rng, count=400):
-    """Points on a solid of a kind, of some usual size."""
+    """Sample points on a solid of a kind, of typical size."""
     makers = {
         "sphere": lambda: ball(rng, 2.0, count),
         "ellipsoid": lambda: ball(rng, [3.0, 2.0, 1.2], count),

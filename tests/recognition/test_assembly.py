@@ -1,4 +1,4 @@
-"""Composite kinds of planes and bars are named from what an orbit of stereo pairs sees."""
+"""Composite kinds of planes and bars are named from an orbit of stereo pairs."""
 
 from dataclasses import replace
 
@@ -70,13 +70,13 @@ def label_of(parts, rng, orbit=ORBIT, cell_size=1.0):
     ("make", "kind"),
     [(house, "house"), (table, "table"), (bench, "bench"), (lamp_post, "lamp post")],
 )
-def test_a_composite_kind_is_named(make, kind, seed):
+def test_composite_kind_is_named(make, kind, seed):
     rng = np.random.default_rng(seed)
     assert label_of(make(rng.uniform), rng) == kind
 
 
 @pytest.mark.parametrize(("radius", "kind"), [(1.8, "lamp post"), (4.5, "apple tree")])
-def test_a_lamp_is_small_for_its_height_and_a_crown_is_not(radius, kind):
+def test_lamp_is_small_for_its_height_unlike_a_crown(radius, kind):
     rng = np.random.default_rng(0)
     post = Cylinder(point=np.zeros(3), axis=UP, radius=0.8, height=9.4)
     crown = Sphere(centre=np.array([0, 9.4 + radius, 0]), radius=radius)
@@ -84,20 +84,20 @@ def test_a_lamp_is_small_for_its_height_and_a_crown_is_not(radius, kind):
 
 
 @pytest.mark.parametrize(("make", "kind"), [(house, "house"), (table, "table")])
-def test_a_composite_kind_of_thousands_of_cells_is_named(make, kind):
+def test_composite_kind_of_thousands_of_cells_is_named(make, kind):
     rng = np.random.default_rng(0)
     dense = Orbit(points_per_pixel=4.0, sigma_px=0.02)
     assert label_of(make(rng.uniform), rng, dense, cell_size=0.3) == kind
 
 
-def test_a_board_without_legs_and_a_plain_box_are_no_table():
+def test_board_without_legs_and_box_are_not_tables():
     rng = np.random.default_rng(3)
     assert label_of([box([0, 3.5, 0], [9, 0.6, 6])], rng) != "table"
     assert label_of([box([0, 2.5, 0], [9, 5.0, 6])], rng) not in ("table", "house", "bench")
 
 
 def bulged(points, walls, by):
-    """Points (N, 3) of a house whose walls bend outwards in their middle."""
+    """Bend the walls of a house outwards in the middle; points are (N, 3)."""
     bent, halves = points.copy(), walls.sizes / 2.0
     for axis, across in ((0, 2), (2, 0)):
         outside = np.abs(points[:, axis]) > 0.8 * halves[axis]
@@ -109,7 +109,7 @@ def bulged(points, walls, by):
 
 @pytest.mark.parametrize(("by", "is_house"), [(0.0, True), (0.3, True), (1.5, False)])
 @pytest.mark.parametrize("seed", range(3))
-def test_curved_walls_are_not_those_of_a_house(by, is_house, seed):
+def test_object_with_curved_walls_is_not_a_house(by, is_house, seed):
     rng = np.random.default_rng(seed)
     parts = house(rng.uniform)
     cloud = observe(parts, rng.uniform(40, 200, (len(parts), 3)), ORBIT, rng)
@@ -119,7 +119,7 @@ def test_curved_walls_are_not_those_of_a_house(by, is_house, seed):
 
 
 @pytest.mark.parametrize(("rise", "low", "high"), [(0.9, 0.0, 0.8), (3.0, 0.9, 1.0)])
-def test_a_roof_thinner_than_two_cells_is_doubtful(rise, low, high):
+def test_roof_thinner_than_two_cells_is_doubtful(rise, low, high):
     cottage = Composite(
         shapes=("cylinder", "truncated cone"),
         axis=np.zeros(2),
@@ -133,14 +133,14 @@ def test_a_roof_thinner_than_two_cells_is_doubtful(rise, low, high):
 
 
 @pytest.mark.parametrize("name", ["village", "household"])
-def test_what_an_entry_accepts_is_said(name):
+def test_accepted_values_of_an_entry_are_listed(name):
     for kind in read_catalogues([name]):
         lines = accepted(kind)
         assert len(lines) >= len(kind.parts)
         assert all(part.role in " ".join(lines) for part in kind.parts)
 
 
-def test_a_bench_that_hangs_in_the_air_or_is_taller_than_long_is_none():
+def test_floating_or_tall_object_is_not_a_bench():
     parts = bench(np.random.default_rng(0).uniform)
     assert label_of(parts, np.random.default_rng(0)) == "bench"
     cloud = observe(parts, np.full((len(parts), 3), 120.0), Orbit(), np.random.default_rng(0))

@@ -1,4 +1,4 @@
-"""The catalogue is TOML that users extend, and its faults are named."""
+"""The catalogue is TOML that users can extend, and its errors are located."""
 
 import numpy as np
 import pytest
@@ -21,22 +21,22 @@ parts = [
 """
 
 
-def test_the_village_holds_the_thesiss_names_and_composite_ones():
+def test_village_catalogue_has_the_thesis_kinds_and_composite_ones():
     names = [kind.name for kind in read_catalogues(["village"])]
     assert names[:3] == ["apple tree", "pine tree", "cottage"]
     assert set(names[3:]) == {"house", "table", "bench", "lamp post"}
 
 
-def test_several_catalogues_are_one_and_none_holds_nothing():
+def test_catalogues_are_combined_and_none_is_empty():
     names = [kind.name for kind in read_catalogues(["none", "household"])]
     assert set(names) == {"box", "ball", "bottle", "mug", "chair", "table"}
     assert read_catalogues(["none"]) == ()
-    # A table of either is a table.
+    # Both define a table.
     both = [kind.name for kind in read_catalogues(["village", "household"])]
     assert both.count("table") == 2
 
 
-def test_a_user_adds_a_name(tmp_path):
+def test_user_catalogue_adds_a_kind(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text((FOLDER / "village.toml").read_text() + LAMP)
     lamp = Composite(
@@ -49,7 +49,7 @@ def test_a_user_adds_a_name(tmp_path):
     voxels = voxelise(observe(lamp, np.full((2, 3), 120.0), Orbit(eye_height=9.0), rng))
     mine = RecognitionSettings(catalogue=(str(path),))
     assert [one.label for one in recognise(voxels, mine).objects] == ["lamp"]
-    # Without the name it is nothing known.
+    # Without the new kind, it is unknown.
     assert {one.label for one in recognise(voxels, RecognitionSettings()).objects} == {"unknown"}
 
 
@@ -76,7 +76,7 @@ def test_a_user_adds_a_name(tmp_path):
         ),
     ],
 )
-def test_a_fault_is_named_with_its_file(tmp_path, text, message):
+def test_error_names_the_file(tmp_path, text, message):
     path = tmp_path / "bad.toml"
     path.write_text(text)
     with pytest.raises(InputError, match=message) as error:
@@ -85,6 +85,6 @@ def test_a_fault_is_named_with_its_file(tmp_path, text, message):
 
 
 @pytest.mark.parametrize("name", ["nowhere", "no/where.toml", "x" * 300, "a\0b"])
-def test_a_catalogue_that_is_not_there_is_refused(name):
+def test_missing_catalogue_is_rejected(name):
     with pytest.raises(InputError, match="but a TOML file or one of household, village, none is"):
         read_catalogues([name])

@@ -1,4 +1,4 @@
-"""Clouds of any frame: levelled, parted, and brought back."""
+"""Clouds in any frame: levelled, segmented, and transformed back."""
 
 import dataclasses
 
@@ -18,7 +18,7 @@ SETTINGS = RecognitionSettings()
 
 
 def village(surfaces, seed=0):
-    """A cottage and an apple tree on textured ground, y up."""
+    """Make a cottage and an apple tree on textured ground, y up."""
     rng = np.random.default_rng(seed)
     clouds = []
     for kind, place in (("cottage", [-15.0, 0.0]), ("apple tree", [15.0, 5.0])):
@@ -34,7 +34,7 @@ def named(recognition):
 
 
 @pytest.mark.parametrize("up", ["y", "-y", "z", "-z"])
-def test_the_way_up_and_a_tilt_do_not_matter(surfaces, up):
+def test_up_axis_and_tilt_do_not_matter(surfaces, up):
     cloud = village(surfaces)
     angle = np.radians(25.0)
     tilt = [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
@@ -48,11 +48,11 @@ def test_the_way_up_and_a_tilt_do_not_matter(surfaces, up):
     assert abs(body.axis @ T_cloud_level[:3, 1]) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_wrong_way_up_finds_no_trees(surfaces):
+def test_wrong_up_axis_finds_no_trees(surfaces):
     assert named(recognise_cloud(village(surfaces), SETTINGS, "-y")) != ["apple tree", "cottage"]
 
 
-def test_labels_belong_to_the_points(surfaces):
+def test_labels_refer_to_the_points(surfaces):
     cloud = village(surfaces)
     found = recognise_cloud(cloud, SETTINGS)
     assert found.label.shape == (len(cloud),)
@@ -62,7 +62,7 @@ def test_labels_belong_to_the_points(surfaces):
     assert (found.label[-9000:] == -1).mean() > 0.95
 
 
-def test_an_unknown_way_up_is_refused():
+def test_unknown_up_axis_is_rejected():
     cloud = PointCloud(points=np.zeros((1, 3)), colours=np.zeros((1, 3), np.uint8))
     with pytest.raises(InputError, match="up is 'x', but one of y, -y, z, -z is needed"):
         recognise_cloud(cloud, SETTINGS, "x")
@@ -81,14 +81,14 @@ def test_an_unknown_way_up_is_refused():
     ],
     ids=["empty", "one", "duplicates", "line", "plane", "nan", "far"],
 )
-def test_poor_clouds_hold_nothing_known(points):
+def test_degenerate_clouds_hold_no_known_objects(points):
     cloud = PointCloud(points=points, colours=np.zeros(points.shape, np.uint8))
     found = recognise_cloud(cloud, SETTINGS)
     assert {one.label for one in found.objects} <= {"unknown"}
     assert found.label.shape == (len(points),)
 
 
-def test_solids_move_with_their_frame():
+def test_solids_are_transformed_with_their_frame():
     rng = np.random.default_rng(0)
     q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     T = pose(q if np.linalg.det(q) > 0 else -q, [1.0, 2.0, 3.0])
@@ -108,7 +108,7 @@ def test_solids_move_with_their_frame():
 @pytest.mark.parametrize(
     ("name", "ids"), [("mosd_learn5", [20, 30]), ("mosd_test31", [20, 30, 40])]
 )
-def test_objects_of_a_table_top_are_parted(data_dir, name, ids):
+def test_objects_on_a_table_are_separated(data_dir, name, ids):
     archive = np.load(data_dir / "pointclouds" / name / "cloud.npz")
     truth = archive["label"]
     cloud = PointCloud(points=archive["xyz"].astype(float), colours=archive["rgb"])

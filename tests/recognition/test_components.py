@@ -1,4 +1,4 @@
-"""Components: gaps closed, things over each other joined, neighbours apart."""
+"""Components: gaps are closed, stacked parts joined, neighbours kept separate."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ def connected(cells, reach):
     return joined(neighbours(cells, reach), len(cells))
 
 
-def test_a_gap_of_one_cell_is_closed_by_a_reach_of_two():
+def test_gap_of_one_cell_is_closed_by_a_reach_of_two():
     cells = np.concatenate([block((0, 0, 0), (2, 2, 2)), block((3, 0, 0), (5, 2, 2))])
     assert connected(cells, 1).max() == 1
     assert connected(cells, 2).max() == 0
@@ -35,11 +35,11 @@ def test_components_are_numbered_by_their_first_cell():
     assert label.tolist() == [0, 0, -1, 1, 0, 1]
 
 
-def test_nothing_has_no_components():
+def test_no_cells_have_no_components():
     assert connected(np.empty((0, 3), np.int64), 1).shape == (0,)
 
 
-def test_a_trunk_under_a_crown_belongs_to_it_and_a_neighbour_does_not():
+def test_trunk_under_a_crown_is_joined_but_a_neighbour_is_not():
     crown = block((-8, 8, -8), (8, 12, 8))
     trunk, neighbour = block((-1, 0, -1), (1, 5, 1)), block((12, 0, -1), (14, 5, 1))
     cells = np.concatenate([crown, trunk, neighbour])
@@ -48,7 +48,7 @@ def test_a_trunk_under_a_crown_belongs_to_it_and_a_neighbour_does_not():
     assert label[-1] != label[0]
 
 
-def test_things_side_by_side_stay_apart_inside_a_wide_box():
+def test_neighbours_stay_separate_inside_a_wide_bounding_box():
     wall = np.concatenate([block((0, 0, 0), (40, 6, 1)), block((0, 0, 0), (1, 6, 40))])
     cup = block((20, 0, 20), (22, 4, 22))
     cells = np.concatenate([wall, cup])
@@ -56,6 +56,6 @@ def test_things_side_by_side_stay_apart_inside_a_wide_box():
     assert label[-1] != label[0]
 
 
-def test_groups_list_the_rows_of_each_label_and_leave_out_those_of_none():
+def test_groups_list_the_rows_of_each_label_but_not_unlabelled_ones():
     rows = grouped(np.array([2, 0, -1, 2, 0]), 4)
     assert [one.tolist() for one in rows] == [[1, 4], [], [0, 3], []]

@@ -1,4 +1,4 @@
-"""Parts of CAD models: the right type, and numbers within a hundredth."""
+"""Parts of CAD models: the right type, and parameters within one percent."""
 
 import json
 
@@ -10,7 +10,7 @@ from recon.records import TruncatedCone
 
 
 def errors(found, truth, points):
-    """Relative errors of size and place, and sines of angles."""
+    """Compute relative errors of size and position, and sines of angles."""
     if truth["type"] == "Sphere":
         place = np.linalg.norm(found.centre - truth["center"])
         return [found.radius / truth["radius"] - 1, place / truth["radius"]]
@@ -36,7 +36,7 @@ def half_angle_deg(cone):
 
 
 @pytest.mark.data
-def test_parts_of_cad_models(data_dir):
+def test_parts_of_cad_models_are_fitted(data_dir):
     told, exact, count = 0, 0, 0
     for folder in sorted((data_dir / "pointclouds").glob("fit4cad_*")):
         cloud = np.load(folder / "cloud.npz")

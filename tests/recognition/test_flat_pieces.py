@@ -1,4 +1,4 @@
-"""Planes of one object: which are found, and that they do not depend on chance."""
+"""Planes of one object: the right ones are found, independent of small changes."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ HOUSE = next(kind for kind in read_catalogues(["village"]) if kind.name == "hous
 
 
 def plane(corner, first, second, spacing=0.25):
-    """Points on a parallelogram."""
+    """Sample points on a parallelogram."""
     lengths = [np.linalg.norm(side) for side in (first, second)]
     a, b = (np.linspace(0.0, 1.0, int(length / spacing) + 1) for length in lengths)
     grid = np.stack(np.meshgrid(a, b), axis=-1).reshape(-1, 2)
@@ -37,18 +37,18 @@ def walls():
 
 
 def slope(height):
-    """A plane of 37 degrees that reaches from one long wall to between both."""
+    """Make a plane of 37 degrees from one long wall to the middle."""
     return plane([0.0, height, 0.0], [10.0, 0.0, 0.0], [0.0, 3.0, 4.0])
 
 
-def test_the_planes_of_walls_and_a_slope_are_found_with_their_tilts():
+def test_planes_of_walls_and_a_slope_are_found_with_their_tilts():
     found = flat_pieces(cells_of(*walls(), slope(6.0)))
     tilts = sorted(one.tilt_deg for one in found.planes if len(one.rows) > 20)
     assert tilts == pytest.approx([36.9, 90.0, 90.0, 90.0], abs=4.0)
 
 
-def shell(rise):
-    """Points on four walls, gables of some height and the ridge: nobody saw the slopes."""
+def house_without_visible_slopes(rise):
+    """Sample four walls, gables of some height and the ridge, but not the slopes."""
     gable = plane([0.0, 0.0, 0.0], [0.0, 0.0, 8.0], [0.0, 5.0 + rise, 0.0])
     inside = gable[:, 1] - 5.0 <= rise * (1.0 - np.abs(gable[:, 2] - 4.0) / 4.0)
     gables = [gable[inside] + [x, 0.0, 0.0] for x in (0.0, 12.0)]
@@ -57,22 +57,24 @@ def shell(rise):
     return [*gables, *sides, ridge]
 
 
-def test_slopes_of_a_roof_are_found_by_what_they_touch():
-    found = flat_pieces(cells_of(*shell(4.0)), ("outer", "upright"))
+def test_unseen_roof_slopes_are_found_from_walls_and_ridge():
+    found = flat_pieces(cells_of(*house_without_visible_slopes(4.0)), ("outer", "upright"))
     tilts = [one.tilt_deg for one in found.planes]
-    # 45 degrees, but the upper ends of the walls are within reach too.
+    # 45 degrees, but the tops of the walls are within reach as well.
     assert tilts[:2] == pytest.approx([50.0, 50.0], abs=8.0)
     assert found.planes[0].solid.normal[2] * found.planes[1].solid.normal[2] < 0.0
     assert len(tilts) >= 5
     assert tilts[2:] == pytest.approx([90.0] * len(tilts[2:]))
 
 
-@pytest.mark.parametrize("what", [shell(0.0), [*walls(), slope(6.0)]], ids=["box", "one slope"])
-def test_a_box_and_a_single_slope_have_no_roof_that_is_only_touched(what):
+@pytest.mark.parametrize(
+    "what", [house_without_visible_slopes(0.0), [*walls(), slope(6.0)]], ids=["box", "one slope"]
+)
+def test_box_and_single_slope_get_no_unseen_roof(what):
     assert not flat_pieces(cells_of(*what), ("outer",)).planes
 
 
-def test_small_changes_of_the_cells_change_no_plane():
+def test_small_changes_of_cells_do_not_change_planes():
     cells = cells_of(*walls(), slope(6.0))
     found = flat_pieces(cells, ("upright", "any"))
     for seed in range(6):
@@ -83,7 +85,7 @@ def test_small_changes_of_the_cells_change_no_plane():
             assert len(np.intersect1d(one.rows, other.rows)) > 0.85 * len(one.rows)
 
 
-def test_the_level_plane_of_a_rim_is_found_where_no_neighbourhood_shows_it():
+def test_level_plane_is_found_from_its_rim_alone():
     angle = np.linspace(0.0, 2.0 * np.pi, 400)
     rim = np.column_stack([5.0 * np.cos(angle), np.full(400, 2.5), 5.0 * np.sin(angle)])
     found = flat_pieces(cells_of(rim, noise=0.05))
@@ -91,7 +93,7 @@ def test_the_level_plane_of_a_rim_is_found_where_no_neighbourhood_shows_it():
     assert len(found.planes[0].rows) > 0.9 * len(found.cells)
 
 
-def test_a_slope_between_walls_is_their_roof_only_on_top():
+def test_slope_between_walls_is_a_roof_only_on_top():
     on_top = flat_pieces(cells_of(*walls(), slope(6.0)), ("upright", "any"))
     inside = flat_pieces(cells_of(*walls(), slope(1.5)), ("upright", "any"))
     assert assemblies([on_top], HOUSE)

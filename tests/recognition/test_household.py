@@ -1,4 +1,4 @@
-"""Furniture in metres, seen whole and in part, and what only looks like it."""
+"""Furniture in metres, fully and partly seen, and objects that resemble it."""
 
 from dataclasses import replace
 
@@ -87,13 +87,13 @@ def label_of(make, seed, arc_rad=2 * np.pi, settings=SETTINGS):
 
 @pytest.mark.parametrize(("make", "kind"), [(chair, "chair"), (table, "table"), (carton, "box")])
 @pytest.mark.parametrize("arc_rad", [2 * np.pi, 2.5])
-def test_furniture_is_named_whole_and_in_part(make, kind, arc_rad):
+def test_furniture_is_named_even_if_partly_seen(make, kind, arc_rad):
     assert label_of(make, 1, arc_rad) == label_of(make, 2, arc_rad) == kind
 
 
 @pytest.mark.parametrize("make", [stool, high_table])
 @pytest.mark.parametrize("arc_rad", [2 * np.pi, 2.5])
-def test_what_only_looks_like_furniture_has_no_name(make, arc_rad):
+def test_objects_similar_to_furniture_are_not_named(make, arc_rad):
     assert label_of(make, 1, arc_rad) == label_of(make, 2, arc_rad) == "unknown"
 
 
@@ -115,7 +115,7 @@ def probability_of(tmp_path, cells, **rules):
     return nearest.get("desk", 0.0)
 
 
-def test_the_sizes_of_parts_of_an_assembly_count(tmp_path):
+def test_sizes_of_the_parts_of_an_assembly_matter(tmp_path):
     cells = cells_of(table(np.random.default_rng(1).uniform), 1)
     assert probability_of(tmp_path, cells) > 0.9
     assert probability_of(tmp_path, cells, top=", size = { width = [0.7, 1.8] }") > 0.9
@@ -123,7 +123,7 @@ def test_the_sizes_of_parts_of_an_assembly_count(tmp_path):
     assert probability_of(tmp_path, cells, leg=", size = { radius = [0.2, 0.4] }") < 0.1
 
 
-def test_the_hue_of_a_part_speaks_softly(tmp_path):
+def test_hue_of_a_part_has_a_small_effect(tmp_path):
     parts = table(np.random.default_rng(1).uniform)
     red = np.array([[200.0, 40.0, 40.0], *[[120.0, 120.0, 120.0]] * 4])
     cells = cells_of(parts, 1, colours=red)

@@ -1,4 +1,4 @@
-"""Kinds learned from examples, kept in TOML, and refused where they cannot be told."""
+"""Kinds learned from examples, saved as TOML, and rejected if indistinguishable."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def ball(rng):
 
 
 def example(make, seed):
-    """What one side shows of a thing."""
+    """Take the side of an object that faces the camera."""
     rng = np.random.default_rng(seed)
     whole = surface(make(rng), 4000, rng)
     turn = rng.uniform(0.0, 2.0 * np.pi)
@@ -46,7 +46,7 @@ def mugs():
     return [example(mug, seed) for seed in range(8)]
 
 
-def test_a_learned_kind_takes_its_own_and_refuses_others(mugs):
+def test_learned_kind_accepts_its_own_and_rejects_others(mugs):
     lesson = learn("mug", mugs, {}, "m")
     kind = lesson.learned
     own = [kind.distance(describe(example(mug, 50 + seed))) for seed in range(5)]
@@ -56,7 +56,7 @@ def test_a_learned_kind_takes_its_own_and_refuses_others(mugs):
     assert {group.name for group in lesson.groups} == {"size", "profile", "surface", "solids"}
 
 
-def test_one_example_makes_nobody_sure(mugs):
+def test_single_example_gives_low_confidence(mugs):
     chances = []
     for count in (1, 3, 8):
         kinds = (Kind(name="mug", learned=learn("mug", mugs[:count], {}).learned),)
@@ -68,13 +68,13 @@ def test_one_example_makes_nobody_sure(mugs):
     assert chances[2] > 0.85
 
 
-def test_two_names_for_one_thing_are_refused(mugs):
+def test_indistinguishable_kind_is_rejected(mugs):
     first = learn("mug", mugs[:3], {})
     with pytest.raises(InputError, match="cup cannot be told from mug"):
         learn("cup", mugs[3:], {"mug": first.learned})
 
 
-def test_groups_that_tell_nothing_are_left_out_with_a_reason(mugs):
+def test_uninformative_feature_groups_are_left_out_with_a_reason(mugs):
     cartons = learn("carton", [example(carton, seed) for seed in range(3)], {})
     lesson = learn("mug", mugs, {"carton": cartons.learned})
     assert any(group.used for group in lesson.groups)
@@ -83,6 +83,6 @@ def test_groups_that_tell_nothing_are_left_out_with_a_reason(mugs):
     assert set(lesson.learned.groups) == used
 
 
-def test_no_example_is_refused():
+def test_learning_without_examples_is_rejected():
     with pytest.raises(InputError, match="at least one is needed"):
         learn("mug", [], {})

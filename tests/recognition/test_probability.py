@@ -1,4 +1,4 @@
-"""Probabilities of names are probabilities: over simulated objects and clumps of recorded maps."""
+"""Probabilities of labels are calibrated, on simulated objects and clumps of recorded maps."""
 
 import dataclasses
 from pathlib import Path
@@ -25,7 +25,7 @@ SURE = Evidence(
 
 
 def recorded_clumps():
-    """Clumps of maps that recon made of recordings, in cells, ground at 0; none is of a kind."""
+    """Clumps of maps of recordings, in cells, with the ground at 0; none is of a known kind."""
     with np.load(CLUMPS) as archive:
         pieces = np.split(archive["cells"] / 64.0, archive["ends"][:-1])
         counts = np.split(archive["counts"].astype(np.int64), archive["ends"][:-1])
@@ -43,7 +43,7 @@ def recorded_clumps():
 
 
 def partly_seen(seed):
-    """An object of a kind after few views from one side."""
+    """Make an object of a kind as seen in a few views from one side."""
     rng = np.random.default_rng([31, seed])
     orbit = Orbit(
         num_views=int(rng.integers(2, 6)),
@@ -57,7 +57,7 @@ def partly_seen(seed):
 
 
 def foreign(seed):
-    """A box, a ball or a pillar: things of no kind."""
+    """Make a box, a ball or a pillar, which are of no known kind."""
     rng = np.random.default_rng([32, seed])
     width, height = rng.uniform(4.0, 9.0), rng.uniform(5.0, 12.0)
     sizes = np.array([width, height, width])
@@ -70,14 +70,14 @@ def foreign(seed):
     return "unknown", voxels.select(voxels.centres[:, 1] >= 1.0)
 
 
-def test_recorded_clumps_have_no_village_names():
+def test_recorded_clumps_get_no_village_labels():
     found = [name_object(clump, 0.0, KINDS) for clump in list(recorded_clumps())[::4]]
     named = [one for one in found if one.label != "unknown" and one.probability >= 0.5]
     assert len(found) > 15
     assert len(named) <= 1
 
 
-def test_partly_seen_objects_keep_their_names_and_chances_come_true():
+def test_partly_seen_objects_are_named_with_calibrated_probabilities():
     chances, rights, kept = [], [], []
     for truth, voxels in [*map(partly_seen, range(18)), *map(foreign, range(9))]:
         found = name_object(voxels, 0.0, KINDS)
@@ -100,7 +100,7 @@ def test_partly_seen_objects_keep_their_names_and_chances_come_true():
     ],
     ids=lambda missing: next(iter(missing)),
 )
-def test_nothing_that_is_missing_is_made_up_for_by_something_else(missing):
+def test_missing_evidence_is_not_compensated_by_other_evidence(missing):
     better = dataclasses.replace(
         SURE, criterion=-9.0, lead=9.0, seen=np.ones(2), widths=np.full(2, 99.0), num_cells=9999
     )
@@ -108,14 +108,14 @@ def test_nothing_that_is_missing_is_made_up_for_by_something_else(missing):
     assert dataclasses.replace(better, **missing).probability < 0.2
 
 
-def test_without_a_catalogue_nothing_is_asked_and_nothing_is_sure():
+def test_object_is_unknown_without_a_catalogue():
     _, voxels = partly_seen(0)
     found = name_object(voxels, 0.0, ())
     assert (found.label, found.probability) == ("unknown", None)
     assert found.failures == ["no catalogue was asked"]
 
 
-def test_the_calibration_error_is_that_of_a_die():
+def test_calibration_error_of_simulated_outcomes():
     rng = np.random.default_rng(0)
     chances = rng.uniform(size=20_000)
     assert calibration_error(chances, rng.uniform(size=20_000) < chances) < 0.02
@@ -123,7 +123,7 @@ def test_the_calibration_error_is_that_of_a_die():
     assert np.isnan(calibration_error([], []))
 
 
-def test_a_box_on_a_box_is_not_a_cottage(monkeypatch):
+def test_box_on_a_box_is_not_a_cottage(monkeypatch):
     rng = np.random.default_rng(0)
     sizes = np.array([[7.4, 2.5, 6.9], [3.5, 1.4, 3.9]])
     heights = np.cumsum(sizes[:, 1]) - sizes[:, 1] / 2.0

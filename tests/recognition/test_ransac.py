@@ -16,7 +16,7 @@ def scene(surfaces):
     return points + 0.004 * rng.normal(size=points.shape), np.repeat([0, 1, 2], [3000, 900, 900])
 
 
-def test_a_table_a_ball_and_a_can_are_found(surfaces):
+def test_table_ball_and_can_are_found(surfaces):
     points, truth = scene(surfaces)
     found = find_solids(points, 200, np.random.default_rng(1))
     assert [one.solid.kind for one in found[:3]] == ["plane", "sphere", "cylinder"] or [
@@ -30,7 +30,7 @@ def test_a_table_a_ball_and_a_can_are_found(surfaces):
     assert radii["cylinder"] == pytest.approx(0.4, rel=0.01)
 
 
-def test_the_same_seed_finds_the_same(surfaces):
+def test_same_seed_gives_the_same_solids(surfaces):
     points, _ = scene(surfaces)
     first, second = (find_solids(points, 200, np.random.default_rng(3)) for _ in range(2))
     assert [one.rows.tolist() for one in first] == [one.rows.tolist() for one in second]
@@ -43,11 +43,11 @@ def test_no_point_belongs_to_two_solids(surfaces):
 
 
 @pytest.mark.parametrize("count", [0, 1, 5])
-def test_too_few_points_hold_no_solid(count):
+def test_too_few_points_give_no_solid(count):
     assert find_solids(np.ones((count, 3)), 3, np.random.default_rng(0)) == []
 
 
-def test_a_point_that_is_not_finite_is_named():
+def test_non_finite_point_is_named():
     points = np.zeros((20, 3))
     points[3, 1] = np.inf
     with pytest.raises(InputError, match="points holds inf at flat index 10"):

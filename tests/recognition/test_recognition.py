@@ -1,4 +1,4 @@
-"""Objects of a map get the right name, place and size."""
+"""Objects of a map get the right label, position and size."""
 
 import dataclasses
 
@@ -27,7 +27,7 @@ def orbit_of(kind: str, seed: int, orbit: Orbit = NEAR):
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
-def test_an_object_gets_its_name_place_and_size(kind, seed):
+def test_object_gets_its_label_position_and_size(kind, seed):
     composite, voxels = orbit_of(kind, seed)
     found = max(recognise(voxels, SETTINGS).objects, key=lambda one: one.num_voxels)
     assert found.label == kind
@@ -36,7 +36,7 @@ def test_an_object_gets_its_name_place_and_size(kind, seed):
     assert found.parts[0].solid.radius == pytest.approx(composite.radii[0][0], rel=0.05)
 
 
-def test_an_empty_map_holds_nothing():
+def test_empty_map_has_no_objects():
     _, voxels = orbit_of("cottage", 0)
     nothing = voxels.select(slice(0, 0))
     found = recognise(nothing, SETTINGS)
@@ -44,7 +44,7 @@ def test_an_empty_map_holds_nothing():
     assert components(nothing, SETTINGS).shape == (0,)
 
 
-def test_the_ground_belongs_to_no_object():
+def test_ground_belongs_to_no_object():
     _, voxels = orbit_of("cottage", 0)
     label = recognise(voxels, SETTINGS).label
     low = voxels.centres[:, 1] < SETTINGS.clearance(1.0)
@@ -53,7 +53,7 @@ def test_the_ground_belongs_to_no_object():
     assert (label[~low] >= 0).any()
 
 
-def test_the_order_of_cells_does_not_matter():
+def test_order_of_cells_does_not_matter():
     _, voxels = orbit_of("pine tree", 1)
     order = np.random.default_rng(0).permutation(len(voxels))
     shuffled: Voxels = voxels.select(order)
@@ -68,7 +68,7 @@ def test_the_order_of_cells_does_not_matter():
     angle=st.floats(0.0, 6.28),
     shift=st.tuples(st.floats(-99.0, 99.0), st.floats(-99.0, 99.0)),
 )
-def test_turning_and_moving_a_world_never_changes_a_name(kind, angle, shift):
+def test_rotating_and_moving_a_world_does_not_change_labels(kind, angle, shift):
     rng = np.random.default_rng(11)
     composite = random_composite(kind, rng)
     cloud = observe(composite, COLOURS, NEAR, rng)
@@ -80,7 +80,7 @@ def test_turning_and_moving_a_world_never_changes_a_name(kind, angle, shift):
 
 
 @pytest.mark.parametrize("cell_size", [0.5, 2.0])
-def test_the_size_of_a_cell_does_not_matter(cell_size):
+def test_cell_size_does_not_matter(cell_size):
     rng = np.random.default_rng(2)
     composite = random_composite("cottage", rng)
     voxels = voxelise(observe(composite, COLOURS, NEAR, rng), cell_size, 4)
@@ -89,13 +89,13 @@ def test_the_size_of_a_cell_does_not_matter(cell_size):
 
 
 @pytest.mark.parametrize("colour", [(0, 0, 0), (128, 128, 128), (40, 150, 40)])
-def test_shape_alone_names_what_has_one_colour(colour):
+def test_uniformly_coloured_object_is_named_by_shape(colour):
     _, voxels = orbit_of("pine tree", 1)
     plain = dataclasses.replace(voxels, colours=np.tile(np.uint8(colour), (len(voxels), 1)))
     assert [one.label for one in recognise(plain, SETTINGS).objects] == ["pine tree"]
 
 
-def test_one_cell_is_counted_and_is_no_object():
+def test_single_cell_is_counted_but_not_an_object():
     _, voxels = orbit_of("cottage", 0)
     one = voxels.select(voxels.centres[:, 1] > 5).select(slice(0, 1))
     found = recognise(one, SETTINGS)
@@ -103,7 +103,7 @@ def test_one_cell_is_counted_and_is_no_object():
     assert found.failures == {"fewer than 12 cells": 1}
 
 
-def test_a_speck_over_the_ground_is_no_object():
+def test_speck_above_the_ground_is_not_an_object():
     rng = np.random.default_rng(0)
     points = rng.uniform([40, 5, 40], [46, 6, 43], (300, 3))
     cloud = PointCloud(points=points, colours=np.zeros((300, 3), np.uint8))
@@ -112,7 +112,7 @@ def test_a_speck_over_the_ground_is_no_object():
     assert found.failures == {"hovers over the ground, held by nothing known": 1}
 
 
-def test_a_wall_is_unknown():
+def test_wall_is_unknown():
     rng = np.random.default_rng(0)
     points = rng.uniform([0, 0, 0], [20, 8, 0.2], (9000, 3))
     cloud = PointCloud(points=points, colours=np.zeros((9000, 3), np.uint8))
@@ -121,7 +121,7 @@ def test_a_wall_is_unknown():
     assert found[0].size == pytest.approx([20, 8, 0.2], abs=1.2)
 
 
-def test_probabilities_come_true():
+def test_probabilities_are_calibrated():
     chances, rights = [], []
     for seed in range(30):
         rng = np.random.default_rng(1000 + seed)
@@ -137,7 +137,7 @@ def test_probabilities_come_true():
 
 
 @pytest.mark.parametrize("top", [13.0, 14.0])
-def test_the_lower_half_of_a_crown_is_not_the_cone_of_a_pine(top):
+def test_lower_half_of_a_crown_is_not_the_cone_of_a_pine(top):
     tree = Composite(
         shapes=("cylinder", "sphere"),
         axis=np.array([3.0, 4.0]),

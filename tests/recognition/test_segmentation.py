@@ -1,4 +1,4 @@
-"""Colour: Appendix D's hue, growing parts, clusters, and refusals."""
+"""Segmentation by colour: Appendix D's hue, region growing, clusters, rejected input."""
 
 import colorsys
 
@@ -13,7 +13,7 @@ BROWN, GREEN, RED, GREY = [110, 70, 30], [40, 150, 40], [200, 40, 40], [120, 121
 
 
 def column(lower, upper, *, spread=6.0, seed=0):
-    """A 4 x 20 x 4 block of cells, its lower half of one colour and its upper of another."""
+    """Make a 4 x 20 x 4 block of cells with lower and upper halves of different colours."""
     index = np.stack(np.meshgrid(range(4), range(20), range(4), indexing="ij"), -1).reshape(-1, 3)
     rng = np.random.default_rng(seed)
     colour = np.where(index[:, 1:2] < 10, lower, upper) + rng.normal(0, spread, (len(index), 3))
@@ -27,7 +27,7 @@ def column(lower, upper, *, spread=6.0, seed=0):
     )
 
 
-def test_hue_saturation_and_value_are_the_standard_ones():
+def test_hue_saturation_and_value_match_the_standard():
     colours = np.random.default_rng(0).integers(0, 256, (200, 3)).astype(np.uint8)
     expected = np.array([colorsys.rgb_to_hsv(*(rgb / 255)) for rgb in colours])
     found = rgb_to_hsv(colours)
@@ -42,17 +42,17 @@ def test_grey_has_no_hue():
     assert mean_hue_deg(grey) is None
 
 
-def test_reds_on_both_sides_of_zero_have_a_red_mean():
+def test_mean_of_reds_around_zero_hue_is_red():
     reds = np.array([[200, 0, 10], [200, 10, 0]] * 5, np.uint8)
     hue = mean_hue_deg(reds)
     assert min(hue, 360 - hue) < 2
 
 
-def test_hues_of_all_directions_have_no_mean():
+def test_uniformly_distributed_hues_have_no_mean():
     assert mean_hue_deg(np.array([RED, GREEN, [40, 40, 200]], np.uint8)) is None
 
 
-def test_neighbours_of_one_hue_grow_together():
+def test_neighbours_of_one_hue_form_one_segment():
     segments = grow_hue(column(BROWN, GREEN, spread=0.5), 15.0)
     assert segments.label.max() == 1
     lower = column(BROWN, GREEN).index[:, 1] < 10
@@ -60,16 +60,16 @@ def test_neighbours_of_one_hue_grow_together():
     assert len(set(segments.label[~lower])) == 1
 
 
-def test_a_hue_that_wraps_is_one_segment():
+def test_hue_across_zero_is_one_segment():
     assert grow_hue(column([200, 0, 10], [200, 10, 0], spread=0.0), 7.0).label.max() == 0
 
 
-def test_noise_of_hue_breaks_the_thesiss_growing_into_pieces():
+def test_hue_noise_fragments_the_region_growing_of_the_thesis():
     assert grow_hue(column(BROWN, GREEN, spread=25.0), 7.0).label.max() >= 10
 
 
 @pytest.mark.parametrize("lower", [BROWN, GREY])
-def test_clusters_of_chroma_part_crown_and_body(lower):
+def test_chroma_clusters_separate_crown_and_body(lower):
     voxels = column(lower, GREEN, spread=15.0)
     segments = split_colours(voxels)
     assert segments, segments.reason
@@ -84,12 +84,12 @@ def test_clusters_of_chroma_part_crown_and_body(lower):
         (GREY, GREY, "one colour|run into each other"),
     ],
 )
-def test_colours_that_do_not_part_are_refused(lower, upper, reason):
+def test_inseparable_colours_are_rejected(lower, upper, reason):
     failure = split_colours(column(lower, upper))
     assert isinstance(failure, FitFailure)
     assert any(part in failure.reason for part in reason.split("|")), failure.reason
 
 
-def test_all_one_colour_is_refused():
+def test_single_colour_is_rejected():
     failure = split_colours(column(GREEN, GREEN, spread=0.0))
     assert failure.reason == "all cells have one colour"

@@ -1,4 +1,4 @@
-"""Segments: planes, components by density, convex pieces, the place that all views look at."""
+"""Segments: planes, components by density, convex pieces, the focus of all views."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def cloud_of(*points):
 
 
 def table_top(rng, scale=1.0, wall=False):
-    """A box that touches a can, and another can on a table, seen from above and before."""
+    """Make a box touching a can, and another can, on a table, seen from above and the front."""
     parts = [
         box([0.0, 0.1, 0.0], [0.2, 0.2, 0.15]),
         Cylinder(point=np.array([0.06, 0.0, 0.13]), axis=UP, radius=0.06, height=0.12),
@@ -46,7 +46,7 @@ def table_top(rng, scale=1.0, wall=False):
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
-def test_touching_things_on_a_table_are_told_in_any_unit(scale):
+def test_touching_objects_on_a_table_are_separated_in_any_unit(scale):
     pieces, eye = table_top(np.random.default_rng(0), scale)
     views = np.broadcast_to(pose(np.eye(3), scale * eye), (1, 4, 4))
     found = recognise_cloud(cloud_of(*pieces), SETTINGS, T_cloud_left=views)
@@ -63,14 +63,14 @@ def test_touching_things_on_a_table_are_told_in_any_unit(scale):
     assert found.planes[0].area == pytest.approx(scale**2 * 1.8 * 0.9, rel=0.4)
 
 
-def test_a_wall_is_a_plane_of_its_own_and_the_side_of_a_box_is_not():
+def test_wall_is_a_separate_plane_but_the_side_of_a_box_is_not():
     with_wall, _ = table_top(np.random.default_rng(0), wall=True)
     found = recognise_cloud(cloud_of(*with_wall), SETTINGS)
     assert [plane.role for plane in found.planes] == ["ground", "wall"]
     assert found.planes[1].normal == pytest.approx([0.0, 0.0, 1.0], abs=0.05)
 
 
-def test_what_is_said_of_an_unknown_object():
+def test_unknown_object_is_described():
     rng = np.random.default_rng(1)
     ball = surface([Sphere(centre=np.array([0.0, 0.1, 0.0]), radius=0.1)], 3000, rng).points
     table = rng.uniform([-0.5, 0.0, -0.5], [0.5, 0.0, 0.5], (9000, 3))
@@ -86,18 +86,18 @@ def test_what_is_said_of_an_unknown_object():
     assert one.seen > 0.7
 
 
-def test_links_reach_as_far_as_points_are_sparse():
+def test_link_distance_follows_the_point_density():
     rng = np.random.default_rng(2)
     sphere = rng.normal(size=(400, 3))
     sphere /= np.linalg.norm(sphere, axis=1, keepdims=True)
     other = np.add(sphere, [3.0, 0.0, 0.0])
-    # A sparse sphere hangs together over gaps that part two dense ones.
+    # A sparse sphere is linked across gaps that separate two dense ones.
     assert np.bincount(linked(np.concatenate([10 * sphere, [[60.0, 0, 0]]]), 1e-9)).max() > 390
     label = linked(np.concatenate([sphere, other]), 1e-9)
     assert label[0] != label[-1]
 
 
-def test_a_box_on_a_box_is_two_pieces_and_a_ball_is_one():
+def test_box_on_a_box_is_two_pieces_and_a_ball_is_one():
     rng = np.random.default_rng(3)
     eye = np.array([2.0, 3.0, 4.0])
 
@@ -118,13 +118,13 @@ def test_a_box_on_a_box_is_two_pieces_and_a_ball_is_one():
 
 
 def ring_of_views(radius, beside):
-    """Views from all round the origin, and as many from one side."""
+    """Make views from all around the origin, and twice as many from one side."""
     turn = np.linspace(0.0, 2.0 * np.pi, 6, endpoint=False)
     ring = radius * np.column_stack([np.cos(turn), np.full(6, 0.3), np.sin(turn)])
     return np.concatenate([ring, ring + beside, ring + beside])
 
 
-def test_a_box_and_a_thin_wall_that_were_seen_from_all_round_are_one_piece_each():
+def test_box_and_thin_wall_seen_from_all_sides_are_one_piece_each():
     rng = np.random.default_rng(0)
     views = ring_of_views(14.0, [50.0, 0.0, 10.0])
     whole = surface([box([0.0, 3.0, 0.0], [6.0, 6.0, 8.0])], 720, rng)
@@ -136,7 +136,7 @@ def test_a_box_and_a_thin_wall_that_were_seen_from_all_round_are_one_piece_each(
     assert convex_pieces(relief_of(faces), views.mean(axis=0), 12).max() > 0
 
 
-def test_a_crown_overhangs_its_trunk_and_a_box_on_a_box_does_not():
+def test_crown_overhangs_its_trunk_but_stacked_boxes_do_not():
     rng = np.random.default_rng(4)
     trunk, crown = (
         rng.uniform([-1, 0, -1], [1, 5, 1], (90, 3)),
@@ -153,7 +153,7 @@ def ring(num_views, reach):
     return np.stack([look_at(eye, [0.1, 0.2, 0.0]) for eye in eyes])
 
 
-def test_a_ring_of_views_has_a_focus_and_a_drive_has_none():
+def test_ring_of_views_has_a_focus_but_a_drive_has_not():
     focus = find_focus(ring(16, 1.0))
     assert focus.centre == pytest.approx([0.1, 0.2, 0.0], abs=0.01)
     drive = np.stack([look_at([0.0, 1.0, -z], [0.0, 1.0, -z - 9.0]) for z in range(12)])
@@ -161,7 +161,7 @@ def test_a_ring_of_views_has_a_focus_and_a_drive_has_none():
     assert find_focus(ring(2, 1.0)) is None
 
 
-def test_what_all_views_look_at_is_one_object():
+def test_focus_of_all_views_is_one_object():
     rng = np.random.default_rng(5)
     parts = [box([-0.3, 0.5, 0.0], [0.2, 1.0, 0.2]), box([0.4, 0.5, 0.0], [0.2, 1.0, 0.2])]
     cells = gather(cloud_of(surface(parts, 9000, rng).points), 0.05)
@@ -172,7 +172,7 @@ def test_what_all_views_look_at_is_one_object():
 
 
 def room(rng, top_height=0.75, is_box=False, things=2):
-    """A floor, a table of four legs or a box as large, and things on it and beside it."""
+    """Make a floor, a table with legs or a box as large, and objects on and beside it."""
     solids = [Cylinder(point=np.array([1.1, 0.0, 0.9]), axis=UP, radius=0.12, height=0.3)]
     places = [(-0.3, 0.1), (0.35, -0.1)][:things]
     solids += [
@@ -198,7 +198,7 @@ def room(rng, top_height=0.75, is_box=False, things=2):
 
 
 @pytest.mark.parametrize("height", [0.45, 0.75])
-def test_a_table_top_is_a_support_and_things_stand_on_it(height):
+def test_table_top_supports_the_objects_on_it(height):
     found = recognise_cloud(room(np.random.default_rng(6), height), SETTINGS)
     assert [plane.role for plane in found.planes] == ["ground", "support"]
     top = found.planes[1]
@@ -211,7 +211,7 @@ def test_a_table_top_is_a_support_and_things_stand_on_it(height):
     assert beside.centre[::2] == pytest.approx([1.1, 0.9], abs=0.05)
 
 
-def test_a_bare_table_and_the_top_of_a_box_are_no_supports():
+def test_bare_table_and_top_of_a_box_are_not_supports():
     rng = np.random.default_rng(7)
     for scene in (room(rng, things=0), room(rng, is_box=True)):
         assert [plane.role for plane in recognise_cloud(scene, SETTINGS).planes] == ["ground"]

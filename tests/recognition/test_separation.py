@@ -1,4 +1,4 @@
-"""Objects that nearly touch are parted; pieces of one object are put together."""
+"""Objects that nearly touch are separated; pieces of one object are merged."""
 
 import dataclasses
 
@@ -18,20 +18,20 @@ def seen(composite, rng):
     return observe(composite, COLOURS, Orbit(), rng)
 
 
-def together(*clouds):
+def merged_clouds(*clouds):
     points = np.concatenate([cloud.points for cloud in clouds])
     return PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8))
 
 
 @pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_two_that_nearly_touch_are_parted(kind, seed):
+def test_two_objects_that_nearly_touch_are_separated(kind, seed):
     rng = np.random.default_rng(seed)
     first = random_composite(kind, rng)
     second = dataclasses.replace(
         first, axis=np.add(first.axis, [2.0 * first.widest.max() + 0.3, 0.0])
     )
-    voxels = voxelise(together(seen(first, rng), seen(second, rng)))
+    voxels = voxelise(merged_clouds(seen(first, rng), seen(second, rng)))
     instance = components(voxels, SETTINGS)
     assert np.bincount(instance[instance >= 0]).max() > 0.9 * (instance >= 0).sum()
     found = [one for one in recognise(voxels, SETTINGS).objects if one.num_voxels > 60]
@@ -41,18 +41,18 @@ def test_two_that_nearly_touch_are_parted(kind, seed):
 
 
 @pytest.mark.parametrize("kind", ["apple tree", "pine tree", "cottage"])
-def test_one_object_is_never_parted(kind):
+def test_single_object_is_not_split(kind):
     for seed in range(4):
         rng = np.random.default_rng(seed)
         voxels = voxelise(seen(random_composite(kind, rng), rng))
         assert len([one for one in recognise(voxels, SETTINGS).objects if one.num_voxels > 60]) == 1
 
 
-def test_two_halves_of_a_crown_are_one_tree():
+def test_two_halves_of_a_crown_are_merged():
     rng = np.random.default_rng(3)
     tree = random_composite("pine tree", rng)
     cloud = seen(tree, rng)
-    # A strip through the middle of the crown that no eye saw.
+    # A strip through the middle of the crown was not seen.
     beside = np.abs(cloud.points[:, 0] - tree.axis[0]) > 2.5
     strip = beside | (cloud.points[:, 1] < tree.heights[1])
     voxels = voxelise(cloud.select(strip))
@@ -64,7 +64,7 @@ def test_two_halves_of_a_crown_are_one_tree():
 
 
 @pytest.mark.parametrize("seed", [2, 3, 5])
-def test_a_shell_seen_from_two_sides_is_one_cottage(seed):
+def test_cottage_seen_from_two_sides_is_merged(seed):
     rng = np.random.default_rng(seed)
     cottage = random_composite("cottage", rng)
     cloud = seen(cottage, rng)
@@ -80,7 +80,7 @@ def test_a_shell_seen_from_two_sides_is_one_cottage(seed):
     assert found[0].centre[::2] == pytest.approx(cottage.axis, abs=0.5)
 
 
-def test_two_walls_that_face_each_other_are_two():
+def test_facing_walls_are_not_merged():
     rng = np.random.default_rng(0)
     walls = [rng.uniform([x, 1.0, -4.0], [x, 8.0, 4.0], (3000, 3)) for x in (0.0, 7.0)]
     points = np.concatenate(walls) + rng.normal(0.0, 0.1, (6000, 3))
@@ -88,7 +88,7 @@ def test_two_walls_that_face_each_other_are_two():
     assert [one.label for one in recognise(voxels, SETTINGS).objects] == ["unknown", "unknown"]
 
 
-def test_a_fence_is_never_parted(monkeypatch):
+def test_fence_is_not_split(monkeypatch):
     rng = np.random.default_rng(1)
     pales = [
         np.array([x, 0.0, 0.0])
@@ -105,16 +105,16 @@ def test_a_fence_is_never_parted(monkeypatch):
 
 
 @pytest.mark.parametrize("seed", [2, 8])
-def test_a_crown_that_touches_a_cottage_joins_the_trunk_that_stands_apart(seed):
+def test_crown_touching_a_cottage_is_joined_with_its_separate_trunk(seed):
     rng = np.random.default_rng(seed)
     cottage, tree = (random_composite(kind, rng) for kind in ("cottage", "pine tree"))
     away = cottage.widest.max() + tree.widest.max()
     tree = dataclasses.replace(tree, axis=np.add(cottage.axis, [away, 0.0]))
     cloud = seen(tree, rng)
-    # Nobody saw the upper part of the trunk.
+    # The upper part of the trunk was not seen.
     height = cloud.points[:, 1]
     gap = (height > tree.heights[1] - 2.5) & (height < tree.heights[1] + 0.4)
-    voxels = voxelise(together(seen(cottage, rng), cloud.select(~gap)))
+    voxels = voxelise(merged_clouds(seen(cottage, rng), cloud.select(~gap)))
     sizes = np.bincount(components(voxels, SETTINGS)[components(voxels, SETTINGS) >= 0])
     assert (sizes >= SETTINGS.min_voxels).sum() == 2
     found = recognise(voxels, SETTINGS).objects
@@ -122,10 +122,12 @@ def test_a_crown_that_touches_a_cottage_joins_the_trunk_that_stands_apart(seed):
     assert found[1].centre[::2] == pytest.approx(tree.axis, abs=0.3)
 
 
-def test_what_a_solid_reaches_beyond_the_other_object_is_not_its_own():
+def test_cells_beyond_the_other_object_do_not_belong_to_a_solid():
     index = np.array([[x, y, 0] for x in range(12) for y in range(4)])
-    cells = voxelise(together(*[PointCloud(points=np.repeat(index + 0.5, 5, axis=0))]))
+    cells = voxelise(merged_clouds(*[PointCloud(points=np.repeat(index + 0.5, 5, axis=0))]))
     second = cells.means[:, 0] > 6.0
-    reaching = second ^ (cells.means[:, 0] > 10.0)  # the first solid's again, at the far end
+    reaching = second ^ (
+        cells.means[:, 0] > 10.0
+    )  # belongs to the first solid again, at the far end
     assert np.array_equal(separation._gathered(reaching, cells), second)
     assert np.array_equal(separation._gathered(second, cells), second)

@@ -1,4 +1,4 @@
-"""Kinds of boxes, balls and posts on and beside each other, written in a catalogue."""
+"""Catalogue kinds made of boxes, balls and posts on and beside each other."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ UP = np.array([0.0, 1.0, 0.0])
 
 
 def box(height: float, width: float) -> Box:
-    """A box on the ground."""
+    """Make a box on the ground."""
     sizes = np.array([width, height, width])
     return Box(centre=np.array([0.0, height / 2.0, 0.0]), axes=np.eye(3), sizes=sizes)
 
@@ -71,7 +71,7 @@ def named(solids: list[Solid], *kinds: Kind) -> Naming:
 @pytest.mark.parametrize(
     ("name", "solids"), [("robot", ROBOT), ("pair", PAIR), ("hydrant", HYDRANT)]
 )
-def test_an_object_of_solids_has_the_name_and_the_parts_of_its_kind(kinds, name, solids):
+def test_object_of_solids_gets_the_label_and_parts_of_its_kind(kinds, name, solids):
     found = named(solids, *kinds.values())
     assert found.label == name
     assert found.probability > 0.5
@@ -80,7 +80,7 @@ def test_an_object_of_solids_has_the_name_and_the_parts_of_its_kind(kinds, name,
     assert all(part.solid.kind in rules[part.role] for part in found.parts)
 
 
-def test_the_head_of_a_robot_comes_out_with_its_size(kinds):
+def test_head_of_a_robot_has_the_right_size(kinds):
     parts = {part.role: part.solid for part in named(ROBOT, kinds["robot"]).parts}
     assert parts["head"].radius == pytest.approx(2.6, rel=0.1)
     # The lowest cells of the body belong to the ground.
@@ -88,15 +88,15 @@ def test_the_head_of_a_robot_comes_out_with_its_size(kinds):
 
 
 @pytest.mark.parametrize("solids", [[box(7.0, 6.0)], [ball(4.0, 0.0, 4.0, 0.0)], HYDRANT])
-def test_one_solid_is_no_pair_and_a_post_is_not_a_ball(kinds, solids):
+def test_single_solid_is_not_a_pair_and_a_post_is_not_a_ball(kinds, solids):
     assert named(solids, kinds["pair"]).label == UNKNOWN
 
 
-def test_a_crown_on_a_trunk_is_not_beside_it(kinds):
+def test_crown_on_a_trunk_is_not_beside_it(kinds):
     assert named(TREE, kinds["hydrant"]).label == UNKNOWN
 
 
-def test_a_slender_part_has_the_slenderness_that_its_kind_asks_for(kinds):
+def test_slenderness_of_a_part_is_checked(kinds):
     post, valve = kinds["hydrant"].parts
     for bounds, label in (((3.0, 6.0), "hydrant"), ((6.0, 9.0), UNKNOWN)):
         kind = Kind(name="hydrant", parts=(with_slenderness(post, bounds), valve))
@@ -107,12 +107,12 @@ def with_slenderness(part, bounds):
     return type(part)(role=part.role, shapes=part.shapes, slenderness=bounds)
 
 
-def test_solids_that_cannot_be_told_apart_are_no_pieces():
+def test_indistinguishable_solids_are_not_pieces():
     cells = cells_of([ball(4.0, 0.0, 4.0, 0.0)])
     assert solid_pieces(cells.select(np.arange(6)), {"sphere"}, 2).pieces == ()
 
 
-def test_a_map_with_a_robot_is_recognised_by_the_file(tmp_path):
+def test_robot_in_a_map_is_recognised_from_a_catalogue_file(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(OWN)
     settings = RecognitionSettings(catalogue=(str(path),))

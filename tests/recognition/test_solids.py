@@ -1,4 +1,4 @@
-"""Distances to solids are those to the nearest of very many points on their surface."""
+"""Distances to solids match the nearest of very many points on their surface."""
 
 import numpy as np
 import pytest
@@ -12,12 +12,12 @@ AXES = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
 
 
 def grid(count: int = 700) -> tuple[np.ndarray, np.ndarray]:
-    """Shares (0 to 1) and turns that together cover a surface."""
+    """Make shares (0 to 1) and angles that together cover a surface."""
     share, turn = np.meshgrid(np.linspace(0, 1, count), np.linspace(0, 2 * np.pi, count))
     return share.ravel(), turn.ravel()
 
 
-def revolved(point, axis, height, low, high):
+def surface_of_revolution(point, axis, height, low, high):
     share, turn = grid()
     across = np.linalg.svd(axis[None])[2][1:]
     rho = low + share * (high - low)
@@ -55,15 +55,15 @@ SURFACES = [
     ),
     (
         Cylinder(point=POINT, axis=AXIS, radius=0.7, height=2.0),
-        revolved(POINT, AXIS, 2.0, 0.7, 0.7),
+        surface_of_revolution(POINT, AXIS, 2.0, 0.7, 0.7),
     ),
     (
         Cone(apex=POINT, axis=AXIS, half_angle_rad=np.arctan(0.5), height=2.0),
-        revolved(POINT, AXIS, 2.0, 0.0, 1.0),
+        surface_of_revolution(POINT, AXIS, 2.0, 0.0, 1.0),
     ),
     (
         TruncatedCone(point=POINT, axis=AXIS, radius_bottom=1.2, radius_top=0.4, height=1.5),
-        revolved(POINT, AXIS, 1.5, 1.2, 0.4),
+        surface_of_revolution(POINT, AXIS, 1.5, 1.2, 0.4),
     ),
     (
         Box(centre=POINT, axes=AXES, sizes=np.array([1.0, 2.0, 0.5])),
@@ -73,7 +73,7 @@ SURFACES = [
 
 
 @pytest.mark.parametrize(("solid", "surface"), SURFACES, ids=lambda item: getattr(item, "kind", ""))
-def test_a_distance_is_that_to_the_nearest_surface_point(solid, surface):
+def test_distance_is_that_to_the_nearest_surface_point(solid, surface):
     points = POINT + RNG.uniform(-3.0, 3.0, (400, 3))
     brute = cKDTree(surface).query(points)[0]
     np.testing.assert_allclose(solid.distances(points), brute, atol=5e-3)
@@ -82,18 +82,18 @@ def test_a_distance_is_that_to_the_nearest_surface_point(solid, surface):
     assert solid.distances(points).min() > 0
 
 
-def test_a_cylinder_and_a_cone_are_open():
+def test_cylinder_and_cone_are_open():
     cylinder = Cylinder(point=np.zeros(3), axis=np.array([0.0, 1.0, 0.0]), radius=2.0, height=4.0)
     lid_middle = np.array([[0.0, 4.0, 0.0]])
     assert cylinder.distances(lid_middle) == pytest.approx(2.0)
 
 
-def test_a_plane_has_no_end():
+def test_plane_is_unbounded():
     plane = Plane(point=np.zeros(3), normal=AXIS)
     far = 1e6 * np.array([[1.0, 0.0, 0.0]]) + 3.0 * AXIS
     assert plane.distances(far) == pytest.approx(3.0)
 
 
-def test_the_middle_of_an_ellipsoid_is_a_short_half_axis_away():
+def test_centre_of_an_ellipsoid_is_one_short_half_axis_away():
     solid = Ellipsoid(centre=POINT, radii=np.array([3.0, 2.0, 1.0]), axes=AXES)
     assert solid.distances(POINT[None]) == pytest.approx(1.0, abs=1e-6)

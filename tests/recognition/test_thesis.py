@@ -1,4 +1,4 @@
-"""The thesis's recogniser works on what it was made for and fails on noise."""
+"""The thesis's recogniser works on ideal data and fails on noise."""
 
 import numpy as np
 import pytest
@@ -15,13 +15,13 @@ COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
 
 
 def ideal(composite, seed=0):
-    """Cells of the surface itself, each part of one colour."""
+    """Make cells on the surface itself, each part in one colour."""
     whole = surface(solids(composite), 60_000, np.random.default_rng(seed))
     colours = COLOURS[whole.part].astype(np.uint8)
     return voxelise(PointCloud(points=whole.points, colours=colours))
 
 
-def test_an_ideal_apple_tree_is_told():
+def test_ideal_apple_tree_is_recognised():
     tree = Composite(
         shapes=("cylinder", "sphere"),
         axis=np.array([3.0, 4.0]),
@@ -29,12 +29,12 @@ def test_an_ideal_apple_tree_is_told():
         radii=(np.array([2.0]), np.array([])),
     )
     found = recognise(ideal(tree), THESIS)
-    # The sign of the trunk's third eigenvalue is chance even here: the crown is what is sure.
+    # The sign of the trunk's third eigenvalue is random even here; only the crown is certain.
     assert found.objects[0].label in ("apple tree", "unknown")
 
 
 @pytest.mark.parametrize("recogniser", ["robust", "thesis"])
-def test_under_stereo_noise_only_the_robust_one_is_right(recogniser):
+def test_only_the_robust_recogniser_works_under_stereo_noise(recogniser):
     chosen = RecognitionSettings(recogniser=recogniser)
     right = 0
     for seed in range(9):
