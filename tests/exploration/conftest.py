@@ -1,4 +1,4 @@
-"""Explorers without images: points of a world of cylinders in place of stereo."""
+"""Exploration without images: points of a world of cylinders replace stereo."""
 
 from collections.abc import Callable, Sequence
 

@@ -1,4 +1,4 @@
-"""A world of upright cylinders, and a stereo that samples them: explorers without images."""
+"""A world of upright cylinders and a simulated stereo, for exploration without images."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -27,14 +27,14 @@ LENGTHS = {
 
 
 def in_units(settings, scale):
-    """The settings with every length scaled."""
+    """Scale every length in the settings."""
     return updated(
         settings,
         {
             stage: {
                 name: scale * length
                 for name in names
-                # What is None follows from the lengths that are scaled.
+                # Values that are None follow from the scaled lengths.
                 if (length := getattr(getattr(settings, stage), name)) is not None
             }
             for stage, names in LENGTHS.items()
@@ -44,7 +44,7 @@ def in_units(settings, scale):
 
 @dataclass
 class Flatland:
-    """Cylinders (x, z, radius, height) on a floor; has what an explorer asks of a world."""
+    """Cylinders (x, z, radius, height) on a floor, with the interface of an explorable world."""
 
     discs: Sequence[tuple[float, float, float, float]]
     settings: Settings
@@ -113,7 +113,7 @@ class Flatland:
         return free
 
     def match_points(self, pair, settings):
-        """In place of `recon.mapping.pair.match_points`: random points of what is visible."""
+        """Replace `recon.mapping.pair.match_points` by random visible points."""
         rng = np.random.default_rng(int(pair.stamp_s))
         points, depth = self._visible(pair, rng)
         sigma = pair.rig.depth_sigma(depth, self.sigma_px)
@@ -125,7 +125,7 @@ class Flatland:
         return replace(nothing(), cloud=cloud)
 
     def _visible(self, pair, rng):
-        """Pixels of the left eye that are edges (one in ten), and where they lie in the world."""
+        """Select a tenth of the left pixels as edges, with their world points."""
         u, v = rng.uniform(0, 255, (2, 6500))
         rays = pair.rig.rays(np.column_stack([u, v])) @ pair.T_world_left[:3, :3].T
         eye = pair.T_world_left[:3, 3]
@@ -138,7 +138,7 @@ class Flatland:
 
 
 def _hit(eye, rays, disc):
-    """Depth at which rays with unit depth meet the side of a cylinder."""
+    """Compute the depth at which rays of unit depth hit the side of a cylinder."""
     x, z, radius, height = disc
     a = rays[:, 0] ** 2 + rays[:, 2] ** 2
     ox, oz = eye[0] - x, eye[2] - z
@@ -151,7 +151,7 @@ def _hit(eye, rays, disc):
 
 
 def nothing():
-    """The result of a pair that shows nothing."""
+    """Give the result of a pair that shows nothing."""
     none = PointCloud(
         points=np.empty((0, 3)), colours=np.empty((0, 3), dtype=np.uint8), sigma=np.empty(0)
     )

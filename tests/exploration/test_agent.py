@@ -1,4 +1,4 @@
-"""The loop and both controllers, in worlds of cylinders."""
+"""The exploration loop and both controllers, in worlds of cylinders."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0), (5.0, -30.0, 3.0, 10.
 
 
 def is_found(exploration, disc):
-    """Whether the map has a thing whose middle is within a unit of a cylinder's axis."""
+    """Check that the map has an object centred within one unit of a cylinder's axis."""
     x, z, radius, _ = disc
     cells_xz = exploration.reconstruction.voxels.means[:, [0, 2]]
     near = cells_xz[np.hypot(*(cells_xz - [x, z]).T) < radius + 2.0]
@@ -26,9 +26,7 @@ def positions(exploration):
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
-def test_a_controller_ends_by_itself_with_every_object_and_the_floor_known(
-    explore_discs, controller
-):
+def test_controller_ends_when_all_objects_and_the_floor_are_known(explore_discs, controller):
     done = explore_discs(TREES, controller=controller)
     assert done.stop_reason == "all known"
     assert all(is_found(done, disc) for disc in TREES)
@@ -37,7 +35,7 @@ def test_a_controller_ends_by_itself_with_every_object_and_the_floor_known(
     assert done.metrics["path_bound"] <= done.metrics["path_length"]
 
 
-def test_the_frontier_controller_walks_less_than_the_thesis(explore_discs):
+def test_frontier_controller_walks_less_than_the_thesis(explore_discs):
     frontier = explore_discs(TREES, controller="frontier").metrics
     thesis = explore_discs(TREES, controller="thesis").metrics
     assert frontier["coverage"] >= 0.98 * thesis["coverage"]
@@ -45,7 +43,7 @@ def test_the_frontier_controller_walks_less_than_the_thesis(explore_discs):
     assert frontier["num_pairs"] <= 0.6 * thesis["num_pairs"]
 
 
-def test_metrics_trajectory_and_curve_tell_of_the_same_walk(explore_discs):
+def test_metrics_trajectory_and_curve_are_consistent(explore_discs):
     done = explore_discs(TREES)
     metrics = done.metrics
     assert metrics["num_pairs"] == len(done.views) == len(done.reconstruction.trajectory)
@@ -61,7 +59,7 @@ def test_metrics_trajectory_and_curve_tell_of_the_same_walk(explore_discs):
     assert np.allclose(np.linalg.norm(eyes, axis=1), 0.15)
 
 
-def test_the_same_world_and_pairs_taken_before_are_explored_in_the_same_way(explore_discs):
+def test_exploration_is_reproducible_and_resumes_from_saved_pairs(explore_discs):
     saved = []
     first, second = explore_discs(TREES), explore_discs(TREES, observe=lambda s: saved.append(s))
     assert np.array_equal(positions(first), positions(second))
@@ -72,7 +70,7 @@ def test_the_same_world_and_pairs_taken_before_are_explored_in_the_same_way(expl
     assert np.array_equal(positions(first)[:12], positions(again))
 
 
-def test_ctrl_c_leaves_a_whole_exploration(explore_discs):
+def test_ctrl_c_gives_a_complete_exploration(explore_discs):
     def observe(step):
         if step.number == 4:
             raise KeyboardInterrupt
@@ -83,7 +81,7 @@ def test_ctrl_c_leaves_a_whole_exploration(explore_discs):
     assert done.reconstruction.map.num_cells > 0
 
 
-def test_ctrl_c_before_the_first_pair_leaves_an_empty_exploration(explore_discs):
+def test_ctrl_c_before_the_first_pair_gives_an_empty_exploration(explore_discs):
     def take(view):
         raise KeyboardInterrupt
 
@@ -93,7 +91,7 @@ def test_ctrl_c_before_the_first_pair_leaves_an_empty_exploration(explore_discs)
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
-def test_a_world_with_nothing_in_it_is_known_soon(explore_discs, controller):
+def test_empty_world_is_explored_quickly(explore_discs, controller):
     done = explore_discs([], controller=controller, size=80.0)
     assert done.stop_reason == "all known"
     assert done.metrics["num_objects"] == done.metrics["pairs_until_objects"] == 0
@@ -102,12 +100,12 @@ def test_a_world_with_nothing_in_it_is_known_soon(explore_discs, controller):
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
-def test_a_start_inside_an_object_is_refused(explore_discs, controller):
+def test_start_inside_an_object_is_rejected(explore_discs, controller):
     with pytest.raises(InputError, match=r"exploration\.start_position: x 0, z 0 .*inside"):
         explore_discs([(0.0, 0.0, 4.0, 12.0)], controller=controller)
 
 
-def test_a_start_that_is_walled_in_leaves_nothing_to_reach(explore_discs):
+def test_enclosed_start_ends_with_nothing_reachable(explore_discs):
     angles = np.arange(16) * 2 * np.pi / 16
     wall = [(14 * np.cos(a), 14 * np.sin(a), 3.2, 12.0) for a in angles]
     done = explore_discs([*wall, (30.0, 30.0, 4.0, 12.0)], size=80.0)
@@ -117,9 +115,7 @@ def test_a_start_that_is_walled_in_leaves_nothing_to_reach(explore_discs):
 
 
 @pytest.mark.parametrize("controller", ["frontier", "thesis"])
-def test_what_nobody_sees_is_walked_round_once_it_is_touched(
-    explore_discs, controller, monkeypatch
-):
+def test_invisible_obstacle_is_avoided_after_contact(explore_discs, controller, monkeypatch):
     touches, touch = [], Floor.touch
     monkeypatch.setattr(Floor, "touch", lambda *args: touches.append(args[1]) or touch(*args))
     done = explore_discs(
@@ -131,26 +127,26 @@ def test_what_nobody_sees_is_walked_round_once_it_is_touched(
     assert is_found(done, (30.0, 0.0, 4.0, 12.0))
 
 
-def test_objects_that_touch_are_walked_round_together(explore_discs):
+def test_touching_objects_are_circled_together(explore_discs):
     done = explore_discs([(16.0, 0.0, 5.0, 12.0), (25.0, 2.0, 5.0, 9.0)], size=80.0)
     assert done.stop_reason == "all known"
     assert done.metrics["min_clearance"] > 1.0
     assert done.metrics["coverage"] > 0.97
 
 
-def test_an_obstacle_at_the_border_is_seen_from_where_one_can_stand(explore_discs):
+def test_obstacle_at_the_border_is_seen_from_reachable_places(explore_discs):
     done = explore_discs([(35.0, 0.0, 6.0, 12.0)], size=80.0)
     assert done.stop_reason == "all known"
     assert "cannot be reached" in done.message
     assert len(done.recognition.objects) >= 1
 
 
-def test_every_lone_cylinder_is_one_object(explore_discs):
+def test_every_separate_cylinder_is_one_object(explore_discs):
     assert len(explore_discs(TREES).recognition.objects) == len(TREES)
 
 
-class Wrong:
-    """A controller that takes one good view, then does something wrong."""
+class FaultyController:
+    """A controller that takes one valid view, then fails."""
 
     def __init__(self, answer):
         self.answer = answer
@@ -167,12 +163,12 @@ class Wrong:
         return "seen enough"
 
 
-def raising():
+def raise_error():
     raise ZeroDivisionError("no plan")
 
 
-WRONG = {
-    "ZeroDivisionError: no plan": raising,
+FAULTS = {
+    "ZeroDivisionError: no plan": raise_error,
     "position holds nan": lambda: View(position=[np.nan, 5, 0], target=[0, 5, 1]),
     "a View or None is needed": lambda: "left",
     "runs into an object": lambda: View(position=[20, 5, 12], target=[0, 5, 1]),
@@ -183,37 +179,37 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("message", WRONG)
-def test_a_controller_that_fails_leaves_a_whole_exploration(explore_discs, message):
-    done = explore_discs(TREES, led_by=Wrong(WRONG[message]))
+@pytest.mark.parametrize("message", FAULTS)
+def test_failing_controller_gives_a_complete_exploration(explore_discs, message):
+    done = explore_discs(TREES, led_by=FaultyController(FAULTS[message]))
     assert done.stop_reason == "controller failed"
     assert message in done.message
     assert len(done.views) == 2
     assert np.isfinite(done.metrics["min_clearance"])
 
 
-class Careful(Wrong):
-    """A controller that goes round what its way runs into."""
+class AvoidingController(FaultyController):
+    """A controller that avoids what its path collides with."""
 
     def next_view(self, state):
         x = -20 if state.floor.touched.any() else 5
         return None if state.num_pairs > 3 else View(position=[x, 5, -30], target=[0, 5, 1])
 
 
-def test_a_controller_is_asked_again_where_its_way_runs_into_something(explore_discs):
-    done = explore_discs(TREES, led_by=Careful(None))
+def test_controller_is_asked_again_after_a_collision(explore_discs):
+    done = explore_discs(TREES, led_by=AvoidingController(None))
     assert done.stop_reason == "controller ended"
     assert [view.position[0] for view in done.views] == [0, -20, -20, -20]
     assert done.metrics["path_length"] == pytest.approx(np.hypot(20, 30))
 
 
-def test_a_controller_that_never_ends_is_stopped(explore_discs):
-    turning = Wrong(lambda: View(position=[0, 5, 0], target=[0, 5, 1]))
+def test_controller_that_never_ends_is_stopped(explore_discs):
+    turning = FaultyController(lambda: View(position=[0, 5, 0], target=[0, 5, 1]))
     done = explore_discs(TREES, led_by=turning, max_pairs=7)
     assert done.stop_reason == "limit"
     assert len(done.views) == 7
 
 
-def test_a_controller_that_ends_with_words_of_its_own_is_said_to_have_ended(explore_discs):
-    done = explore_discs(TREES, led_by=Wrong(lambda: None))
+def test_custom_message_of_a_controller_is_kept(explore_discs):
+    done = explore_discs(TREES, led_by=FaultyController(lambda: None))
     assert (done.stop_reason, done.message) == ("controller ended", "seen enough")

@@ -1,4 +1,4 @@
-"""An agent that slips corrects itself by what it sees, and its map with it."""
+"""An agent with motion errors corrects its pose by what it sees, and its map as well."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ NOISE = {
 
 
 class Round:
-    """A controller that goes a round among the trees, looking at each."""
+    """A controller that walks around the trees, looking at each."""
 
     def __init__(self):
         angles = np.radians([0.0, 40.0, 80.0, 120.0])
@@ -40,7 +40,7 @@ class Round:
 
 
 def walked(world_of):
-    """A round in a world: its exploration, and the believed and the true poses."""
+    """Walk a round in a world; return the exploration, believed poses and true poses."""
     settings = updated(with_quality(explorers(Settings()), "fast"), NOISE)
     done = explore(world_of(settings), settings, controller=Round())
     return done, done.reconstruction.trajectory.T_world_left, done.true_trajectory.T_world_left
@@ -51,21 +51,21 @@ def off(believed, true):
     return float(np.mean([np.hypot(*(planar(a) - planar(b))[:2]) for a, b in both]))
 
 
-def test_an_agent_knows_where_it_is_better_than_its_steps_tell(monkeypatch):
+def test_believed_poses_are_better_than_dead_reckoning(monkeypatch):
     done, believed, true = walked(lambda settings: World.from_file("village", settings))
     assert done.metrics["pose_error_end"] > 0.0
     corrected = off(believed, true)
     assert len(believed) >= 5 + len(Round().places) + 1
-    # It ends where it began, looking as it did; its round ends 18 units away.
+    # It returns to the start with the same heading; the round itself ends 18 units away.
     assert np.linalg.norm(believed[-1, :3, 3] - believed[0, :3, 3]) < 3.0
-    # At the start it looks all round, with as few looks of 80 degrees as that takes.
+    # At the start it looks all around, with as few views of 80 degrees as necessary.
     assert np.linalg.norm(np.ptp(believed[:5, :3, 3], axis=0)) < 3.0
     headings = np.unwrap([planar(T)[2] for T in true[:5]])
     assert np.degrees(headings[-1] - headings[0]) == pytest.approx(288.0, abs=25.0)
     monkeypatch.setattr(Belief, "correct", lambda self, sight, model: np.eye(4))
     monkeypatch.setattr(Belief, "outdated", lambda self: None)
     monkeypatch.setattr(Belief, "glance", lambda self: None)
-    # Without corrections, what it sees makes no difference to where it goes.
+    # Without corrections, its observations have no effect on its path.
     monkeypatch.setattr(agent, "match_points", lambda pair, settings: nothing())
     _, believed, true = walked(lambda settings: Flatland(discs=[], settings=settings))
     assert corrected < 0.5 * off(believed, true)
@@ -76,7 +76,7 @@ def test_exact_motion_needs_no_belief():
     assert belief_of(updated(Settings(), NOISE)).sigma == 0.0
 
 
-def test_an_unsure_agent_keeps_more_room_but_not_without_end(monkeypatch):
+def test_clearance_grows_with_uncertainty_up_to_a_limit(monkeypatch):
     belief = belief_of(updated(Settings(), NOISE))
     assert belief.cautious.exploration.walk_clearance == 3.0
     monkeypatch.setattr(Belief, "sigma", 0.25)
@@ -85,7 +85,7 @@ def test_an_unsure_agent_keeps_more_room_but_not_without_end(monkeypatch):
     assert belief.cautious.exploration.walk_clearance == pytest.approx(4.0)
 
 
-def test_points_on_disk_follow_the_poses_that_were_corrected(tmp_path):
+def test_points_on_disk_follow_corrected_poses(tmp_path):
     path, poses = tmp_path / "cloud.ply", np.stack([np.eye(4), np.eye(4)])
     with CloudWriter(path) as writer:
         for number in (0, 1):

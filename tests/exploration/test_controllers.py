@@ -1,4 +1,4 @@
-"""Controllers by name, and plug-ins that are installed beside recon."""
+"""Controllers by name, including plugins installed beside recon."""
 
 import importlib
 import shutil
@@ -18,8 +18,8 @@ PLUGIN = Path(__file__).parents[2] / "docs" / "plugin"
 
 @pytest.fixture
 def plugged_in(tmp_path, monkeypatch):
-    """The example package, installed where only this test looks."""
-    # A build leaves its litter in the source folder, so it is made from a copy.
+    """Install the example package where only this test finds it."""
+    # Building leaves files in the source folder, so a copy is built.
     source, target = shutil.copytree(PLUGIN, tmp_path / "source"), tmp_path / "installed"
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
     pip = [sys.executable, "-m", "pip", "install", *options, "--target", target, source]
@@ -32,18 +32,18 @@ def plugged_in(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("name", CONTROLLERS.names())
-def test_every_controller_of_the_table_says_who_it_is(name):
+def test_every_controller_has_an_info_text(name):
     controller = make_controller(name)
     assert controller.info()
     assert "\n" not in controller.info()
 
 
-def test_an_unknown_controller_is_refused_with_the_known_ones():
+def test_unknown_controller_is_rejected_with_the_known_ones():
     with pytest.raises(InputError, match=r"'fronteer'.*frontier, thesis.*nearest: frontier"):
         make_controller("fronteer")
 
 
-def test_the_example_package_leads_the_agent(plugged_in, explore_discs):
+def test_controller_of_the_example_package_explores(plugged_in, explore_discs):
     done = explore_discs([(20.0, 0.0, 4.0, 12.0)], controller="carousel")
     assert (done.stop_reason, done.message) == ("controller ended", "12 views on a circle")
     places = np.array([view.position for view in done.views])[1:]
@@ -51,7 +51,7 @@ def test_the_example_package_leads_the_agent(plugged_in, explore_discs):
     assert np.allclose(np.hypot(places[:, 0], places[:, 2]), 8.0)
 
 
-def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
+def test_plugin_that_does_not_load_is_rejected_by_name(tmp_path, monkeypatch):
     info = tmp_path / "broken-1.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Name: broken\nVersion: 1\n")
@@ -62,5 +62,5 @@ def test_a_plug_in_that_does_not_load_is_refused_by_name(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("module", [frontier, thesis, paths, viewpoints, gains, sides, tour])
-def test_controllers_that_come_with_recon_do_not_ask_the_simulator(module):
+def test_built_in_controllers_do_not_use_the_simulator(module):
     assert "simulator" not in Path(module.__file__).read_text()

@@ -1,4 +1,4 @@
-"""Doubts: what is looked at once more before the agent ends."""
+"""Doubts: places that are viewed again before the agent ends."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from recon.settings import Settings
 
 
 def floor_with_pocket(size, feet):
-    """Ground seen from 20 units, except a square of some size with feet on its edge."""
+    """Make ground seen from 20 units, except for a square with feet on its edge."""
     floor = Floor(size_x=60.0, size_z=60.0)
     floor.seen_from[:] = 20.0
     floor.seen_from[30 : 30 + size, 20 : 20 + size] = np.inf
@@ -28,11 +28,11 @@ def test_unseen_ground_behind_a_foot_may_hide_an_object():
 
 
 @pytest.mark.parametrize(("size", "feet"), [(7, 0), (4, 3), (0, 20)])
-def test_ground_without_a_foot_or_room_hides_none(size, feet):
+def test_ground_without_a_foot_or_space_hides_no_object(size, feet):
     assert not list(hiding_places(floor_with_pocket(size, feet), (), 2.0))
 
 
-def test_what_resembles_a_kind_is_looked_at_from_nearby_before_the_end(explore_discs, monkeypatch):
+def test_doubtful_object_is_viewed_from_nearby_before_the_end(explore_discs, monkeypatch):
     x, z, radius, _ = disc = (20.0, 5.0, 4.0, 12.0)
     recognise = world_model.recognise
     near = []

@@ -1,4 +1,4 @@
-"""What can be explored: worlds in any unit, and sources that know no truth."""
+"""Explorable sources: worlds in any unit, and recordings without truth."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ TREES = [(20.0, 12.0, 4.0, 14.0), (-25.0, 8.0, 6.0, 12.0)]
 
 
 class Recording:
-    """Pairs round a tree, taken before: has a start and pairs, and knows nothing else."""
+    """Recorded pairs around a tree: a source with only a start and pairs."""
 
     def __init__(self, world, scale):
         around = np.radians(np.arange(0.0, 360.0, 45.0))
@@ -32,7 +32,7 @@ class Recording:
 
 
 class Replay:
-    """A controller that goes through the views of a recording."""
+    """A controller that replays the views of a recording."""
 
     def __init__(self, views):
         self.views = list(views)
@@ -48,7 +48,7 @@ class Replay:
         return "the recording is over"
 
 
-def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
+def test_recorded_source_with_small_cells_is_explored_without_truth(monkeypatch):
     settings = in_units(updated(Settings(), {"world": {"size_x": 80.0, "size_z": 80.0}}), 0.1)
     assert settings.map.cell_size == pytest.approx(0.1)
     world = Flatland(discs=0.1 * np.array(TREES), settings=settings)
@@ -70,7 +70,7 @@ def test_a_recording_of_small_cells_is_explored_without_truth(monkeypatch):
 
 
 @pytest.mark.parametrize("scale", [0.1, 10.0])
-def test_a_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
+def test_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
     one, other = (
         explore_discs([(12.0, 6.0, 4.0, 14.0)], size=56.0, scale=unit) for unit in (1.0, scale)
     )
@@ -86,7 +86,7 @@ def test_a_world_in_another_unit_gives_the_same_walk(explore_discs, scale):
 @pytest.mark.parametrize(
     ("heading", "ahead"), [(0.0, (0, -1)), (90.0, (1, 0)), (180.0, (0, 1)), (-90.0, (-1, 0))]
 )
-def test_the_start_is_a_setting(explore_discs, heading, ahead):
+def test_start_is_a_setting(explore_discs, heading, ahead):
     done = explore_discs(TREES, max_pairs=1, start_position=(-5.0, 30.0), start_heading_deg=heading)
     (view,) = done.views
     assert view.position.tolist() == [-5.0, 5.0, 30.0]
@@ -97,11 +97,11 @@ def test_the_start_is_a_setting(explore_discs, heading, ahead):
 
 
 @pytest.mark.parametrize("place", [(20.0, 12.0), (16.2, 12.0), (15.8, 12.0)])
-def test_a_start_in_or_against_an_object_is_refused(explore_discs, place):
+def test_start_in_or_at_an_object_is_rejected(explore_discs, place):
     with pytest.raises(InputError, match=r"start_position: x .* inside or against an object"):
         explore_discs(TREES, start_position=place)
 
 
-def test_a_start_off_the_floor_is_refused(explore_discs):
+def test_start_outside_the_floor_is_rejected(explore_discs):
     with pytest.raises(InputError, match=r"x 90, z 0 is off the floor of 100 x 100"):
         explore_discs(TREES, start_position=(90.0, 0.0))

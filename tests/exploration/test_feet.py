@@ -1,4 +1,4 @@
-"""Feet of obstacles in the image, where stereo finds nothing to match."""
+"""Feet of obstacles in the image, for surfaces without matches."""
 
 import dataclasses
 
@@ -19,7 +19,7 @@ FAR = 100.0
 
 
 def wall(z, half=10.0):
-    """A wall of one colour, whose level edges give stereo nothing."""
+    """Make a wall of one colour, whose horizontal edges give no matches."""
     corners = ((-half, 0.0), (half, 0.0), (half, 7.0), (-half, 7.0))
     return PolygonVisual(
         cull_back=False,
@@ -49,7 +49,7 @@ def feet_of(*visuals, azimuths_deg=(-90.0,), textures=(), **render):
 
 @pytest.mark.parametrize("noise", [0.0, 5.0])
 @pytest.mark.parametrize("distance", [12.0, 30.0])
-def test_a_wall_of_one_colour_stands_where_it_meets_the_ground(distance, noise):
+def test_uniform_wall_is_located_at_its_foot(distance, noise):
     foot = feet_of(wall(-distance), plain_ground(), noise=noise)
     assert foot == pytest.approx([distance], abs=0.1 * distance)
 
@@ -60,17 +60,17 @@ def test_open_ground_has_no_foot(noise):
     assert np.isinf(feet).mean() >= 0.99
 
 
-def test_beside_a_wall_the_ground_goes_on():
+def test_ground_continues_beside_a_wall():
     feet = feet_of(wall(-20.0, half=4.0), plain_ground(), azimuths_deg=(-90.0, -60.0, -120.0))
     assert np.isfinite(feet).tolist() == [True, False, False]
 
 
-def test_ground_with_a_texture_leaves_it_to_stereo():
+def test_textured_ground_gives_no_feet():
     feet = feet_of(tiled_ground(0), azimuths_deg=np.linspace(-125, -55, 50), textures=("leaves",))
     assert np.isinf(feet).mean() > 0.5
 
 
-def test_a_foot_bars_a_cell_until_a_nearer_view_sees_it_free():
+def test_foot_blocks_a_cell_until_a_nearer_view_sees_it_free():
     floor = Floor(size_x=120, size_z=120)
     cell = tuple(floor.cells([0.0, -20.0]))
     rays = floor.azimuths(AHEAD, np.radians(80.0), 60.0)

@@ -1,4 +1,4 @@
-"""What views tell of the floor."""
+"""Knowledge about the floor gained from views."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def is_known(floor, x, z):
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(1, 60), st.integers(1, 60))
-def test_cells_and_their_middles_are_inverse(size_x, size_z):
+def test_cells_and_their_centres_are_inverse(size_x, size_z):
     floor = Floor(size_x=size_x, size_z=size_z)
     cells = np.argwhere(~floor.occupied)
     assert np.array_equal(floor.cells(floor.centres(cells)), cells)
@@ -31,7 +31,7 @@ def test_cells_and_their_middles_are_inverse(size_x, size_z):
     assert floor.flat(np.array([size_x, 0])) == size_x * size_z
 
 
-def test_a_view_knows_its_field_and_no_more():
+def test_view_makes_only_its_field_known():
     floor = Floor(size_x=100, size_z=100)
     known = seen(floor, (0.0, 0.0), 0.0)
     area = 0.5 * np.radians(80.0) * 30.0**2
@@ -46,7 +46,7 @@ def test_a_view_knows_its_field_and_no_more():
     assert not is_known(floor, 32, 0)
 
 
-def test_azimuth_a_quarter_turn_on_is_along_z():
+def test_azimuth_of_a_quarter_turn_is_along_z():
     floor = Floor(size_x=100, size_z=100)
     seen(floor, (0.0, 0.0), 90.0)
     assert is_known(floor, 0, 20)
@@ -54,7 +54,7 @@ def test_azimuth_a_quarter_turn_on_is_along_z():
 
 
 @pytest.mark.parametrize("stands", [True, False])
-def test_a_thing_hides_what_is_behind_it(stands):
+def test_obstacle_hides_the_floor_behind_it(stands):
     floor = Floor(size_x=100, size_z=100)
     if stands:
         floor.occupied |= floor.disc(np.array([15.0, 0.0]), 3.0)
@@ -72,14 +72,14 @@ def test_limits_end_the_rays():
     assert not is_known(floor, 20, 5)
 
 
-def test_what_hangs_over_the_place_hides_nothing():
+def test_overhang_hides_nothing():
     floor = Floor(size_x=100, size_z=100)
     floor.occupied |= floor.disc(np.zeros(2), 3.0)
     seen(floor, (0.0, 0.0), 0.0)
     assert is_known(floor, 20, 0)
 
 
-def test_the_nearest_look_is_kept():
+def test_nearest_view_of_a_cell_is_kept():
     floor = Floor(size_x=100, size_z=100)
     seen(floor, (0.0, 0.0), 0.0)
     seen(floor, (10.0, 0.0), 0.0)
@@ -90,9 +90,7 @@ def test_the_nearest_look_is_kept():
 @pytest.mark.parametrize(
     ("num_points", "free_from", "holds"), [(2, 80.0, True), (2, 20.0, False), (1, 80.0, False)]
 )
-def test_points_hold_against_free_ground_that_was_seen_from_much_farther(
-    num_points, free_from, holds
-):
+def test_points_outweigh_free_ground_seen_from_much_farther(num_points, free_from, holds):
     floor = Floor(size_x=100, size_z=100)
     post = np.array([12.5, 9.5])
     floor.seen_from[:] = free_from
@@ -103,13 +101,13 @@ def test_points_hold_against_free_ground_that_was_seen_from_much_farther(
 
 
 @pytest.mark.parametrize(("size", "cell_size"), [(1e5, 1.0), (5000.0, 0.05), (1e300, 1.0)])
-def test_a_floor_of_too_many_cells_is_refused_before_it_is_built(size, cell_size):
+def test_too_large_floor_is_rejected_before_allocation(size, cell_size):
     changes = {"world": {"size_x": size, "size_z": size}, "map": {"cell_size": cell_size}}
     with pytest.raises(InputError, match=r"world\.size_x.*at most 16000000 cells"):
         check_floor(updated(Settings(), changes))
 
 
-def test_a_window_is_a_part_of_the_floor_that_shares_its_cells():
+def test_window_shares_its_cells_with_the_floor():
     floor = Floor(size_x=60, size_z=40, cell_size=0.5)
     part = floor.window(np.array([28.0, 3.2]), 4.0)
     assert part.shape == (12, 17)
@@ -122,7 +120,7 @@ def test_a_window_is_a_part_of_the_floor_that_shares_its_cells():
     assert floor.window(np.zeros(2), 100.0).shape == floor.shape
 
 
-def test_what_a_view_shows_does_not_depend_on_the_size_of_the_floor():
+def test_visible_cells_do_not_depend_on_the_size_of_the_floor():
     small, large = Floor(size_x=60, size_z=60), Floor(size_x=300, size_z=300)
     for floor in (small, large):
         seen(floor, [2.5, 1.5], 30.0, reach=20.0)

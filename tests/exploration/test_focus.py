@@ -1,4 +1,4 @@
-"""Auto focus: the second look is at the nearest thing, and searches round it."""
+"""Auto focus: the second view targets the nearest object, and searches around it."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def looking(at, distance):
     )
 
 
-def test_the_cameras_look_twice_and_the_second_time_at_the_nearest_thing():
+def test_second_view_is_focused_on_the_nearest_object():
     world, taken = World.from_file("village", FOCUSED), []
 
     def take(view):
@@ -37,7 +37,7 @@ def test_the_cameras_look_twice_and_the_second_time_at_the_nearest_thing():
     assert near < high < near + 5
 
 
-def test_where_nothing_is_seen_the_first_look_is_taken():
+def test_first_view_is_kept_if_nothing_is_seen():
     world = World.from_file("village", FOCUSED)
     pair = focusing(world.take, FOCUSED)(looking((-1.0, 0.0), 20.0))
     sky = looking((1.0, 1.0), 20.0)
@@ -47,7 +47,7 @@ def test_where_nothing_is_seen_the_first_look_is_taken():
     assert pair.rig.baseline == nothing.rig.baseline
 
 
-def test_without_auto_focus_everything_stays():
+def test_views_are_unchanged_without_auto_focus():
     settings = explorers(Settings())
     take = object()
     assert focusing(take, settings) is take
@@ -58,7 +58,7 @@ def test_without_auto_focus_everything_stays():
 
 
 @pytest.mark.parametrize("distance", [3.0, 12.0, 60.0])
-def test_the_range_holds_infinity_and_what_is_somewhat_nearer(distance):
+def test_search_range_covers_infinity_and_slightly_nearer_points(distance):
     rig = World.from_file("village", FOCUSED).take(looking((1.0, 0.0), distance)).rig
     low, high = range_of(rig, distance)
     assert low <= rig.disparity_offset_px - 0.9

@@ -1,4 +1,4 @@
-"""What views would add, and rounds of them."""
+"""Expected gains of views, and tours of views."""
 
 import numpy as np
 import pytest
@@ -28,13 +28,13 @@ def visibility_from(floor, *places, reach=40.0):
     return Visibility.over(floor, places, FIELD, reach, np.ones(floor.shape, dtype=bool))
 
 
-def test_a_view_of_unknown_ground_shows_its_field(floor):
+def test_view_of_unknown_ground_shows_its_field(floor):
     area = visibility_from(floor, (0.0, 0.0)).area(~floor.occupied)
     assert area.shape == (1, NUM_RAYS)
     assert area == pytest.approx(0.5 * FIELD * 40.0**2, rel=0.06)
 
 
-def test_a_thing_and_the_border_hide_ground(floor):
+def test_obstacle_and_border_hide_ground(floor):
     floor.occupied |= floor.disc(np.array([15.0, 0.0]), 4.0)
     area = visibility_from(floor, (0.0, 0.0), (55.0, 0.0)).area(~floor.occupied)
     east, west = ray_of(np.array([0.0, np.pi]))
@@ -42,7 +42,7 @@ def test_a_thing_and_the_border_hide_ground(floor):
     assert area[1, east] < 0.2 * area[1, west]
 
 
-def test_a_view_that_was_taken_shows_nothing_more(floor):
+def test_taken_view_shows_nothing_new(floor):
     visibility = visibility_from(floor, (0.0, 0.0), (20.0, 0.0)).without([(np.zeros(2), 0.0)], 3.0)
     area = visibility.area(~floor.occupied)
     assert area[0, ray_of(np.array([0.2]))[0]] == 0.0
@@ -62,7 +62,7 @@ def sides_from(floor, *places, looks=()):
     return Sides.of([OBSTACLE], np.array(places, dtype=float), floor, FIELD, 20.0, looks)
 
 
-def test_a_thing_shows_a_new_side_to_who_is_near_looks_and_sees_it(floor):
+def test_unseen_side_counts_only_if_near_in_view_and_visible(floor):
     floor.occupied |= floor.disc(np.array([0.0, 8.0]), 2.0)
     worth = sides_from(floor, (13.0, 0.0), (40.0, 0.0), (0.0, 14.0), (-13.0, 0.0)).worth
     west, east = ray_of(np.array([np.pi, 0.0]))
@@ -72,7 +72,7 @@ def test_a_thing_shows_a_new_side_to_who_is_near_looks_and_sees_it(floor):
     assert worth[0].max() == worth[0, west]
 
 
-def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
+def test_three_even_views_show_every_side_once(floor):
     sides = sides_from(floor, *ALL_ROUND)
     shown = []
     for place in range(3):
@@ -87,14 +87,14 @@ def test_three_views_from_all_round_show_every_side_and_each_only_once(floor):
     assert LAST <= shown[2] < shown[1]
 
 
-def test_a_view_from_behind_is_worth_little_as_two_gaps_are_left(floor):
+def test_opposite_view_is_worth_little_as_it_leaves_two_gaps(floor):
     opposite, *others = (-13.0, 0.0), *ALL_ROUND
     sides, _ = sides_from(floor, *others, opposite).after(0, np.pi)
     assert 0.0 < sides.shown[0, 3] <= LEAST
     assert (sides.shown[0, 1:3] > 0.7).all()
 
 
-def test_a_view_away_from_a_thing_leaves_its_sides_missing(floor):
+def test_view_away_from_an_obstacle_leaves_its_sides_missing(floor):
     sides = sides_from(floor, (13.0, 0.0))
     left, changed = sides.after(0, 0.0)
     assert left.missing.all()
@@ -103,7 +103,7 @@ def test_a_view_away_from_a_thing_leaves_its_sides_missing(floor):
     assert sides.target(0, np.pi / 2) is None
 
 
-def test_a_side_that_was_looked_at_in_vain_is_given_up(floor):
+def test_side_that_stays_unseen_after_several_views_is_given_up(floor):
     look = Look(place=np.array([13.0, 0.0]), centre=np.array([0.5, 0.5]))
     elsewhere = Look(place=np.array([13.0, 0.0]), centre=np.array([9.0, 0.0]))
     for looks in ([look] * (MAX_LOOKS - 1), [elsewhere] * MAX_LOOKS):
@@ -119,13 +119,13 @@ def test_a_side_that_was_looked_at_in_vain_is_given_up(floor):
 
 @settings(deadline=None, max_examples=40)
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=8))
-def test_the_widest_gap_is_at_least_an_even_share(bearings):
+def test_widest_gap_is_at_least_an_even_share(bearings):
     gap = widest_gap(np.array(bearings))
     assert 2 * np.pi / len(bearings) - 1e-9 <= gap <= 2 * np.pi + 1e-9
     assert gap == pytest.approx(widest_gap(np.array(bearings) + 1.0), abs=1e-6)
 
 
-def test_the_widest_gap_of_three_even_views_is_a_third():
+def test_widest_gap_of_three_even_views_is_a_third():
     assert widest_gap(np.array([0.1, 0.1 + 2 * np.pi / 3, 0.1 - 2 * np.pi / 3])) == pytest.approx(
         2 * np.pi / 3
     )
@@ -143,19 +143,19 @@ def tour_past(*stops, places):
 PLACES = [(10.0, 0.0), (20.0, 0.0), (5.0, 0.0), (15.0, 3.0), (25.0, 0.0), (-5.0, 0.0)]
 
 
-def test_a_place_is_put_into_a_way_where_it_is_cheapest():
+def test_place_is_inserted_into_a_tour_where_cheapest():
     detour, position = tour_past(0, 1, places=PLACES).detours()
     assert position[2:].tolist() == [0, 1, 2, 0]
     assert detour[2:] == pytest.approx([0.0, 2 * np.hypot(5, 3) - 10, 5.0, 10.0])
 
 
-def test_what_lies_beside_the_way_costs_more_than_what_lies_after_it():
+def test_early_detour_costs_more_than_a_later_one():
     detour, position = tour_past(0, 1, places=PLACES).detours(EARLY)
     assert position[2:].tolist() == [0, 1, 2, 2]
     assert detour[2:] == pytest.approx([0.0, EARLY * (2 * np.hypot(5, 3) - 10), 5.0, 25.0])
 
 
-def test_a_way_is_shortened_and_still_begins_here():
+def test_tour_is_shortened_and_keeps_its_start():
     tour = tour_past(1, 0, 4, places=PLACES)
     tour.shorten()
     assert [place for place, _ in tour.stops] == [0, 1, 4]
@@ -167,7 +167,7 @@ def stop_of(floor, unknown, visibility, start):
     return first_stop(lengths, visibility, sides, unknown, SCALES)
 
 
-def test_a_round_begins_with_what_is_near(floor):
+def test_tour_starts_with_nearby_places(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
     unknown[:20, 50:70] = unknown[100:, 50:70] = True
     visibility = visibility_from(floor, (-20.0, 0.0), (0.0, 0.0), (20.0, 0.0), reach=45.0)
@@ -176,13 +176,13 @@ def test_a_round_begins_with_what_is_near(floor):
     assert np.cos(azimuth) > np.cos(FIELD / 2)
 
 
-def test_a_round_over_known_ground_has_no_stop(floor):
+def test_tour_over_known_ground_has_no_stop(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
     visibility = visibility_from(floor, (0.0, 0.0))
     assert stop_of(floor, unknown, visibility, np.zeros(2)) is None
 
 
-def test_a_little_unknown_ground_is_not_worth_a_long_way(floor):
+def test_little_unknown_ground_is_not_worth_a_long_path(floor):
     unknown = np.zeros(floor.shape, dtype=bool)
     unknown[:10, 50:70] = True
     visibility = visibility_from(floor, (-30.0, 0.0))
@@ -193,7 +193,7 @@ def test_a_little_unknown_ground_is_not_worth_a_long_way(floor):
     assert stop_of(floor, unknown, visibility, np.array([50.0, 0.0])) is not None
 
 
-def test_what_a_view_shows_is_left_out(floor):
+def test_cells_shown_by_a_view_are_removed(floor):
     floor.occupied |= floor.disc(np.array([15.0, 0.0]), 4.0)
     left = visibility_from(floor, (0.0, 0.0)).left(~floor.occupied, np.zeros(2), 0.0)
     assert not left[tuple(floor.cells([8.0, 3.0]))]

@@ -11,7 +11,7 @@ NUM_BEARINGS, SIDE = 72, 28.2
 
 
 def after(*middles):
-    """The bearings that views along some middle bearings leave missing."""
+    """Find the bearings that views along some central bearings leave missing."""
     missing = np.ones(NUM_BEARINGS, dtype=bool)
     for middle in middles:
         missing[(middle - 14 + np.arange(28)) % NUM_BEARINGS] = False
@@ -22,19 +22,19 @@ def value(missing, middle):
     return values_of(missing, SIDE)[0, (middle - 14) % NUM_BEARINGS]
 
 
-def test_the_first_of_three_even_views_are_worth_most():
+def test_first_of_three_even_views_are_worth_most():
     first, second, last = value(after(), 0), value(after(0), 24), value(after(0, 24), 48)
     assert first == pytest.approx(1.0, abs=0.05)
     assert 0.8 < second < first
     assert LAST <= last < second
 
 
-def test_a_second_view_that_leaves_two_gaps_is_worth_little():
+def test_second_view_that_leaves_two_gaps_is_worth_little():
     assert 0.0 < value(after(0), 36) <= LEAST
     assert value(after(0), 36) < value(after(0), 17) < value(after(0), 24)
 
 
-def test_a_view_of_known_sides_only_is_worth_nothing():
+def test_view_of_known_sides_is_worth_nothing():
     assert value(after(0), 0) == 0.0
     assert not values_of(np.zeros(NUM_BEARINGS, dtype=bool), SIDE).any()
 
@@ -44,7 +44,7 @@ def test_a_view_of_known_sides_only_is_worth_nothing():
     st.lists(st.booleans(), min_size=NUM_BEARINGS, max_size=NUM_BEARINGS),
     st.integers(0, NUM_BEARINGS),
 )
-def test_values_turn_with_the_gaps(missing, turned):
+def test_values_rotate_with_the_gaps(missing, turned):
     missing = np.array(missing)
     values = values_of(missing, SIDE)
     assert values.min() >= 0.0

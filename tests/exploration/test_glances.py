@@ -1,4 +1,4 @@
-"""Glances: an unsure agent turns to what it knows, a sure one goes on."""
+"""Glances: an uncertain agent turns to known landmarks, a certain one continues."""
 
 import math
 
@@ -24,7 +24,7 @@ def outline(azimuth, half, distance, is_free=(True, True)):
 
 
 def walker(*azimuths):
-    """Things 40 units from the start in some directions, and one step on along x."""
+    """Place landmarks 40 units from the start in some directions, and walk one step along x."""
     graph = Graph.at(np.zeros(3), STEP_SIGMA)
     sighter = Sighter.of(graph, FOCAL_PX)
     for azimuth in azimuths:
@@ -38,7 +38,7 @@ def heading(sighter, sure=0.1, arm=20.0):
     return glance(sighter, STEP_SIGMA, FIELD, sure, arm)
 
 
-def test_an_unsure_agent_turns_to_a_known_thing():
+def test_uncertain_agent_turns_to_a_known_landmark():
     sighter = walker(1.5)
     turn = heading(sighter)
     offset = sighter.graph.landmarks[0, :2] - sighter.graph.poses[-1, :2]
@@ -46,17 +46,17 @@ def test_an_unsure_agent_turns_to_a_known_thing():
     assert abs(away) < FIELD.half_rad
 
 
-def test_of_one_thing_and_two_it_turns_to_the_two():
+def test_agent_prefers_a_view_of_two_landmarks():
     sighter = walker(1.5, -1.2, -1.9)
     assert math.sin(heading(sighter)) < 0.0
 
 
-def test_a_sure_agent_and_one_that_knows_nothing_go_on():
+def test_certain_agent_or_one_without_landmarks_does_not_turn():
     assert heading(walker(1.5), sure=9.0) is None
     assert heading(walker()) is None
 
 
-def test_a_known_thing_is_known_again_and_another_is_new():
+def test_landmark_is_recognised_and_another_is_new():
     sighter = walker(0.5, -0.5)
     middle, front = sighter.expected.azimuth_rad, sighter.expected.front
     half = sighter.expected.half_rad
@@ -66,7 +66,7 @@ def test_a_known_thing_is_known_again_and_another_is_new():
     assert sighter.known(outline(middle[0] + 0.15, half[0], front[0])) == UNCLEAR
 
 
-def test_one_free_edge_tells_the_middle_less_surely():
+def test_single_visible_edge_gives_a_less_certain_centre():
     sighter = walker(0.5)
     middle, half = sighter.expected.azimuth_rad[0], sighter.expected.half_rad[0]
     front = float(sighter.expected.front[0])
@@ -77,14 +77,14 @@ def test_one_free_edge_tells_the_middle_less_surely():
     assert np.isnan(cut.half_rad)
 
 
-def test_a_turned_view_stands_where_it_stood():
+def test_turned_view_keeps_its_position():
     view = View(position=np.array([1.0, 5.0, 2.0]), target=np.array([9.0, 5.0, 2.0]))
     other = turned(view, math.pi / 2.0, 20.0)
     assert np.array_equal(other.position, view.position)
     assert other.target == pytest.approx([1.0, 5.0, 22.0])
 
 
-def test_a_thing_much_narrower_than_a_landmark_is_not_that_landmark():
+def test_much_narrower_object_is_not_matched_to_a_landmark():
     sighter = walker(0.5)
     expected = sighter.expected
     azimuth, half, away = (
@@ -92,11 +92,11 @@ def test_a_thing_much_narrower_than_a_landmark_is_not_that_landmark():
     )
     assert sighter.known(outline(azimuth, half, away)) == 0
     assert sighter.known(outline(azimuth, half / 3.0, away)) == UNCLEAR
-    # One edge does not show a width.
+    # A single edge gives no width.
     assert sighter.known(outline(azimuth, half / 3.0, away, (True, False))) != NEW
 
 
-def test_a_heading_that_was_tried_is_not_tried_again():
+def test_tried_heading_is_not_tried_again():
     sighter = walker(1.5, -1.2, -1.9)
     first = heading(sighter)
     again = glance(sighter, STEP_SIGMA, FIELD, 0.1, 20.0, [first])

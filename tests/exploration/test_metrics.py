@@ -1,4 +1,4 @@
-"""The numbers of an exploration, on walks whose numbers are known."""
+"""Metrics of an exploration, on paths with known values."""
 
 from dataclasses import dataclass, field
 
@@ -39,35 +39,35 @@ def referee():
     return Referee(world=Flatland(discs=[(10.0, 0.0, 3.0, 9.0)], settings=SMALL), settings=SMALL)
 
 
-def test_a_path_is_measured_along_its_corners():
+def test_path_length_is_measured_along_its_corners():
     path = path_between(view(0, 0), view(4, 0, via=np.array([[0.0, 5.0, 3.0]])))
     assert length_of(path) == pytest.approx(3.0 + 5.0)
 
 
-def test_clearance_is_that_of_the_axis_along_the_whole_path(referee):
+def test_clearance_is_measured_from_the_axis_along_the_whole_path(referee):
     assert referee.walk(path_between(view(5, -15), view(5, 15))) is None
     assert referee.min_clearance == pytest.approx(2.0, abs=1e-3)
 
 
-def test_the_start_has_a_clearance_too(referee):
+def test_start_counts_for_the_clearance(referee):
     referee.check_start(view(0, 0))
     assert referee.min_clearance == pytest.approx(7.0)
 
 
 @pytest.mark.parametrize("x", [10.0, 7.4, 12.0])
-def test_a_start_in_or_against_an_object_is_refused(referee, x):
+def test_start_in_or_at_an_object_is_rejected(referee, x):
     with pytest.raises(InputError, match=rf"start_position: x {x:g}, z 0 is inside or"):
         referee.check_start(view(x, 0))
 
 
 @pytest.mark.parametrize("end", [view(20, 0), view(10, 0), view(6.6, 0)])
-def test_a_path_into_an_obstacle_is_barred_and_not_counted(referee, end):
+def test_path_into_an_obstacle_is_blocked_and_not_counted(referee, end):
     contact = referee.walk(path_between(view(0, 0), end))
     assert np.allclose(contact, [6.5, 0.0], atol=0.1)
     assert referee.min_clearance == np.inf
 
 
-def test_a_path_that_grazes_an_obstacle_with_the_body_only_is_barred(referee):
+def test_path_on_which_the_body_grazes_an_obstacle_is_blocked(referee):
     assert referee.walk(path_between(view(6.4, -15), view(6.4, 15))) is None
     assert referee.walk(path_between(view(6.6, -15), view(6.6, 15))) is not None
 
@@ -88,7 +88,7 @@ class Obstacle:
     size: np.ndarray = field(default_factory=lambda: np.array([4.0, 8.0, 4.0]))
 
 
-def test_the_bound_is_the_gap_between_what_can_be_seen_from_one_place():
+def test_path_bound_is_the_spanning_tree_of_viewing_discs():
     start = view(0, 0)
     assert path_bound(start, [], 10.0) == 0.0
     assert path_bound(start, [Obstacle(np.array([9.0, 4, 0]))], 10.0) == pytest.approx(
@@ -107,12 +107,12 @@ def test_the_bound_is_the_gap_between_what_can_be_seen_from_one_place():
         ([(3, ["cottage"]), (9, ["apple tree"])], 9),
     ],
 )
-def test_an_object_counts_from_when_it_had_its_label_for_good(timeline, pairs):
+def test_object_counts_from_when_its_label_became_final(timeline, pairs):
     told = [(number, [found(label) for label in labels]) for number, labels in timeline]
     assert pairs_until_objects(told, [found("apple tree", 0.4)]) == pairs
 
 
-def test_the_last_object_counts_and_another_place_is_another_object():
+def test_last_object_counts_and_a_moved_one_is_another_object():
     near, far = found("cottage"), found("cottage", x=30.0)
     told = [(2, [near]), (6, [near, far]), (8, [near, far])]
     assert pairs_until_objects(told, [near]) == 2

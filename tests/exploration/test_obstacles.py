@@ -1,4 +1,4 @@
-"""Obstacles as patches of the map, and who has seen them."""
+"""Obstacles as patches of the map, and the bearings they were seen from."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def cloud(points):
 
 
 def pillar(x, z, height=12):
-    """A point in the middle of every cell of a pillar of 3 x 3 cells."""
+    """Make a point at the centre of every cell of a 3 x 3 pillar."""
     cells = np.stack(np.meshgrid([-1, 0, 1], np.arange(1, height), [-1, 0, 1]), axis=-1)
     return cells.reshape(-1, 3) + np.array([x + 0.5, 0.5, z + 0.5])
 
@@ -36,7 +36,7 @@ def columns_of(points, cell_size=1.0, **settings):
 
 
 def added(columns, points):
-    """Put points into the map of some columns; the cells that may have changed."""
+    """Insert points into the map of some columns; return the cells that may have changed."""
     columns.voxel_map.insert(cloud(points), origin=(0.0, 40.0, 0.0))
     return columns.update(points)
 
@@ -49,7 +49,7 @@ def obstacles_of(points, places=(), min_voxels=12):
 
 
 @pytest.mark.parametrize(("gap", "number"), [(1, 1), (2, 2)])
-def test_a_gap_of_one_cell_is_closed_and_of_two_is_not(gap, number):
+def test_gap_of_one_cell_is_closed_but_not_of_two(gap, number):
     occupied = np.zeros((20, 20), dtype=bool)
     occupied[5:7, 5:7] = occupied[7 + gap : 9 + gap, 5:7] = True
     patch = patches(occupied)
@@ -57,7 +57,7 @@ def test_a_gap_of_one_cell_is_closed_and_of_two_is_not(gap, number):
     assert ((patch >= 0) == occupied).all()
 
 
-def test_two_pillars_are_two_things_where_they_stand():
+def test_two_pillars_are_two_obstacles_at_their_positions():
     obstacles = obstacles_of(np.vstack([pillar(10, 5), pillar(-20, -7)]))
     assert [obstacle.centre.tolist() for obstacle in obstacles] == [[-19.5, -6.5], [10.5, 5.5]]
     for obstacle in obstacles:
@@ -67,13 +67,13 @@ def test_two_pillars_are_two_things_where_they_stand():
         assert len(obstacle.cells) == 9
 
 
-def test_few_cells_are_no_thing():
+def test_few_cells_are_not_an_obstacle():
     assert len(obstacles_of(pillar(10, 5), min_voxels=99)) == 1
     assert obstacles_of(pillar(10, 5), min_voxels=100) == ()
     assert obstacles_of(pillar(200, 5)) == ()
 
 
-def test_bearings_are_of_the_places_that_saw_enough():
+def test_bearings_are_those_of_views_with_enough_points():
     assert len(pillar(10, 5)) >= MIN_POINTS_OF_VIEW
     (obstacle,) = obstacles_of(pillar(10, 5), places=[(30.5, 5.5), (10.5, -20.0)])
     assert obstacle.bearings_rad == pytest.approx([0.0, -np.pi / 2])
@@ -84,7 +84,7 @@ def test_bearings_are_of_the_places_that_saw_enough():
     assert len(obstacle.bearings_rad) == 0
 
 
-def test_only_what_has_changed_is_worked_out_anew():
+def test_only_changed_obstacles_are_recomputed():
     columns, observations = columns_of(np.vstack([pillar(10, 5), pillar(-20, -7)])), Observations()
     before = find_obstacles(columns, observations, 12)
     observations.add(np.array([10.5, 20.0]), cloud(pillar(10, 5)), columns.floor)
@@ -97,7 +97,7 @@ def test_only_what_has_changed_is_worked_out_anew():
 
 
 @pytest.mark.parametrize("occupancy", [("count",), ("count", "carving")])
-def test_pairs_one_by_one_give_the_obstacles_of_all_at_once(occupancy):
+def test_incremental_update_gives_the_obstacles_of_all_pairs(occupancy):
     rng = np.random.default_rng(4)
     pairs = [pillar(*rng.integers(-40, 40, 2))[: rng.integers(20, 99)] for _ in range(12)]
     columns, observations, found = columns_of(pairs[0], occupancy=occupancy), Observations(), ()
@@ -113,7 +113,7 @@ def test_pairs_one_by_one_give_the_obstacles_of_all_at_once(occupancy):
 
 
 @pytest.mark.parametrize("cell_size", [0.5, 1.0, 2.5])
-def test_cells_of_any_size_are_above_their_floor(cell_size):
+def test_obstacles_of_any_cell_size_are_above_the_floor(cell_size):
     x = np.arange(0.1, 20.0, 0.2)
     line = np.column_stack([x, np.full(100, 3.0), np.full(100, 0.4)])
     columns = columns_of(line, cell_size)

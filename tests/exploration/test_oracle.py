@@ -1,4 +1,4 @@
-"""The oracle's tour of worlds whose best tour is known."""
+"""The oracle's tour in worlds with a known best tour."""
 
 from dataclasses import dataclass, field
 
@@ -34,22 +34,22 @@ def length(*centres, walls=(), start=START):
     return oracle_path(start, trees, free, floor, SCALES)
 
 
-def test_nothing_to_see_is_no_way():
+def test_empty_world_has_a_tour_of_zero_length():
     assert length() == 0.0
 
 
-def test_one_tree_costs_the_way_there_and_half_round_it():
+def test_tour_of_one_tree_goes_there_and_half_around_it():
     radius = 3.0 + 0.2 * 20.0
     arc = radius * 2.0 * np.pi / 3.0
     assert 40.0 - radius < length((40.0, 0.0)) < 40.0 - radius + 2.3 * arc
 
 
-def test_a_wall_makes_it_longer():
+def test_wall_makes_the_tour_longer():
     wall = (slice(100, 103), slice(20, 140))
     assert length((40.0, 0.0), walls=[wall]) > length((40.0, 0.0)) + 40.0
 
 
-def test_what_is_walled_in_has_no_tour():
+def test_enclosed_object_has_no_tour():
     closed = [
         (slice(90, 151), slice(50, 53)), (slice(90, 151), slice(108, 111)),
         (slice(90, 93), slice(50, 111)), (slice(148, 151), slice(50, 111)),
@@ -59,7 +59,7 @@ def test_what_is_walled_in_has_no_tour():
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(1, 9), st.integers(0, 1000))
-def test_turning_stretches_round_keeps_the_stops_and_never_lengthens(number, seed):
+def test_two_opt_keeps_the_stops_and_never_lengthens_the_tour(number, seed):
     stops = np.random.default_rng(seed).uniform(-50, 50, (number, 2))
     legs = cdist(stops, stops)
     before = nearest_first(legs)
@@ -69,7 +69,7 @@ def test_turning_stretches_round_keeps_the_stops_and_never_lengthens(number, see
     assert tour_length(after, legs) <= tour_length(before, legs) + 1e-9
 
 
-def test_a_crossing_is_undone():
+def test_crossing_is_removed():
     stops = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10], [20, 5]])
     legs = cdist(stops, stops)
     assert tour_length(improved([0, 2, 1, 3, 4], legs), legs) < tour_length([0, 2, 1, 3, 4], legs)
@@ -79,7 +79,7 @@ def tour_length(order, legs):
     return legs[order[:-1], order[1:]].sum()
 
 
-def test_the_same_world_in_another_unit_has_the_same_tour():
+def test_world_in_another_unit_has_the_same_tour():
     floor = Floor(size_x=16.0, size_z=16.0, cell_size=0.1)
     free = ~floor.disc(np.array([4.0, 0.0]), 0.3)
     scales = Scales(

@@ -1,4 +1,4 @@
-"""ShortestPaths round obstacles, places to look from, and what is unexplored."""
+"""Shortest paths around obstacles, viewpoints, and unexplored ground."""
 
 import itertools
 
@@ -41,7 +41,7 @@ def state_on(floor, place=(0.0, 0.0), detections=()):
 
 @pytest.fixture
 def floor():
-    """Known to be free, with a wall from (10, -20) to (10, 20)."""
+    """A floor known to be free, with a wall from (10, -20) to (10, 20)."""
     floor = Floor(size_x=80, size_z=80)
     floor.seen_from[:] = 1.0
     floor.occupied[50, 20:61] = True
@@ -74,7 +74,7 @@ def obstacle_at(x, z, radius, floor):
     )  # fmt: skip
 
 
-def test_a_way_goes_round_a_wall_at_a_distance(floor):
+def test_path_keeps_its_distance_around_a_wall(floor):
     end = np.array([20.0, 0.0])
     length, corners = length_of(planned(state_on(floor)), end)
     around = 2 * np.hypot(10.5, 20.0)
@@ -87,7 +87,7 @@ def test_a_way_goes_round_a_wall_at_a_distance(floor):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_shortest_paths_are_those_of_a_plain_search(seed):
+def test_shortest_paths_match_an_exhaustive_search(seed):
     rng = np.random.default_rng(seed)
     walkable = rng.uniform(size=(23, 31)) < 0.7
     start = tuple(int(n) for n in np.argwhere(walkable)[5])
@@ -101,7 +101,7 @@ def test_shortest_paths_are_those_of_a_plain_search(seed):
 
 
 def searched(walkable, start):
-    """Distances by sweeping over all cells until nothing changes."""
+    """Compute distances by sweeping over all cells until nothing changes."""
     distance = np.full(np.array(walkable.shape) + 2, np.inf)
     distance[start[0] + 1, start[1] + 1] = 0.0
     inner, last = distance[1:-1, 1:-1], None
@@ -114,7 +114,7 @@ def searched(walkable, start):
     return inner
 
 
-def test_a_way_over_open_ground_is_straight(floor):
+def test_path_over_open_ground_is_straight(floor):
     paths = planned(state_on(floor))
     end = np.array([-31.3, 17.2])
     length, corners = length_of(paths, end)
@@ -123,7 +123,7 @@ def test_a_way_over_open_ground_is_straight(floor):
     assert paths.length(end[None])[0] == pytest.approx(length, rel=0.1)
 
 
-def test_what_is_walled_in_is_not_reached(floor):
+def test_enclosed_cells_are_unreachable(floor):
     floor.occupied |= floor.disc(np.array([-20.0, 0.0]), 12.0)
     floor.occupied &= ~floor.disc(np.array([-20.0, 0.0]), 10.0)
     paths = planned(state_on(floor))
@@ -131,14 +131,14 @@ def test_what_is_walled_in_is_not_reached(floor):
     assert paths.reaches(np.array([[-20.0, 30.0]])).all()
 
 
-def test_unknown_ground_is_walked_on_only_when_asked(floor):
+def test_unknown_ground_is_crossed_only_on_request(floor):
     floor.seen_from[:30] = np.inf
     end = np.array([[-20.0, 0.0]])
     assert not planned(state_on(floor)).reaches(end)[0]
     assert plan(state_on(floor), None).reaches(end)[0]
 
 
-def test_sightings_bar_the_way(floor):
+def test_sightings_block_the_path(floor):
     ghost = Detection(centre=np.array([-20.0, 0.0]), radius=4.0, distance=20.0, sigma=1.0)
     assert planned(state_on(floor)).is_clear(np.zeros(2), np.array([-30.0, 0.0]))
     paths = planned(state_on(floor, detections=[ghost]))
@@ -146,7 +146,7 @@ def test_sightings_bar_the_way(floor):
     assert paths.reaches(np.array([[-30.0, 0.0]]))[0]
 
 
-def test_points_too_few_for_the_map_keep_the_walker_away(floor):
+def test_points_too_few_for_the_map_still_block_the_path(floor):
     pale, end = np.array([-20.5, 0.5]), np.array([-30.0, 0.0])
     floor.hit_at(np.zeros(2), np.array([pale, pale]))
     assert planned(state_on(floor)).is_clear(np.zeros(2), end)
@@ -157,13 +157,13 @@ def test_points_too_few_for_the_map_keep_the_walker_away(floor):
     assert clearance <= np.hypot(*(walked - pale).T).min() < clearance + 1.0
 
 
-def test_who_stands_too_near_can_get_away(floor):
+def test_path_can_leave_a_place_too_near_an_obstacle(floor):
     paths = planned(state_on(floor, place=(9.0, 0.0)))
     assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
 
 
 @pytest.mark.parametrize("radius", [0.5, 4.0])
-def test_who_stands_where_something_was_touched_can_leave(floor, radius):
+def test_path_can_leave_a_place_of_contact(floor, radius):
     floor.touch(np.zeros(2), radius)
     paths = planned(state_on(floor))
     assert paths.reaches(np.array([[-20.0, 0.0]]))[0]
@@ -172,14 +172,14 @@ def test_who_stands_where_something_was_touched_can_leave(floor, radius):
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 5.0))
-def test_the_cells_near_others_are_those_of_the_distance_transform(seed, distance):
+def test_dilation_matches_the_distance_transform(seed, distance):
     rng = np.random.default_rng(seed)
     cells = rng.random((20, 30)) < rng.choice([0.02, 0.3, 0.9])
     cells[rng.integers(20), rng.integers(30)] = True
     assert np.array_equal(_near(cells, distance), distance_transform_edt(~cells) < distance)
 
 
-def test_the_inside_of_a_thing_and_chinks_are_not_unexplored():
+def test_interior_of_obstacles_and_narrow_gaps_are_not_unexplored():
     floor = Floor(size_x=80, size_z=80)
     floor.seen_from[:] = 1.0
     tree = obstacle_at(10.0, 0.0, 8.0, floor)
@@ -196,7 +196,7 @@ def lower_right(floor):
     return mask
 
 
-def test_a_blocked_place_round_a_thing_is_moved_not_dropped(floor):
+def test_blocked_place_around_an_obstacle_is_moved_instead_of_dropped(floor):
     tree = obstacle_at(-5.0, 0.0, 3.0, floor)
     free = viewpoint(planned(state_on(floor, (-5.0, 25.0))), tree, np.pi, 10.0)
     assert np.allclose(free, [-18.0, 0.0])
@@ -207,7 +207,7 @@ def test_a_blocked_place_round_a_thing_is_moved_not_dropped(floor):
     assert viewpoint(planned(state_on(floor)), barred, 0.0, 10.0) is None
 
 
-def test_lookouts_can_be_reached_and_reach_the_frontier(floor):
+def test_viewpoints_are_reachable_and_see_the_frontier(floor):
     floor.seen_from[60:] = np.inf
     paths, unknown = planned(state_on(floor)), unexplored(floor, [])
     places = vantage_points(paths, unknown, Scales.of(Settings()))

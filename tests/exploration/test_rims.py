@@ -16,7 +16,7 @@ T_WORLD_LEFT = pose(rotation_about_y(TURN), np.array([3.0, 1.0, -2.0]))
 
 
 def taken(left_px, right_px, contrast):
-    """A bar between two columns, to a part of a pixel, and two points within it."""
+    """Render a bar between two fractional columns, and two points within it."""
     column = np.arange(RIG.width)
     share = np.clip(column + 0.5 - left_px, 0, 1) * np.clip(right_px - column + 0.5, 0, 1)
     image = np.broadcast_to(200.0 - contrast * share, (RIG.height, RIG.width)).astype(np.uint8)
@@ -31,13 +31,13 @@ def column_of(azimuth):
 
 
 @pytest.mark.parametrize("part", [0.0, 0.3, 0.5, 0.8])
-def test_the_edges_of_a_bar_are_found_to_a_part_of_a_pixel(part):
+def test_edges_of_a_bar_are_found_with_sub_pixel_accuracy(part):
     found = column_of(taken(29.0 + part, 50.0 + part, 150.0))
     assert sorted(found[0]) == pytest.approx([29.0 + part, 32.0], abs=0.2)
     assert sorted(found[1]) == pytest.approx([48.0, 50.0 + part], abs=0.2)
 
 
-def test_without_an_edge_near_it_a_point_is_its_own_rim():
+def test_point_without_a_near_edge_is_its_own_rim():
     own = [[32.0, 32.0], [48.0, 48.0]]
     assert np.allclose(column_of(taken(20.0, 60.0, 150.0)), own)
     assert np.allclose(column_of(taken(29.0, 50.0, 5.0)), own)

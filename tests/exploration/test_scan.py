@@ -1,4 +1,4 @@
-"""Obstacles in the field of view, out of clouds."""
+"""Obstacles in the field of view, from point clouds."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def pair():
     return Flatland(discs=[], settings=Settings()).take(view_towards(20, 0))
 
 
-def test_one_thing_is_seen_where_it_is():
+def test_single_obstacle_is_found_at_its_position():
     (found,) = detections(cloud(blob(30.0, 10.0)), PLACE, SCALES)
     assert np.hypot(*(found.centre - [30.0, 10.0])) < 1.0
     assert 1.5 < found.radius < 3.5
@@ -51,7 +51,7 @@ def test_one_thing_is_seen_where_it_is():
 
 
 @pytest.mark.parametrize("heading", [0.0, 100.0, 179.0, -135.0])
-def test_two_things_are_two_whatever_the_heading(heading):
+def test_two_obstacles_are_separated_at_any_heading(heading):
     angle = np.radians(heading)
     ahead, left = np.array([np.cos(angle), np.sin(angle)]), np.radians(20.0)
     near = 20.0 * np.array([np.cos(angle + left), np.sin(angle + left)])
@@ -65,24 +65,24 @@ def test_two_things_are_two_whatever_the_heading(heading):
         assert np.hypot(*(detection.centre - place)) < 1.5
 
 
-def test_few_points_are_no_thing():
+def test_few_points_are_not_an_obstacle():
     assert detections(cloud(blob(30.0, 0.0, number=5)), PLACE, SCALES) == []
     assert detections(cloud([]), PLACE, SCALES) == []
 
 
-def test_a_lone_point_is_noise_and_company_is_not():
+def test_isolated_point_is_noise_unlike_a_group():
     kept = without_noise(cloud(np.vstack([blob(30.0, 0.0), [[3.0, HEIGHT, -1.0]]])), PLACE, SCALES)
     assert len(kept) == 60
     assert len(without_noise(cloud([]), PLACE, SCALES)) == 0
 
 
-def test_rays_end_before_a_thing_and_go_on_beside_it(pair):
+def test_rays_end_before_an_obstacle_and_continue_beside_it(pair):
     seen = scan(view_towards(20, 0), pair, cloud(blob(30.0, 0.0)), 60.0, (0.0, 100.0), FLOOR)
     assert 24.0 < limit_towards(seen, 30.0, 0.0) < 30.0
     assert limit_towards(seen, 30.0, 10.0) == limit_towards(seen, 30.0, -10.0) == 60.0
 
 
-def test_an_unsure_thing_ends_rays_earlier(pair):
+def test_uncertain_obstacle_ends_rays_earlier(pair):
     sure = scan(
         view_towards(20, 0), pair, cloud(blob(30.0, 0.0), sigma=0.1), 60.0, (0.0, 100.0), FLOOR
     )
@@ -93,6 +93,6 @@ def test_an_unsure_thing_ends_rays_earlier(pair):
     assert 5.0 < difference < 7.0
 
 
-def test_things_outside_the_field_end_no_ray(pair):
+def test_obstacles_outside_the_field_of_view_end_no_ray(pair):
     seen = scan(view_towards(20, 0), pair, cloud(blob(-30.0, 0.0)), 60.0, (0.0, 100.0), FLOOR)
     assert (seen.limits == 60.0).all()

@@ -1,4 +1,4 @@
-"""A robot that slips: what it believes, where it is, and what the referee measures."""
+"""Motion errors: the believed pose, the true pose, and the referee's measurements."""
 
 import math
 
@@ -28,7 +28,7 @@ def ahead(x=0.0, z=0.0):
     return View(position=np.array([x, 5.0, z]), target=np.array([x, 5.0, z - 10.0]))
 
 
-def test_errors_of_steps_have_the_stated_spread_and_add_up():
+def test_motion_errors_have_the_stated_spread_and_accumulate():
     slip = slip_with(motion=slipping(0.1, 2.0).motion)
     steps = []
     for _ in range(2000):
@@ -42,7 +42,7 @@ def test_errors_of_steps_have_the_stated_spread_and_add_up():
     assert np.abs(shifts.mean()) < 0.01
 
 
-def test_a_step_leads_astray_by_the_error_of_the_heading():
+def test_heading_error_deflects_a_step():
     slip = slip_with(motion=slipping(0.0, 0.0).motion, T_true_believed=turned(0.1))
     true = slip.err(np.array([[0.0, 5.0, 0.0], [0.0, 5.0, -20.0]]))
     assert true[-1] == pytest.approx([-20.0 * math.sin(0.1), 5.0, -20.0 * math.cos(0.1)])
@@ -54,7 +54,7 @@ def turned(angle):
     return pose(rotation_about_y(angle), np.zeros(3))
 
 
-def test_a_correction_moves_the_belief_and_not_the_robot():
+def test_correction_changes_the_belief_but_not_the_robot():
     slip = slip_with(motion=slipping().motion, T_true_believed=turned(0.2))
     T_new_old, view = turned(-0.05), ahead(3.0, 4.0)
     where = slip.true_view(view)
@@ -64,7 +64,7 @@ def test_a_correction_moves_the_belief_and_not_the_robot():
     assert still.position == pytest.approx(where.position)
 
 
-def test_errors_of_the_last_pose_are_those_between_belief_and_truth():
+def test_pose_error_is_the_difference_of_belief_and_truth():
     believed = look_at([0.0, 5.0, 0.0], [0.0, 5.0, -1.0])
     slip = slip_with(motion=slipping().motion)
     slip.true_poses.append(look_at([0.3, 5.0, 0.4], [1.3, 5.0, 0.4]))
@@ -77,7 +77,7 @@ def test_errors_of_the_last_pose_are_those_between_belief_and_truth():
     }
 
 
-def test_a_robot_that_bumps_stays_and_tells_the_place_as_it_believes_it():
+def test_collision_stops_the_robot_and_is_reported_in_believed_coordinates():
     slip = slip_with(motion=slipping().motion, T_true_believed=turned(0.2))
     contact = slip.walk(np.array([[0.0, 5.0, 0.0], [2.0, 5.0, -10.0]]))
     true = turned(0.2) @ [contact[0], 0.0, contact[1], 1.0]
@@ -87,7 +87,7 @@ def test_a_robot_that_bumps_stays_and_tells_the_place_as_it_believes_it():
     assert slip.referee.min_clearance < 9.0
 
 
-def test_only_a_robot_whose_truth_is_known_slips_and_only_where_asked():
+def test_motion_errors_need_known_truth_and_a_setting():
     referee = slip_with(motion=slipping().motion).referee
     assert slip_of(referee, slipping()) is not None
     assert slip_of(referee, Settings()) is None

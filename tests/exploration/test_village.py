@@ -1,4 +1,4 @@
-"""The whole line, from rendered pairs to named objects, in the thesis's village."""
+"""The whole pipeline, from rendered pairs to named objects, in the thesis's village."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from recon.world.world import World
 VILLAGE = Path(__file__).parents[2] / "scenes" / "village.scene"
 
 
-def test_the_village_is_found_named_and_walked_through_without_a_touch():
+def test_village_is_explored_and_named_without_collision():
     search = {"matching": {"min_disparity": -10, "max_disparity": 20}}
     settings = updated(with_quality(Settings(), "fast"), search)
     world = World.from_file(VILLAGE, settings)

@@ -1,4 +1,4 @@
-"""The agent's model of the world: when obstacles are named again."""
+"""The agent's model of the world: when obstacles are recognised again."""
 
 from types import SimpleNamespace
 
@@ -15,7 +15,7 @@ AROUND, IN_FRONT = (0.0, 2.1, 4.2), (0.0, 0.5, 1.0)
 
 
 def obstacle(num_cells, bearings, label="house", nearest=()):
-    """An obstacle that was named when it had 100 cells, after three views."""
+    """Make an obstacle that was named when it had 100 cells, after three views."""
     none = np.empty((0, 2), dtype=np.intp)
     return Obstacle(
         cells=none,
@@ -42,19 +42,19 @@ def obstacle(num_cells, bearings, label="house", nearest=()):
         (210, IN_FRONT[:2], UNKNOWN, False),
     ],
 )
-def test_a_name_is_asked_for_again_as_its_obstacle_grows(num_cells, bearings, label, is_due):
+def test_obstacle_is_recognised_again_as_it_grows(num_cells, bearings, label, is_due):
     assert _is_due(obstacle(num_cells, bearings, label)) == is_due
 
 
 @pytest.mark.parametrize(("chance", "is_due"), [(0.4, True), (0.02, False)])
-def test_a_name_is_asked_for_again_after_every_view_of_what_resembles_a_kind(chance, is_due):
+def test_doubtful_obstacle_is_recognised_again_after_every_view(chance, is_due):
     nearest = (("cottage", chance),)
     assert _is_due(obstacle(110, (*AROUND, 1.0), UNKNOWN, nearest)) == is_due
     assert not _is_due(obstacle(110, AROUND, UNKNOWN, nearest))
 
 
 @pytest.mark.parametrize("height", [1, 2, 3, 20])
-def test_a_cell_or_two_alone_occupy_no_floor(height):
+def test_one_or_two_isolated_cells_do_not_occupy_the_floor(height):
     settings = Settings()
     model = WorldModel(settings=settings, voxel_map=new_map(settings.map))
     stack = np.column_stack([np.zeros(height), 2.0 + np.arange(height), np.full(height, -3.0)])

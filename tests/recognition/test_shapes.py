@@ -143,7 +143,7 @@ def test_points_of_low_weight_have_little_influence(surfaces):
 
 
 @pytest.mark.parametrize("shape", MODELS)
-def test_every_model_fits_only_its_own_shape(shape, surfaces):
+def test_every_model_fits_points_of_its_own_shape(shape, surfaces):
     one = from_points(shape, surfaces.make(shape, np.random.default_rng(0)))
     assert one.rms < 1e-3
     assert len(one.covariance) == len(one.covariance.T)
