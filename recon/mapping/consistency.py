@@ -33,7 +33,8 @@ class Witness:
         self.sigma = cloud.sigma
         self._rig = pair.rig
         self._T_left_world = invert(pair.T_world_left)
-        self.depth = self._points_left(cloud.points)[:, 2]
+        points_left = self._points_left(cloud.points)
+        self.depth = points_left[:, 2]
         """(N,) depth of its own points."""
         self.is_confirmed = np.zeros(len(cloud), np.bool_)
         """(N,) true where another pair agrees."""
@@ -43,10 +44,11 @@ class Witness:
         """(S,) rows of the sampled points."""
         self.distance = np.full(len(self.sample), np.inf)
         """(S,) distance of the samples to the nearest point of another pair, world units."""
-        at_px = self._rig.project_left(self._points_left(cloud.points))
+        at_px = self._rig.project_left(points_left)
         size = self._rig.width, self._rig.height
         self._seen = SeenDepths(at_px, self.depth, self.sigma, size)
-        self._stands_at = cKDTree(cloud.points)
+        # Few points are looked up: a tree that is built fast suits better than a balanced one.
+        self._stands_at = cKDTree(cloud.points, balanced_tree=False, compact_nodes=False)
 
     def hold_against(self, other: "Witness") -> None:
         """Confirm points that `other` saw too: near the same image point, at the same depth."""

@@ -1,6 +1,6 @@
 """Pairs checked, as they pass, against the metadata of the recording."""
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator
 
 from recon.notices import notify
@@ -66,9 +66,9 @@ class _Watch:
     def look_at(self, pair: StereoPair) -> None:
         """Check the next pair, if it is one of the selected ones."""
         number = self.num_pairs
-        if number in self._surveyed:
+        if _is_open(self._looked_at, self._surveyed, number) or number in SURVEYED:
             self._looked_at.append(findings(pair.left, pair.right, rig=pair.rig))
-        if number in TIMED:
+        if _is_open(self._timed, frozenset(TIMED), number):
             found = moment_finding(pair, [*self._before])
             self._timed.append([found] if found else [])
         if number in self._stepped and self._before and "poses-disagree" not in self._said:
@@ -110,6 +110,16 @@ class _Watch:
             self._said.add(found.code)
             where = "" if self.num_pairs <= STEPPED[-1] + 1 else f" (near {self._steps[0].name})"
             notify(found.code, found.text + where)
+
+
+def _is_open(pairs: list[list[Finding]], chosen: frozenset[int], number: int) -> bool:
+    """True if a pair is to be checked, and what is found in it and later ones may be reported."""
+    if number not in chosen:
+        return False
+    left = sum(other >= number for other in chosen)
+    counts = Counter(code for pair in pairs for code in {finding.code for finding in pair})
+    most = left + max(counts.values(), default=0)
+    return most >= 2 and most > LASTING_SHARE * (left + len(pairs))
 
 
 def _holds(code: str, pairs: list[list[Finding]], *, is_end: bool) -> bool:

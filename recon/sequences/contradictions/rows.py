@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.sequences.contradictions.finding import Finding
 from recon.sequences.depth import Image
-from recon.sequences.odometry.tracking import Sightings, corners, follow
+from recon.sequences.odometry.tracking import NUM_CHECKED, Sightings, corners, follow
 from recon.sequences.pair_images import grey, levelled
 
 Array = NDArray[np.float64]
@@ -64,9 +64,9 @@ class Fit:
 
 
 def tracked_corners(left: Image, right: Image) -> Sightings:
-    """Many corners of the left image tracked into the right one, from where they are."""
+    """Corners of the left image tracked into the right one, from where they are."""
     one = grey(left)
-    points = corners(one)
+    points = corners(one, NUM_CHECKED)
     found, is_found = follow(one, levelled(grey(right), one), points)
     offset = points.astype(np.float64) - found
     seen = Sightings(

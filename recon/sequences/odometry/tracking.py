@@ -19,6 +19,8 @@ Rows = NDArray[np.bool_] | NDArray[np.integer]
 
 NUM_CORNERS, NUM_CELLS = 700, 70
 """Corners are detected per cell, so that one textured wall does not get all of them."""
+NUM_CHECKED = 300
+"""Corners tracked to check a recording: fewer, as tracking takes most of the time of a check."""
 MIN_CORNER_SPACING_PX = 7
 CORNER_QUALITY = 0.01
 LK_WINDOW_PX, LK_LEVELS = 15, 4
@@ -72,7 +74,12 @@ class Tracks:
         return Tracks(first=self.first.select(rows), second=self.second.select(rows))
 
 
-def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = None) -> Tracks:
+def track(
+    first: StereoPair,
+    second: StereoPair,
+    T_second_first: Array | None = None,
+    num_corners: int = NUM_CORNERS,
+) -> Tracks:
     """Track corners of `first` through all four images.
 
     Parameters
@@ -80,10 +87,12 @@ def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = 
     first, second : StereoPair
     T_second_first : (4, 4), optional
         Motion of the left camera, to predict the corners; by default they start where they were.
+    num_corners : int
+        Approximate maximum number of corners.
     """
     left, next_left = grey(first.left), grey(second.left)
     right, next_right = levelled(grey(first.right), left), levelled(grey(second.right), next_left)
-    points = corners(left)
+    points = corners(left, num_corners)
     seen, is_seen = seen_by_both(left, right, points)
     seen = seen.select(is_seen)
     if T_second_first is None:
@@ -118,8 +127,8 @@ def sight(pair: StereoPair) -> Sightings:
     return seen.select(is_seen)
 
 
-def corners(image: Image) -> NDArray[np.float32]:
-    """(N, 2) corners, spread over the image."""
+def corners(image: Image, number: int = NUM_CORNERS) -> NDArray[np.float32]:
+    """(N, 2) corners, about `number` at most, spread over the image."""
     height, width = image.shape
     side = max(32.0, np.sqrt(width * height / NUM_CELLS))
     rows, columns = (max(1, round(extent / side)) for extent in (height, width))
@@ -128,7 +137,7 @@ def corners(image: Image) -> NDArray[np.float32]:
         for start, end in _spans(width, columns):
             cell = cv2.goodFeaturesToTrack(
                 image[top:bottom, start:end],
-                NUM_CORNERS // (rows * columns) + 1,
+                number // (rows * columns) + 1,
                 CORNER_QUALITY,
                 MIN_CORNER_SPACING_PX,
             )
