@@ -1,4 +1,4 @@
-"""The program as a person meets it: help, versions, one line for every known error."""
+"""The command line: help, version, and one line for every known error."""
 
 import json
 import os
@@ -77,7 +77,7 @@ def test_version(capsys):
         (["merge", "a", "./a"], "a is given 2 times"),
     ],
 )
-def test_wrong_use_is_one_line_that_names_the_thing(capsys, tmp_path, monkeypatch, argv, message):
+def test_wrong_use_is_reported_in_one_line(capsys, tmp_path, monkeypatch, argv, message):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, *argv)
     assert code == 2
@@ -97,13 +97,13 @@ def test_doctor_prints_one_json_document(capsys):
 
 
 @pytest.mark.parametrize("roi", ["1,2,3", "a,b,c,d", "0,0,-5,5"])
-def test_a_region_that_is_none_is_refused(capsys, roi):
+def test_invalid_region_is_rejected(capsys, roi):
     code, _, err = run(capsys, "reconstruct", "somewhere", "--roi", roi)
     assert code == 2
     assert "--roi" in err
 
 
-def test_options_are_stronger_than_files_and_set_is_the_strongest(tmp_path):
+def test_options_override_files_and_set_overrides_both(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text("[matching]\nkeep = 10\nmax_disparity = 30\n[map]\ncell_size = 0.5\n")
     given = {
@@ -118,13 +118,13 @@ def test_options_are_stronger_than_files_and_set_is_the_strongest(tmp_path):
 
 
 @pytest.mark.parametrize("scale", ["nan", "inf", "0", "-1", "much"])
-def test_a_scale_is_a_finite_number_over_zero(capsys, scale):
+def test_scale_must_be_positive_and_finite(capsys, scale):
     code, _, err = run(capsys, "disparity", "a.png", "b.png", "--truth-scale", scale)
     assert code == 2
     assert "--truth-scale" in err
 
 
-def test_a_matcher_nobody_knows_is_named_with_those_that_are(capsys, tmp_path):
+def test_unknown_matcher_is_rejected_with_the_known_ones(capsys, tmp_path):
     argv = ["--matcher", "foo", "--max-pairs", "1", "-o", str(tmp_path / "run")]
     code, _, err = run(capsys, "explore", str(SCENES / "three_apples.scene"), *argv)
     assert code == 2
@@ -132,7 +132,7 @@ def test_a_matcher_nobody_knows_is_named_with_those_that_are(capsys, tmp_path):
     assert not (tmp_path / "run").exists()
 
 
-def test_a_catalogue_that_is_none_is_one_line(capsys, tmp_path):
+def test_invalid_catalogue_is_reported_in_one_line(capsys, tmp_path):
     broken = tmp_path / "mine.toml"
     broken.write_bytes(b"\xff\xfe")
     cloud = tmp_path / "dot.ply"
@@ -143,14 +143,14 @@ def test_a_catalogue_that_is_none_is_one_line(capsys, tmp_path):
     assert "mine.toml" in err
 
 
-def test_a_size_beyond_reason_is_refused(capsys):
+def test_excessive_size_is_rejected(capsys):
     code, _, err = run(capsys, "figure", "run", "--size", "999999x999999")
     assert code == 2
     assert "out of range" in err
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_that_ends_a_process_is_ctrl_c(number, tmp_path, monkeypatch, capsys):
+def test_termination_signal_is_handled_like_ctrl_c(number, tmp_path, monkeypatch, capsys):
     def killed(*_, **__):
         os.kill(os.getpid(), number)
 
@@ -170,7 +170,7 @@ def test_a_signal_that_ends_a_process_is_ctrl_c(number, tmp_path, monkeypatch, c
         (0.0, "at 0.00   0.00 x 0.00"),
     ],
 )
-def test_an_object_has_readable_numbers_whatever_the_unit(size, said):
+def test_object_sizes_are_readable_in_any_unit(size, said):
     box = {"sizes": [size, size / 2], "unit": None}
     found = {"label": "unknown", "centre": [-1e-9], "box": box, "probability": None}
     assert object_line(found) == f"unknown        {said}"
