@@ -2,10 +2,10 @@
 
     python tools/benchmark.py                       everything
     python tools/benchmark.py stereo --quick        one room, few runs
-    python tools/benchmark.py --gate                exit 1 where a number fell behind the baseline
+    python tools/benchmark.py --gate                exit 1 if a number is worse than the baseline
     python tools/benchmark.py --update-baseline
 
-Timings are ratios to a peer that ran beside them, so that they hold on other machines.
+Timings are ratios to a peer in the same run, so that they are comparable across machines.
 """
 
 import importlib
@@ -31,7 +31,7 @@ def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool)
     """Print every number with its unit and its baseline."""
     if quick and (gate or update_baseline):
         raise click.UsageError("--quick is not comparable with the baseline")
-    # Before a numerical library is loaded: everything is measured on one thread.
+    # Before any numerical library is loaded: everything is measured on one thread.
     os.environ.update(dict.fromkeys(THREADS, "1"))
     baseline = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
     found = [number for room in rooms or ROOMS for number in measure(room, quick)]
@@ -46,7 +46,7 @@ def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool)
 
 
 def measure(room: str, quick: bool) -> list[Measurement]:
-    """The numbers of one room."""
+    """Run the measurements of one room."""
     return importlib.import_module(f"benchmarks.{room}").measure(quick)
 
 
@@ -61,7 +61,7 @@ def is_behind(number: Measurement, baseline: float | None) -> bool:
 
 
 def print_row(number: Measurement, baseline: float | None) -> None:
-    """One line: name, value, unit, baseline."""
+    """Print one line: name, value, unit, baseline."""
     before = "" if baseline is None else f"(baseline {baseline:g})"
     print(f"{number.name:44} {number.value:12.4g} {number.unit:28} {before}")
 

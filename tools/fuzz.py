@@ -1,8 +1,8 @@
-"""Feed readers mutations of sound files: python tools/fuzz.py READER... [-n N | --long] [--seed S].
+"""Fuzz readers with mutated files: python tools/fuzz.py READER... [-n N | --long] [--seed S].
 
-READER is an ending or a kind of document, or `all`; what fails is kept in the folder `fuzz/` and
-named with its seed. Memory is bounded at 6 GB. The long mode gives 10,000 mutations to a reader
-that takes under 5 ms for one, and 1,000 to a slower one.
+READER is a file extension or a kind of document, or `all`; failing files are kept in `fuzz/` and
+named by their seed. Memory is limited to 6 GB. The long mode uses 10,000 mutations for a reader
+that takes under 5 ms each, and 1,000 for a slower one.
 """
 
 import argparse
@@ -24,7 +24,7 @@ NUM_FAST, NUM_SLOW, NUM_TIMED = 10_000, 1_000, 30
 
 
 def main() -> int:
-    """Fuzz, print a line a reader, and return 1 where anything failed."""
+    """Fuzz, print one line per reader, and return 1 if anything failed."""
     with tempfile.TemporaryDirectory() as folder:
         found = readers(Path(folder))
         parser = argparse.ArgumentParser(description=__doc__)
@@ -43,7 +43,7 @@ def main() -> int:
 
 
 def long_number(reader: Reader, folder: Path) -> int:
-    """Number of mutations of the long mode, by the time that some take."""
+    """Choose the number of mutations of the long mode by timing a few."""
     began = time.process_time()
     for number in range(NUM_TIMED):
         fault(reader, mutated(reader.content, np.random.default_rng(number)), folder)
@@ -52,7 +52,7 @@ def long_number(reader: Reader, folder: Path) -> int:
 
 
 def fuzz(reader: Reader, num: int, seed: int, folder: Path) -> int:
-    """Number of the mutations that a reader takes badly; those are kept."""
+    """Count the mutations on which a reader fails, and keep them."""
     began = time.perf_counter()
     num_faults = 0
     for number in range(num):

@@ -1,8 +1,8 @@
 """Kill commands at random moments, resume and compare: python tools/kill.py [-n N] [--seed S].
 
-Each trial runs explore, reconstruct or batch on a small input, kills it with SIGKILL, perhaps more
-than once, and lets `--resume` end it. Every file has to equal that of an undisturbed run, but for
-the times in it. A trial that fails is named with its seed, and its folder is kept in `kills/`.
+Each trial runs explore, reconstruct or batch on a small input, kills it with SIGKILL once or more,
+and finishes it with `--resume`. Every file must equal that of an undisturbed run, except for the
+times in it. A failing trial is named by its seed, and its folder is kept in `kills/`.
 """
 
 import argparse
@@ -47,7 +47,7 @@ SLOWEST_S = 300
 
 
 def commands(folder: Path) -> dict[str, list[str]]:
-    """The arguments of each command, but for the run folder."""
+    """List the arguments of each command except for the run folder."""
     drive = render_drive(folder, 4)
     (folder / "jobs.toml").write_text(JOBS)
     return {
@@ -58,7 +58,7 @@ def commands(folder: Path) -> dict[str, list[str]]:
 
 
 def run(argv: list[str], kill_after_s: float | None = None) -> int | None:
-    """The exit code of a command in a process group of its own; None where it was killed."""
+    """Run a command in its own process group; return its exit code, or None if killed."""
     child = os.fork()
     if child == 0:
         os.setsid()
@@ -75,7 +75,7 @@ def run(argv: list[str], kill_after_s: float | None = None) -> int | None:
 
 
 def content(run: Path) -> dict[str, Any]:
-    """Every file of a run, without times."""
+    """Read every file of a run, without times."""
     found: dict[str, Any] = {}
     for path in sorted(run.rglob("*")):
         name = path.relative_to(run).as_posix()
@@ -87,7 +87,7 @@ def content(run: Path) -> dict[str, Any]:
 
 
 def untimed(document: Any) -> Any:
-    """A document without how long things took, and what came of a job's first try."""
+    """Remove durations, and the outcome of a job's first attempt, from a document."""
     if isinstance(document, list):
         return [untimed(one) for one in document]
     if not isinstance(document, dict):
@@ -96,7 +96,7 @@ def untimed(document: Any) -> Any:
 
 
 def trial(argv: list[str], whole: Path, seconds: float, rng: np.random.Generator) -> str | None:
-    """The fault found after some kills and a last resumption; None if there is none."""
+    """Kill and resume a command; return the fault found, or None."""
     target = whole.with_name("cut")
     shutil.rmtree(target, ignore_errors=True)
     call = [*argv, "-o", str(target), "--resume"]
@@ -112,7 +112,7 @@ def trial(argv: list[str], whole: Path, seconds: float, rng: np.random.Generator
 
 
 def main() -> int:
-    """Try, print a line for each command, and return 1 where anything failed."""
+    """Run the trials, print one line per command, and return 1 if anything failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("-n", type=int, default=50, help="trials in all")
     parser.add_argument("--seed", type=int, default=0)
@@ -133,7 +133,7 @@ def main() -> int:
 def _of_command(name: str, argv: list[str], home: Path, numbers: range, seed: int) -> int:
     home.mkdir()
     whole = home / "whole"
-    # In this process once, so that kernels are loaded and every child starts with them.
+    # Once in this process, so that kernels are cached for every child.
     assert recon([*argv, "-o", str(whole)]) == 0
     began = time.monotonic()
     assert run([*argv, "-o", str(whole), "--overwrite"]) == 0

@@ -2,9 +2,9 @@
 
     python tools/make_textures.py            writes recon/world/shipped/*.png
 
-A texture is laid on 16 x 16 world units, so 16 texels are a unit. Phase stereo at 10 to 20 units
-wants waves of 4 to 12 px, which is 6 to 20 texels; each image has most of its contrast there.
-Leaves and grass are green, wood brown, brick red, roof slate blue: hues that tell parts apart.
+A texture covers 16 x 16 world units, so 16 texels are one unit. Phase stereo at 10 to 20 units
+needs wavelengths of 4 to 12 px, or 6 to 20 texels; each image has most of its contrast there.
+Leaves and grass are green, wood brown, brick red, roof slate blue: hues that distinguish parts.
 """
 
 from collections.abc import Callable
@@ -73,7 +73,7 @@ def tiled(
 
 
 def checker(rng: np.random.Generator) -> Array:
-    """Black and white squares, a little worn so that one differs from the next."""
+    """Black and white squares, slightly worn so that each is different."""
     u, v = coordinates()
     square = ((u // 16 + v // 16) % 2).astype(np.float64)
     return blend((25, 25, 25), (235, 235, 235), 0.75 * square + 0.25 * grain(rng, 10, 10))
@@ -141,7 +141,7 @@ def main() -> None:
     """Write all textures."""
     FOLDER.mkdir(exist_ok=True)
     for seed, maker in enumerate(MAKERS):
-        # Steps of 4 grey levels are not to be seen, and halve the files.
+        # Steps of 4 grey levels are invisible, and halve the file sizes.
         image = np.round(maker(np.random.default_rng(seed)) / 4.0) * 4.0
         pixels = np.clip(image, 0, 255).astype(np.uint8)
         path = FOLDER / f"{maker.__name__}.png"

@@ -1,4 +1,4 @@
-"""Every figure and table of the thesis that comes from its own work, beside what recon gives."""
+"""Every figure and table of the thesis's own results, beside recon's."""
 
 import argparse
 import sys
@@ -20,7 +20,7 @@ def order(entry: Entry) -> tuple[int, float]:
 
 
 def made(entry: Entry) -> tuple[Entry, Result | str, float]:
-    """An entry with its result, or with the reason why there is none, and the time it took."""
+    """Compute an entry; return it with its result or the reason for its absence, and its time."""
     began = time.perf_counter()
     try:
         result: Result | str = entry.make()

@@ -6,7 +6,7 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """One number that a room answers for."""
+    """One measured number of a room."""
 
     name: str
     """Unique, as "stereo.best_741x500_ratio"."""

@@ -1,4 +1,4 @@
-"""The explorer in the village and in random worlds, rendered and matched for real."""
+"""The explorer in the village and in random worlds, with real rendering and matching."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,12 +21,12 @@ GAPS = (22.0, 4.0, 12.0, 6.0, 16.0, 4.0, 8.0, 5.0, 10.0, 14.0, 4.0)
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """The frontier controller's costs beside the thesis's, with nothing lost."""
+    """Compare the costs of the frontier controller with the thesis's, at the same completeness."""
     return [*village(), square(), *random_worlds(2 if quick else 20)]
 
 
 def settings_for(controller: str) -> Settings:
-    """The settings of `recon explore`."""
+    """Make the settings of `recon explore`."""
     changes = {
         "matching": {"min_disparity": -10, "max_disparity": 20},
         "exploration": {"controller": controller},
@@ -35,7 +35,7 @@ def settings_for(controller: str) -> Settings:
 
 
 def village() -> Iterator[Measurement]:
-    """Pairs, coverage and path against the thesis's controller."""
+    """Compare pairs, coverage and path with the thesis's controller."""
     runs = {}
     for controller in ("frontier", "thesis"):
         settings = settings_for(controller)
@@ -49,7 +49,7 @@ def village() -> Iterator[Measurement]:
 
 
 def square() -> Measurement:
-    """Objects of the scene of houses, benches and lamp posts that come out with their names."""
+    """Count correctly labelled objects in the scene of houses, benches and lamp posts."""
     settings = settings_for("frontier")
     world = World.from_file(SQUARE, settings)
     done = explore(world, settings)
@@ -58,7 +58,7 @@ def square() -> Measurement:
 
 
 def random_worlds(count: int) -> Iterator[Measurement]:
-    """Worlds of 3 to 12 objects, gaps from 22 down to 4 units."""
+    """Explore worlds of 3 to 12 objects, with gaps from 22 down to 4 units."""
     settings = settings_for("frontier")
     lost, clearance, unended = 0, np.inf, 0
     for seed in range(count):
@@ -73,7 +73,7 @@ def random_worlds(count: int) -> Iterator[Measurement]:
 
 
 def world_of(seed: int, settings: Settings) -> World:
-    """A random world; its gap shrinks where so many objects do not fit."""
+    """Make a random world; the gap is reduced if the objects do not fit."""
     rng = np.random.default_rng(seed)
     count, gap = COUNTS[seed % len(COUNTS)], GAPS[seed % len(GAPS)]
     scene = random_scene(rng, count, min(gap, 60.0 / count))
@@ -81,7 +81,7 @@ def world_of(seed: int, settings: Settings) -> World:
 
 
 def is_found(done: Exploration, true: Any) -> bool:
-    """True if an object of the right name stands within a unit of a true one."""
+    """True if an object of the right label is within one unit of a true one."""
     return any(
         found.label == true.label and np.linalg.norm((found.centre - true.centre)[[0, 2]]) < 1.0
         for found in done.recognition.objects
@@ -89,7 +89,7 @@ def is_found(done: Exploration, true: Any) -> bool:
 
 
 def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
-    """A measurement of this room."""
+    """Make a measurement of this room."""
     return Measurement(
         name=f"explore.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
     )

@@ -1,4 +1,4 @@
-"""Reading clouds against Open3D's readers, in one run on one file."""
+"""Reading point clouds compared with Open3D, in one run on one file."""
 
 import tempfile
 import time
@@ -14,7 +14,7 @@ from recon.records import PointCloud
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """The time of recon's PLY reader over that of Open3D's."""
+    """Measure the time of recon's PLY reader relative to Open3D's."""
     num = 200_000 if quick else 5_000_000
     rng = np.random.default_rng(0)
     cloud = PointCloud(
@@ -28,7 +28,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 
 def ply_ratio(path: Path, repeats: int) -> Measurement:
-    """Both readers in turn, as what else the machine does falls on both; the fastest counts."""
+    """Alternate both readers, so that other load affects both; the fastest runs count."""
     o3d = load_open3d()
     readers: list[Callable[[], object]] = [
         lambda: read(path),
@@ -45,7 +45,7 @@ def ply_ratio(path: Path, repeats: int) -> Measurement:
 
 
 def seconds(call: Callable[[], object]) -> float:
-    """Wall time of one call."""
+    """Measure the wall time of one call."""
     began = time.perf_counter()
     call()
     return time.perf_counter() - began

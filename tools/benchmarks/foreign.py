@@ -1,4 +1,4 @@
-"""Worlds of things that no catalogue knows: balls, rocks, posts, boxes, walls and fences."""
+"""Worlds of objects unknown to all catalogues: balls, rocks, posts, boxes, walls, fences."""
 
 from dataclasses import dataclass, field
 
@@ -25,27 +25,27 @@ PALE_RADIUS, PALE_SPACING = 0.4, 2.5
 
 @dataclass(slots=True)
 class Places:
-    """Places (x, z) of things, and the radius within which each is found."""
+    """Positions (x, z) of objects, and the radius within which each counts as found."""
 
     found_within: list[tuple[float, float, float]] = field(default_factory=list)
 
-    def noting(self, kind: Kind) -> Kind:
-        """The kind, whose things are noted as they grow."""
+    def recording(self, kind: Kind) -> Kind:
+        """Wrap a kind so that the positions of its objects are recorded."""
         grow, least, most = kind
 
-        def noted(
+        def grow_and_record(
             rng: np.random.Generator, radius: float, x: float, z: float
         ) -> tuple[Visual, ...]:
             self.found_within.append((x, z, radius))
             return grow(rng, radius, x, z)
 
-        return noted, least, most
+        return grow_and_record, least, most
 
 
 def foreign_scene(rng: np.random.Generator, num_things: int, gap: float) -> tuple[Scene, Places]:
-    """A world of things, some of each kind as chance has it, and their places."""
+    """Make a world of random unknown objects, and their positions."""
     places = Places()
-    kinds = [places.noting(kind) for kind in KINDS]
+    kinds = [places.recording(kind) for kind in KINDS]
     return random_scene(rng, num_things, gap, kinds=kinds), places
 
 
@@ -54,7 +54,7 @@ def _ball(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[
 
 
 def _rock(rng: np.random.Generator, radius: float, x: float, z: float) -> tuple[Visual, ...]:
-    """Lumps that grow together."""
+    """Make overlapping lumps."""
     texture = _texture(rng)
     lumps = []
     for turn in np.radians(120.0) * np.arange(3):
@@ -101,7 +101,7 @@ def _upright(upper_end: Vector, radius: float, texture: int) -> CylinderVisual:
 def _sheet(
     start: tuple[float, float], end: tuple[float, float], height: float, texture: int
 ) -> PolygonVisual:
-    """An upright sheet between two places, seen from both sides."""
+    """Make an upright sheet between two positions, visible from both sides."""
     (ax, az), (bx, bz) = start, end
     u, v = np.hypot(bx - ax, bz - az) / TILE, height / TILE
     corners = [(ax, 0.0, az), (bx, 0.0, bz), (bx, height, bz), (ax, height, az)]
@@ -119,7 +119,7 @@ def _sheet(
 def _turned(
     rng: np.random.Generator, places: list[tuple[float, float]], x: float, z: float
 ) -> list[tuple[float, float]]:
-    """Places round x, z, turned together by chance."""
+    """Rotate positions around (x, z) by a common random angle."""
     heading = rng.uniform(0.0, np.pi)
     cos, sin = float(np.cos(heading)), float(np.sin(heading))
     return [(x + cos * a - sin * b, z + sin * a + cos * b) for a, b in places]

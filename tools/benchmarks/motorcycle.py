@@ -1,4 +1,4 @@
-"""The box of the motorcycle against that of its true points, inside a mask drawn by hand."""
+"""The box of the motorcycle compared with that of its true points, in a hand-drawn mask."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -34,7 +34,7 @@ AXES = ("length", "height", "width")
 
 
 def measure(quick: bool) -> Iterator[Measurement]:
-    """Errors of the sizes of the largest object, as shares of the true ones."""
+    """Measure the relative errors of the sizes of the largest object."""
     if not (PAIR / "disp_left.pfm").is_file():
         return
     done = recon.reconstruct(PAIR, quality="fast" if quick else "best")
@@ -51,12 +51,12 @@ def measure(quick: bool) -> Iterator[Measurement]:
 
 
 def ordered(sizes: np.ndarray) -> np.ndarray:
-    """Length, height and width of an upright box."""
+    """Sort length, height and width of an upright box."""
     return np.array([max(sizes[0], sizes[2]), sizes[1], min(sizes[0], sizes[2])])
 
 
 def true_sizes() -> np.ndarray:
-    """Sizes of the upright box round the true points of the bike, by the true floor."""
+    """Compute the sizes of the upright box around the true points of the bike."""
     (pair,) = recon.open_sequence(PAIR)
     points = true_points(pair)
     floor = points[polygon2mask(points.shape[:2], np.array(FLOOR)[:, ::-1])]
@@ -68,7 +68,7 @@ def true_sizes() -> np.ndarray:
 
 
 def true_points(pair: recon.StereoPair) -> np.ndarray:
-    """Points (H, W, 3) of the true disparity, y up, forward -z; not finite where it is unknown."""
+    """Compute points (H, W, 3) from the true disparity, y up, -z forward, NaN where unknown."""
     disparity = cv2.imread(str(PAIR / "disp_left.pfm"), cv2.IMREAD_UNCHANGED).astype(np.float64)
     height, width = disparity.shape
     uv = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 2)

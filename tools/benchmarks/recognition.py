@@ -1,4 +1,4 @@
-"""Recognition: names, solids and CAD parts that come out right, and what they cost."""
+"""Recognition: share of correct labels, solids and CAD parts, and their cost."""
 
 import json
 import os
@@ -27,19 +27,19 @@ NOISES_PX = (0.05, 0.1, 0.25)
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """All numbers of the room; `quick` draws a tenth of the objects."""
+    """Run all measurements of the room; `quick` draws a tenth of the objects."""
     count = 6 if quick else 60
     return [*names(count), *partly_seen(count), *solids(count), *cad_parts(), *costs()]
 
 
 def names(count: int) -> Iterator[Measurement]:
-    """Objects of nine views that get the right name, and how wide their bodies come out."""
+    """Measure the share of correct labels after nine views, and the error of body radii."""
     for sigma_px in NOISES_PX:
         for recogniser in ("robust", "thesis"):
             settings = RecognitionSettings(recogniser=recogniser)
             right = 0
             for seed in range(count):
-                _, voxels = an_object(seed, sigma_px)
+                _, voxels = random_object(seed, sigma_px)
                 found = recognise(voxels, settings).objects
                 largest = max(found, key=lambda one: one.num_voxels, default=None)
                 right += largest is not None and largest.label == KINDS[seed % 3]
@@ -48,11 +48,11 @@ def names(count: int) -> Iterator[Measurement]:
 
 
 def partly_seen(count: int) -> Iterator[Measurement]:
-    """Names of objects seen from one side among things of no kind: kept, and calibrated."""
+    """Measure labels of partly seen objects among unknown ones: recall and calibration."""
     kinds = read_catalogues(["village"])
     kept, chances, rights = [], [], []
     for seed in range(2 * count):
-        truth, voxels = an_object_in_part(seed) if seed % 2 else a_thing_of_no_kind(seed)
+        truth, voxels = random_partly_seen_object(seed) if seed % 2 else random_unknown_object(seed)
         found = name_object(voxels, 0.0, kinds)
         chances.append(found.probability or 0.0)
         rights.append(found.label == truth)
@@ -63,8 +63,8 @@ def partly_seen(count: int) -> Iterator[Measurement]:
     yield share("calibration_error", error, better="lower", tolerance=0.5)
 
 
-def an_object_in_part(seed: int) -> tuple[str, Voxels]:
-    """A random object after few views over a part of a circle."""
+def random_partly_seen_object(seed: int) -> tuple[str, Voxels]:
+    """Make a random object as seen in a few views along an arc."""
     rng = np.random.default_rng([1, seed])
     orbit = Orbit(
         num_views=int(rng.integers(1, 6)),
@@ -75,8 +75,8 @@ def an_object_in_part(seed: int) -> tuple[str, Voxels]:
     return kind, standing(voxelise(observe(random_composite(kind, rng), COLOURS, orbit, rng)))
 
 
-def a_thing_of_no_kind(seed: int) -> tuple[str, Voxels]:
-    """A box or a ball of the size of a cottage."""
+def random_unknown_object(seed: int) -> tuple[str, Voxels]:
+    """Make a box or a ball of the size of a cottage."""
     rng = np.random.default_rng([2, seed])
     sizes = rng.uniform(3.0, 12.0, 3)
     box = Box(centre=np.array([0.0, sizes[1] / 2.0, 0.0]), axes=np.eye(3), sizes=sizes)
@@ -86,15 +86,15 @@ def a_thing_of_no_kind(seed: int) -> tuple[str, Voxels]:
 
 
 def standing(voxels: Voxels) -> Voxels:
-    """The cells above the ground."""
+    """Select the cells above the ground."""
     return voxels.select(voxels.centres[:, 1] >= 1.0)
 
 
 def body_radius_error(count: int) -> float:
-    """Median share by which the radius of a body is off at 0.1 px."""
+    """Median relative error of the radius of a body at 0.1 px."""
     errors = []
     for seed in range(count):
-        composite, voxels = an_object(seed, 0.1)
+        composite, voxels = random_object(seed, 0.1)
         found = recognise(voxels, RecognitionSettings()).objects
         largest = max(found, key=lambda one: one.num_voxels)
         if largest.label == KINDS[seed % 3]:
@@ -103,46 +103,46 @@ def body_radius_error(count: int) -> float:
 
 
 def solids(count: int) -> Iterator[Measurement]:
-    """Single solids told from the means of their cells, sphere and ellipsoid being one."""
+    """Measure the share of single solids classified from cell means; ellipsoids may be spheres."""
     for sigma_px in NOISES_PX:
         for name, weighted in (("means", False), ("weighted_means", True)):
-            told = [
-                is_told(shape, 100 * seed + number, sigma_px, weighted)
+            correct = [
+                is_recognised(shape, 100 * seed + number, sigma_px, weighted)
                 for seed in range(count)
                 for number, shape in enumerate(SHAPES)
             ]
-            yield share(f"solids_{name}_{sigma_px}px", float(np.mean(told)))
+            yield share(f"solids_{name}_{sigma_px}px", float(np.mean(correct)))
 
 
-def is_told(shape: str, seed: int, sigma_px: float, weighted: bool) -> bool:
+def is_recognised(shape: str, seed: int, sigma_px: float, weighted: bool) -> bool:
     """True if one random solid is recognised from its cells."""
     rng = np.random.default_rng(seed)
-    voxels = voxelise(observe(a_part(shape, rng), COLOURS[:1], Orbit(sigma_px=sigma_px), rng))
+    voxels = voxelise(observe(random_part(shape, rng), COLOURS[:1], Orbit(sigma_px=sigma_px), rng))
     weights = np.clip(voxels.counts / np.median(voxels.counts), 0.1, 4.0)
     found = fit(voxels.means, weights if weighted else None)
-    told = found.kind.removeprefix("truncated ") if found else ""
+    found_kind = found.kind.removeprefix("truncated ") if found else ""
     round_ones = {"sphere", "ellipsoid"}
-    return told == shape or {told, shape} == round_ones
+    return found_kind == shape or {found_kind, shape} == round_ones
 
 
 def cad_parts() -> Iterator[Measurement]:
-    """Parts of CAD models of the right type; nothing where the data is missing."""
-    told = []
+    """Measure the share of CAD parts of the right type; nothing if the data is missing."""
+    correct = []
     for folder in sorted((DATA / "pointclouds").glob("fit4cad_*")):
         cloud = np.load(folder / "cloud.npz")
         for truth in json.loads((folder / "primitives.json").read_text()):
             if truth["type"].lower() in (*SHAPES, "plane"):
                 found = fit(cloud["xyz"][cloud["label"] == truth["id"]])
                 name = found.kind.removeprefix("truncated ") if found else ""
-                told.append(name == truth["type"].lower())
-    if told:
-        yield share("cad_types", float(np.mean(told)))
+                correct.append(name == truth["type"].lower())
+    if correct:
+        yield share("cad_types", float(np.mean(correct)))
 
 
 def costs() -> Iterator[Measurement]:
-    """Time of a part and of an object, next to a singular value decomposition."""
+    """Measure the time of a part and of an object, relative to a singular value decomposition."""
     peer = seconds(lambda: np.linalg.svd(np.random.default_rng(0).normal(size=(300, 300))))
-    _, voxels = an_object(0, 0.1)
+    _, voxels = random_object(0, 0.1)
     objects = voxels.select(voxels.centres[:, 1] > 1.0)
     kinds = read_catalogues(["village"])
     for name, work in (
@@ -159,7 +159,7 @@ def costs() -> Iterator[Measurement]:
 
 
 def seconds(work: object) -> float:
-    """Least processor time of nine runs."""
+    """Minimum CPU time of nine runs."""
     times = []
     for _ in range(9):
         began = time.thread_time()
@@ -168,15 +168,15 @@ def seconds(work: object) -> float:
     return min(times)
 
 
-def an_object(seed: int, sigma_px: float) -> tuple[Composite, Voxels]:
-    """A random object and its cells after nine views."""
+def random_object(seed: int, sigma_px: float) -> tuple[Composite, Voxels]:
+    """Make a random object and its cells after nine views."""
     rng = np.random.default_rng(seed)
     composite = random_composite(KINDS[seed % 3], rng)
     return composite, voxelise(observe(composite, COLOURS, Orbit(sigma_px=sigma_px), rng))
 
 
-def a_part(shape: str, rng: np.random.Generator) -> Composite:
-    """One random solid, radius 1 to 8 and height 2 to 12."""
+def random_part(shape: str, rng: np.random.Generator) -> Composite:
+    """Make one random solid, radius 1 to 8 and height 2 to 12."""
     radius, height, base = rng.uniform(1.0, 8.0), rng.uniform(2.0, 12.0), rng.uniform(0.0, 6.0)
     stretch = float(rng.choice([1.0, -1.0])) * rng.uniform(np.log(1.4), np.log(2.2))
     radii, top = {
@@ -194,7 +194,7 @@ def a_part(shape: str, rng: np.random.Generator) -> Composite:
 
 
 def share(name: str, value: float, better: str = "higher", tolerance: float = 0.02) -> Measurement:
-    """A share of one as a measurement."""
+    """Wrap a share (0 to 1) as a measurement."""
     return Measurement(
         name=f"recognition.{name}", value=value, unit="share", better=better, tolerance=tolerance
     )

@@ -1,8 +1,8 @@
-"""The explorer where worlds are less than perfect: noise, sky, another unit, touch, foreign things.
+"""The explorer in imperfect worlds: noise, sky, another unit, touching and unknown objects.
 
-Every condition is explored in three generated worlds of six objects, whose seeds are the module's
-own; `--quick` takes the first world only. The clean worlds beside them give the pairs. Some rows
-alone, in worlds of other seeds:
+Every condition is explored in three generated worlds of six objects, with the seeds of this
+module; `--quick` uses only the first world. Clean worlds give the reference number of pairs. To
+run some rows only, in worlds of other seeds:
 
     python tools/benchmarks/robustness.py noise_5 touching --seed 205 --seed 206
 """
@@ -43,7 +43,7 @@ LENGTHS = {
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
-    """Imperfections of some worlds."""
+    """Imperfections of a set of worlds."""
 
     render: dict[str, Any] = dataclasses.field(default_factory=dict)
     """Settings of the renderer."""
@@ -75,7 +75,7 @@ CONDITIONS = {
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Thing:
-    """One of what stands in a world."""
+    """A true object of a world."""
 
     label: str
     centre_xz: NDArray[np.float64]
@@ -106,12 +106,12 @@ class Row:
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Numbers of every condition, and of the clean worlds."""
+    """Measure every condition, and the clean worlds."""
     return rows(CONDITIONS, SEEDS[:1] if quick else SEEDS)
 
 
 def rows(names: Iterable[str], seeds: Sequence[int]) -> list[Measurement]:
-    """Numbers of some conditions in the worlds of some seeds."""
+    """Measure some conditions in the worlds of some seeds."""
     clean = row_of([explored(seed, CONDITIONS[CLEAN]) for seed in seeds])
     found = list(measurements(CLEAN, clean, clean))
     for name in names:
@@ -122,12 +122,12 @@ def rows(names: Iterable[str], seeds: Sequence[int]) -> list[Measurement]:
 
 
 def settings_with(changes: dict[str, Any]) -> Settings:
-    """The settings of `recon explore` with some changes."""
+    """Make the settings of `recon explore` with some changes."""
     return updated(with_quality(Settings(), "fast"), merged(EXPLORER_BASE, changes))
 
 
 def explored(seed: int, condition: Condition) -> Run:
-    """The exploration of a generated world."""
+    """Explore a generated world."""
     rng = np.random.default_rng(seed)
     settings = in_units(settings_with({"render": condition.render}), condition.scale)
     if condition.foreign:
@@ -144,7 +144,7 @@ def explored(seed: int, condition: Condition) -> Run:
 
 
 def things_of(world: World) -> list[Thing]:
-    """The objects of a world."""
+    """List the true objects of a world."""
     return [
         Thing(label=one.label, centre_xz=one.centre[[0, 2]], reach=max(one.size[[0, 2]]) / 2.0)
         for one in world.objects
@@ -152,12 +152,12 @@ def things_of(world: World) -> list[Thing]:
 
 
 def in_units(settings: Settings, scale: float) -> Settings:
-    """The settings with every length scaled."""
+    """Scale every length in the settings."""
     lengths = {
         stage: {name: getattr(getattr(settings, stage), name) for name in names}
         for stage, names in LENGTHS.items()
     }
-    # A length of None follows from those that are scaled.
+    # Lengths that are None follow from the scaled ones.
     changes = {
         stage: {name: scale * length for name, length in of_stage.items() if length is not None}
         for stage, of_stage in lengths.items()
@@ -166,7 +166,7 @@ def in_units(settings: Settings, scale: float) -> Settings:
 
 
 def scaled(scene: Scene, condition: Condition) -> Scene:
-    """The scene with every length scaled."""
+    """Scale every length in a scene."""
     visuals = tuple(_scaled(visual, condition.scale) for visual in scene.visuals)
     return dataclasses.replace(scene, visuals=visuals)
 
@@ -209,7 +209,7 @@ def row_of(runs: list[Run]) -> Row:
 
 
 def labels_of(run: Run) -> tuple[int, int]:
-    """Number of things that are named rightly, and of names that nothing there deserves."""
+    """Count correctly labelled objects, and false labels."""
     objects = run.done.recognition.objects
     right, deserved = 0, set()
     for true in run.things:
@@ -224,7 +224,7 @@ def labels_of(run: Run) -> tuple[int, int]:
 
 
 def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
-    """The numbers of one condition."""
+    """Make the measurements of one condition."""
     yield number(f"{condition}.named_right", row.right, "objects", "higher")
     yield number(f"{condition}.named_falsely", row.false, "objects")
     yield number(f"{condition}.extra_pieces", row.extra, "objects")
@@ -235,7 +235,7 @@ def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
 
 
 def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
-    """A measurement of this room."""
+    """Make a measurement of this room."""
     return Measurement(
         name=f"robustness.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
     )
@@ -245,7 +245,7 @@ def number(name: str, value: float, unit: str, better: str = "lower") -> Measure
 @click.argument("names", nargs=-1, type=click.Choice(list(CONDITIONS)))
 @click.option("--seed", "seeds", multiple=True, type=int, default=SEEDS, show_default=True)
 def main(names: tuple[str, ...], seeds: tuple[int, ...]) -> None:
-    """Print the numbers of some conditions, and of the clean worlds."""
+    """Print the results of some conditions, and of the clean worlds."""
     for one in rows(names, seeds):
         print(f"{one.name:44} {one.value:12.4g} {one.unit}")
 

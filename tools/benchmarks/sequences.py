@@ -1,4 +1,4 @@
-"""Recorded data: drift, confirmation, rectification, calibration, the temple; empty without it."""
+"""Recorded data: drift, confirmation, rectification, calibration, temple; empty without data."""
 
 import json
 import os
@@ -33,7 +33,7 @@ NUM_DISPARITIES = 128
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """All numbers of the room; `quick` looks at the start of the drive only."""
+    """Run all measurements of the room; `quick` uses only the start of the drive."""
     if not DRIVE.is_dir():
         return []
     cv2.setNumThreads(1)
@@ -48,7 +48,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 
 def odometry(num_pairs: int | None) -> list[Measurement]:
-    """Drift against the given poses, and what a frame costs next to StereoSGBM."""
+    """Measure drift from the given poses, and the cost of a frame relative to StereoSGBM."""
     source = open_sequence(DRIVE, SequenceSettings(poses="estimated"))
     began = time.thread_time()
     pairs = [*islice(source, num_pairs)]
@@ -67,12 +67,12 @@ def odometry(num_pairs: int | None) -> list[Measurement]:
 
 
 def confirmation(num_pairs: int | None) -> list[Measurement]:
-    """Share of points nearer than 30 m that the pair before or after confirms; all stages' time."""
+    """Measure the share of points within 30 m confirmed by a neighbouring pair, and the time."""
     search = {"matching": {"min_disparity": 0, "max_disparity": NUM_DISPARITIES - 1}}
     settings = updated(Settings(), search)
     fast = updated(with_quality(Settings(), "fast"), search)
     pairs = [*islice(open_sequence(DRIVE, SequenceSettings()), num_pairs)]
-    match_points(pairs[0], settings)  # compiles
+    match_points(pairs[0], settings)  # compiles the kernels
     consistency, times = run_through(pairs, settings)
     _, fast_times = run_through(pairs[:6], fast)
     peer = sgbm_seconds(pairs)
@@ -84,7 +84,7 @@ def confirmation(num_pairs: int | None) -> list[Measurement]:
 
 
 def run_through(source: PairSource, settings: Settings) -> tuple[Consistency, list[float]]:
-    """Points of every pair, held against each other; CPU seconds of each pair."""
+    """Compare the points of all pairs with each other; return CPU seconds per pair."""
     consistency, times = Consistency(), []
     for pair in source:
         began = time.thread_time()
@@ -95,7 +95,7 @@ def run_through(source: PairSource, settings: Settings) -> tuple[Consistency, li
 
 
 def sgbm_seconds(pairs: list[StereoPair]) -> float:
-    """CPU seconds of StereoSGBM on a pair, the median of a few."""
+    """Median CPU seconds of StereoSGBM on a pair."""
     peer = cv2.StereoSGBM.create(0, NUM_DISPARITIES, 5, 200, 800)
     times = []
     for pair in pairs[:5]:
@@ -137,7 +137,7 @@ def rectification() -> list[Measurement]:
 
 
 def row_errors(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """|v_right - v_left| of SIFT features that match, wrong ones of 5 px and more left out."""
+    """|v_right - v_left| of matched SIFT features, without mismatches of 5 px and more."""
     sift = cv2.SIFT_create()
     (points, a), (others, b) = (sift.detectAndCompute(image, None) for image in (left, right))
     both = cv2.BFMatcher().knnMatch(a, b, k=2)
@@ -147,7 +147,7 @@ def row_errors(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def temple() -> list[Measurement]:
-    """Share of points in the temple's box and how near they are to other pairs' points."""
+    """Measure the share of points in the temple's box, and their distance to other pairs."""
     source = open_sequence(TEMPLE, SequenceSettings())
     search = {"matching": {"min_disparity": 0, "max_disparity": source.disparity_range[1]}}
     settings, consistency = updated(Settings(), search), Consistency()
@@ -174,7 +174,7 @@ def in_box(points: np.ndarray) -> float:
 def number(
     name: str, value: float, unit: str, tolerance: float, *, better: str = "lower"
 ) -> Measurement:
-    """A number of this room."""
+    """Make a measurement of this room."""
     return Measurement(
         name=f"sequences.{name}", value=value, unit=unit, better=better, tolerance=tolerance
     )

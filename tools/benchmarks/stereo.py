@@ -1,4 +1,4 @@
-"""Whole pairs to tuned matches against OpenCV's StereoSGBM, alternating, one thread, CPU time."""
+"""From pairs to refined matches, relative to OpenCV's StereoSGBM: alternating, CPU time."""
 
 import time
 from collections.abc import Callable
@@ -30,7 +30,7 @@ Images = tuple[np.ndarray, np.ndarray]
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Times as ratios, stage times, growth with the image, and how right the matches are."""
+    """Measure time ratios, stage times, growth with image size, and accuracy."""
     limit_threads(1)
     repeats = 3 if quick else 15
     found = []
@@ -44,7 +44,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 
 def images(size: tuple[int, int]) -> Images:
-    """The golden pair, brought to a size."""
+    """Load the golden pair at a size."""
     paths = sorted(PAIR.glob("left.*")) + sorted(PAIR.glob("right.*"))
     left, right = (cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths)
     area = cv2.INTER_AREA
@@ -52,7 +52,7 @@ def images(size: tuple[int, int]) -> Images:
 
 
 def settings(quality: Quality, num_disparities: int) -> Settings:
-    """A quality's settings for a search from 0 on."""
+    """Make the settings of a quality for a search range that starts at 0."""
     search = {"matching": {"min_disparity": 0, "max_disparity": num_disparities - 1}}
     return updated(with_quality(Settings(), quality), search)
 
@@ -70,7 +70,7 @@ def run(pair: Images, s: Settings) -> tuple[Matches, list[float]]:
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """CPU seconds of one call."""
+    """Measure the CPU seconds of one call."""
     began = time.thread_time()
     work()
     return time.thread_time() - began
@@ -79,10 +79,10 @@ def seconds(work: Callable[[], object]) -> float:
 def speed(
     quality: Quality, size: tuple[int, int], num_disparities: int, repeats: int
 ) -> list[Measurement]:
-    """Medians of runs that alternate with StereoSGBM's."""
+    """Measure medians of runs that alternate with StereoSGBM."""
     pair, s = images(size), settings(quality, num_disparities)
     peer = cv2.StereoSGBM.create(0, num_disparities, 3, 72, 288)
-    run(pair, s)  # compiles
+    run(pair, s)  # compiles the kernels
     peers, stages = [], []
     for _ in range(repeats):
         peers.append(seconds(lambda: peer.compute(*pair)))
@@ -96,9 +96,9 @@ def speed(
 
 
 def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
-    """Time of a pixel in square images; 1 where time is linear in the pixels.
+    """Measure the time per pixel in square images; 1 if time is linear in the number of pixels.
 
-    The shortest of runs that alternate, as a machine's slow minutes would look like growth.
+    Takes the shortest of alternating runs, as slow phases of the machine would look like growth.
     """
     s = settings(quality, 64)
     pairs = {side: images((side, side)) for side in sides}
@@ -112,7 +112,7 @@ def growth(quality: Quality, sides: tuple[int, ...]) -> list[Measurement]:
 
 
 def accuracy(quality: Quality) -> list[Measurement]:
-    """Accuracy of the most confident matches of the whole pair."""
+    """Measure the accuracy of the most confident matches of the whole pair."""
     (truth_path,) = PAIR.glob("disp_left.*")
     truth = cv2.imread(str(truth_path), cv2.IMREAD_UNCHANGED).astype(np.float64)
     truth[~np.isfinite(truth) | (truth == 0)] = np.nan
@@ -133,5 +133,5 @@ def accuracy(quality: Quality) -> list[Measurement]:
 def number(
     name: str, value: float, unit: str, tolerance: float, better: str = "lower"
 ) -> Measurement:
-    """One measurement; less is better unless told."""
+    """Make a measurement; lower is better by default."""
     return Measurement(name=name, value=value, unit=unit, better=better, tolerance=tolerance)

@@ -1,4 +1,4 @@
-"""Every pixel against OpenCV's MODE_HH on the golden pair, and the cloud of its pixels."""
+"""Dense matching compared with OpenCV's MODE_HH on the golden pair, and its point cloud."""
 
 import time
 from collections.abc import Callable
@@ -29,7 +29,7 @@ DISTANCES = (0.01, 0.02, 0.05)
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Time as a ratio, what is right and wrong beside the peer, sigma, and the covered surface."""
+    """Measure time ratio, accuracy beside the peer, sigma, and coverage of the surface."""
     limit_threads(1)
     pair = next(iter(open_sequence(PAIR, SequenceSettings())))
     found = []
@@ -63,7 +63,7 @@ def _against(quality: str, own: DisparityMap, peer: DisparityMap) -> list[Measur
 
 
 def _ratio(quality: Quality, pair: StereoPair, repeats: int) -> Measurement:
-    """CPU time of a whole pair, of MODE_HH's, alternating."""
+    """Measure the CPU time of a whole pair relative to MODE_HH, alternating."""
     greys = to_grey(pair.left), to_grey(pair.right)
 
     def own() -> Any:
@@ -84,7 +84,7 @@ def _seconds(work: Callable[[], Any]) -> float:
 
 
 def _covered(name: str, found: DisparityMap, pair: StereoPair) -> list[Measurement]:
-    """Share of the true surface with a point near it, and the median distance of the points."""
+    """Measure the share of the true surface near a point, and the median distance of points."""
     truth = read_truth_file(PAIR / "disp_left.pfm").disparity_px
     true, own = (_points(pair, values) for values in (truth, found.disparity_px))
     to_own, to_true = cKDTree(own).query(true)[0], cKDTree(true).query(own)[0]

@@ -1,4 +1,4 @@
-"""The voxel map against octomap-python (pip install octomap-python), one thread, CPU time."""
+"""The voxel map compared with octomap-python (pip install octomap-python): CPU time."""
 
 import resource
 import tempfile
@@ -18,8 +18,8 @@ CELL_SIZES = {"1": 1.0, "0.1": 0.1}
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Speed, memory and disk; the issue's bars stand in each unit."""
-    # First, as what it measures is the most memory that this process has held.
+    """Measure speed, memory and disk size; each unit states the required bound."""
+    # First, because it measures the peak memory of this process.
     found = [streamed(1_000_000 if quick else 100_000_000)]
     views = scene(100_000 if quick else 1_000_000)
     repeats = 2 if quick else 5
@@ -30,7 +30,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 
 def scene(num_points: int) -> list[tuple[np.ndarray, PointCloud]]:
-    """Views (eye, points) of a ground and 40 round parts in 200 x 30 x 200 units, sigma 0.05."""
+    """Make views (eye, points) of ground and 40 round parts in 200 x 30 x 200 units."""
     rng = np.random.default_rng(0)
     middles = np.column_stack([rng.uniform(-95, 95, 40), np.zeros(40), rng.uniform(-95, 95, 40)])
     radii = rng.uniform(1, 8, 40)
@@ -45,7 +45,7 @@ def view(
     radii: np.ndarray,
     hues: np.ndarray,
 ) -> tuple[np.ndarray, PointCloud]:
-    """The points within some 30 units of an eye near a part."""
+    """Select the points within about 30 units of an eye near a part."""
     eye = middles[rng.integers(40)] + [rng.uniform(-14, 14), 5.0, rng.uniform(-14, 14)]
     near = np.argsort(np.linalg.norm(middles - eye, axis=1))[:3]
     part = rng.choice(near, num)
@@ -63,7 +63,7 @@ def view(
 
 
 def cpu_seconds(work: Callable[[], object], repeats: int) -> float:
-    """Least CPU time of some runs."""
+    """Minimum CPU time of some runs."""
     seconds = []
     for _ in range(repeats):
         began = time.process_time()
@@ -73,7 +73,7 @@ def cpu_seconds(work: Callable[[], object], repeats: int) -> float:
 
 
 def filled(views: list[tuple[np.ndarray, PointCloud]], cell_size: float) -> VoxelMap:
-    """A map of all views."""
+    """Make a map of all views."""
     voxel_map = VoxelMap(cell_size)
     for _, cloud in views:
         voxel_map.insert(cloud)
@@ -83,7 +83,7 @@ def filled(views: list[tuple[np.ndarray, PointCloud]], cell_size: float) -> Voxe
 def inserts(
     name: str, views: list[tuple[np.ndarray, PointCloud]], repeats: int
 ) -> Iterator[Measurement]:
-    """Insertion without bounds, memory and disk at one size of cell."""
+    """Measure insertion, memory and disk size at one cell size."""
     cell_size = CELL_SIZES[name]
     filled(views[:1], cell_size)
 
@@ -109,7 +109,7 @@ def inserts(
 
 
 def disk(name: str, voxel_map: VoxelMap, *, is_lean: bool) -> Measurement:
-    """Size of the file."""
+    """Measure the size of the file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "map.npz"
         voxel_map.save(path, lean=is_lean)
@@ -122,7 +122,7 @@ def disk(name: str, voxel_map: VoxelMap, *, is_lean: bool) -> Measurement:
 
 
 def one_view(repeats: int) -> Measurement:
-    """Views of 5,000 points into a map that is kept, at a cell of 1."""
+    """Measure insertion of views of 5,000 points into an existing map, with cells of 1."""
     views = scene(5_000 * NUM_VIEWS)
     kept, tree = filled(views, 1.0), octomap.OcTree(1.0)
     for _, cloud in views:
@@ -143,7 +143,7 @@ def one_view(repeats: int) -> Measurement:
 
 
 def free_space(views: list[tuple[np.ndarray, PointCloud]], repeats: int) -> Measurement:
-    """Insertion with rays, cell 1, OctoMap's rule."""
+    """Measure insertion with rays, cells of 1, by OctoMap's rule."""
 
     def ours() -> None:
         voxel_map = VoxelMap(1.0, channels=["rays"])
@@ -163,7 +163,7 @@ def free_space(views: list[tuple[np.ndarray, PointCloud]], repeats: int) -> Meas
 
 
 def streamed(num_points: int) -> Measurement:
-    """Growth of this process, over the map's own size, while points stream in at 0.1."""
+    """Measure the growth of this process relative to the map while streaming at cells of 0.1."""
     rng = np.random.default_rng(0)
     chunk = 500_000
     voxel_map = VoxelMap(0.1)
@@ -182,5 +182,5 @@ def streamed(num_points: int) -> Measurement:
 
 
 def peak_bytes() -> int:
-    """Most memory that this process has held."""
+    """Peak memory of this process."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

@@ -28,7 +28,7 @@ GREY = (0.5, 0.5, 0.5, 1.0)
 
 
 def blocks_scene() -> Scene:
-    """The blocks on their floor."""
+    """Make the scene of blocks on a floor."""
     floor = [(-15.0, 0.0, -15.0), (-15.0, 0.0, 15.0), (15.0, 0.0, 15.0), (15.0, 0.0, -15.0)]
     visuals = [_quad(floor, 0, 3.0)]
     for block in BLOCKS:
@@ -39,7 +39,7 @@ def blocks_scene() -> Scene:
 def _faces(
     x: float, z: float, width: float, height: float, depth: float, turn_deg: float
 ) -> Iterator[list[tuple[float, float, float]]]:
-    """Corners of the sides and the top of a block."""
+    """List the corners of the sides and the top of a block."""
     c, s = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
     plan = [(-1, 1), (1, 1), (1, -1), (-1, -1)]
     corners = []

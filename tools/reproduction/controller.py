@@ -1,4 +1,4 @@
-"""Transitions between activities of the thesis's controller, counted on a walk."""
+"""Transitions between activities of the thesis's controller, counted in one exploration."""
 
 import itertools
 from collections import Counter
@@ -20,23 +20,23 @@ ACTIVITIES = {
 START = "look"
 
 
-class Told(ThesisController):
-    """The controller, and the activity that gave each of its views."""
+class RecordingController(ThesisController):
+    """The controller, with the activity that gave each of its views."""
 
     def __init__(self) -> None:
         super().__init__()
         self.names = [START]
 
     def next_view(self, state: Any) -> Any:
-        """The next view, noted by the innermost activity that gave it."""
+        """Choose the next view, and record the innermost activity that gave it."""
         self.last = ""
         view = super().next_view(state)
         self.names.append(self.last or "end")
         return view
 
 
-def _told(name: str) -> Any:
-    def activity(self: Told, *given: Any) -> Any:
+def _recorded(name: str) -> Any:
+    def activity(self: RecordingController, *given: Any) -> Any:
         view = getattr(ThesisController, name)(self, *given)
         if view is not None and not self.last:
             self.last = ACTIVITIES[name]
@@ -46,12 +46,12 @@ def _told(name: str) -> Any:
 
 
 for _name in ACTIVITIES:
-    setattr(Told, _name, _told(_name))
+    setattr(RecordingController, _name, _recorded(_name))
 
 
 def transitions(scene: str) -> dict[tuple[str, str], int]:
-    """Number of times that one activity followed another."""
+    """Count how often one activity followed another."""
     settings = explorers(with_preset(Settings(), "thesis"))
-    controller = Told()
+    controller = RecordingController()
     explore(World.from_file(find_scene(scene), settings), settings, controller=controller)
     return dict(Counter(itertools.pairwise(controller.names)))

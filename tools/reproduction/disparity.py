@@ -44,7 +44,7 @@ BETTER = (
 
 
 def entries() -> Iterator[Entry]:
-    """The entries of this part."""
+    """List the entries of this part."""
     yield Entry(
         name="figure 9", title="Disparity of Blocks 1", difference=STAND_IN,
         make=partial(_disparity, "Blocks 1", FIGURE_9),
@@ -95,7 +95,7 @@ def entries() -> Iterator[Entry]:
 
 @cache
 def _matched(name: str, matcher: str, preset: str = "default") -> tuple[int, Matches]:
-    """Number of left features, and the matches, of a pair."""
+    """Return the number of left features, and the matches, of a pair."""
     pair = PAIRS[name]()
     changes = {"matching": pair.search | {"matcher": matcher}}
     settings = updated(with_preset(Settings(), preset), changes)
@@ -133,7 +133,7 @@ def _success(matcher: str, printed: Printed) -> Result:
 
 
 def _success_table(matcher: str, printed: Printed, names: list[str]) -> Table:
-    """Features, pairs, wrong pairs and success: the thesis's, recon's, the peers'."""
+    """Tabulate features, pairs, wrong pairs and success of the thesis, recon and the peers."""
     rows: list[tuple[object, ...]] = []
     for name in names:
         rows.append((name, "the thesis", *printed[name]))
@@ -160,7 +160,7 @@ def _row(
 
 
 def _peers(pair: TruePair) -> Iterator[tuple[str, int, Matches]]:
-    """StereoSGBM and StereoBM at recon's features, SIFT at its own."""
+    """Match with StereoSGBM and StereoBM at recon's features, and with SIFT at its own."""
     settings = updated(Settings(), {"matching": pair.search})
     points = detect(pair.left, settings.features).points_px
     yield "StereoSGBM, at recon's features", len(points), _at(points, _block_matched(pair, True))
@@ -198,7 +198,7 @@ def _matches(points_px: NDArray[np.float64], disparity_px: NDArray[np.float64]) 
 
 
 def _sift(pair: TruePair) -> tuple[str, int, Matches]:
-    """SIFT, with Lowe's ratio test, along the row and in the search range."""
+    """Match SIFT with Lowe's ratio test, along the row and in the search range."""
     sift = cv2.SIFT.create()
     (left, ours), (right, theirs) = (
         sift.detectAndCompute(i, None) for i in (pair.left, pair.right)
@@ -219,7 +219,7 @@ def _sift(pair: TruePair) -> tuple[str, int, Matches]:
 
 
 def _refinement(name: str) -> Result:
-    """Whole and refined disparity along the longest edge of one row of features, and the truth."""
+    """Draw integer, refined and true disparity along the longest edge of features."""
     pair = PAIRS[name]()
     settings = updated(Settings(), {"matching": pair.search})
     left, right = (detect(image, settings.features) for image in (pair.left, pair.right))
@@ -246,7 +246,7 @@ def _refinement(name: str) -> Result:
 def _longest_edge(
     disparity_px: NDArray[np.float64], u: NDArray[np.intp], v: NDArray[np.intp]
 ) -> NDArray[np.intp]:
-    """Matches of the edge, followed from end to end, whose disparity changes most steadily."""
+    """Follow the edge whose disparity changes most steadily; return its matches."""
     image = np.zeros((v.max() + 1, u.max() + 1), dtype=np.uint8)
     image[v, u] = 1
     _, labels = cv2.connectedComponents(image, connectivity=8)
@@ -257,7 +257,7 @@ def _longest_edge(
 
 
 def _steadiness(disparity_px: NDArray[np.float64]) -> float:
-    """Climb of a straight line through the disparities, in units of its residual."""
+    """Slope of a line through the disparities, in units of its residual."""
     steps = np.arange(len(disparity_px))
     line = np.polyval(np.polyfit(steps, disparity_px, 1), steps)
     return float(np.ptp(line)) / (float(np.std(disparity_px - line)) + 0.05)

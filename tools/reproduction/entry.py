@@ -1,4 +1,4 @@
-"""Entries of the page: what the thesis shows, what recon gives, and why they differ."""
+"""Entries of the page: the thesis's result, recon's result, and why they differ."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ Row = tuple[str, ...]
 
 
 class Absent(Exception):
-    """An entry lacks something that it needs; the page says so."""
+    """Requirements of an entry are missing; the page shows the reason."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,15 +46,15 @@ class Entry:
 
     @property
     def slug(self) -> str:
-        """The name as files have it."""
+        """Convert a name for use in file names."""
         return self.name.replace(" ", "_").replace(",", "")
 
 
 def number(value: float | None, digits: int = 1) -> str:
-    """A number of a table; a dash where there is none."""
+    """Format a number of a table; a dash for None."""
     return "-" if value is None else f"{value:.{digits}f}"
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
-    """A table of anything that can be written."""
+    """Make a table of any values."""
     return Table(head=tuple(head), rows=tuple(tuple(str(c) for c in row) for row in rows))

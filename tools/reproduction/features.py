@@ -18,7 +18,7 @@ SIX_HALF_SUPPORTS = 6.0
 
 
 def entries() -> Iterator[Entry]:
-    """The entries of this part."""
+    """List the entries of this part."""
     yield Entry(
         name="figure 4", title="Features by population coding", make=_population,
         thesis="980 feature points in the right image of Blocks 1.",

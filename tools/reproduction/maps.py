@@ -36,7 +36,7 @@ TABLE: dict[str, tuple[str, str]] = {
 
 
 def entries() -> Iterator[Entry]:
-    """The entries of this part."""
+    """List the entries of this part."""
     yield Entry(
         name="figure 25", title="States of the controller", make=_states,
         thesis="Meets, turns round an object, turns on the spot, heads for the unexplored.",
@@ -78,7 +78,7 @@ def entries() -> Iterator[Entry]:
 
 @cache
 def _run(scene: str, preset: str) -> Path:
-    """An exploration of a scene, made once."""
+    """Explore a scene, once."""
     folder = WORK / f"{scene}-{preset}"
     controller = ["--controller", "thesis"] if preset == "thesis" else []
     code = main(["explore", str(find_scene(scene)), "-o", str(folder), "-q", *controller])
@@ -100,7 +100,7 @@ def _run_figures(scene: str, kinds: tuple[str, ...]) -> Result:
 
 
 def _objects(scene: str, world: World) -> object:
-    """Found against true, for both controllers."""
+    """Tabulate found and true objects, for both controllers."""
     rows: list[Row] = []
     for preset, title in (("default", "recon"), ("thesis", "controller thesis")):
         run = _run(scene, preset)
@@ -127,7 +127,7 @@ def _states() -> Result:
 
 
 def _graph(counts: dict[tuple[str, str], int]) -> Figure:
-    """States in a ring, arrows as thick as they were taken."""
+    """Draw states in a ring, with arrows as thick as they were frequent."""
     import numpy as np
 
     names = sorted({name for pair in counts for name in pair})

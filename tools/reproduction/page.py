@@ -19,7 +19,7 @@ dt { font-weight: 600; } dd { margin: 0 0 .4rem 1.5rem; } nav a { margin-right: 
 
 
 def write_page(results: list[tuple[Entry, Result | str, float]], folder: Path) -> Path:
-    """Write the page of all entries; a result that is a text says why there is none."""
+    """Write the page of all entries; a text instead of a result gives the reason."""
     folder.mkdir(parents=True, exist_ok=True)
     links = "".join(f'<a href="#{e.slug}">{html.escape(e.name)}</a> ' for e, _, _ in results)
     body = "".join(_section(entry, result, s, folder) for entry, result, s in results)

@@ -36,7 +36,7 @@ class TruePair:
 
     @property
     def search(self) -> dict[str, int]:
-        """A search range a little wider than what its truth holds."""
+        """Give a search range slightly wider than the range of the truth."""
         low = min(0, int(np.floor(np.nanmin(self.truth_px))) - MARGIN_PX)
         return {
             "min_disparity": low,
@@ -46,7 +46,7 @@ class TruePair:
 
 @cache
 def recorded(name: str) -> TruePair:
-    """A Middlebury pair of 2001."""
+    """Load a Middlebury pair of 2001."""
     folder = DATA / "middlebury2001" / name.lower()
     if not folder.is_dir():
         raise Absent(f"the pair {name} is not there: set RECON_DATA to the recorded data")
@@ -63,7 +63,7 @@ def recorded(name: str) -> TruePair:
 
 @cache
 def blocks(name: str) -> TruePair:
-    """The stand-in for a blocks pair of CMU, rendered with its truth."""
+    """Render the stand-in for a blocks pair of CMU, with its truth."""
     eyes = {"width": 384, "height": 288, "baseline": 1.0, "fov_deg": 45.0}
     settings = updated(Settings(), {"eyes": eyes, "render": {"noise": 1.0}})
     world = World(blocks_scene(), eyes=settings.eyes, render=settings.render, world=settings.world)

@@ -1,4 +1,4 @@
-"""Figure 17, Table 2 and Eq 22: the mixture model, and what matching costs."""
+"""Figure 17, Table 2 and Eq 22: the mixture model, and the cost of matching."""
 
 import time
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ TURN = np.linspace(-np.pi, np.pi, 361)
 
 
 def entries() -> Iterator[Entry]:
-    """The entries of this part."""
+    """List the entries of this part."""
     yield Entry(
         name="table 2", title="Parameters of the complexity, and Eq 22 by measurement",
         thesis="Filtering dominates: O(N^2 R S n^2); 2 s for features, 63 ms for matching.",
@@ -47,7 +47,7 @@ def _mixture() -> Result:
         axes, model.densities(TURN), measured, left.widths_px, strict=False
     ):
         one.hist(phases, bins=90, range=(-np.pi, np.pi), density=True, color="#bbbbbb")
-        # One line for each bin of the similarity of magnitudes, the narrowest for the most alike.
+        # One line per bin of the similarity of magnitudes, the narrowest for the most similar.
         one.plot(TURN, np.atleast_2d(density).T, color="#0072b2", linewidth=0.8)
         one.set(title=f"filter {width:g} px wide", xlabel="phase difference, rad", ylabel="density")
     return Result(figures=(figure,))
@@ -74,7 +74,7 @@ def _complexity() -> Result:
 
 
 def _seconds(image: np.ndarray, settings: Settings) -> tuple[float, float]:
-    """Time of the features of one image, and of a whole pair."""
+    """Measure the time of the features of one image, and of a whole pair."""
     began = time.perf_counter()
     detect(image, settings.features)
     between = time.perf_counter()

@@ -19,7 +19,7 @@ FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
-PATIENCE_MS = 120_000
+TIMEOUT_MS = 120_000
 WINDOW = {"width": 1280, "height": 860}
 PLACE = {"x": -6, "z": 34, "target-x": 4, "target-z": -8, "target-y": 6}
 """A place from which the cottage and trees of both kinds are seen."""
@@ -29,7 +29,7 @@ IS_DRAWN = """([name, before]) => {
 
 
 def entries() -> Iterator[Entry]:
-    """The entries of this part."""
+    """List the entries of this part."""
     yield Entry(
         name="figure 22", title="The simulator", make=partial(_shot, "figure_22"),
         thesis="Four panes: left eye, right eye, top view and front view, and dialogs below them.",
@@ -57,7 +57,7 @@ def _shot(name: str) -> Result:
 
 @cache
 def _shots() -> Path:
-    """A folder with all screenshots."""
+    """Make a folder with all screenshots."""
     folder = Path(tempfile.mkdtemp(prefix="recon-reproduce-"))
     with _page() as page:
         for name, value in PLACE.items():
@@ -96,12 +96,12 @@ def _screenshot_of_eyes(page: Any, path: Path) -> None:
 
 @contextmanager
 def _page() -> Iterator[Any]:
-    """The simulator's page in a browser, drawn.
+    """Open the simulator's page in a browser.
 
     Raises
     ------
     Absent
-        Where there is no browser, or nothing that leads one.
+        If there is no browser, or no driver for it.
     """
     browser = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if browser is None:
@@ -113,7 +113,7 @@ def _page() -> Iterator[Any]:
     with _server() as url, sync_playwright() as play:
         started = play.chromium.launch(executable_path=browser, args=FLAGS)
         page = started.new_page(viewport=WINDOW)
-        page.set_default_timeout(PATIENCE_MS)
+        page.set_default_timeout(TIMEOUT_MS)
         page.goto(url)
         for name in ("pane-left", "pane-right", "pane-top", "pane-front"):
             page.wait_for_function(IS_DRAWN, arg=[name, None])
