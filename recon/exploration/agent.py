@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.exploration.belief import Sight, belief_of
+from recon.exploration.belief import belief_of
 from recon.exploration.controllers import Controller, check_view, make_controller, result_of
 from recon.exploration.explorable import Explorable, start_of
 from recon.exploration.floor import Array, check_floor
@@ -16,6 +16,7 @@ from recon.exploration.focus import focusable, focusing
 from recon.exploration.metrics import length_of, pairs_until_objects, path_between
 from recon.exploration.outcome import STOP_REASONS, Exploration, Step
 from recon.exploration.referee import referee_of
+from recon.exploration.sights import Sight
 from recon.exploration.slip import slip_of
 from recon.exploration.state import State
 from recon.exploration.world_model import WorldModel
@@ -211,9 +212,8 @@ class Agent:
         state = self._state(step)
         try:
             with self.stopwatch.stage("plan"):
-                view = controller.next_view(state)
-                if view is None and self.belief is not None:
-                    view = self.belief.home(state)
+                asks = controller.next_view
+                view = asks(state) if self.belief is None else self.belief.onward(asks, state)
             if view is None:
                 said = controller.result()
                 reason = said.partition(";")[0]

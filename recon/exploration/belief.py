@@ -5,25 +5,28 @@ corrects the whole path.
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from recon.exploration.association import NEW, associated
 from recon.exploration.floor import Array
 from recon.exploration.glances import SURE_CELLS, Field, glance, turned
 from recon.exploration.homing import way_home
-from recon.exploration.landmarks import NEW, Sighter
+from recon.exploration.landmarks import Sighter
 from recon.exploration.outlines import Outline, outlines
 from recon.exploration.rims import rims
 from recon.exploration.scales import Scales
 from recon.exploration.scan import field_of_view
+from recon.exploration.sights import Sight
 from recon.exploration.state import State, Walk
 from recon.exploration.world_model import WorldModel
-from recon.geometry import invert, pose, rotation_about_y, transform, without_drift, wrapped
-from recon.localisation.graph import Graph, Link, planar, step_between
+from recon.geometry import wrapped
+from recon.localisation.graph import Graph
+from recon.localisation.links import Link, step_between
 from recon.localisation.pairs import Shown, linked
-from recon.mapping.pair import PairResult
-from recon.records import PointCloud, StereoPair, View
+from recon.records import View
 from recon.settings import Settings, updated
 
 NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
@@ -31,45 +34,14 @@ NUM_NEIGHBOURS, MIN_COSINE = 3, -0.2
 off."""
 MAX_GLANCES = 8
 """At one place: as many as a look all round takes."""
-MAX_RETURNS = 2
-"""Times that the agent goes home: a look from there may show that it is not done."""
+MAX_RETURNS = 4
+"""Times that the agent goes home: a look from there may show that it is not done, or not quite at
+home. It stays after the last one."""
 NUM_SIGMAS, MAX_CAUTION = 2.0, 1 / 3
 """Standard deviations of the position added to the distance from obstacles; at most this share of
 the clearance."""
 MOVED, TURNED_RAD = 0.2, math.radians(0.3)
 """Correction of the path, in cells and radians, beyond which the map is rebuilt."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sight:
-    """One pair with the pose at which the agent believes it was taken."""
-
-    view: View
-    pair: StereoPair
-    result: PairResult | None = None
-    """Its matches and points, in the believed world frame; None if not yet computed."""
-
-    @property
-    def cloud(self) -> PointCloud:
-        """Its reliable points, in the believed world frame."""
-        assert self.result is not None
-        return self.result.cloud
-
-    @property
-    def planar(self) -> Array:
-        """(3,) x, z of the left camera, and the azimuth of straight ahead."""
-        assert self.pair.T_world_left is not None
-        return planar(self.pair.T_world_left)
-
-    def moved(self, T_new_old: Array) -> "Sight":
-        """The same sight at a corrected pose."""
-        places = transform(T_new_old, np.array([self.view.position, self.view.target]))
-        assert self.pair.T_world_left is not None
-        return Sight(
-            view=replace(self.view, position=places[0], target=places[1]),
-            pair=replace(self.pair, T_world_left=without_drift(T_new_old @ self.pair.T_world_left)),
-            result=self.result and self.result.transformed(T_new_old),
-        )
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -81,11 +53,15 @@ class Belief:
     """All pairs, with their poses in the map."""
     graph: Graph | None = None
     _shown: list[Shown] = field(default_factory=list)
+    _unclear: dict[int, list[Outline]] = field(default_factory=dict)
+    """Sightings that are no known thing yet, by the number of their pair."""
     _glances: list[float] = field(default_factory=list)
     """Headings of those since the agent stands where it stands, radians."""
     _num_returns: int = 0
     _num_turns: int = 0
     """Of the look all round at the start."""
+    _again: list[float] = field(default_factory=list)
+    """Its headings that are left to look at once more at the end."""
 
     @property
     def sigma(self) -> float:
@@ -108,11 +84,13 @@ class Belief:
             self.graph = Graph.at(meant, self._step_sigma)
         else:
             self.graph.walk(step_between(self.sights[-1].planar, meant))
+        self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map))
         self._note(sight, model)
         self.graph.solve()
-        self._shown.append(Shown.of(sight.pair, sight.cloud, self.settings.map))
         self._link()
-        return _motion(meant, self.graph.poses[-1], sight)
+        self._note_again()
+        self.graph.solve()
+        return sight.motion(meant, self.graph.poses[-1])
 
     def _link(self) -> None:
         """Register the last pair to earlier ones that show the same."""
@@ -120,11 +98,11 @@ class Belief:
         last = len(self._shown) - 1
         links = []
         for number in self._neighbours():
-            poses = self.graph.poses[[number, last]]
+            step = step_between(self.graph.poses[number], self.graph.poses[last])
             spread = self.graph.spread_between(number)
-            found = linked(self._shown[number], self._shown[last], poses, spread)
+            found = linked(self._shown[number], self._shown[last], step, spread)
             if found is not None:
-                links.append(Link.between((number, last), *found))
+                links.append(Link(first=number, second=last, step=found[0], information=found[1]))
         self.graph.links += links
         if links:
             self.graph.solve()
@@ -148,12 +126,33 @@ class Belief:
         # The previous pair may show the same surface, known or not.
         return best if last - 1 in best or not last else [*best, last - 1]
 
-    def home(self, state: State) -> Walk | None:
-        """The walk back to the first view, whose sights correct the whole path; None at home."""
+    def onward(self, asks: Callable[[State], View | None], state: State) -> View | None:
+        """The next view that a controller asks for; in the end, the walk back to the first one.
+
+        The sights from there correct the whole path.
+        """
+        view = asks(state) if self._num_returns < MAX_RETURNS else None
+        return view or self._home(state)
+
+    def _home(self, state: State) -> Walk | None:
+        """The walk back to the first view; None at home."""
         if self._num_returns >= MAX_RETURNS:
             return None
         self._num_returns += 1
-        return way_home(self.sights[0].view, state)
+        walk = way_home(self.sights[0].view, state)
+        if walk is not None:
+            self._again = self._first_headings()
+        return walk
+
+    def _first_headings(self) -> list[float]:
+        """Headings of the look all round at the start; that which shows most comes last.
+
+        The heading after a look that shows nothing is only as sure as the turn was.
+        """
+        assert self.graph is not None
+        shows = {n: len(self._shown[n].place) for n in range(1, self._num_turns + 1)}
+        rows = sorted((n for n in shows if shows[n]), key=lambda n: shows[n])
+        return [float(self.graph.poses[row, 2]) for row in rows]
 
     def keep(self, sight: Sight) -> Sight:
         """Record the pose of the last pair in the map."""
@@ -171,7 +170,7 @@ class Belief:
         if is_near.all():
             return None
         self.sights = [
-            sight.moved(_motion(old, new, sight))
+            sight.moved(sight.motion(old, new))
             for sight, old, new in zip(self.sights, had, self.graph.poses, strict=False)
         ]
         return [*self.sights]
@@ -188,41 +187,56 @@ class Belief:
     def _note(self, sight: Sight, model: WorldModel) -> None:
         """Add the sightings of what stands before the cameras, which are known things or new ones.
 
-        What is not clear is looked at once more when the clear ones have corrected the pose.
+        What is not clear is looked at once more when the clear ones have corrected the pose, and
+        with every later pair, which may correct it as well.
         """
         assert self.graph is not None
         standing = model.standing(sight.view.position[[0, 2]], sight.cloud)
         half_field = field_of_view(sight.pair) / 2.0
         edges = rims(standing, sight.pair)
         seen = outlines(standing, edges, sight.planar, half_field, model.scales)
-        left = self._noted([one for one in seen if one.is_free.any()], sight)
+        number = len(self.graph.poses) - 1
+        left = self._noted([one for one in seen if one.is_free.any()], number)
         self.graph.solve()
-        left = self._noted(left, sight)
-        sighter = self._sighter(sight)
-        for one in [one for one in left if one.is_free.all() and sighter.known(one) == NEW]:
-            sighter.add(one)
+        left = self._noted(left, number)
+        sighter = self._sighter()
+        new = [landmark == NEW for landmark in associated(sighter, left)]
+        self._unclear[number] = []
+        for one, is_new in zip(left, new, strict=True):
+            if is_new and one.is_free.all():
+                sighter.add(one)
+            else:
+                self._unclear[number].append(one)
 
-    def _noted(self, seen: list[Outline], sight: Sight) -> list[Outline]:
-        """Add the sightings of known things; those that are left."""
+    def _note_again(self) -> None:
+        """Add the sightings of earlier pairs that have become clear."""
+        for number, left in self._unclear.items():
+            self._unclear[number] = self._noted(left, number)
+
+    def _noted(self, seen: list[Outline], number: int) -> list[Outline]:
+        """Add the sightings of known things by a pair; those that are left."""
         assert self.graph is not None
-        sighter, left = self._sighter(sight), []
-        for one in seen:
-            landmark = sighter.known(one)
-            if landmark < 0:
+        if not seen:
+            return []
+        sighter, left = self._sighter(number), []
+        taken = {bearing.landmark for bearing in self.graph.bearings if bearing.pose == number}
+        for one, landmark in zip(seen, associated(sighter, seen), strict=True):
+            if landmark < 0 or landmark in taken:
                 left.append(one)
             else:
                 self.graph.bearings.append(sighter.bearing(one, landmark))
         return left
 
-    def _sighter(self, sight: Sight) -> Sighter:
+    def _sighter(self, number: int = -1) -> Sighter:
         assert self.graph is not None
-        return Sighter.of(self.graph, sight.pair.rig.focal_px)
+        return Sighter.of(self.graph, self._shown[0].pair.rig.focal_px, number)
 
     def glance(self) -> View | None:
         """The next look for the sake of the agent's own place; None where it needs none.
 
-        It looks all round where it starts, so that everything in sight is tied to the first pose,
-        and elsewhere at what it knows, as long as it is not sure of its place.
+        It looks all round where it starts, and again when it is back, so that everything in sight
+        is tied to the first pose; elsewhere it looks at what it knows, as long as it is not sure of
+        its place.
         """
         assert self.graph is not None
         last, scales = self.sights[-1], Scales.of(self.settings)
@@ -233,11 +247,13 @@ class Belief:
             self._num_turns += 1
             onward = float(self.graph.poses[-1, 2]) + 2.0 * math.pi / number
             return turned(last.view, onward, scales.gaze)
+        if self._again:
+            return turned(last.view, self._again.pop(0), scales.gaze)
         if len(self._glances) >= MAX_GLANCES:
             self._glances = []
             return None
         heading = glance(
-            self._sighter(last),
+            self._sighter(),
             self._step_sigma,
             Field(half_rad=half_field, reach=self.settings.exploration.sight_range),
             SURE_CELLS * scales.cell,
@@ -246,15 +262,6 @@ class Belief:
         )
         self._glances = [] if heading is None else [*self._glances, heading]
         return None if heading is None else turned(last.view, heading, scales.gaze)
-
-
-def _motion(old: Array, new: Array, sight: Sight) -> Array:
-    """The transform (4, 4) that moves a sight from one planar pose to another."""
-    assert sight.pair.T_world_left is not None
-    eye = sight.pair.T_world_left[:3, 3]
-    there = np.array([new[0], eye[1], new[1]])
-    turn = rotation_about_y(-float(wrapped(new[2] - old[2])))
-    return pose(turn, there) @ invert(pose(np.eye(3), eye))
 
 
 def belief_of(settings: Settings) -> Belief | None:

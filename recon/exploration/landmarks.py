@@ -1,14 +1,11 @@
-"""Landmarks: the objects of a belief's graph as they are expected in view.
-
-An object in view is associated with a landmark if it lies within the joint uncertainty of pose and
-landmark, and no other landmark does; if this is ambiguous, it is ignored.
-"""
+"""Landmarks: the objects of a belief's graph as they are expected in view."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from recon.exploration.floor import Array
 from recon.exploration.outlines import Outline
@@ -24,14 +21,11 @@ NEAR = 0.1
 near objects only some sides have points."""
 DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5
 """The same for the distance of its front: for a whole object, and for a partly hidden one."""
-GATE, FAR_GATE = 3.0, 4.0
-"""Standard deviations within which an object is a known one, and beyond which it is another."""
+GATE = 3.0
+"""Standard deviations within which an object may be a landmark."""
 SAME_WIDTH, WIDTH_PX = 1.5, 1.0
 """Ratio of the widths up to which an object seen whole may be a landmark, and the error of its
 width, pixels: whatever else is uncertain, a landmark twice as wide is another thing."""
-SAME_DISTANCE = 1.5
-"""Two objects in one direction differ in distance by more than this factor."""
-NEW, UNCLEAR = -1, -2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +78,8 @@ class Sighter:
     """The pose from which objects are seen, what is expected there, and its covariance."""
 
     graph: Graph
+    number: int
+    """Number of the pose."""
     expected: Expected
     joint: Array
     """(3 + 3 M) covariance of the pose and the landmarks."""
@@ -91,12 +87,14 @@ class Sighter:
     """Standard deviation of an edge, radians."""
 
     @classmethod
-    def of(cls, graph: Graph, focal_px: float) -> "Sighter":
-        """The sighter at the last pose of a graph."""
+    def of(cls, graph: Graph, focal_px: float, number: int = -1) -> "Sighter":
+        """The sighter at a pose of a graph, by default the last one."""
+        number %= len(graph.poses)
         return cls(
             graph=graph,
-            expected=Expected.of(graph, graph.poses[-1]),
-            joint=graph.joint_covariance(),
+            number=number,
+            expected=Expected.of(graph, graph.poses[number]),
+            joint=graph.joint_covariance(number),
             edge_sigma=EDGE_SIGMA_PX / focal_px,
         )
 
@@ -115,7 +113,7 @@ class Sighter:
             )
             edge, share = self.edge_sigma, HIDDEN_SHARE
         return Bearing(
-            pose=len(self.graph.poses) - 1,
+            pose=self.number,
             landmark=landmark,
             azimuth_rad=azimuth,
             distance=seen.distance,
@@ -124,20 +122,7 @@ class Sighter:
             half_rad=max(seen.half_rad, self.edge_sigma) if is_whole else math.nan,
         )
 
-    def known(self, seen: Outline) -> int:
-        """The landmark of a sighting, NEW, or UNCLEAR."""
-        number = len(self.graph.radii)
-        if not number:
-            return NEW
-        off = np.array([self._off(seen, landmark) for landmark in range(number)])
-        is_as_wide = [self._is_as_wide(seen, landmark) for landmark in range(number)]
-        both = np.where(is_as_wide, np.hypot(*off.T), np.inf)
-        order = np.argsort(both, kind="stable")[:2]
-        if both[order[0]] < GATE and (number == 1 or both[order[1]] > FAR_GATE):
-            return int(order[0])
-        return NEW if all(self._is_other(seen, m, off[m]) for m in range(number)) else UNCLEAR
-
-    def _is_as_wide(self, seen: Outline, landmark: int) -> bool:
+    def is_as_wide(self, seen: Outline, landmark: int) -> bool:
         """True if an object may be as wide as a landmark; of a hidden one this is not known."""
         if not seen.is_free.all():
             return True
@@ -147,40 +132,43 @@ class Sighter:
         limit = math.log(SAME_WIDTH) + GATE * unsure / self.expected.range[landmark] + error
         return bool(abs(math.log(max(seen.half_rad, 1e-6) / half)) < limit)
 
-    def _is_other(self, seen: Outline, landmark: int, off: Array) -> bool:
-        """True if an object is beside a landmark, or clearly in front of it or behind it."""
-        ratio = seen.distance / max(float(self.expected.front[landmark]), 1e-6)
-        if float(np.hypot(*off)) > FAR_GATE and abs(math.log(ratio)) > math.log(SAME_DISTANCE):
-            return True
-        spread = float(self.expected.spread(landmark, self.joint)[0, 0])
-        reach = seen.half_rad + self.expected.half_rad[landmark] + FAR_GATE * math.sqrt(spread)
-        apart = wrapped(seen.middle_rad - self.expected.azimuth_rad[landmark])
-        return bool(abs(apart) > reach)
-
     @property
     def growth(self) -> float:
         """Standard deviation of a distance over its square."""
         return float(np.median([b.distance_sigma / b.distance**2 for b in self.graph.bearings]))
 
-    def _off(self, seen: Outline, landmark: int) -> NDArray[np.float64]:
+    def off(self, seen: Outline, landmark: int) -> Array:
         """(2,) differences in azimuth and in distance, whitened by their joint covariance."""
+        off, noise, _ = self._compared(seen, landmark)
+        spread = self.expected.spread(landmark, self.joint) + noise
+        found: Array = np.linalg.solve(np.linalg.cholesky(spread), off)
+        return found
+
+    def joint_error(self, seen: Sequence[Outline], landmarks: Sequence[int]) -> float:
+        """Squared standard deviations of several objects together; landmarks below 0 count not."""
+        both = [(one, mark) for one, mark in zip(seen, landmarks, strict=True) if mark >= 0]
+        parts = [self._compared(one, mark) for one, mark in both]
+        off = np.concatenate([part[0] for part in parts])
+        rows = np.vstack([part[2] for part in parts])
+        whole = rows @ self.joint @ rows.T + block_diag(*(part[1] for part in parts))
+        return float(off @ np.linalg.solve(whole, off))
+
+    def _compared(self, seen: Outline, landmark: int) -> tuple[Array, Array, Array]:
+        """Differences (2,), their noise (2, 2), and their derivative (2, 3 + 3 M)."""
         bearing = self.bearing(seen, landmark)
-        spread = self.expected.spread(landmark, self.joint)
         mark, away = np.array([landmark]), self.expected.range[[landmark]]
         (middle,) = self.graph.off_middle_rad(mark, np.array([bearing.half_rad]), away)
-        spread += np.diag([bearing.azimuth_sigma**2 + middle**2, bearing.distance_sigma**2])
-        off = np.array(
-            [
-                wrapped(bearing.azimuth_rad - self.expected.azimuth_rad[landmark]),
-                bearing.distance - self.expected.front[landmark],
-            ]
-        )
-        found: NDArray[np.float64] = np.linalg.solve(np.linalg.cholesky(spread), off)
-        return found
+        azimuth = wrapped(bearing.azimuth_rad - self.expected.azimuth_rad[landmark])
+        off = np.array([azimuth, bearing.distance - self.expected.front[landmark]])
+        noise = np.diag([bearing.azimuth_sigma**2 + middle**2, bearing.distance_sigma**2])
+        rows = np.zeros((2, len(self.joint)))
+        rows[:, :3] = self.expected.derivative[landmark, :, :3]
+        rows[:, 3 + 3 * landmark : 6 + 3 * landmark] = self.expected.derivative[landmark, :, 3:]
+        return off, noise, rows
 
     def add(self, seen: Outline) -> None:
         """Add a new landmark for a whole object."""
-        x, z, heading = self.graph.poses[-1]
+        x, z, heading = self.graph.poses[self.number]
         azimuth = heading + seen.middle_rad
         radius = seen.distance * math.tan(min(max(seen.half_rad, self.edge_sigma), 1.0))
         away = seen.distance + FRONT_SHARE * radius

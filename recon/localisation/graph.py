@@ -14,12 +14,11 @@ from scipy.sparse.linalg import splu
 
 from recon.geometry import wrapped
 from recon.localisation.blocks import Block
+from recon.localisation.links import ROBUST, Link, led_by, links_block, step_derivatives
 
 Array = NDArray[np.float64]
 
 NUM_ROUNDS = 12
-ROBUST = 3.0
-"""Standard deviations from which Cauchy weights reduce the influence of a residual."""
 SMALL_CHANGE = 1e-5
 FIRST_SIGMA = 1e-5
 """Standard deviation of the first pose, which anchors the world; radians and world units."""
@@ -54,27 +53,6 @@ class Bearing:
     """Half the angle between its edges; not a number where one of them is hidden."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Link:
-    """A measurement of the motion from one pose to another."""
-
-    first: int
-    second: int
-    step: Array
-    """(3,) shift forwards and sideways in the frame of the first pose, and rotation."""
-    information: Array
-    """(3, 3) of x, z and azimuth, world."""
-    is_sure: bool = False
-    """True for a step, which cannot be a false match."""
-
-    @classmethod
-    def between(cls, numbers: tuple[int, int], poses: Array, information: Array) -> "Link":
-        """The link of two measured poses (2, 3)."""
-        return cls(
-            first=numbers[0], second=numbers[1], step=step_between(*poses), information=information
-        )
-
-
 def hidden_rad(half_rad: Array, radius: Array, away: Array) -> Array:
     """Angles (N,) by which things are seen too narrow or too wide: so far may be off their middle.
 
@@ -89,20 +67,6 @@ def planar(T_world_left: Array) -> Array:
     """x, z of a camera and the azimuth of straight ahead (3,)."""
     ahead = T_world_left[:3, 2]
     return np.array([*T_world_left[[0, 2], 3], np.arctan2(ahead[2], ahead[0])])
-
-
-def led_by(poses: Array, steps: Array) -> Array:
-    """Change (N, 3) of planar poses (N, 3) by steps (N, 3) forwards, sideways and around."""
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    ahead, aside, turn = steps.T
-    return np.column_stack([c * ahead - s * aside, s * ahead + c * aside, turn])
-
-
-def step_between(before: Array, after: Array) -> Array:
-    """Step (3,) forwards, sideways and around from one planar pose to another."""
-    c, s = np.cos(before[2]), np.sin(before[2])
-    x, z, turn = after - before
-    return np.array([c * x + s * z, -s * x + c * z, float(wrapped(turn))])
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -184,21 +148,21 @@ class Graph:
         shape = self.shapes[mark] * radius / away
         return np.hypot(shape, hidden_rad(half_rad, radius, away))
 
-    def joint_covariance(self) -> Array:
-        """(3 + 3 M) square, of the last pose and of the landmarks."""
-        return self._spread(
-            np.arange(3 * len(self.poses) - 3, 3 * len(self.poses) + self.landmarks.size)
-        )
+    def joint_covariance(self, number: int) -> Array:
+        """(3 + 3 M) square, of a pose and of the landmarks."""
+        marks = np.arange(3 * len(self.poses), 3 * len(self.poses) + self.landmarks.size)
+        return self._spread(np.concatenate([np.arange(3) + 3 * number, marks]))
 
     def covariance(self) -> Array:
         """(3, 3) of the last pose."""
         return self._spread(np.arange(3) + 3 * (len(self.poses) - 1))
 
     def spread_between(self, number: int) -> Array:
-        """Covariance (3, 3) of the difference between the last pose and an earlier one."""
+        """Covariance (3, 3) of the step from an earlier pose to the last one."""
         both = self._spread(np.arange(3) + 3 * np.array([[number], [len(self.poses) - 1]]))
-        join = np.hstack([-np.eye(3), np.eye(3)])
-        return join @ both @ join.T
+        by_both = step_derivatives(self.poses[[number]], self.poses[-1:])[0]
+        spread: Array = by_both @ both @ by_both.T
+        return spread
 
     def _spread(self, unknowns: NDArray[np.intp]) -> Array:
         """The covariance of some unknowns."""
@@ -211,7 +175,8 @@ class Graph:
 
     def _equations(self) -> tuple["csc_array[np.float64]", Array]:
         """Derivatives (R, 3 N + 3 M) and residuals (R,), in standard deviations."""
-        parts = [self._anchor(), self._of_links(), self._of_bearings(), self._of_fronts()]
+        parts = [self._anchor(), links_block(self.links, self.poses)]
+        parts += [self._of_bearings(), self._of_fronts()]
         residual = np.concatenate([part.residual for part in parts])
         starts = np.cumsum([0, *(len(part.residual) for part in parts)])
         rows = np.concatenate([p.rows + start for p, start in zip(parts, starts, strict=False)])
@@ -222,31 +187,6 @@ class Graph:
 
     def _anchor(self) -> Block:
         return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
-
-    def _of_links(self) -> Block:
-        """Residuals of the links along the way."""
-        number = len(self.links)
-        rows = np.array([(link.first, link.second) for link in self.links], np.intp).reshape(-1, 2)
-        first, second = self.poses[rows[:, 0]], self.poses[rows[:, 1]]
-        led = led_by(first, np.array([link.step for link in self.links]).reshape(-1, 3))
-        off = second - first - led
-        off[:, 2] = wrapped(off[:, 2])
-        by_first = -np.eye(3)[None].repeat(number, axis=0)
-        by_first[:, 0, 2], by_first[:, 1, 2] = led[:, 1], -led[:, 0]
-        by_second = np.eye(3)[None].repeat(number, axis=0)
-        information = np.array([link.information for link in self.links]).reshape(-1, 3, 3)
-        root = np.linalg.cholesky(information).swapaxes(1, 2)
-        residual = np.einsum("nij,nj->ni", root, off)
-        # A link between two pairs that do not show the same has a large error.
-        off_sq = np.where([link.is_sure for link in self.links], 0.0, (residual**2).sum(axis=1))
-        weight = 1.0 / np.sqrt(1.0 + off_sq / ROBUST**2)
-        derivative = root @ np.concatenate([by_first, by_second], axis=2) * weight[:, None, None]
-        columns = 3 * rows[:, [0, 0, 0, 1, 1, 1]] + np.tile(np.arange(3), 2)
-        return Block.of(
-            (residual * weight[:, None]).ravel(),
-            derivative.reshape(-1, 6),
-            columns.repeat(3, axis=0),
-        )
 
     def _of_bearings(self) -> Block:
         """Residuals of the sightings: seen minus expected places of things."""

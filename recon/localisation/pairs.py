@@ -1,19 +1,20 @@
 """Registration of pairs: the planar motion between two that show the same."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.geometry import invert, pose, rotation_about_y, wrapped
-from recon.localisation.graph import led_by, planar, step_between
+from recon.geometry import invert, pose, rotation_about_y, transform, wrapped
+from recon.localisation.graph import planar
+from recon.localisation.links import led_by
 from recon.localisation.locate import points_of
-from recon.localisation.planar_motion import PlanarMotion, planar_motion, standing
+from recon.localisation.planar_motion import planar_motion, standing
 from recon.localisation.registration import Points, Prior, inverse, register
 from recon.localisation.surfels import Surfels
 from recon.records import PointCloud, StereoPair
-from recon.sequences.odometry.motion import MIN_TRACKS, agreeing_tracks
 from recon.sequences.odometry.places import Place, see, shared
 from recon.sequences.odometry.tracking import Tracks, track
 from recon.settings import MapSettings
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 
 PLANAR = [3, 5, 1]
 """x, z and the rotation about the vertical, among the six parameters of a `PoseEstimate`."""
+SIGN = np.diag([1.0, 1.0, -1.0])
+"""Rotations about the vertical reduce azimuths."""
 LEVEL_SIGMA = 1e-4
 """Standard deviation of height and tilt, radians and world units: a robot's cameras stay level."""
 SHAPE_CELLS, SHAPE_DEG = 0.05, 0.1
@@ -31,8 +34,13 @@ FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
 """Systematic error of the motion between common points."""
 NEAR_CELLS, NEAR_DEG = 2.5, 60.0
 """Distance and turn up to which corners are tracked from one pair into the other."""
+SAME_SIDE_DEG = 50.0
+"""Angle between two views of a surface up to which its features look alike."""
 MIN_SHARE = 0.3
 """Minimum share of points on the other pair's surface."""
+MIN_GAIN, NO_GAIN = 0.2, 1e-6
+"""Information relative to what was known that a direction must gain to count, and what it has
+otherwise."""
 MAX_OFF = 4.0
 """Maximum distance of an accepted motion from the guess, in standard deviations."""
 
@@ -66,9 +74,13 @@ class Shown:
             map=settings,
         )
 
-    def at(self, place: Array) -> Array:
-        """`T_world_left` (4, 4) at x, z and azimuth (3,), with the camera at height 0."""
-        return standing(place, self.T_level_left)
+    @cached_property
+    def middle(self) -> Array | None:
+        """Middle (2,) of what is seen, ahead and aside; None if nothing is."""
+        if not len(self.cloud):
+            return None
+        x, _, z = transform(self.T_level_left, np.median(self.cloud.points, axis=0)[None])[0]
+        return np.array([x, z])
 
     @cached_property
     def surfels(self) -> Surfels:
@@ -80,103 +92,114 @@ class Shown:
         return Surfels.of(voxel_map.occupied(3))
 
 
-def linked(first: Shown, second: Shown, poses: Array, spread: Array) -> tuple[Array, Array] | None:
-    """The poses (2, 3) of two pairs and the information (3, 3) of the motion between them.
+def linked(first: Shown, second: Shown, step: Array, spread: Array) -> tuple[Array, Array] | None:
+    """The step (3,) from one pair to another, and its information (3, 3).
 
     Uses features if the pairs show the same side, otherwise the surfaces that both see. None if
     neither works.
 
     Parameters
     ----------
-    poses : (2, 3) array
-        x, z and azimuth, as currently known.
-    spread : (3, 3) array
-        Covariance of the second pose relative to the first.
+    step, spread : (3,), (3, 3) arrays
+        Forwards, sideways and around, as currently known, and its covariance.
     """
     for measure in (_by_features, _by_shape):
-        found = measure(first, second, poses, spread)
-        if found is not None and _is_likely(found, poses, spread):
-            return np.array([poses[0], found[0]]), found[1]
+        found = measure(first, second, step, spread)
+        if found is not None and _is_likely(found, step, spread):
+            return found
     return None
 
 
-def _is_likely(found: tuple[Array, Array], poses: Array, spread: Array) -> bool:
-    off = found[0] - poses[1]
+def _is_likely(found: tuple[Array, Array], step: Array, spread: Array) -> bool:
+    off = found[0] - step
     off[2] = wrapped(off[2])
-    whole = spread + inverse(found[1])
-    return bool(off @ inverse(whole) @ off < MAX_OFF**2)
+    return bool(off @ inverse(spread + inverse(found[1])) @ off < MAX_OFF**2)
 
 
 def _by_features(
-    first: Shown, second: Shown, poses: Array, spread: Array
+    first: Shown, second: Shown, step: Array, spread: Array
 ) -> tuple[Array, Array] | None:
-    del spread
-    step = step_between(*poses)
-    found = _by_tracks(first, second, step) or _by_places(first, second, step)
-    if found is None:
+    """The step on which most common features agree; None if the pairs see other sides."""
+    if _turn_of_sight(second, step) > np.radians(SAME_SIDE_DEG):
         return None
-    length = FEATURES_CELLS * first.map.cell_size
-    least = np.diag([length, length, np.radians(FEATURES_DEG)]) ** 2
-    turn = np.eye(3)
-    turn[:2, :2] = rotation_about_y(-poses[0][2])[np.ix_([0, 2], [0, 2])]
-    there = poses[0] + led_by(poses[:1], found.place[None])[0]
-    return there, inverse(turn @ (found.covariance + least) @ turn.T)
+    tilts, rig = (first.T_level_left, second.T_level_left), second.pair.rig
+    found = [
+        planar_motion(tracks, rig, tilts, step, spread) for tracks in _tracks(first, second, step)
+    ]
+    best = max((one for one in found if one), key=lambda one: one.num_agreeing, default=None)
+    if best is None:
+        return None
+    least = _least(first, FEATURES_CELLS, FEATURES_DEG)
+    return told(best.place, best.information, (step, spread), least)
 
 
-def _by_tracks(first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
-    """The motion by corners tracked from one pair into the other, where they are near."""
+def _turn_of_sight(second: Shown, step: Array) -> float:
+    """Angle between the directions from which two pairs see what the second one shows."""
+    if second.middle is None:
+        return np.inf
+    ((dx, dz, _),) = led_by(step[None], np.append(second.middle, 0.0)[None])
+    x, z = step[0] + dx, step[1] + dz
+    return abs(float(np.arctan2(x * dz - z * dx, x * dx + z * dz)))
+
+
+def _tracks(first: Shown, second: Shown, step: Array) -> Iterator[Tracks]:
+    """Features that look alike, and corners tracked from one pair into the other if near."""
+    yield shared(first.place, second.place)
     is_near = np.hypot(*step[:2]) < NEAR_CELLS * first.map.cell_size
-    if not is_near or abs(step[2]) > np.radians(NEAR_DEG) or first.pair.rig != second.pair.rig:
-        return None
-    T_second_first = invert(standing(step, second.T_level_left)) @ first.T_level_left
-    return _agreed(track(first.pair, second.pair, T_second_first), first, second, step)
-
-
-def _by_places(first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
-    """The motion by features that look alike."""
-    return _agreed(shared(first.place, second.place), first, second, step)
-
-
-def _agreed(tracks: Tracks, first: Shown, second: Shown, step: Array) -> PlanarMotion | None:
-    """The motion on which common points agree."""
-    agreeing = agreeing_tracks(tracks, second.pair.rig)
-    if agreeing is None or agreeing[1].sum() < MIN_TRACKS:
-        return None
-    tilts = first.T_level_left, second.T_level_left
-    return planar_motion(tracks.select(agreeing[1]), second.pair.rig, tilts, step)
+    if is_near and abs(step[2]) < np.radians(NEAR_DEG) and first.pair.rig == second.pair.rig:
+        T_second_first = invert(standing(step, second.T_level_left)) @ first.T_level_left
+        yield track(first.pair, second.pair, T_second_first)
 
 
 def _by_shape(
-    first: Shown, second: Shown, poses: Array, spread: Array
+    first: Shown, second: Shown, step: Array, spread: Array
 ) -> tuple[Array, Array] | None:
+    """The step at which the points of the second pair are on the surface of the first."""
     if len(second.points) < 30 or len(first.surfels) < 10:
         return None
-    T_first_second = invert(first.at(poses[0])) @ second.at(poses[1])
-    # In the levelled frame of the first camera, in which the motion is planar.
-    level = first.T_level_left
-    start = level @ T_first_second
     information = np.diag(np.full(6, LEVEL_SIGMA**-2.0))
-    turn = rotation_about_y(poses[0][2])
-    sign = np.diag([1.0, 1.0, -1.0])
-    about = np.eye(3)
-    about[:2, :2] = turn[np.ix_([0, 2], [0, 2])]
-    local = inverse(sign @ about @ spread @ about.T @ sign)
-    information[np.ix_(PLANAR, PLANAR)] = local
-    surfels = first.surfels.moved(level)
-    found = register(second.points, surfels, Prior(T_world_left=start, information=information))
+    information[np.ix_(PLANAR, PLANAR)] = inverse(SIGN @ spread @ SIGN)
+    start = Prior(T_world_left=standing(step, second.T_level_left), information=information)
+    # In the levelled frame of the first camera, in which the motion is planar.
+    found = register(second.points, first.surfels.moved(first.T_level_left), start)
     if found is None or found.contacts.num_points < MIN_SHARE * len(second.points):
         return None
-    T_world_left = first.at(poses[0]) @ invert(level) @ found.T_world_left
-    scale = max(1.0, found.contacts.spread**2)
-    world = np.kron(np.eye(2), first.at(poses[0])[:3, :3] @ level[:3, :3].T)
-    whole = world @ found.information @ world.T / scale
-    return planar(T_world_left), _known(whole, first, SHAPE_CELLS, SHAPE_DEG)
+    known = found.information / max(1.0, found.contacts.spread**2)
+    level = SIGN @ known[np.ix_(PLANAR, PLANAR)] @ SIGN
+    least = _least(first, SHAPE_CELLS, SHAPE_DEG)
+    return told(planar(found.T_world_left), level, (step, spread), least)
 
 
-def _known(information: Array, shown: Shown, cells: float, degrees: float) -> Array:
-    """Information (3, 3) of x, z, azimuth for known height and tilt, with a minimum covariance."""
-    sign = np.diag([1.0, 1.0, -1.0])
-    planar = sign @ information[np.ix_(PLANAR, PLANAR)] @ sign
+def _least(shown: Shown, cells: float, degrees: float) -> Array:
+    """Covariance (3, 3) of systematic errors."""
     length = cells * shown.map.cell_size
-    least = np.array([length, length, np.radians(degrees)])
-    return inverse(inverse(planar + 1e-6 * np.eye(3)) + np.diag(least**2))
+    return np.diag([length, length, np.radians(degrees)]) ** 2
+
+
+def told(
+    place: Array, information: Array, known: tuple[Array, Array], least: Array
+) -> tuple[Array, Array]:
+    """What points alone tell of a step, of an estimate with what was known before.
+
+    Directions of which they tell next to nothing are left where they were known.
+
+    Parameters
+    ----------
+    place, information : (3,), (3, 3) arrays
+        The estimate, and the information of the points.
+    known : ((3,) array, (3, 3) array)
+        Step and covariance that the estimate was made with.
+    least : (3, 3) array
+        Covariance of systematic errors.
+    """
+    step, spread = known
+    root = np.linalg.cholesky(spread)
+    gain, axes = np.linalg.eigh(root.T @ information @ root)
+    tells = gain > MIN_GAIN
+    off = place - step
+    off[2] = wrapped(off[2])
+    change = axes.T @ np.linalg.solve(root, off)
+    change[tells] *= (1.0 + gain[tells]) / gain[tells]
+    back = np.linalg.inv(root).T @ axes
+    alone = (back * np.where(tells, gain, NO_GAIN)) @ back.T
+    return step + root @ axes @ change, inverse(inverse(alone) + least)

@@ -2,26 +2,46 @@
 
 All disparities of a pair share an error, which turns far points into a wrong distance. It is
 estimated together with the motion, so that the covariance states how little far points determine.
+What is already known of the motion is known to the estimate: few and far points, which alone
+determine no motion, correct what is known. False matches are left out step by step as the motion
+gets more precise (graduated non-convexity, Yang et al. 2020).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, rotation_about_y
-from recon.sequences.odometry.motion import MEDIAN_DISTANCE, linearise
-from recon.sequences.odometry.tracking import Tracks
+from recon.sequences.odometry.motion import (
+    MAX_SIGMAS,
+    TRACK_SIGMA_PX,
+    Linearised,
+    linearise,
+)
+from recon.sequences.odometry.tracking import LK_WINDOW_PX, Tracks
 
 Array = NDArray[np.float64]
 
 COMMON_PX = 0.03
 """Standard deviation of the common error of all disparities of a pair."""
-NUM_ROUNDS = 10
+FAR_PX = 0.15
+"""Disparity relative to infinity below which a point may be anywhere."""
+GATE = 4.0
+"""Standard deviations, of point and known motion, within which a track may be right."""
+SCALES = MAX_SIGMAS * 2.0 ** np.arange(4, -1, -1)
+"""Residuals, in standard deviations, from which on tracks count little: from round to round."""
+NUM_ROUNDS = 4
 SMALL_CHANGE = 1e-7
-MAX_CONDITION = 1e10
-"""Of the equations of a determined motion."""
+MIN_AGREEING, MIN_SHARE = 5.0, 0.25
+"""Minimum number of agreeing points that do not share their errors, and their minimum share of
+those that may be right: of many, some agree by chance."""
+USUAL = 5.0
+"""Number of points that the usual precision of tracks counts as, beside the agreeing ones."""
+RIVAL_SHARE = 0.6
+"""Share of the agreeing points that another motion may have: texture that repeats has several."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -29,9 +49,11 @@ class PlanarMotion:
     """The pose of the second pair in the levelled frame of the first."""
 
     place: Array
-    """(3,) x, z and azimuth."""
-    covariance: Array
-    """(3, 3)"""
+    """(3,) x, z and azimuth, with what was known before."""
+    information: Array
+    """(3, 3) from the points alone."""
+    num_agreeing: float
+    """Number of agreeing points; points whose errors are shared count as one."""
 
 
 def standing(place: Array, T_level_left: Array) -> Array:
@@ -41,48 +63,133 @@ def standing(place: Array, T_level_left: Array) -> Array:
 
 
 def planar_motion(
-    tracks: Tracks, rig: StereoRig, tilts: tuple[Array, Array], guess: Array
+    tracks: Tracks, rig: StereoRig, tilts: tuple[Array, Array], guess: Array, spread: Array
 ) -> PlanarMotion | None:
-    """The motion by Gauss-Newton with Cauchy weights; None if the tracks do not determine it.
+    """The motion on which most tracks agree; None if too few do, or others on another one.
 
     Parameters
     ----------
     tracks : Tracks
-        Agreeing tracks, as seen by `rig`.
+        As seen by `rig`; some may be false.
     tilts : ((4, 4), (4, 4))
         `T_level_left` of both cameras.
-    guess : (3,) array
-        Approximate x, z and azimuth of the second pair in the levelled frame of the first.
+    guess, spread : (3,), (3, 3) arrays
+        x, z and azimuth of the second pair in the levelled frame of the first, as known before,
+        and their covariance.
     """
-    unknown = np.append(guess, [0.0, 0.0])
-    for _ in range(NUM_ROUNDS):
-        information, gradient, spread = _equations(unknown, tracks, rig, tilts)
-        if not np.linalg.cond(information) < MAX_CONDITION:
-            return None
-        change = np.linalg.solve(information, -gradient)
-        unknown = unknown + change
-        if np.abs(change).max() < SMALL_CHANGE:
-            break
-    covariance = np.asarray(np.linalg.inv(information), np.float64)[:3, :3] * spread**2
-    return PlanarMotion(place=unknown[:3], covariance=covariance)
+    shift = np.minimum(tracks.first.disparity_px, tracks.second.disparity_px)
+    system = _System(tracks.select(shift - rig.disparity_offset_px > FAR_PX), rig, tilts)
+    known = _Known.of(guess, spread)
+    system = system.select(system.may_be_right(known))
+    unknown = system.solved(known)
+    agrees = system.agrees(unknown)
+    number = system.number(agrees)
+    if number < max(MIN_AGREEING, MIN_SHARE * float(system.shares().sum())):
+        return None
+    others = system.select(~agrees)
+    if others.number(others.agrees(others.solved(known))) > RIVAL_SHARE * number:
+        return None
+    information = system.select(agrees).information(unknown)
+    return PlanarMotion(place=unknown[:3], information=information, num_agreeing=number)
 
 
-def _equations(
-    unknown: Array, tracks: Tracks, rig: StereoRig, tilts: tuple[Array, Array]
-) -> tuple[Array, Array, float]:
-    """Information (5, 5) and gradient (5,) of motion and common errors, and the spread."""
-    first, second = tilts
-    place, shift = unknown[:3], unknown[3:]
-    at = linearise(invert(standing(place, second)) @ first, tracks, rig)
-    residual = at.residual + at.by_shift @ shift
-    by_place = at.by_motion @ _by_place(place, second)
-    derivative = np.concatenate([by_place, at.by_shift], axis=2)
-    distance = np.linalg.norm(residual, axis=1)
-    weighted = derivative / (1.0 + distance**2)[:, None, None]
-    known = np.diag([0.0, 0.0, 0.0, COMMON_PX**-2.0, COMMON_PX**-2.0])
-    information = np.einsum("nij,nik->jk", weighted, derivative) + known
-    gradient = np.einsum("nij,ni->j", weighted, residual) + known @ unknown
-    return information, gradient, max(1.0, float(np.median(distance)) / MEDIAN_DISTANCE)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Known:
+    """What is known of place and common errors (5,) before."""
+
+    unknown: Array
+    information: Array
+    """(5, 5)"""
+
+    @classmethod
+    def of(cls, guess: Array, spread: Array) -> "_Known":
+        information = np.diag([0.0, 0.0, 0.0, COMMON_PX**-2.0, COMMON_PX**-2.0])
+        information[:3, :3] = np.linalg.inv(spread)
+        return cls(unknown=np.append(guess, [0.0, 0.0]), information=information)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _System:
+    """Tracks as equations of place and common errors (5,)."""
+
+    tracks: Tracks
+    rig: StereoRig
+    tilts: tuple[Array, Array]
+
+    def select(self, rows: NDArray[np.bool_]) -> "_System":
+        """The system of some tracks."""
+        return _System(self.tracks.select(rows), self.rig, self.tilts)
+
+    def at(self, unknown: Array) -> tuple[Array, Array]:
+        """Whitened residuals (N, 3) and derivatives (N, 3, 5)."""
+        first, second = self.tilts
+        place, shift = unknown[:3], unknown[3:]
+        T_second_first = invert(standing(place, second)) @ first
+        at = linearise(T_second_first, self.tracks, self.rig)
+        residual = at.residual + at.by_shift @ shift
+        # At the depths that both pairs tell: those of the first alone would shorten the motion.
+        there = linearise(T_second_first, self._deep(at, residual), self.rig)
+        by_place = there.by_motion @ _by_place(place, second)
+        return residual, np.concatenate([by_place, there.by_shift], axis=2)
+
+    def _deep(self, at: Linearised, residual: Array) -> Tracks:
+        """The tracks with the first disparities that agree best with the second pair."""
+        first = self.tracks.first
+        off_px = TRACK_SIGMA_PX**2 * (at.by_shift[:, :, 0] * residual).sum(axis=1)
+        least = self.rig.disparity_offset_px + FAR_PX
+        better = replace(first, disparity_px=np.maximum(first.disparity_px - off_px, least))
+        return replace(self.tracks, first=better)
+
+    def may_be_right(self, known: _Known) -> NDArray[np.bool_]:
+        """Mask (N,) of the tracks that what is known allows."""
+        residual, derivative = self.at(known.unknown)
+        spread = np.linalg.inv(known.information)
+        whole = np.eye(3) + derivative @ spread @ derivative.swapaxes(1, 2)
+        off = np.linalg.solve(whole, residual[..., None])[..., 0]
+        allowed: NDArray[np.bool_] = (residual * off).sum(axis=1) < GATE**2
+        return allowed
+
+    def solved(self, known: _Known) -> Array:
+        """The unknowns (5,) that agree best with the tracks and with what is known."""
+        unknown = known.unknown
+        for scale in SCALES:
+            for _ in range(NUM_ROUNDS):
+                residual, derivative = self.at(unknown)
+                weight = self.shares() / (1.0 + (residual**2).sum(axis=1) / scale**2) ** 2
+                gradient = np.einsum("n,nij,ni->j", weight, derivative, residual)
+                gradient += known.information @ (unknown - known.unknown)
+                normal = np.einsum("n,nij,nik->jk", weight, derivative, derivative)
+                change = np.linalg.solve(normal + known.information, -gradient)
+                unknown = unknown + change
+                if np.abs(change).max() < SMALL_CHANGE:
+                    break
+        return unknown
+
+    def agrees(self, unknown: Array) -> NDArray[np.bool_]:
+        """Mask (N,) of the tracks that agree."""
+        agrees: NDArray[np.bool_] = np.linalg.norm(self.at(unknown)[0], axis=1) < MAX_SIGMAS
+        return agrees
+
+    def shares(self) -> Array:
+        """Weights (N,): tracked windows that overlap share their errors, and count as one."""
+        points = self.tracks.first.points_px
+        near = cKDTree(points).query_ball_point(points, LK_WINDOW_PX / 2.0, return_length=True)
+        return 1.0 / np.maximum(np.asarray(near, np.float64), 1.0)
+
+    def number(self, agrees: NDArray[np.bool_]) -> float:
+        """Number of agreeing tracks that do not share their errors."""
+        return float(self.select(agrees).shares().sum()) if agrees.any() else 0.0
+
+    def information(self, unknown: Array) -> Array:
+        """Information (3, 3) of the place from agreeing tracks, whatever the common errors are."""
+        residual, derivative = self.at(unknown)
+        share = self.shares()
+        variance = (USUAL + share @ (residual**2).mean(axis=1)) / (USUAL + share.sum())
+        normal = np.einsum("n,nij,nik->jk", share, derivative, derivative) / variance
+        normal[[3, 4], [3, 4]] += COMMON_PX**-2.0
+        by_common = np.linalg.solve(normal[3:, 3:], normal[3:, :3])
+        information: Array = normal[:3, :3] - normal[:3, 3:] @ by_common
+        return information
 
 
 def _by_place(place: Array, T_level_left: Array) -> Array:

@@ -1,12 +1,16 @@
 """An agent with motion errors corrects its pose by what it sees, and its map as well."""
 
+import itertools
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from recon.exploration import agent
 from recon.exploration.agent import explore
-from recon.exploration.belief import Belief, belief_of, planar
+from recon.exploration.belief import Belief, belief_of
 from recon.exports.ply import CloudWriter, read_cloud_chunks
+from recon.localisation.graph import Graph, planar
 from recon.records import PointCloud, Trajectory, View
 from recon.runs.door import explorers
 from recon.runs.outputs import move_cloud
@@ -74,6 +78,19 @@ def test_believed_poses_are_better_than_dead_reckoning(monkeypatch):
 def test_exact_motion_needs_no_belief():
     assert belief_of(Settings()) is None
     assert belief_of(updated(Settings(), NOISE)).sigma == 0.0
+
+
+def test_agent_ends_at_home_however_often_it_is_sent_out(monkeypatch):
+    belief = belief_of(updated(Settings(), NOISE))
+    belief.graph = Graph.at(np.zeros(3), (0.2, 0.03))
+    belief.sights = [SimpleNamespace(view="first")]
+    monkeypatch.setattr("recon.exploration.belief.way_home", lambda first, state: "home")
+    said = itertools.cycle(["out", None])
+    ways = [belief.onward(lambda _: next(said), None) for _ in range(20)]
+    last = ways.index(None)
+    assert set(ways[:last]) == {"out", "home"}
+    assert ways[last - 1] == "home"
+    assert ways[last:] == [None] * (20 - last)
 
 
 def test_clearance_grows_with_uncertainty_up_to_a_limit(monkeypatch):

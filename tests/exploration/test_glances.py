@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from recon.exploration.association import NEW, UNCLEAR, associated
 from recon.exploration.glances import Field, glance, turned
-from recon.exploration.landmarks import NEW, UNCLEAR, Sighter
+from recon.exploration.landmarks import Sighter
 from recon.exploration.outlines import Outline
 from recon.localisation.graph import Graph
 from recon.records import View
@@ -32,6 +33,10 @@ def walker(*azimuths):
     graph.walk(WAY)
     graph.solve()
     return Sighter.of(graph, FOCAL_PX)
+
+
+def known(sighter, one):
+    return associated(sighter, [one])[0]
 
 
 def heading(sighter, sure=0.1, arm=20.0):
@@ -60,10 +65,10 @@ def test_landmark_is_recognised_and_another_is_new():
     sighter = walker(0.5, -0.5)
     middle, front = sighter.expected.azimuth_rad, sighter.expected.front
     half = sighter.expected.half_rad
-    assert sighter.known(outline(middle[1] + 0.01, half[1], front[1])) == 1
-    assert sighter.known(outline(middle[0] + 0.5, 0.1, 30.0)) == NEW
-    assert sighter.known(outline(middle[0], 0.1, 4.0 * front[0])) == NEW
-    assert sighter.known(outline(middle[0] + 0.15, half[0], front[0])) == UNCLEAR
+    assert known(sighter, outline(middle[1] + 0.01, half[1], front[1])) == 1
+    assert known(sighter, outline(middle[0] + 0.5, 0.1, 30.0)) == NEW
+    assert known(sighter, outline(middle[0], 0.1, 4.0 * front[0])) == NEW
+    assert known(sighter, outline(middle[0] + 0.15, half[0], front[0])) == UNCLEAR
 
 
 def test_single_visible_edge_gives_a_less_certain_centre():
@@ -90,10 +95,10 @@ def test_much_narrower_object_is_not_matched_to_a_landmark():
     azimuth, half, away = (
         float(one[0]) for one in (expected.azimuth_rad, expected.half_rad, expected.front)
     )
-    assert sighter.known(outline(azimuth, half, away)) == 0
-    assert sighter.known(outline(azimuth, half / 3.0, away)) == UNCLEAR
+    assert known(sighter, outline(azimuth, half, away)) == 0
+    assert known(sighter, outline(azimuth, half / 3.0, away)) == UNCLEAR
     # A single edge gives no width.
-    assert sighter.known(outline(azimuth, half / 3.0, away, (True, False))) != NEW
+    assert known(sighter, outline(azimuth, half / 3.0, away, (True, False))) != NEW
 
 
 def test_tried_heading_is_not_tried_again():

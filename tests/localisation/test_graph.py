@@ -4,7 +4,8 @@ import itertools
 
 import numpy as np
 
-from recon.localisation.graph import FRONT_SHARE, Bearing, Graph, Link, step_between
+from recon.localisation.graph import FRONT_SHARE, Bearing, Graph
+from recon.localisation.links import Link, step_between, step_derivatives
 
 STEP_SIGMA = (0.1, np.radians(1.0))
 TREES = np.array([[20.0, 5.0], [-15.0, 20.0], [5.0, -25.0], [30.0, -20.0]])
@@ -79,12 +80,35 @@ def test_link_to_the_start_closes_the_path():
     before = np.hypot(*(graph.poses[-1] - true[-1])[:2])
     last = len(true) - 1
     information = np.diag([0.02**-2.0, 0.02**-2.0, 0.001**-2.0])
-    graph.links.append(Link.between((0, last), true[[0, last]], information))
+    step = step_between(*true[[0, last]])
+    graph.links.append(Link(first=0, second=last, step=step, information=information))
     graph.solve()
     assert np.hypot(*(graph.poses[-1] - true[-1])[:2]) < 0.1 < before
     middle = len(true) // 2
     assert np.hypot(*(graph.poses - true)[middle, :2]) < np.hypot(*(meant - true)[middle, :2])
-    elsewhere = true[[0, last]] + np.array([[0.0, 0.0, 0.0], [7.0, 7.0, 1.0]])
-    graph.links.append(Link.between((0, last), elsewhere, information))
+    elsewhere = step + np.array([7.0, 7.0, 1.0])
+    graph.links.append(Link(first=0, second=last, step=elsewhere, information=information))
     graph.solve()
     assert np.hypot(*(graph.poses[-1] - true[-1])[:2]) < 0.1
+
+
+def test_derivatives_of_steps_match_differences():
+    rng = np.random.default_rng(3)
+    both = rng.normal(size=(2, 1, 3))
+    derivative = step_derivatives(*both)[0]
+    for column in range(6):
+        change = np.zeros(6)
+        change[column] = 1e-6
+        moved = both + change.reshape(2, 1, 3)
+        numeric = (step_between(*moved[:, 0]) - step_between(*both[:, 0])) / 1e-6
+        np.testing.assert_allclose(derivative[:, column], numeric, atol=1e-4)
+
+
+def test_uncertainty_of_a_step_excludes_that_of_its_start():
+    """An earlier heading error rotates both ends together."""
+    meant, _ = walked(np.random.default_rng(4))
+    graph = Graph.at(meant[0], STEP_SIGMA)
+    for before, after in itertools.pairwise(meant):
+        graph.walk(step_between(before, after))
+    last = graph.spread_between(len(meant) - 2)
+    np.testing.assert_allclose(np.sqrt(np.diag(last)), [0.1, 0.1, np.radians(1.0)], rtol=1e-6)

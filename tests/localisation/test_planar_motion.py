@@ -5,37 +5,116 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from recon.geometry import invert, pose
+from recon.geometry import invert, pose, transform
+from recon.localisation.pairs import told
 from recon.localisation.planar_motion import planar_motion, standing
 from recon.localisation.stance import tilt_by
-from recon.sequences.odometry.tracking import Tracks
+from recon.sequences.odometry.tracking import Sightings, Tracks
 from tests.sequences.drives import RIG, tracks
 
 TILTS = tuple(pose(tilt_by(pitch), [0.0, 0.0, 0.0]) for pitch in (0.02, -0.05))
 STEP = np.array([0.4, -0.3, 0.04])
 T_FIRST_SECOND = invert(TILTS[0]) @ standing(STEP, TILTS[1])
 GUESS = STEP + np.array([0.2, 0.1, 0.02])
+SPREAD = np.diag([0.3, 0.3, 0.03]) ** 2
+
+
+def found_in(seen, guess=GUESS, spread=SPREAD):
+    return planar_motion(seen, RIG, TILTS, guess, spread)
 
 
 def test_motion_is_exact_without_noise():
     seen = tracks(np.random.default_rng(0), T_FIRST_SECOND, sigma_px=0.0)
-    found = planar_motion(seen, RIG, TILTS, GUESS)
-    np.testing.assert_allclose(found.place, STEP, atol=1e-6)
+    vague = 1e6 * SPREAD
+    np.testing.assert_allclose(found_in(seen, spread=vague).place, STEP, atol=1e-6)
 
 
 @pytest.mark.parametrize("common_px", [0.0, 0.05])
-def test_covariance_matches_the_errors(common_px):
+def test_information_matches_the_errors(common_px):
     """A common error of all disparities, which is not noise, is included."""
     rng, ratios = np.random.default_rng(1), []
     for _ in range(40):
         seen = tracks(rng, T_FIRST_SECOND, number=60, sigma_px=0.2)
         shift = replace(seen.second, disparity_px=seen.second.disparity_px + common_px)
-        found = planar_motion(Tracks(first=seen.first, second=shift), RIG, TILTS, GUESS)
+        guess = STEP + rng.multivariate_normal(np.zeros(3), SPREAD)
+        found = found_in(Tracks(first=seen.first, second=shift), guess)
         off = found.place - STEP
-        ratios.append(off @ np.linalg.solve(found.covariance, off) / 3.0)
+        ratios.append(off @ (found.information + np.linalg.inv(SPREAD)) @ off / 3.0)
     assert 0.5 < np.sqrt(np.mean(ratios)) < 1.5
+
+
+def test_false_tracks_are_rejected():
+    rng, errors = np.random.default_rng(2), []
+    for _ in range(20):
+        seen = tracks(rng, T_FIRST_SECOND, number=60, sigma_px=0.2, outliers=0.5)
+        errors.append(np.abs(found_in(seen).place - STEP))
+    assert (np.median(errors, axis=0) < [0.1, 0.05, 0.005]).all()
+
+
+def test_tracks_of_two_motions_give_no_motion():
+    """Repeating texture: half of the matches follow another motion."""
+    rng = np.random.default_rng(3)
+    other = invert(TILTS[0]) @ standing(STEP + np.array([0.0, 0.5, 0.0]), TILTS[1])
+    one, two = (tracks(rng, T, number=30, sigma_px=0.1) for T in (T_FIRST_SECOND, other))
+    both = Tracks(first=joined(one.first, two.first), second=joined(one.second, two.second))
+    assert found_in(one) is not None
+    assert found_in(both, spread=4.0 * SPREAD) is None
+
+
+def joined(one, two):
+    return Sightings(
+        **{
+            name: np.concatenate([getattr(one, name), getattr(two, name)])
+            for name in Sightings.__slots__
+        }
+    )
+
+
+def test_noisy_depths_of_far_points_do_not_shorten_the_motion():
+    """The disparities of both pairs are noisy, not only that of the second."""
+    rng, errors = np.random.default_rng(4), []
+    step = np.array([0.0, 3.0, 0.0])
+    T_first_second = invert(TILTS[0]) @ standing(step, TILTS[1])
+    depth = RIG.focal_px * RIG.baseline / rng.uniform(0.4, 0.8, 40)
+    spread = np.diag([0.01, 6.0, 0.1]) ** 2
+    for _ in range(30):
+        pixels = rng.uniform([20, 20], [RIG.width - 20, RIG.height - 20], (40, 2))
+        first = RIG.rays(pixels) * depth[:, None]
+        seen = [first, transform(invert(T_first_second), first)]
+        one, two = (sighted(rng, points, 0.1) for points in seen)
+        noisy = Tracks(first=one, second=two)
+        found = found_in(noisy, step, spread)
+        errors.append(found.place[1] - step[1])
+    assert abs(np.median(errors)) < 0.15
+
+
+def sighted(rng, points, sigma_px):
+    left, right = RIG.project_left(points), RIG.project_right(points)
+    noise = rng.normal(0.0, sigma_px, (len(left), 3))
+    return Sightings(
+        points_px=left + noise[:, :2],
+        disparity_px=left[:, 0] - right[:, 0] + noise[:, 2],
+        row_offset_px=np.zeros(len(left)),
+    )
 
 
 def test_coincident_points_give_no_motion():
     seen = tracks(np.random.default_rng(2), T_FIRST_SECOND).select(np.zeros(1, int).repeat(50))
-    assert planar_motion(seen, RIG, TILTS, GUESS) is None
+    assert found_in(seen) is None
+
+
+def test_prior_is_removed_from_an_estimate():
+    """The estimate is the mean of points and prior, weighted by their information."""
+    rng = np.random.default_rng(5)
+    known, alone = np.array([1.0, 2.0, 0.3]), np.array([1.5, 1.8, 0.2])
+    spread = np.cov(rng.normal(size=(3, 9)))
+    information = np.linalg.inv(np.cov(rng.normal(size=(3, 9))))
+    both = np.linalg.solve(
+        information + np.linalg.inv(spread), information @ alone + np.linalg.solve(spread, known)
+    )
+    step, told_information = told(both, information, (known, spread), np.zeros((3, 3)))
+    np.testing.assert_allclose(step, alone, atol=1e-9)
+    np.testing.assert_allclose(told_information, information, rtol=1e-9)
+    weak = np.diag([1e3, 1e-3, 1e-3])
+    step, _ = told(both, weak, (known, np.eye(3)), np.zeros((3, 3)))
+    np.testing.assert_allclose(step[1:], both[1:])
