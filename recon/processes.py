@@ -44,7 +44,7 @@ def begin_worker(num_threads: int) -> None:
 
 
 def collect_rarely() -> None:
-    """Look for cyclic garbage after more objects: imports make lasting ones only, and many.
+    """Collect cyclic garbage less often: imports create many objects, all of them lasting.
 
     By default the collections take a fifth of the time of the imports.
     """

@@ -4,5 +4,5 @@ from importlib.metadata import PackageNotFoundError, version
 
 try:
     __version__ = version("recon-stereo")
-except PackageNotFoundError:  # a copy of the sources that nobody installed
+except PackageNotFoundError:  # sources that are not installed
     __version__ = "0+unknown"

@@ -25,7 +25,7 @@ def of_view(view: View, layer: Layer, look: Look, names: Names) -> str:
 
 
 def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:
-    """The way of the cameras, and the camera of one pair."""
+    """The path of the cameras, and the camera of one pair."""
     if trajectory is None or not len(trajectory):
         return ""
     way = polyline(lens.project(trajectory.positions), "#56b4e9", 1.5)
@@ -40,7 +40,7 @@ def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:
 
 
 def of_row(lens: Lens, layer: Layer, row: int | None) -> str:
-    """A ring round what was clicked."""
+    """A ring around the clicked point."""
     if row is None or row >= len(layer):
         return ""
     u, v, depth = lens.project(layer.places[row : row + 1])[0]

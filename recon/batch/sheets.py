@@ -19,7 +19,7 @@ SHOWN = ("overview", "confusion", "labels", "map3d", "disparity", "dense", "mesh
 
 
 def load_ahead() -> None:
-    """Load in a thread what the sheets are drawn with, while the jobs run."""
+    """Load the drawing libraries in a thread while the jobs run."""
     names = "matplotlib.figure", "matplotlib.backends.backend_agg"
     threading.Thread(target=lambda: [*map(importlib.import_module, names)], daemon=True).start()
 

@@ -34,7 +34,7 @@ def write_summary(
     metrics : sequence of str
         Tabulated and plotted over a sweep.
     prints : mapping of str to Print, optional
-        By name, what the contact sheet shows of jobs, where it was made as they ended.
+        Entries of the contact sheet by job name, if made as the jobs ended.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The command line: arguments, one call a command, prints, exit codes."""
+"""The command line: arguments, one call per command, output, exit codes."""
 
 import os
 

@@ -35,7 +35,7 @@ def doctor(compiles: bool, as_json: bool, quiet: bool, verbose: bool) -> None:
 
 
 def _compile(quiet: bool) -> None:
-    """Compile ahead, with a bar and a line at the end."""
+    """Compile in advance, with a progress bar and a final line."""
     from recon.runs.compile import compile_ahead
 
     began = time.perf_counter()
@@ -47,7 +47,7 @@ def _compile(quiet: bool) -> None:
 
 
 def _state(is_well: bool, is_needed: bool) -> str:
-    """One word of a finding."""
+    """The status of a finding in one word."""
     if is_well:
         return "ok"
     return "MISSING" if is_needed else "optional"

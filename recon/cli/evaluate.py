@@ -98,7 +98,7 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
 
 
 def _check_one(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> None:
-    """Raise unless one thing is to be judged, with its truth where that is a file."""
+    """Raise unless exactly one evaluation is requested, with its truth if that is a file."""
     with_truth = [name for name in ("trajectory", "surface") if given[name]]
     if with_truth or given["truth"]:
         others = bool(pair_dirs) or bool(given["worlds"])

@@ -47,7 +47,7 @@ def explore(scene: Path, **given: Any) -> None:
 
 
 def say_exploration(report: "Report") -> None:
-    """Print what was found, and how the walk ended."""
+    """Print the objects found, and how the exploration ended."""
     say_objects(report["objects"])
     click.echo(
         f"{counted(report['num_pairs'], 'pair')}, {counted(report['num_points'], 'point')}, "

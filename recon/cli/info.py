@@ -52,7 +52,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def shown(value: Any) -> str:
-    """One value as people read it."""
+    """One value in a readable form."""
     if value is None:
         return "-"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""One way from the options of a command to a job that is done and said."""
+"""The path from the options of a command to an executed and reported job."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,20 +24,20 @@ def do_job(
     unit: str = "pairs",
     **arguments: Any,
 ) -> None:
-    """Make a job of a command's options, do it, and print what came of it.
+    """Make a job from a command's options, execute it, and print the result.
 
     Parameters
     ----------
     given : dict
         All options of the command; those of settings and of the run folder are looked up by name.
     say : callable
-        Prints the report for people.
+        Prints the human-readable report.
     draws : bool
         The job draws figures, in other processes if possible.
     unit : str
-        What progress counts.
+        Unit of the progress.
     arguments
-        What the command asks besides; None was not given.
+        Further arguments of the job; None means not given.
     """
     start_logging(given)
     artist = _artist_apart() if draws else None  # first: its process loads while this one does

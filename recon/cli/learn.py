@@ -29,7 +29,7 @@ def learn(examples: tuple[str, ...], catalogue: Path, name: str, **given: Any) -
 
 
 def _inputs(examples: tuple[str, ...]) -> tuple[Path, ...]:
-    """Files that are read: of RUN#ID the run."""
+    """The input files; for RUN#ID, the run."""
     names = (text if Path(text).exists() else text.rpartition("#")[0] for text in examples)
     return tuple(map(Path, names))
 

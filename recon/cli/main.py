@@ -1,4 +1,4 @@
-"""The program: a group of commands, and what becomes of their errors."""
+"""The program: a group of commands, and the reporting of their errors."""
 
 import signal
 import sys
@@ -92,7 +92,7 @@ def main(argv: Sequence[str] | None = None, *, is_alone: bool = False) -> int:
 
 @contextmanager
 def ending_as_ctrl_c() -> Iterator[None]:
-    """Take the signals that end a process for Ctrl-C, so that a run is closed as by that."""
+    """Treat signals that end the process like Ctrl-C, so that a run is closed properly."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -28,7 +28,7 @@ def _say(report: "Report") -> None:
 
 
 def say_surface(report: "Report") -> None:
-    """Tell what there is of a surface."""
+    """Print a summary of a surface."""
     if "num_dense_points" in report.numbers:
         click.echo(counted(report["num_dense_points"], "dense point"))
     if "num_triangles" in report.numbers:

@@ -1,4 +1,4 @@
-"""Objects as the terminal shows them."""
+"""Objects as printed on the terminal."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import click
 
 
 def say_objects(objects: Sequence[dict[str, Any]]) -> None:
-    """Print one line for each object: its name, place, size and what is not known of it."""
+    """Print one line for each object: its name, position, size and what is unknown."""
     for found in objects:
         click.echo(object_line(found))
 
@@ -37,12 +37,12 @@ def _decimals(box: dict[str, Any] | None) -> int:
 
 
 def _rounded(value: float, decimals: int) -> str:
-    """The number as text, without a minus before zero."""
+    """The number as text, without a negative zero."""
     return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
 def _reason(found: dict[str, Any]) -> str:
-    """The reason why it has no name, if a catalogue was asked."""
+    """The reason why it has no name, if a catalogue was used."""
     if found["probability"] is None or not found.get("reason"):
         return ""
     return f"   ({found['reason']})"

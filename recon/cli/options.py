@@ -1,4 +1,4 @@
-"""Options that several commands share, and the settings they make."""
+"""Options shared by several commands, and the settings they define."""
 
 import json
 import logging
@@ -18,7 +18,7 @@ PATH = click.Path(path_type=Path)
 
 
 class PositiveNumber(click.FloatRange):
-    """A finite number over 0."""
+    """A finite number > 0."""
 
     def __init__(self) -> None:
         super().__init__(min=0, min_open=True)
@@ -26,7 +26,7 @@ class PositiveNumber(click.FloatRange):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """The number that `value` says."""
+        """The number stated by `value`."""
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value!r} is not a finite number.", param, ctx)
@@ -40,7 +40,7 @@ class MemorySize(click.ParamType[Any]):
     _units: ClassVar[dict[str, int]] = {"": 1, "kb": 1 << 10, "mb": 1 << 20, "gb": 1 << 30}
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """The bytes that `value` says."""
+        """The number of bytes stated by `value`."""
         match = re.fullmatch(r"([0-9.]+) *([kmg]?b?)", str(value).strip().lower())
         unit = match[2].rstrip("b") + "b" if match and match[2] else ""
         try:
@@ -87,7 +87,7 @@ OUTPUT = [
 def _given(
     _context: click.Context, _option: click.Parameter, names: tuple[str, ...]
 ) -> tuple[str, ...] | None:
-    """Values of an option that may be repeated; None where it was not given."""
+    """Values of an option that may be repeated; None if it was not given."""
     return names or None
 
 
@@ -171,9 +171,9 @@ def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Comma
 
 
 def build_settings(given: dict[str, Any]) -> Any:
-    """Settings of what was given, from weakest to strongest: preset, file, quality, options, --set.
+    """Settings in increasing precedence: preset, file, quality, options, --set.
 
-    What none of them says follows from the kind of job and its inputs.
+    Values not given follow from the kind of job and its inputs.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def start_logging(given: dict[str, Any]) -> None:
 
 
 def stop_logging() -> None:
-    """Leave logging as a library has it: to whoever imports recon."""
+    """Leave logging to the importing program, as a library should."""
     logger = logging.getLogger("recon")
     logger.setLevel(logging.NOTSET)
     logger.handlers.clear()

@@ -18,7 +18,7 @@ SERVER: list[Any] = [
 
 
 def announced(url: str, given: dict[str, Any]) -> Callable[[], None]:
-    """Prints the address of a page, and opens it where there is a browser."""
+    """Prints the address of a page, and opens it if there is a browser."""
 
     def announce() -> None:
         from recon.app.serving import open_browser

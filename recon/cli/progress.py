@@ -1,4 +1,4 @@
-"""A bar on stderr, where that is a terminal; and a word before the one long wait."""
+"""A bar on stderr if that is a terminal, and a message before the one long wait."""
 
 import sys
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ MAX_NAMED = 3
 
 @contextmanager
 def shown_progress(unit: str, quiet: bool) -> Iterator["Events"]:
-    """Events that move a bar and name the stage beside it."""
+    """Events that advance a bar and show the stage beside it."""
     from recon.runs.events import Events
 
     silent = quiet or not sys.stderr.isatty()
@@ -42,7 +42,7 @@ def shown_progress(unit: str, quiet: bool) -> Iterator["Events"]:
 
 @contextmanager
 def shown_jobs(quiet: bool) -> Iterator["ShownJobs"]:
-    """A bar of all jobs, with how far those are that are being done."""
+    """A bar for all jobs, with the progress of the running ones."""
     silent = quiet or not sys.stderr.isatty()
     with tqdm(unit=" jobs", disable=silent, file=sys.stderr, leave=False) as bar:
         yield ShownJobs(bar)
@@ -56,12 +56,12 @@ class ShownJobs:
         self._running: dict[str, str] = {}
 
     def progress(self, name: str, done: int, total: int) -> None:
-        """Show how far one job is."""
+        """Show the progress of one job."""
         self._running[name] = f"{name} {done}/{total}"
         self._bar.set_postfix_str(", ".join(list(self._running.values())[:MAX_NAMED]))
 
     def end(self, name: str, done: int, total: int) -> None:
-        """Show that one more has ended."""
+        """Count another finished job."""
         self._running.pop(name, None)
         self._bar.total = total
         self._bar.update(done - self._bar.n)

@@ -34,7 +34,7 @@ def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> Non
 
 
 def _as_set(value: Any) -> str:
-    """A value as `--set` takes it."""
+    """A value in the form accepted by `--set`."""
     if value is None:
         return "none"
     return value if isinstance(value, str) else json.dumps(value)

@@ -120,7 +120,7 @@ class Agent:
         return None
 
     def _glance(self, step: Step) -> View | None:
-        """A look for the sake of the agent's own place, turned to; None where it needs none."""
+        """A view taken only for localisation, already turned to; None if none is needed."""
         view = None if self.belief is None else self.belief.glance()
         return view if view and self._walk(step.view, view) is None else None
 

@@ -185,10 +185,10 @@ class Belief:
         )
 
     def _note(self, sight: Sight, model: WorldModel) -> None:
-        """Add the sightings of what stands before the cameras, which are known things or new ones.
+        """Add the sightings of the objects in view, known or new.
 
-        What is not clear is looked at once more when the clear ones have corrected the pose, and
-        with every later pair, which may correct it as well.
+        Unclear ones are considered again after the clear ones have corrected the pose, and with
+        every later pair, which may correct it as well.
         """
         assert self.graph is not None
         standing = model.standing(sight.view.position[[0, 2]], sight.cloud)
@@ -214,7 +214,7 @@ class Belief:
             self._unclear[number] = self._noted(left, number)
 
     def _noted(self, seen: list[Outline], number: int) -> list[Outline]:
-        """Add the sightings of known things by a pair; those that are left."""
+        """Add the sightings of known objects by a pair; return the others."""
         assert self.graph is not None
         if not seen:
             return []
@@ -232,7 +232,7 @@ class Belief:
         return Sighter.of(self.graph, self._shown[0].pair.rig.focal_px, number)
 
     def glance(self) -> View | None:
-        """The next look for the sake of the agent's own place; None where it needs none.
+        """The next view taken only for localisation; None if none is needed.
 
         It looks all round where it starts, and again when it is back, so that everything in sight
         is tied to the first pose; elsewhere it looks at what it knows, as long as it is not sure of

@@ -72,7 +72,7 @@ def check_view(view: View) -> None:
         raise InputError(f"next_view returned {view!r}, but a View or None is needed")
     for name, value in (("position", view.position), ("target", view.target)):
         check_finite(name, value)
-    # Late: names of controllers are listed without what they are told.
+    # Late: listing the names of controllers does not need it.
     from recon.exploration.state import Walk
 
     if isinstance(view, Walk):

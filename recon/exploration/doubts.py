@@ -1,4 +1,4 @@
-"""Doubts: what the agent looks at once more, from nearby, before it ends."""
+"""Doubts: what the agent views again from nearby before it ends."""
 
 from collections.abc import Iterable, Iterator
 

@@ -9,7 +9,7 @@ from recon.records import View
 
 
 def way_home(first: View, state: State) -> Walk | None:
-    """The walk back to the first view; None where the agent is there, as near as it can be."""
+    """The walk back to the first view; None if the agent is as close to it as it can be."""
     start, ahead = first.position[[0, 2]], (first.target - first.position)[[0, 2]]
     paths = plan(state, unexplored(state.floor, state.obstacles))
     place = start if paths.reaches(start) else paths.nearest(start)

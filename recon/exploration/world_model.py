@@ -121,8 +121,8 @@ class WorldModel:
     def _find_obstacles(self, cloud: PointCloud) -> None:
         """Update the obstacles and the floor cells below them where a pair has points.
 
-        A cell or two alone occupy nothing: phantoms right before the cameras would hide all that is
-        behind them.
+        One or two isolated cells occupy nothing: phantoms directly in front of the cameras would
+        hide everything behind them.
         """
         touched = self.columns.update(cloud.points)
         min_voxels = self.settings.recognition.min_voxels
@@ -206,7 +206,7 @@ def with_names(obstacles: tuple[Obstacle, ...], named: list[Obstacle]) -> tuple[
 
 
 def _with_name(obstacle: Obstacle, named: Obstacle | None) -> Obstacle:
-    """The obstacle with the name of another one, and with what that was named by."""
+    """The obstacle with the name of another one, and the evidence for that name."""
     if named is None:
         return replace(obstacle, found=None, num_named=0, views_named=0)
     if obstacle.found is named.found and obstacle.num_named == named.num_named:

@@ -17,7 +17,7 @@ MARGIN = 3
 MOST_OF_ONE = 3
 """Points of one direction that count, the most certain ones."""
 SAME_THING = 0.35
-"""Logarithm of the ratio of distances up to which points may be on one thing."""
+"""Logarithm of the ratio of distances up to which points may be on one object."""
 WHOLE_SHARE = 0.7
 """Share of a direction inside the field of view from which on it counts as seen."""
 PIXEL_STEP = 2
@@ -132,7 +132,7 @@ def _most_certain(direction: Indices, sigma: Array, kept: Indices) -> Indices:
 
 
 def _weights(direction: Indices, away: Array) -> Array:
-    """Weights (N,): points of one thing share its errors, so the root of their number counts."""
+    """Weights (N,): points of one object share its errors, so the root of their number counts."""
     _, group, number = np.unique(direction, return_inverse=True, return_counts=True)
     share = 1.0 / number[group.ravel()]
     order = np.argsort(away, kind="stable")

@@ -47,16 +47,16 @@ class Bearing:
     distance: float
     """To its front, world units."""
     azimuth_sigma: float
-    """Of the edges; the shape of the thing adds to it."""
+    """Of the edges; the shape of the object adds to it."""
     distance_sigma: float
     half_rad: float = np.nan
-    """Half the angle between its edges; not a number where one of them is hidden."""
+    """Half the angle between its edges; NaN if one of them is hidden."""
 
 
 def hidden_rad(half_rad: Array, radius: Array, away: Array) -> Array:
-    """Angles (N,) by which things are seen too narrow or too wide: so far may be off their middle.
+    """Angles (N,) by which objects appear too narrow or too wide, and their middle may be off.
 
-    A part of what is too narrow is hidden; what is too wide has something else beside it.
+    An object that appears too narrow is partly hidden; one too wide has another beside it.
     """
     half = np.arcsin(np.minimum(radius / away, 1.0))
     is_whole = (half_rad > WHOLE_SHARE * half) & (WHOLE_SHARE * half_rad < half)
@@ -189,7 +189,7 @@ class Graph:
         return Block.of(np.zeros(3), np.full((3, 1), 1.0 / FIRST_SIGMA), np.arange(3)[:, None])
 
     def _of_bearings(self) -> Block:
-        """Residuals of the sightings: seen minus expected places of things."""
+        """Residuals of the sightings: seen minus expected positions of objects."""
         seen = self.bearings
         pose = np.array([bearing.pose for bearing in seen], np.intp)
         mark = np.array([bearing.landmark for bearing in seen], np.intp)
@@ -225,7 +225,7 @@ class Graph:
         )
 
     def _of_fronts(self) -> Block:
-        """Prior knowledge of the front of a thing."""
+        """Prior knowledge of the front of an object."""
         number = len(self.radii)
         sigma = np.maximum(FRONT_SIGMA * self.radii, 1e-3)
         columns = 3 * (len(self.poses) + np.arange(number)) + 2

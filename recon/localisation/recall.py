@@ -63,7 +63,7 @@ class Hypothesis:
 
     @property
     def is_known(self) -> bool:
-        """True where a place was known again there."""
+        """True if a place was recognised there."""
         return self.num_agreeing > 0
 
     @property
@@ -72,7 +72,7 @@ class Hypothesis:
         return (self.num_same - self.num_different - MIN_TILES) / TILES_PER_E
 
     def trusted(self, trust: float) -> float:
-        """The evidence, that of features included as far as they are trusted."""
+        """The evidence, including that of features as far as they are trusted."""
         return self.evidence + trust * self.num_agreeing / TRUSTED_AGREEING
 
 
@@ -237,10 +237,10 @@ def _is_same(one: Hypothesis, other: Hypothesis, cell_size: float) -> bool:
 
 
 def choose(found: list[Hypothesis], trust: float = 0.0) -> PoseEstimate | FitFailure:
-    """The likeliest of distinct hypotheses, likeliest first, where no other comes near it.
+    """The likeliest of distinct hypotheses, likeliest first, if no other comes near it.
 
-    Guesses by shape count as one, which is the less likely the more features are trusted: it is
-    somewhere that nobody saw, and looks like a known place.
+    Guesses by shape count as one, which is less likely the more features are trusted: a place
+    never seen before that looks like a known one.
     """
     if not found:
         return FitFailure("no place looks like it")

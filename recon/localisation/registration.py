@@ -111,7 +111,7 @@ def register(
     """The pose at which the points are on the surface; None if too few are.
 
     If they slide, points of uncertain depth are put on the surface along their rays, so that far
-    things show the direction although their distance is hardly known.
+    objects determine the direction although their distance is hardly known.
     """
     T, reach = prior.T_world_left, FIRST_REACH
     for _ in range(NUM_ROUNDS):

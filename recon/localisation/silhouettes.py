@@ -27,7 +27,7 @@ LEAST_RANGE = 0.7
 MISSING = 0.3
 """Weight of what should be seen and is not, relative to what is seen ..."""
 USUAL_WIDTH = 6.0
-"""... for things so many cells wide."""
+"""... for objects of this width in cells."""
 MOST_ROUNDS = 12
 MOST_WIDE = 0.4
 """Most radians, to each side, within which a coarse cell is drawn."""

@@ -121,9 +121,9 @@ def _of_rows(matches: Matches, top: int, rows: tuple[int, int]) -> Matches:
     """The matches in some rows of the image, from a strip whose first row is `top`."""
     moved = matches.points_px + np.array([0.0, top])
     inside = (moved[:, 1] >= rows[0]) & (moved[:, 1] < rows[1])
-    nobody = np.full(len(matches), -1, np.int32)
+    no_feature = np.full(len(matches), -1, np.int32)
     return replace(
-        matches, points_px=moved, index_left=nobody, index_right=nobody
+        matches, points_px=moved, index_left=no_feature, index_right=no_feature
     ).select(inside)  # fmt: skip
 
 

@@ -26,7 +26,7 @@ def reunite(pieces: list[Piece], voxels: Voxels, name: Namer) -> list[Piece]:
     while waiting:
         piece = waiting.pop(0)
         others = [other for other in waiting if _in_one_place(piece[0], other[0])]
-        # All of them, or else one: a crown is also near to the house that it touches.
+        # All of them, or only one: a crown is also near to the house that it touches.
         groups = [others, *([other] for other in others)] if len(others) > 1 else [others]
         unions = ((group, _union([piece, *group], voxels, name)) for group in groups if group)
         group, union = next((found for found in unions if found[1]), ([], None))
@@ -57,7 +57,7 @@ def _in_one_place(first: Naming, second: Naming) -> bool:
 
     With names, if the centre of one is inside the other. A piece without a name, or held by nothing
     visible, may be beside the other. Two without names are the ends of one object if they are no
-    farther apart than one is wide: nobody saw its middle.
+    farther apart than one is wide: its middle was not seen.
     """
     apart = float(np.hypot(*(first.centre - second.centre)[::2]))
     widths = [float(one.size[::2].max()) for one in (first, second)]

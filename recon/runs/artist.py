@@ -1,4 +1,4 @@
-"""Drawing of figures: by this process, or by others while the run goes on."""
+"""Drawing of figures: by this process, or by others while the run continues."""
 
 import signal
 from collections.abc import Callable
@@ -66,11 +66,11 @@ class OtherProcesses(Artist):
 
 
 def start_drawing() -> BaseContext:
-    """Start the process that drawing ones are forked from, where it loads what they need."""
+    """Start the process that drawing ones are forked from, with their libraries loaded."""
     return start_server("recon.runs.drawing")
 
 
 def _begin() -> None:
-    """Set up a process; Ctrl-C is for the first one, which waits for it."""
+    """Set up a process; Ctrl-C is handled by the main one, which waits for it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     begin_worker(1)

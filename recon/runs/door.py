@@ -47,7 +47,7 @@ def open_sequence(path: str | Path, **settings: Any) -> DerivedSource:
 
 
 def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
-    """A rectifier: it makes pairs of the raw images of a rig.
+    """A rectifier, which makes pairs from the raw images of a rig.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
 
 
 def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
-    """Reconstruct what a recording saw.
+    """Reconstruct a recording.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def reconstruct(path: str | Path, **settings: Any) -> Reconstruction[VoxelMap]:
         As for `open_sequence`.
     settings
         Values by name: ``max_disparity=60``, ``map={"cell_size": 0.1}``, ``quality="fast"``,
-        ``settings=Settings(...)``. What is not given follows from the recording.
+        ``settings=Settings(...)``. Values not given follow from the recording.
 
     Returns
     -------
@@ -100,14 +100,14 @@ def explore(
     observe: Callable[[Step], None] | None = None,
     **values: Any,
 ) -> Exploration:
-    """Let a controller explore a world, or anything that pairs can be taken in, by itself.
+    """Let a controller explore a world, or any other source of pairs.
 
     Parameters
     ----------
     source : World, or any object with ``start()`` and ``take(view)``
-        What is explored.
+        The explored source.
     settings : Settings, optional
-        What is not given is the explorer's own: fast matching of disparities round zero.
+        Defaults are those of the explorer: fast matching of disparities around zero.
     controller : str or Controller, optional
         "frontier", "thesis", the name of a plug-in or a controller itself; that of the settings
         where not given.
@@ -119,7 +119,7 @@ def explore(
     Returns
     -------
     Exploration
-        Its `reconstruction` holds map, objects and trajectory; whole, whatever ended it.
+        Its `reconstruction` holds map, objects and trajectory; complete whatever ended it.
     """
     for method in ("start", "take"):
         if not callable(getattr(source, method, None)):
@@ -132,7 +132,7 @@ def explore(
 
 
 def explorers(settings: Settings) -> Settings:
-    """The settings with the explorer's own values where none was given."""
+    """The settings with the explorer's defaults for values not given."""
     return updated(Settings(), merged(EXPLORER_BASE, given_tree(settings)))
 
 
@@ -148,7 +148,7 @@ def recognise(
     ----------
     data : VoxelMap, PartitionedMap, Voxels or PointCloud
     catalogue : str or path, optional
-        A TOML file of names and their rules, or the name of one that ships.
+        A TOML file of names and their rules, or the name of a shipped one.
     up : {"y", "-y", "z", "-z"}
         The direction that is up in `data`.
     settings
@@ -176,6 +176,6 @@ def recognise(
 
 
 def checked_path(path: str | Path) -> Path:
-    """The path, or `InputError` for what is not one."""
+    """The path; raises `InputError` if it is not one."""
     check_path(path)
     return Path(path)

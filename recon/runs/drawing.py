@@ -12,7 +12,7 @@ def _load() -> None:
     # First: most libraries read their limit when imported.
     limit_threads(1)
     collect_rarely()
-    if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is for the process of the run
+    if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is handled by the process of the run
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     from recon.figures.canvas import load_libraries
     from recon.figures.table import KINDS

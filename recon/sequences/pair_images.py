@@ -38,9 +38,9 @@ def alike(left: Image, right: Image) -> tuple[Image, Image]:
 
 
 def levelled(image: Image, like: Image) -> Image:
-    """A grey image (H, W) brought to the mean and spread of another, where they differ plainly.
+    """A grey image (H, W) with the mean and spread of another, if they differ significantly.
 
-    Following points takes for granted that they look the same in both images.
+    Tracking assumes that points look the same in both images.
     """
     spread, wanted = float(image.std()), float(like.std())
     shift = float(like.mean()) - float(image.mean())

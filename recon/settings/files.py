@@ -42,7 +42,7 @@ def read_toml(path: Path) -> Tree:
 
 
 def parse_overrides(overrides: Iterable[str]) -> Tree:
-    """Tables from lines "stage.name=value", the value as TOML has it or a bare word."""
+    """Tables from lines "stage.name=value", the value in TOML or a bare word."""
     tree: Tree = {}
     for line in overrides:
         key, equals, text = line.partition("=")
@@ -61,12 +61,12 @@ def _value(text: str) -> Any:
 
 
 def given_tree(settings: Stages) -> Tree:
-    """The values that somebody gave, by stage and name, without what are defaults."""
+    """The explicitly given values, by stage and name, without defaults."""
     return {stage: given(getattr(settings, stage)) for stage in STAGES}
 
 
 def merged(weaker: Mapping[str, Any], stronger: Mapping[str, Any]) -> Tree:
-    """Both trees; where both have a value, the stronger one's."""
+    """The union of both trees; if both have a value, that of the stronger one."""
     return {
         stage: {**weaker.get(stage, {}), **stronger.get(stage, {})}
         for stage in [*weaker, *(stage for stage in stronger if stage not in weaker)]

@@ -19,7 +19,7 @@ def by_keyword(
     quality: str | None = None,
     **values: Any,
 ) -> S:
-    """`empty` with a preset, a quality, `settings` and `values` laid over it, in this order."""
+    """`empty` overridden by a preset, a quality, `settings` and `values`, in this order."""
     _check_choice("preset", preset, PRESETS)
     chosen = with_preset(empty, preset)
     if quality is not None:

@@ -23,5 +23,5 @@ class MotionSettings:
 
     @property
     def is_exact(self) -> bool:
-        """True if the robot always arrives exactly where it meant to go."""
+        """True if the robot always arrives exactly at its goal."""
         return self.position_noise == self.heading_noise_deg == 0.0

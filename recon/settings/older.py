@@ -1,4 +1,4 @@
-"""Settings that an older recon wrote."""
+"""Settings written by an older version of recon."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -10,7 +10,7 @@ from recon.settings.settings import Settings
 
 
 def tolerated(changes: Mapping[str, Any]) -> tuple[Settings, tuple[str, ...]]:
-    """Settings that an older recon wrote, and the names of those that are no longer understood.
+    """Settings written by an older version, and the names of those no longer understood.
 
     A setting that is unknown today, or whose value is out of today's range, keeps its default.
     """
@@ -22,7 +22,7 @@ def tolerated(changes: Mapping[str, Any]) -> tuple[Settings, tuple[str, ...]]:
     ignored = [pair for pair in given_names if pair[1] not in names.get(pair[0], ())]
     kept = [pair for pair in given_names if pair not in ignored]
     settings = Settings()
-    # Twice: a value may be in range only beside one that comes later.
+    # Twice: a value may be in range only in combination with a later one.
     for _ in range(2):
         refused = []
         for stage, name in kept:

@@ -53,6 +53,6 @@ EXPLORER_BASE = merged(
     QUALITIES["fast"],
     {"matching": {"min_disparity": -10, "max_disparity": 20, "cross_check": "exact"}},
 )
-"""Values of an explorer where nobody says otherwise. With both cameras on the target, disparities
-lie round zero (thesis, table of parameters). Pairs are matched fast, but each is checked against
-its whole row: a phantom before the cameras walls the agent in."""
+"""Default values of an explorer. With both cameras on the target, disparities lie around zero
+(thesis, table of parameters). Pairs are matched fast, but each is checked against its whole row: a
+phantom in front of the cameras would wall the agent in."""

@@ -60,7 +60,7 @@ def _meanings(cls: type) -> dict[str, str]:
 
 
 def _words(annotation: Any, constraints: Sequence[Any] = ()) -> str:
-    """A type as people read it: the choices of a `Literal`, a number with its bounds."""
+    """A type in a readable form: the choices of a `Literal`, a number with its bounds."""
     kind, parts = get_origin(annotation), get_args(annotation)
     if kind is Annotated:
         return _words(parts[0], parts[1].metadata)

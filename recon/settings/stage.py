@@ -1,4 +1,4 @@
-"""Tables of settings: frozen, checked when made, and each knows what it was given."""
+"""Tables of settings: frozen, validated at construction, aware of the values given."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
@@ -24,10 +24,10 @@ Table = TypeVar("Table")
     frozen_default=True, kw_only_default=True, field_specifiers=(Field, field, dataclass)
 )
 def table(cls: type[Table]) -> type[Table]:
-    """Make a class a table of settings: a frozen dataclass that refuses what it cannot use.
+    """Make a class a table of settings: a frozen dataclass that rejects invalid values.
 
-    Its instances raise `InputError`, and remember which values were given (see `given`): what was
-    not may follow from a recording or a world.
+    Its instances raise `InputError`, and remember which values were given (see `given`): others
+    may follow from a recording or a world.
     """
     made: Any = checked_dataclass(frozen=True, kw_only=True, config=STRICT)(cls)
     made.__init__ = _remembering(made.__init__, made.__name__)
@@ -35,7 +35,7 @@ def table(cls: type[Table]) -> type[Table]:
 
 
 def given(instance: Any) -> dict[str, Any]:
-    """The values of a table that its maker gave, by name."""
+    """The explicitly given values of a table, by name."""
     names = instance.__dict__.get("_given", {field.name for field in fields(instance)})
     return {name: getattr(instance, name) for name in instance.__dict__ if name in names}
 
@@ -53,11 +53,11 @@ def _remembering(init: Callable[..., None], name: str) -> Callable[..., None]:
 
 
 def first_fault(error: ValidationError, table_name: str = "") -> str:
-    """The first thing that is wrong, in one line: name, value, need."""
+    """The first error, in one line: name, value, requirement."""
     first = error.errors()[0]
     name = ".".join(str(step) for step in (table_name, *first["loc"]) if step != "")
     message = first["msg"].removeprefix("Value error, ")
-    # A fault of a whole table says its own values; one that lacks a key has none.
+    # The error of a whole table states its own values; that of a missing key has none.
     has_value = first["loc"] and not isinstance(first["input"], dict)
     value = f" is {first['input']!r}" if has_value else ""
     return f"{name}{value}: {message}"

@@ -52,7 +52,7 @@ class MatchingSettings:
     of the images suggest."""
 
     def searching(self, stated: tuple[int, int] | None) -> "MatchingSettings":
-        """The same over the search range that a recording states, except for what was given."""
+        """The same with the search range that a recording states, except for given values."""
         if stated is None:
             return self
         own = given(self)

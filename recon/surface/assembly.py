@@ -29,7 +29,7 @@ class RegionMesh(NamedTuple):
 
 
 class _Stored(NamedTuple):
-    """The mesh of a region with what the others have to know of it."""
+    """The mesh of a region, with the data that other regions need."""
 
     vertices: Floating
     normals: Floating
@@ -101,7 +101,7 @@ class Assembly:
 
 
 class MeshParts:
-    """A mesh in parts that can be read one by one, again and again."""
+    """A mesh in parts that can be read one by one, repeatedly."""
 
     def __init__(
         self,

@@ -33,7 +33,7 @@ def watertight(mesh: Mesh) -> Mesh:
         cloud, depth=_POISSON_DEPTH, n_threads=1
     )
     closed = _from_open3d(found)
-    if mesh.colours is None:  # Poisson makes them black
+    if mesh.colours is None:  # the Poisson surface has black ones
         closed = replace(closed, colours=None)
     return with_normals(capped(without_touching(closed)))
 

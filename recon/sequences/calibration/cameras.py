@@ -78,7 +78,7 @@ class Calibration:
 
     @property
     def is_swapped(self) -> bool:
-        """True where the right camera stands to the left of the left one."""
+        """True if the right camera is to the left of the left one."""
         x, y, _ = invert(self.T_right_left)[:3, 3]
         return bool(-x > abs(y))
 
@@ -92,7 +92,7 @@ class Calibration:
         """True if rows correspond without rectification.
 
         Published rectified rigs (KITTI's colour cameras) still state offsets of some millimetres
-        along y and z, which nobody applies: up to a hundredth of the baseline is tolerated.
+        along y and z, which are not applied: up to a hundredth of the baseline is tolerated.
         """
         across = np.abs(self.T_right_left[1:3, 3]).max() <= 0.01 * self.baseline
         aligned = np.abs(self.T_right_left[:3, :3] - np.eye(3)).max() < 1e-9

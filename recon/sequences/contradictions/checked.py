@@ -98,7 +98,7 @@ class _Watch:
 
     def _say_motion(self) -> None:
         """Report contradictions of the last steps: poses may go wrong anywhere along the path."""
-        # Motions from stereo must be sound themselves to be compared with poses.
+        # Motions from stereo must be reliable themselves to be compared with poses.
         if self._said or not self._steps:
             return
         del self._steps[: -len(STEPPED)]
@@ -113,7 +113,7 @@ class _Watch:
 
 
 def _is_open(pairs: list[list[Finding]], chosen: frozenset[int], number: int) -> bool:
-    """True if a pair is to be checked, and what is found in it and later ones may be reported."""
+    """True if a pair is to be checked, and findings from it on could still be reported."""
     if number not in chosen:
         return False
     left = sum(other >= number for other in chosen)

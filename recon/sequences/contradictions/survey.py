@@ -91,7 +91,7 @@ def _found(image: Image, other: Image, points: Points) -> tuple[Points, Points, 
 def _place(
     image: Image, other: Image, point: NDArray[np.int64]
 ) -> tuple[tuple[float, float], float, float]:
-    """The place of the patch round a point, its score, and its lead over the next best."""
+    """The position of the patch around a point, its score, and its lead over the next best."""
     half = PATCH_PX // 2
     u, v = int(point[0]), int(point[1])
     patch = image[v - half : v + half + 1, u - half : u + half + 1] if min(u, v) >= half else None

@@ -1,4 +1,4 @@
-"""Order and middle of numbers, several times as fast as numpy's `argsort` and `median`."""
+"""Order and median of numbers, several times as fast as numpy's `argsort` and `median`."""
 
 import numpy as np
 from numpy.typing import NDArray

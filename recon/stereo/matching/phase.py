@@ -90,8 +90,8 @@ def _agrees(
     number = np.empty(height * width, np.int32)
     number[numbers] = np.arange(len(numbers), dtype=np.int32)
     pixels = np.column_stack([numbers % width, numbers // width])
-    nobody = np.zeros(0, np.float32)
-    back = aggregate_rows(right, left, _points(pixels, nobody, height), *search)
+    no_orientation = np.zeros(0, np.float32)
+    back = aggregate_rows(right, left, _points(pixels, no_orientation, height), *search)
     place = number[partner[rows]]
     agrees: NDArray[np.bool_] = (back.shift[place] == -support.shift[rows]) & (
         back.row_shift[place] == -support.row_shift[rows]
