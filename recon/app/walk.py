@@ -109,7 +109,7 @@ class Walk:
         waited = 0.0 if self._cancelled_at is None else time.monotonic() - self._cancelled_at
         if waited > PATIENCE_S and not self.is_over and self.stage in ("", "plan", "render"):
             self._is_left_behind = True
-            self.error = f"the controller has not answered for {PATIENCE_S:g} s; it is left behind"
+            self.error = f"the controller has not answered for {PATIENCE_S:g} s; it is abandoned"
 
     def save(self, target: Path) -> None:
         """Copy the run folder.

@@ -129,6 +129,6 @@ def _say(document: dict[str, Any], folder: Path) -> None:
     if "sweep" in document:
         click.echo("\n".join(table(document["sweep"])))
     if "num_right" in document:
-        click.echo(f"{document['num_right']} of {document['num_objects']} objects named right")
+        click.echo(f"{document['num_right']} of {document['num_objects']} objects named correctly")
     click.echo(f"{len(document['jobs']) - document['num_failed']} of {len(document['jobs'])} done")
     click.echo(folder)

@@ -18,4 +18,4 @@ def demo(**given: Any) -> None:
     """Explore the village that ships with recon, into runs/village."""
     do_job("explore", (SCENE,), given, say=say_exploration, draws=True, unit=PROGRESS)
     if not (given["as_json"] or given["quiet"]):
-        click.echo("Look at figures/overview.png in it first.")
+        click.echo("Start with figures/overview.png in it.")

@@ -39,5 +39,5 @@ def _say(report: "Report") -> None:
     for group in report["descriptors"]:
         use = "used" if group["used"] else "left out"
         click.echo(f"{use:9} {group['name']}: {group['reason']}")
-    click.echo(f"a name by it is at most {report['highest_probability']:.0%} probable")
+    click.echo(f"names from it have a probability of at most {report['highest_probability']:.0%}")
     click.echo(report["catalogue"])

@@ -119,7 +119,7 @@ def _columns(file: Any) -> Columns:
         columns = {name: np.asarray(file[name], dtype=np.float64) for name in XYZ}
     extra = set(file.point_format.extra_dimension_names)
     if "" in extra:
-        raise InputError("not a sound LAS file (one of its extra dimensions has no name)")
+        raise InputError("not a valid LAS file (one of its extra dimensions has no name)")
     for name in file.point_format.dimension_names:
         values = np.asarray(file[name])
         if values.ndim == 2:

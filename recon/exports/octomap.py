@@ -67,7 +67,7 @@ def _check_written(temporary: Path, path: Path, num_nodes: int) -> None:
     except InputError:
         held = -1
     if held != num_nodes:
-        raise ReconError(f"{path}: OctoMap could not write it whole; is the disk full?")
+        raise ReconError(f"{path}: OctoMap could not write it completely; is the disk full?")
 
 
 def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:

@@ -44,7 +44,7 @@ def _check_written(temporary: Path, path: Path, image: Any) -> None:
     except (InputError, KeyError, FileNotFoundError):
         is_same = False
     if not is_same:
-        raise ReconError(f"{path}: VTK could not write it whole; is the disk full?")
+        raise ReconError(f"{path}: VTK could not write it completely; is the disk full?")
 
 
 def as_image(voxels: Voxels) -> Any:

@@ -216,7 +216,7 @@ class Fusion:
             notify(
                 "mesh-without-thickness",
                 f"the closed mesh is {thick:.2g} thick on average, less than a voxel of "
-                f"{self.voxel:g}: of what is there one side was seen, and the other lies on it",
+                f"{self.voxel:g}: only one side was seen, and the other coincides with it",
             )
         return closed
 

@@ -250,7 +250,7 @@ def test_controller_that_never_returns_is_abandoned(page):
     wait_for_text(page, "message", "the world ends there")
     page.mouse.up()
     assert value(page, "target-y") == kept
-    wait_for_text(page, "controller-result", "left behind")
+    wait_for_text(page, "controller-result", "abandoned")
     select_and_press(page, "frontier", "step")
     wait_for_text(page, "controller-result", "paused: 1 pairs")
     page.get_by_test_id("stop").click()

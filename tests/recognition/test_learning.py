@@ -70,7 +70,7 @@ def test_single_example_gives_low_confidence(mugs):
 
 def test_indistinguishable_kind_is_rejected(mugs):
     first = learn("mug", mugs[:3], {})
-    with pytest.raises(InputError, match="cup cannot be told from mug"):
+    with pytest.raises(InputError, match="cup cannot be distinguished from mug"):
         learn("cup", mugs[3:], {"mug": first.learned})
 
 

@@ -109,4 +109,4 @@ def test_learned_kind_is_added_to_a_catalogue_and_recognised(desk, tmp_path, cap
     found = run_json(capsys, "recognise", desk, "--catalogue", kinds)
     assert sorted(one["label"] for one in found["objects"]) == ["globe", "unknown"]
     assert main(["learn", str(examples[0]), "--name", "orb", "-o", str(kinds)]) == 2
-    assert "orb cannot be told from globe" in capsys.readouterr().err
+    assert "orb cannot be distinguished from globe" in capsys.readouterr().err

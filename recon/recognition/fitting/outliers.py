@@ -76,7 +76,11 @@ def _voted(points: Array) -> Explained | None:
     """The solids of the points that vote for one; None if fewer than half do."""
     least = max(int(LEAST_SHARE * len(points)), 1)
     solids = find_solids(points, least, np.random.default_rng(0), most=1)
-    found = candidates(points[solids[0].rows]) if solids else FitFailure("no half lies on a solid")
+    found = (
+        candidates(points[solids[0].rows])
+        if solids
+        else FitFailure("no half of the points lies on a solid")
+    )
     return None if isinstance(found, FitFailure) else _explained(found, points)
 
 

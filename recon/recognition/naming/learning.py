@@ -162,6 +162,6 @@ def _check_told(
     taking = np.mean([reduced.distance(one) <= learned.threshold for one in foreign])
     if taken > 0.5 and taking > 0.5:
         raise InputError(
-            f"{name} cannot be told from {other}: each accepts most examples of the other "
+            f"{name} cannot be distinguished from {other}: each accepts most examples of the other "
             f"({taken:.0%}, {taking:.0%}); other examples, or one name for both, are needed"
         )

@@ -90,7 +90,7 @@ def calibrate(
     if solved.calibration.is_swapped:
         notify(
             "left-right-swapped",
-            "the right camera stands to the left of the left one: left and right are swapped",
+            "the right camera is to the left of the left one: left and right are swapped",
         )
     return BoardCalibration(
         calibration=solved.calibration,
