@@ -129,7 +129,8 @@ def _normal(moments: Array) -> Array:
     scale = xx + yy + zz
     if largest <= PARALLEL * scale**4:
         whole = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return principal_axes(whole)[1][0]
+        least_axis: Array = principal_axes(whole)[1][0]
+        return least_axis
     return normal / math.sqrt(largest)
 
 
@@ -137,7 +138,7 @@ def _normal(moments: Array) -> Array:
 def _least_variance(moments: Array) -> float:
     """The least eigenvalue of symmetric moments, by the trigonometric formula."""
     xx, xy, xz, yy, yz, zz = moments
-    mean = (xx + yy + zz) / 3.0
+    mean: float = (xx + yy + zz) / 3.0
     a, b, c = xx - mean, yy - mean, zz - mean
     square = (a * a + b * b + c * c) / 6.0 + (xy * xy + xz * xz + yz * yz) / 3.0
     if square <= TINY:
