@@ -5,13 +5,14 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import ContextVar, copy_context
+from functools import partial
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 _is_in_thread = ContextVar("is_in_thread", default=False)
-"""True inside a call of `in_threads`, whose own calls then run one after another."""
+"""True inside a call made `alone`, whose own calls then run one after another."""
 
 
 def num_processors() -> int:
@@ -32,6 +33,13 @@ def num_threads() -> int:
         return 1
     said = os.environ.get("NUMBA_NUM_THREADS", "")
     return int(said) if said.isdecimal() and int(said) else num_processors()
+
+
+def alone(call: Callable[..., Result]) -> Callable[..., Result]:
+    """The call in a copy of this context, where it has one thread: that which makes it."""
+    context = copy_context()
+    context.run(_is_in_thread.set, True)
+    return partial(context.run, call)
 
 
 def in_threads(
@@ -56,9 +64,7 @@ def in_threads(
     pool = ThreadPoolExecutor(number)
     try:
         for item in items:
-            context = copy_context()
-            context.run(_is_in_thread.set, True)
-            waiting.append(pool.submit(context.run, call, item))
+            waiting.append(pool.submit(alone(call), item))
             if len(waiting) > number:
                 yield waiting.popleft().result()
         while waiting:

@@ -1,10 +1,13 @@
 """Threads: the same bytes for any number of threads, and no more threads than allowed."""
 
+import threading
+
 import numpy as np
 import pytest
 
 from recon.mapping.pair import match_pair
 from recon.stereo.kernels.threads import bands, run
+from recon.threads import num_processors, num_threads
 from scenes import textured_pair
 
 
@@ -50,3 +53,11 @@ def test_exception_in_a_thread_is_raised(monkeypatch):
     assert run([lambda: 1, lambda: 2, lambda: 3]) == [1, 2, 3]
     with pytest.raises(ValueError, match="lost"):
         run([lambda: 1, fail])
+
+
+def test_tasks_share_threads_that_are_kept(monkeypatch):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
+    before = threading.active_count()
+    for _ in range(20):
+        assert run([num_threads] * 3) == [1, 1, 1]
+    assert threading.active_count() <= before + num_processors()
