@@ -7,8 +7,10 @@ import pytest
 
 from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
+from recon.recognition.naming import assembly
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.probability import Logistic
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.records import Box, Cylinder, Sphere
 from recon.settings import RecognitionSettings, Settings, updated
@@ -94,6 +96,19 @@ def test_board_without_legs_and_box_are_not_tables():
     rng = np.random.default_rng(3)
     assert label_of([box([0, 3.5, 0], [9, 0.6, 6])], rng) != "table"
     assert label_of([box([0, 2.5, 0], [9, 5.0, 6])], rng) not in ("table", "house", "bench")
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_a_slice_of_a_noisy_wall_is_no_seat(seed, monkeypatch):
+    def label():
+        rng = np.random.default_rng(seed)
+        height = rng.uniform(3, 6)
+        wall = box([0, height / 2, 0], [rng.uniform(16, 24), height, 0.6])
+        return label_of([wall], rng, Orbit(sigma_px=0.15))
+
+    assert label() == "unknown"
+    monkeypatch.setattr(assembly, "FREE", Logistic(middle=-99.0, steepness=1.0))
+    assert label() == "bench"
 
 
 def bulged(points, walls, by):

@@ -7,7 +7,7 @@ import pytest
 
 from recon.recognition.naming.assembly import assemblies
 from recon.recognition.naming.catalogue import read_catalogues
-from recon.recognition.segments.flat_pieces import flat_pieces
+from recon.recognition.segments.flat_pieces import LEAST_PLANE, flat_pieces
 from recon.recognition.synthetic import voxelise
 from recon.records import PointCloud, Voxels
 
@@ -72,6 +72,21 @@ def test_unseen_roof_slopes_are_found_from_walls_and_ridge():
 )
 def test_box_and_single_slope_get_no_unseen_roof(what):
     assert not flat_pieces(cells_of(*what), ("outer",)).planes
+
+
+def lump(seed) -> Voxels:
+    """Cells around one place, as many as a bush has."""
+    rng = np.random.default_rng(seed)
+    points = rng.normal(0.0, rng.uniform(0.3, 6.0, 3), (60, 3))
+    index = np.floor(points).astype(np.int64)
+    counts = np.full(len(points), 9)
+    return Voxels(index=index, centres=index + 0.5, means=points, counts=counts, cell_size=1.0)
+
+
+def test_a_slope_has_enough_points_that_the_other_has_not():
+    found = [flat_pieces(lump(seed), ("outer",)).planes for seed in range(80)]
+    assert any(found)
+    assert min(len(one.rows) for planes in found for one in planes) >= LEAST_PLANE
 
 
 def test_small_changes_of_cells_do_not_change_planes():

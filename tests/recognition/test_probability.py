@@ -125,7 +125,7 @@ def test_calibration_error_of_simulated_outcomes():
 
 def test_box_on_a_box_is_not_a_cottage(monkeypatch):
     rng = np.random.default_rng(0)
-    sizes = np.array([[7.4, 2.5, 6.9], [3.5, 1.4, 3.9]])
+    sizes = np.array([[8.6, 4.0, 7.2], [4.3, 2.1, 4.4]])
     heights = np.cumsum(sizes[:, 1]) - sizes[:, 1] / 2.0
     parts = [
         Box(centre=np.array([0.0, height, 0.0]), axes=np.eye(3), sizes=own)
@@ -137,3 +137,13 @@ def test_box_on_a_box_is_not_a_cottage(monkeypatch):
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
     monkeypatch.setattr(hypotheses, "FORMED", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "cottage"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_few_cells_off_the_rim_of_a_post_are_no_roof(seed):
+    post = Cylinder(point=np.zeros(3), axis=UP, radius=4.5, height=6.6)
+    voxels = voxelise(observe([post], COLOURS, Orbit(), np.random.default_rng(seed)))
+    voxels = voxels.select(voxels.means[:, 1] > 1.0)
+    means = voxels.means.copy()
+    means[np.flatnonzero(means[:, 1] > 5.5)[::9][:6]] *= [0.8, 1.08, 0.8]
+    assert name_object(dataclasses.replace(voxels, means=means), 0.0, KINDS).label == "unknown"

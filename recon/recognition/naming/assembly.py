@@ -11,7 +11,8 @@ from recon.recognition.cells import trust_by_points
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
-from recon.recognition.naming.probability import EXPLAINED, SHOWN
+from recon.recognition.naming.probability import EXPLAINED, FREE, SHOWN
+from recon.recognition.naming.underside import free_below
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.recognition.segments.solid_pieces import Pieces
 from recon.records import Plane, Solid, Voxels
@@ -41,7 +42,8 @@ class Assembly:
     kind: Kind
     bic: float
     explained: float
-    """Probability that enough cells are on its pieces, and on each required piece."""
+    """Probability that enough cells are on its pieces, and on each required piece, and that what
+    stands on legs stands on nothing else."""
     seen: float
     """Weighted share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
@@ -68,7 +70,7 @@ class Assembly:
     @property
     def has_planes(self) -> bool:
         """True if one of its pieces is a plane."""
-        return any(isinstance(one, Plane) for one in self.solids)
+        return any(map(_is_plane, self.pieces))
 
     @property
     def cost(self) -> float:
@@ -109,7 +111,7 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
     return Assembly(
         kind=kind,
         bic=bic_of_pieces(cells, own),
-        explained=float(EXPLAINED.chance(share)) * shown,
+        explained=float(EXPLAINED.chance(share)) * shown * _on_legs(kind, own, cells),
         seen=share,
         pieces=tuple(own),
         rules=tuple(rule for rule, _ in parts),
@@ -131,8 +133,20 @@ def _explained(piece: FlatPiece, cells: Voxels, trust: Array) -> float:
 
 def _shown(needed: list[FlatPiece]) -> float:
     """Probability that the planes among the required pieces have enough cells."""
-    counts = [len(one.rows) for one in needed if isinstance(one.solid, Plane)]
+    counts = [len(one.rows) for one in needed if _is_plane(one)]
     return float(SHOWN.chance(np.log(counts)).prod()) if counts else 1.0
+
+
+def _on_legs(kind: Kind, pieces: list[FlatPiece], cells: Voxels) -> float:
+    """Probability that the boards of a kind with legs are no slices of something solid."""
+    if all(rule.place != "under" for rule in kind.parts):
+        return 1.0
+    boards = [one for one in pieces if (one.tilt_deg or 0.0) < UPRIGHT_DEG and _is_plane(one)]
+    return float(np.prod([FREE.chance(free_below(one, cells)) for one in boards]))
+
+
+def _is_plane(piece: FlatPiece) -> bool:
+    return isinstance(piece.solid, Plane)
 
 
 def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:

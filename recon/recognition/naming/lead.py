@@ -19,7 +19,7 @@ OF_ONE_PART = 0.25
 
 
 def lead_of_parts(fit: Estimate[Composite], cells: Voxels, rivals: Sequence[Candidate]) -> float:
-    """Largest weighted lead per cell of a fit over all rivals on one part.
+    """Largest weighted lead of a fit over all rivals on the typical cell of one part.
 
     A single cylinder fits the walls of a cottage as well, but not its roof, which therefore decides
     even if it has few cells.
@@ -27,9 +27,9 @@ def lead_of_parts(fit: Estimate[Composite], cells: Voxels, rivals: Sequence[Cand
     signed, part = fit.state.nearest(cells.means)
     own = deviance_a_residual(signed, fit.sigma)
     others = [deviance_a_residual(one.solid.distances(cells.means), one.sigma) for one in rivals]
-    counts = np.bincount(part)
-    enough = counts >= ENOUGH_CELLS
-    if not others or not enough.any():
+    enough = np.flatnonzero(np.bincount(part) >= ENOUGH_CELLS)
+    if not others or not len(enough):
         return -np.inf
-    means = [np.bincount(part, other - own)[enough] / counts[enough] for other in others]
-    return OF_ONE_PART * float(np.min(means, axis=0).max())
+    # Of the median: a roof is not made by the few cells that are off the rim of a post.
+    leads = [[np.median((other - own)[part == one]) for one in enough] for other in others]
+    return OF_ONE_PART * float(np.min(leads, axis=0).max())

@@ -48,6 +48,9 @@ EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
 """Log of the number of cells of a plane that an assembly needs: any few cells fit one."""
+FREE = Logistic(middle=0.25, steepness=25.0)
+"""Share of a board below which there is air: of simulated tables and benches 0.4 at least, of
+level slices of walls and fences 0.2 at most."""
 FORMED = Logistic(middle=-0.5, steepness=6.0)
 """Lead of parts of revolution over planes, and of upright planes over parts of revolution: either
 fits anything a little."""

@@ -129,22 +129,21 @@ def _normal(moments: Array) -> Array:
     scale = xx + yy + zz
     if largest <= PARALLEL * scale**4:
         whole = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        least_axis: Array = principal_axes(whole)[1][0]
-        return least_axis
-    return normal / math.sqrt(largest)
+        normal, largest = principal_axes(whole)[1][0], 1.0
+    normal /= math.sqrt(largest)
+    return normal
 
 
 @njit(cache=True)
 def _least_variance(moments: Array) -> float:
     """The least eigenvalue of symmetric moments, by the trigonometric formula."""
     xx, xy, xz, yy, yz, zz = moments
-    mean: float = (xx + yy + zz) / 3.0
+    mean = (xx + yy + zz) / 3.0
     a, b, c = xx - mean, yy - mean, zz - mean
     square = (a * a + b * b + c * c) / 6.0 + (xy * xy + xz * xz + yz * yz) / 3.0
-    if square <= TINY:
-        return mean
-    spread = math.sqrt(square)
+    spread = math.sqrt(max(square, TINY))
+    a, b, c, xy, xz, yz = a / spread, b / spread, c / spread, xy / spread, xz / spread, yz / spread
     volume = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
-    angle = math.acos(min(max(volume / (2.0 * spread * square), -1.0), 1.0)) / 3.0
+    angle = math.acos(min(max(volume / 2.0, -1.0), 1.0)) / 3.0
     least: float = mean + 2.0 * spread * math.cos(angle + 2.0 * math.pi / 3.0)
     return least
