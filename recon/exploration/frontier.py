@@ -3,7 +3,6 @@
 The round is planned again after every pair with what is then known.
 """
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +13,8 @@ from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import ShortestPaths, plan, unexplored
 from recon.exploration.scan import Detection, field_of_view
-from recon.exploration.sides import MAX_LOOKS, Look, Sides, Wanted, is_given_up, is_known
+from recon.exploration.search import Look, Search, are_nameable
+from recon.exploration.sides import Sides, is_given_up, is_known
 from recon.exploration.state import State
 from recon.exploration.tour import MAX_UNKNOWN, first_stop
 from recon.exploration.viewpoints import (
@@ -29,27 +29,6 @@ from recon.records import View
 HORIZON = 1.5
 """Rounds are planned over the floor within this number of sight ranges if they find a view
 there."""
-MAX_WANTED = 12
-"""Maximum number of obstacles of a round, the nearest: there are stops for two views of each."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Search:
-    """Things to look for, and the way to view them."""
-
-    wanted: Wanted
-    clearance: float
-    """Distance from which obstacles are viewed, world units."""
-    reach: float
-    """Distance up to which a view shows an obstacle well enough, world units."""
-    looks: list[Look]
-    """Earlier views that were meant to show these; the next one is added."""
-    max_looks: int = MAX_LOOKS
-    """A side that was not seen well in this number of views is given up."""
-
-    def nearest(self, place: Array) -> Wanted:
-        """The wanted things nearest to a position (2,)."""
-        return sorted(self.wanted, key=lambda one: math.dist(one.centre, place))[:MAX_WANTED]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -93,6 +72,7 @@ class FrontierController:
             clearance=state.scales.clearance,
             reach=state.sure_range,
             looks=self.looks,
+            expects_names=are_nameable(state.obstacles),
         )
 
     def _second(self, state: State) -> Search:
@@ -116,8 +96,7 @@ class FrontierController:
         field_rad, sight_range = field_of_view(state.pair), state.settings.exploration.sight_range
         visibility = Visibility.over(state.floor, places, field_rad, sight_range, unknown)
         visibility = visibility.without(self.taken, state.scales.same_place)
-        looks = search.looks, search.max_looks
-        sides = Sides.of(wanted, places, state.floor, field_rad, search.reach, *looks)
+        sides = Sides.of(wanted, places, state.floor, field_rad, search)
         stop = first_stop(paths.length(places), visibility, sides, unknown, state.scales)
         if stop is None:
             return None
@@ -135,9 +114,10 @@ class FrontierController:
 
     def _end(self, state: State) -> None:
         """Record why there is nothing left to do."""
-        wanted, unknown = wanted_of(state), unexplored(state.floor, state.obstacles)
+        search, unknown = self._first(state), unexplored(state.floor, state.obstacles)
+        wanted = search.wanted
         unseen = [t for t in wanted if isinstance(t, Detection) or not len(t.bearings_rad)]
-        doubted = [t for t in unseen if is_given_up(t, self.looks)]
+        doubted = [t for t in unseen if is_given_up(t, search)]
         is_left = len(doubted) < len(unseen) or unknown.mean() > MAX_UNKNOWN
         self.reason = "nothing reachable" if is_left else "all known"
         barred = len(wanted) - len(unseen)

@@ -13,6 +13,7 @@ from recon.exploration.gains import AZIMUTHS_RAD, SPACING_RAD, turn
 from recon.exploration.gaps import values_of
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
+from recon.exploration.search import Look, Search, Wanted
 from recon.exploration.sight import are_open
 
 OPEN_SURE_RAD, OPEN_RAD = math.radians(150.0), math.radians(110.0)
@@ -23,25 +24,10 @@ MARGIN_RAD = math.radians(8.0)
 BEARINGS_RAD: Array = 2.0 * math.pi * (np.arange(72) + 0.5) / 72
 CENTRED = 0.1
 """Share of its value that an obstacle loses at the edge of the image."""
-
-MAX_LOOKS = 2
-"""A side that was not seen well in this number of views is usually given up."""
-
-Wanted = Sequence[Obstacle | Detection]
 Seen = tuple[Array, Array, Array]
 """`azimuth`, `slack` and `arc` of some sides."""
 Left = tuple[Mask, Array, Array]
 """`missing`, `shown` and `worth` of some sides."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Look:
-    """A view that was meant to show a side of an obstacle."""
-
-    place: Array
-    """(2,) x, z from which it was taken."""
-    centre: Array
-    """(2,) x, z of the obstacle, as known at that time."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -71,26 +57,21 @@ class Sides:
         places: Array,
         floor: Floor,
         field_rad: float,
-        reach: float,
-        looks: Sequence[Look] = (),
-        max_looks: int = MAX_LOOKS,
+        search: Search,
     ) -> "Sides":
-        """The sides of obstacles within reach of positions (C, 2), after some looks.
-
-        A side that was not seen well in `max_looks` of these is given up.
-        """
+        """The sides of obstacles within reach of positions (C, 2) that a search has to see."""
         centres = np.array([one.centre for one in wanted]).reshape(-1, 2)
         radii = np.array([one.radius for one in wanted]).reshape(-1, 1)
         x, z = np.moveaxis(centres[:, None] - places, -1, 0)
         azimuth, apart = np.arctan2(z, x), np.hypot(x, z)
-        is_near = (apart - radii <= reach) & (apart > 0.0)
+        is_near = (apart - radii <= search.reach) & (apart > 0.0)
         own = (radii[:, 0] + floor.cell_size) / floor.cell_size
         lines = (floor.in_cells(places), floor.in_cells(centres), own)
         is_seen = are_open(floor.occupied, *lines, is_near)
         half_width = np.arcsin(np.minimum(radii / np.where(is_near, apart, np.inf), 1.0))
         slack = np.where(is_seen, np.maximum(field_rad / 2.0 - half_width, SPACING_RAD), -1.0)
-        arc, looked = np.array([_arc(one) for one in wanted]), _looked(looks)
-        of_each = [_missing(one, looked, max_looks) for one in wanted]
+        arc, looked = np.array([_arc(one, search) for one in wanted]), _looked(search.looks)
+        of_each = [_missing(one, looked, search) for one in wanted]
         missing = np.array(of_each, dtype=bool).reshape(len(wanted), len(BEARINGS_RAD))
         shown = _shown(azimuth, slack, missing, arc)
         worth = np.zeros((len(places), len(AZIMUTHS_RAD)))
@@ -141,9 +122,9 @@ def is_known(obstacle: Obstacle) -> bool:
     return widest_gap(obstacle.bearings_rad) <= (OPEN_SURE_RAD if obstacle.is_sure else OPEN_RAD)
 
 
-def is_given_up(obstacle: Obstacle | Detection, looks: Sequence[Look]) -> bool:
+def is_given_up(obstacle: Obstacle | Detection, search: Search) -> bool:
     """True if all sides of an obstacle that no view showed well were looked at in vain."""
-    return not _missing(obstacle, _looked(looks)).any()
+    return not _missing(obstacle, _looked(search.looks), search).any()
 
 
 def widest_gap(bearings_rad: Array) -> float:
@@ -155,15 +136,17 @@ def widest_gap(bearings_rad: Array) -> float:
     return max(after - before for before, after in zip(ordered, following, strict=True))
 
 
-def _planned_gap(obstacle: Obstacle | Detection) -> float:
-    """The gap that views may leave; an unnamed obstacle is assumed to get a sure name."""
-    is_doubted = isinstance(obstacle, Obstacle) and obstacle.found and not obstacle.is_sure
-    return OPEN_RAD if is_doubted else OPEN_SURE_RAD
+def _planned_gap(obstacle: Obstacle | Detection, search: Search) -> float:
+    """The gap that views may leave; an obstacle not yet named gets the expected kind of label."""
+    is_sure = search.expects_names
+    if isinstance(obstacle, Obstacle) and obstacle.found is not None:
+        is_sure = obstacle.is_sure
+    return OPEN_SURE_RAD if is_sure else OPEN_RAD
 
 
-def _arc(obstacle: Obstacle | Detection) -> float:
+def _arc(obstacle: Obstacle | Detection, search: Search) -> float:
     """Half the arc of bearings that one view of an obstacle covers."""
-    return (_planned_gap(obstacle) - MARGIN_RAD) / 2.0
+    return (_planned_gap(obstacle, search) - MARGIN_RAD) / 2.0
 
 
 def _looked(looks: Sequence[Look]) -> Array:
@@ -171,7 +154,7 @@ def _looked(looks: Sequence[Look]) -> Array:
     return np.array([(*look.centre, *look.place) for look in looks]).reshape(-1, 2, 2)
 
 
-def _missing(obstacle: Obstacle | Detection, looks: Array, max_looks: int = MAX_LOOKS) -> Mask:
+def _missing(obstacle: Obstacle | Detection, looks: Array, search: Search) -> Mask:
     """Mask (BEARINGS,) of bearings not within an arc of one seen well or looked at in vain.
 
     Parameters
@@ -179,14 +162,14 @@ def _missing(obstacle: Obstacle | Detection, looks: Array, max_looks: int = MAX_
     looks : (L, 2, 2)
         Centre and position of each look so far.
     """
-    arc = _arc(obstacle)
+    arc = _arc(obstacle, search)
     seen = obstacle.bearings_rad if isinstance(obstacle, Obstacle) else np.empty(0)
     offsets = looks - obstacle.centre
     x, z = offsets[np.hypot(*offsets[:, 0].T) <= obstacle.radius, 1].T
     looked = np.arctan2(z, x)
     is_seen = turn(BEARINGS_RAD[:, None], seen) <= arc
     num_looks = (turn(BEARINGS_RAD[:, None], looked) <= arc).sum(axis=1)
-    missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= max_looks))
+    missing: Mask = ~(is_seen.any(axis=1) | (num_looks >= search.max_looks))
     return missing
 
 

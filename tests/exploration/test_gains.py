@@ -1,5 +1,7 @@
 """Expected gains of views, and tours of views."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,7 +12,8 @@ from recon.exploration.gains import NUM_RAYS, SPACING_RAD, Visibility
 from recon.exploration.gaps import LAST, LEAST
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
-from recon.exploration.sides import MAX_LOOKS, Look, Sides, is_given_up, widest_gap
+from recon.exploration.search import MAX_LOOKS, Look, Search, are_nameable
+from recon.exploration.sides import Sides, is_given_up, widest_gap
 from recon.exploration.tour import EARLY, Tour, first_stop
 from recon.settings import Settings
 
@@ -58,8 +61,13 @@ OBSTACLE = Detection(centre=np.zeros(2), radius=3.0, distance=20.0, sigma=1.0)
 ALL_ROUND = [(13.0, 0.0), (-6.5, 11.26), (-6.5, -11.26)]
 
 
-def sides_from(floor, *places, looks=()):
-    return Sides.of([OBSTACLE], np.array(places, dtype=float), floor, FIELD, 20.0, looks)
+def searching(looks=(), expects_names=True):
+    return Search(clearance=10.0, reach=20.0, looks=[*looks], expects_names=expects_names)
+
+
+def sides_from(floor, *places, looks=(), expects_names=True):
+    search = searching(looks, expects_names)
+    return Sides.of([OBSTACLE], np.array(places, dtype=float), floor, FIELD, search)
 
 
 def test_unseen_side_counts_only_if_near_in_view_and_visible(floor):
@@ -87,6 +95,22 @@ def test_three_even_views_show_every_side_once(floor):
     assert LAST <= shown[2] < shown[1]
 
 
+def test_more_views_are_planned_of_an_obstacle_where_no_name_is_expected(floor):
+    sides, _ = sides_from(floor, *ALL_ROUND, expects_names=False).after(0, np.pi)
+    for place in (1, 2):
+        sides, _ = sides.after(place, sides.azimuth[0, place])
+    assert sides.missing.any()
+
+
+def test_names_are_expected_until_most_named_obstacles_have_none():
+    sure, unsure, unnamed = (
+        SimpleNamespace(found=found, is_sure=found == "tree") for found in ("tree", "unknown", None)
+    )
+    assert are_nameable([])
+    assert are_nameable([unnamed, sure, unsure])
+    assert not are_nameable([unnamed, sure, unsure, unsure])
+
+
 def test_opposite_view_is_worth_little_as_it_leaves_two_gaps(floor):
     opposite, *others = (-13.0, 0.0), *ALL_ROUND
     sides, _ = sides_from(floor, *others, opposite).after(0, np.pi)
@@ -111,10 +135,10 @@ def test_side_that_stays_unseen_after_several_views_is_given_up(floor):
     given_up = sides_from(floor, *ALL_ROUND, looks=[look] * MAX_LOOKS)
     assert given_up.shown[0, 0] == 0.0
     assert (given_up.shown[0, 1:] > 0.0).all()
-    assert not is_given_up(OBSTACLE, [look] * MAX_LOOKS)
+    assert not is_given_up(OBSTACLE, searching([look] * MAX_LOOKS))
     all_round = [Look(place=np.array(place), centre=np.zeros(2)) for place in ALL_ROUND]
-    assert is_given_up(OBSTACLE, all_round * MAX_LOOKS)
-    assert not is_given_up(OBSTACLE, all_round * (MAX_LOOKS - 1))
+    assert is_given_up(OBSTACLE, searching(all_round * MAX_LOOKS))
+    assert not is_given_up(OBSTACLE, searching(all_round * (MAX_LOOKS - 1)))
 
 
 @settings(deadline=None, max_examples=40)
@@ -163,7 +187,7 @@ def test_tour_is_shortened_and_keeps_its_start():
 
 def stop_of(floor, unknown, visibility, start):
     lengths = np.hypot(*(visibility.places - start).T)
-    sides = Sides.of([], visibility.places, floor, FIELD, 20.0)
+    sides = Sides.of([], visibility.places, floor, FIELD, searching())
     return first_stop(lengths, visibility, sides, unknown, SCALES)
 
 
