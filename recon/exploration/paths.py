@@ -111,6 +111,9 @@ def paths_over(floor: Floor, walkable: Mask, place: Array) -> ShortestPaths:
 def _walkable(state: State, unknown: Mask | None) -> Mask:
     """Free cells with enough clearance.
 
+    Unseen ground beside an obstacle may be its other side and is kept away from like the obstacle,
+    even the gaps and insides that are not worth a look.
+
     If the agent itself is too close to something, it may stay that close while it moves away; if it
     stands in the middle of something, it may leave.
     """
@@ -123,7 +126,10 @@ def _walkable(state: State, unknown: Mask | None) -> Mask:
     if unknown is not None:
         clearance = scales.cells(scales.unknown_clearance)
         doubtful = unknown | floor.barred | floor.hit
+        beside = _near(floor.occupied, scales.cells(scales.hidden_reach))
+        hidden = beside & (~floor.known_free | floor.hit)
         walkable &= floor.known_free & _away_from(doubtful, clearance, here)
+        walkable &= _away_from(hidden, scales.cells(scales.walk_clearance), here)
     around = tuple(slice(max(0, index - 1), index + 2) for index in here)
     if obstacles[around].all():
         _open_exit(walkable, here)

@@ -77,8 +77,13 @@ class Scales:
 
     @property
     def unknown_clearance(self) -> float:
-        """Distance kept from unknown ground, where the unseen side of an obstacle may begin."""
+        """Distance kept from unknown ground far from obstacles, where another one may begin."""
         return 2.0 / 3.0 * self.walk_clearance
+
+    @property
+    def hidden_reach(self) -> float:
+        """Distance from an obstacle within which unknown ground may be its unseen side."""
+        return 1.5 * self.walk_clearance
 
     @property
     def border(self) -> int:

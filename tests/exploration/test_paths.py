@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
+from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle, covered_by
@@ -155,6 +156,23 @@ def test_points_too_few_for_the_map_still_block_the_path(floor):
     walked = floor.centres(np.argwhere(np.isfinite(planned(state_on(floor)).distance)))
     clearance = state_on(floor).scales.unknown_clearance
     assert clearance <= np.hypot(*(walked - pale).T).min() < clearance + 1.0
+
+
+def closest_walk(floor, points_xz):
+    walked = floor.centres(np.argwhere(np.isfinite(planned(state_on(floor)).distance)))
+    return cdist(walked, np.reshape(points_xz, (-1, 2))).min()
+
+
+def test_unknown_ground_is_given_more_room_beside_an_obstacle(floor):
+    scales = state_on(floor).scales
+    hidden, open_ground = np.zeros((2, *floor.shape), dtype=bool)
+    hidden[46:50, 61:66] = True
+    open_ground[10:14, 40:45] = True
+    floor.seen_from[hidden | open_ground] = np.inf
+    room = closest_walk(floor, floor.centres(np.argwhere(open_ground)))
+    assert scales.unknown_clearance <= room < scales.walk_clearance
+    beside = np.argwhere(hidden & floor.disc(np.array([10.0, 20.0]), 4.0))
+    assert closest_walk(floor, floor.centres(beside)) >= scales.walk_clearance
 
 
 def test_path_can_leave_a_place_too_near_an_obstacle(floor):
