@@ -1,11 +1,13 @@
 """Every reader accepts mutated files or rejects them in one line, never with a traceback."""
 
+import time
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
 
-from tests.fuzzing import fault, mutated, readers
+from tests.fuzzing import fault, mutated, readers, within
 
 NUM_MUTATIONS = 50
 """Mutations per format; `tools/fuzz.py` makes ten thousand."""
@@ -45,3 +47,11 @@ def test_fuzzer_finds_a_fault(valid_files, folder):
     rngs = [np.random.default_rng(seed) for seed in range(9)]
     found = [fault(weak, mutated(weak.content, rng), folder) for rng in rngs]
     assert any(wrong and wrong.startswith("UnicodeDecodeError") for wrong in found)
+
+
+def test_fuzzer_finds_a_reader_that_computes_or_waits_too_long():
+    with pytest.raises(TimeoutError, match="processor time"), within(0.05):
+        for _ in count():
+            pass
+    with pytest.raises(TimeoutError, match="waiting"), within(0.02):
+        time.sleep(5)
