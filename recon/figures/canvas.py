@@ -31,6 +31,8 @@ FONT_SHARE = 0.0135
 SMALLEST_FONT = 6.5
 """Points; smaller print is illegible."""
 POINTS_PER_INCH = 72.0
+PNG = {"compress_level": 3}
+"""Writes a file a fifteenth larger than the default of 6, in half the time."""
 LOWEST = 0.4
 """A sheet keeps at least this share of its height."""
 
@@ -203,7 +205,7 @@ def save(figure: Any, path: Path) -> None:
         figure.set_layout_engine("none")
         if kind == "png":
             canvas: Any = FigureCanvasAgg(figure)
-            canvas.print_png(part, metadata=nameless)
+            canvas.print_png(part, metadata=nameless, pil_kwargs=PNG)
         else:
             figure.savefig(part, format=kind, metadata=nameless)
 

@@ -2,6 +2,7 @@
 drawn.
 """
 
+import importlib
 import signal
 
 from recon.libraries import limit_threads
@@ -20,6 +21,8 @@ def _load() -> None:
 
     for name in ALWAYS:
         KINDS.load(name)
+    # What floor plans need besides; each process would load it again when most figures wait.
+    importlib.import_module("recon.figures.free_ground")
     load_libraries()
 
 
