@@ -7,9 +7,10 @@ import pytest
 
 from recon.recognition.naming.assembly import assemblies
 from recon.recognition.naming.catalogue import read_catalogues
-from recon.recognition.segments.flat_pieces import LEAST_PLANE, flat_pieces
+from recon.recognition.naming.underside import free_below
+from recon.recognition.segments.flat_pieces import LEAST_PLANE, flat_pieces, piece_of
 from recon.recognition.synthetic import voxelise
-from recon.records import PointCloud, Voxels
+from recon.records import Plane, PointCloud, Voxels
 
 HOUSE = next(kind for kind in read_catalogues(["village"]) if kind.name == "house")
 
@@ -72,6 +73,35 @@ def test_unseen_roof_slopes_are_found_from_walls_and_ridge():
 )
 def test_box_and_single_slope_get_no_unseen_roof(what):
     assert not flat_pieces(cells_of(*what), ("outer",)).planes
+
+
+def slice_of(cells, low):
+    """The cells of some height as a level piece."""
+    rows = np.flatnonzero((cells.means[:, 1] >= low) & (cells.means[:, 1] < low + 1.0))
+    level = Plane(point=cells.means[rows[0]], normal=np.array([0.0, 1.0, 0.0]))
+    return piece_of(cells, rows, level)
+
+
+def test_a_board_is_free_below_and_a_slice_of_a_wall_is_not_even_near_the_ground():
+    wall = cells_of(plane([0.0, 1.0, 0.0], [15.0, 0.0, 0.0], [0.0, 5.0, 0.0]), noise=0.3)
+    assert [free_below(slice_of(wall, low), wall) for low in (1.0, 3.0)] == pytest.approx(
+        [0.0, 0.0], abs=0.15
+    )
+    board = plane([0.0, 3.5, 0.0], [8.0, 0.0, 0.0], [0.0, 0.0, 6.0])
+    table = cells_of(board, plane([1.0, 1.0, 1.0], [0.5, 0.0, 0.0], [0.0, 2.5, 0.0]))
+    assert free_below(slice_of(table, 3.0), table) > 0.9
+
+
+def test_walls_of_a_house_are_at_right_angles():
+    def explained(*planes):
+        found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE)
+        return max(one.explained for one in found)
+
+    sides = [[10.0, 0.0, 0.0], [-5.0, 0.0, 8.66], [-5.0, 0.0, -8.66]]
+    corners = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [5.0, 0.0, 8.66]]
+    tent = [plane(at, side, [0.0, 6.0, 0.0]) for at, side in zip(corners, sides, strict=True)]
+    assert explained(*walls(), slope(6.0)) > 0.9
+    assert explained(*tent, slope(6.0)) < 0.1
 
 
 def lump(seed) -> Voxels:

@@ -47,6 +47,8 @@ def _part_line(part: PartRule, is_first: bool) -> str:
         words.append(f"height over {of} {_range(part.slenderness)}")
     if part.tilt_deg is not None:
         words.append(f"tilted by {_range(part.tilt_deg)} degrees")
+    if part.square:
+        words.append("at right angles")
     if part.share is not None:
         words.append(f"share of the cells {_range(part.share)}")
     if part.hue_deg is not None:

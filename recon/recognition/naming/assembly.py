@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from recon.recognition.cells import trust_by_points
 from recon.recognition.fitting.least_squares import student_deviance
+from recon.recognition.naming.angles import squareness
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
-from recon.recognition.naming.probability import EXPLAINED, FREE, SHOWN
+from recon.recognition.naming.probability import EXPLAINED, FREE, SHOWN, SQUARE
 from recon.recognition.naming.underside import free_below
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.recognition.segments.solid_pieces import Pieces
@@ -42,8 +43,8 @@ class Assembly:
     kind: Kind
     bic: float
     explained: float
-    """Probability that enough cells are on its pieces, and on each required piece, and that what
-    stands on legs stands on nothing else."""
+    """Probability that enough cells are on its pieces, and on each required piece, that walls are
+    at right angles, and that what stands on legs stands on nothing else."""
     seen: float
     """Weighted share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
@@ -105,6 +106,7 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
             return None
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
+        shown *= float(SQUARE.chance(squareness(before))) if rule.square else 1.0
     own = [one for _, one in parts]
     trust = trust_by_points(cells, (LEAST_TRUST, 1.0))
     share = sum(_explained(one, cells, trust) for one in own) / float(trust.sum())

@@ -48,6 +48,8 @@ EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
 """Log of the number of cells of a plane that an assembly needs: any few cells fit one."""
+SQUARE = Logistic(middle=0.65, steepness=20.0)
+"""Squareness of walls: of simulated houses 0.86 at least, of rocks 0.4 at most."""
 FREE = Logistic(middle=0.25, steepness=25.0)
 """Share of a board below which there is air: of simulated tables and benches 0.4 at least, of
 level slices of walls and fences 0.2 at most."""

@@ -8,14 +8,21 @@ from recon.geometry import WORLD_UP
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Voxels
 
-BELOW_CELLS, NEAR_CELLS = 1.25, 0.8
-"""Depth below a cell, beyond the thickness of its plane, and how near to this place another cell
-continues it downwards."""
+BESIDE_CELLS, NEAR_CELLS = 1.25, 0.8
+"""Distance from a cell, beyond the thickness of its plane, and how near to this place another cell
+continues it."""
 
 
 def free_below(board: FlatPiece, cells: Voxels) -> float:
-    """Share of a board's cells below which there is no other cell of the object."""
-    size = cells.cell_size
-    places: NDArray[np.float64] = cells.means[board.rows] - BELOW_CELLS * size * np.array(WORLD_UP)
-    away, _ = cKDTree(cells.means).query(places, distance_upper_bound=NEAR_CELLS * size)
-    return float(np.isinf(away).mean())
+    """Share of a board's cells below which there is no other cell of the object.
+
+    Nothing is known of what is lower than its lowest cell: there it must be free above.
+    """
+    means: NDArray[np.float64] = cells.means[board.rows]
+    step = BESIDE_CELLS * cells.cell_size * np.array(WORLD_UP)
+    tree, reach = cKDTree(cells.means), NEAR_CELLS * cells.cell_size
+    above, below = (
+        np.isinf(tree.query(means + side, distance_upper_bound=reach)[0]) for side in (step, -step)
+    )
+    is_low = (means - step)[:, 1] < cells.means[:, 1].min()
+    return float(np.where(is_low, above, below).mean())

@@ -1,0 +1,22 @@
+"""Angles between upright planes: walls meet at right angles, faces of a rock at any."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from recon.recognition.segments.flat_pieces import FlatPiece
+from recon.records import Plane
+
+
+def squareness(pieces: Sequence[FlatPiece]) -> float:
+    """How nearly planes are parallel or at right angles, seen from above; 1 = all of them.
+
+    The length of the mean of unit vectors with four times the azimuth of the normals, in which
+    quarter turns cancel; each plane counts as much as it has cells.
+    """
+    planes = [(one.solid.normal, len(one.rows)) for one in pieces if isinstance(one.solid, Plane)]
+    if not planes:
+        return 1.0
+    normals, counts = np.array([normal for normal, _ in planes]), [count for _, count in planes]
+    turns = 4.0 * np.arctan2(normals[:, 2], normals[:, 0])
+    return float(abs(np.average(np.exp(1j * turns), weights=counts)))
