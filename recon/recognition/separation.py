@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.connectivity import linked, overhanging
+from recon.recognition.connectivity import linked, neighbours, overhanging
 from recon.recognition.fitting.ransac import find_solids, same_solid
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
-from recon.recognition.segments.convexity import Relief, fewest_pieces
+from recon.recognition.segments.convexity import Relief, fewest_pieces, relief_of
 from recon.records import UNKNOWN, FitFailure, Solid, Voxels
 from recon.settings import RecognitionSettings
 
@@ -195,16 +195,23 @@ def _spread(floor: Array) -> tuple[float, float]:
 
 
 def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[Mask, float]]:
-    """Splits of the cells with little contact: at the waist, and between the main solids."""
-    floor = cells.means[:, ::2]
+    """Splits of the cells with little contact: at the waist, and between the main solids.
+
+    They are searched among coarser cells where there are many.
+    """
+    relief = relief_of(cells)
+    coarse = relief.cells
+    floor = coarse.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
-    found = _main_solids(cells.means, min_voxels)
+    found = _main_solids(coarse.means, min_voxels)
     if len(found) == 2:
-        first, second = (solid.distances(cells.means) for solid in found)
-        cuts.append(_gathered(second < first, cells))
-    whole = [cut for cut in _distinct(cuts) if min(cut.sum(), (~cut).sum()) >= min_voxels]
-    touches = [_touch(cut, cells.index) for cut in whole]
-    return [(c, touch) for c, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
+        first, second = (solid.distances(coarse.means) for solid in found)
+        cuts.append(_gathered(second < first, coarse))
+    fine = [cut[relief.cell] for cut in _distinct(cuts)]
+    whole = [cut for cut in fine if min(cut.sum(), (~cut).sum()) >= min_voxels]
+    pairs = neighbours(cells.index)
+    touches = [_touch(cut, pairs) for cut in whole]
+    return [(cut, touch) for cut, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
 
 
 def _gathered(second: Mask, cells: Voxels) -> Mask:
@@ -245,17 +252,18 @@ def _distinct(cuts: list[Mask]) -> list[Mask]:
     return kept
 
 
-def _touch(second: Mask, index: NDArray[np.int64]) -> float:
-    """Touching cells of the two sides over the root of the smaller side's cells."""
-    sides = index[~second], index[second]
-    touching = sum(_num_near(one, other) for one, other in (sides, sides[::-1]))
-    return touching / 2.0 / float(np.sqrt(min(map(len, sides))))
+def _touch(second: Mask, pairs: NDArray[np.intp]) -> float:
+    """Touching cells of the two sides over the root of the smaller side's cells.
 
-
-def _num_near(index: NDArray[np.int64], others: NDArray[np.int64]) -> int:
-    """Number of cells (K, 3) that have one of the others (L, 3) among their 26 neighbours."""
-    away, _ = cKDTree(others).query(index, p=np.inf, distance_upper_bound=1.5)
-    return int(np.isfinite(away).sum())
+    Parameters
+    ----------
+    pairs : (E, 2)
+        Rows of neighbouring cells.
+    """
+    is_touching = np.zeros(len(second), dtype=bool)
+    is_touching[pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]] = True
+    smaller = min(second.sum(), (~second).sum())
+    return float(is_touching.sum() / 2.0 / np.sqrt(smaller))
 
 
 def _two_means(floor: Array, axis: Array) -> Mask:
