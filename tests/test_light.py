@@ -67,3 +67,9 @@ def test_commands_that_need_vtk_load_it(bench):
     done = after([["info", "a.vtk"]], bench)
     assert done.returncode == 1
     assert "vtkmodules" in done.stderr
+
+
+def test_explorer_loads_no_statistics_of_scipy():
+    # They take as long as everything else that it loads.
+    loads = "import sys, recon.runs.explore; sys.exit('scipy.stats' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", loads], check=False).returncode == 0

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from recon.exploration.landmarks import GATE, Sighter
 from recon.exploration.outlines import Outline
@@ -69,7 +69,7 @@ def _agreed(sighter: Sighter, seen: Sequence[Outline], ways: list[Way]) -> Way:
     for number in range(len(seen), 0, -1):
         most = [way for way in ways if len(_known(way)) == number]
         errors = np.array([sighter.joint_error(seen, way) for way in most])
-        if len(most) and errors.min() < chi2.ppf(PROBABILITY, 2 * number):
+        if len(most) and errors.min() < chdtri(2 * number, 1.0 - PROBABILITY):
             likely = [most[row] for row in np.flatnonzero(errors < errors.min() + MARGIN)]
             return tuple(of[0] if len({*of}) == 1 else UNCLEAR for of in zip(*likely, strict=True))
     return (UNCLEAR,) * len(seen)
