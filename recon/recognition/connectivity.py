@@ -65,16 +65,6 @@ def _unsettled(
     return np.flatnonzero(away <= np.maximum(reach, least))
 
 
-def neighbours(index: NDArray[np.int64], reach: int = 1) -> NDArray[np.intp]:
-    """Pairs (E, 2) of rows whose cells are at most `reach` apart along every axis.
-
-    A reach of 1 gives the 26 neighbours of a cell, 2 closes gaps of one cell.
-    """
-    if len(index) < 2:
-        return np.empty((0, 2), dtype=np.intp)
-    return cKDTree(index).query_pairs(reach + 0.5, p=np.inf, output_type="ndarray")
-
-
 def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:
     """Component label of each node of a graph, in the order of the components' first nodes."""
     label: NDArray[np.int32] = numbered(joined_roots(pairs.astype(np.int64), num_nodes))

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.connectivity import linked, neighbours, overhanging
+from recon.recognition.adjacency import neighbours
+from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.ransac import find_solids, same_solid
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming

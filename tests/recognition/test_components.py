@@ -1,14 +1,11 @@
 """Components: gaps are closed, stacked parts joined, neighbours kept separate."""
 
 import numpy as np
+import pytest
+from scipy.spatial import cKDTree
 
-from recon.recognition.connectivity import (
-    grouped,
-    in_order_of_appearance,
-    joined,
-    neighbours,
-    stacked,
-)
+from recon.recognition.adjacency import neighbours
+from recon.recognition.connectivity import grouped, in_order_of_appearance, joined, stacked
 
 
 def block(low, high):
@@ -28,6 +25,18 @@ def test_gap_of_one_cell_is_closed_by_a_reach_of_two():
 
 def test_cells_that_touch_at_a_corner_are_neighbours():
     assert connected(np.array([[0, 0, 0], [1, 1, 1]]), 1).max() == 0
+
+
+@pytest.mark.parametrize("reach", [1, 2, 3])
+@pytest.mark.parametrize("spread", [[9, 9, 9], [1, 40, 3], [2**40, 9, 2**40]])
+def test_pairs_of_neighbours_are_those_of_a_tree(reach, spread):
+    rng = np.random.default_rng(reach)
+    cells = np.unique(rng.integers(-5, 6, (200, 3)) * spread // 9, axis=0)
+    cells = cells[rng.permutation(len(cells))]
+    tree = cKDTree(cells).query_pairs(reach + 0.5, p=np.inf)
+    pairs = neighbours(cells, reach)
+    assert len(pairs) == len(tree)
+    assert {tuple(sorted(pair)) for pair in pairs.tolist()} == tree
 
 
 def test_components_are_numbered_by_their_first_cell():

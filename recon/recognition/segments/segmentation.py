@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import hue_distance_deg
+from recon.recognition.adjacency import neighbours
 from recon.recognition.colour import is_vivid, rgb_to_hsv
-from recon.recognition.connectivity import joined, neighbours
+from recon.recognition.connectivity import joined
 from recon.records import FitFailure, Segments, Voxels
 
 Array = NDArray[np.float64]
