@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, rotation_about_y
+from recon.localisation.precision import information, shares
 from recon.sequences.odometry.motion import (
     MAX_SIGMAS,
     TRACK_SIGMA_PX,
     Linearised,
     linearise,
 )
-from recon.sequences.odometry.tracking import LK_WINDOW_PX, Tracks
+from recon.sequences.odometry.tracking import Tracks
 
 Array = NDArray[np.float64]
 
@@ -38,8 +38,6 @@ SMALL_CHANGE = 1e-7
 MIN_AGREEING, MIN_SHARE = 5.0, 0.25
 """Minimum number of agreeing points that do not share their errors, and their minimum share of
 those that may be right: of many, some agree by chance."""
-USUAL = 5.0
-"""Number of points that the usual precision of tracks counts as, beside the agreeing ones."""
 RIVAL_SHARE = 0.6
 """Share of the agreeing points that another motion may have: texture that repeats has several."""
 
@@ -89,8 +87,8 @@ def planar_motion(
     others = system.select(~agrees)
     if others.number(others.agrees(others.solved(known))) > RIVAL_SHARE * number:
         return None
-    information = system.select(agrees).information(unknown)
-    return PlanarMotion(place=unknown[:3], information=information, num_agreeing=number)
+    told = system.select(agrees).of_place(unknown)
+    return PlanarMotion(place=unknown[:3], information=told, num_agreeing=number)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -171,25 +169,21 @@ class _System:
         return agrees
 
     def shares(self) -> Array:
-        """Weights (N,): tracked windows that overlap share their errors, and count as one."""
-        points = self.tracks.first.points_px
-        near = cKDTree(points).query_ball_point(points, LK_WINDOW_PX / 2.0, return_length=True)
-        return 1.0 / np.maximum(np.asarray(near, np.float64), 1.0)
+        """Weights (N,) of the tracks."""
+        return shares(self.tracks)
 
     def number(self, agrees: NDArray[np.bool_]) -> float:
         """Number of agreeing tracks that do not share their errors."""
         return float(self.select(agrees).shares().sum()) if agrees.any() else 0.0
 
-    def information(self, unknown: Array) -> Array:
+    def of_place(self, unknown: Array) -> Array:
         """Information (3, 3) of the place from agreeing tracks, whatever the common errors are."""
         residual, derivative = self.at(unknown)
-        share = self.shares()
-        variance = (USUAL + share @ (residual**2).mean(axis=1)) / (USUAL + share.sum())
-        normal = np.einsum("n,nij,nik->jk", share, derivative, derivative) / variance
+        normal = information(residual, derivative, self.shares())
         normal[[3, 4], [3, 4]] += COMMON_PX**-2.0
         by_common = np.linalg.solve(normal[3:, 3:], normal[3:, :3])
-        information: Array = normal[:3, :3] - normal[:3, 3:] @ by_common
-        return information
+        alone: Array = normal[:3, :3] - normal[:3, 3:] @ by_common
+        return alone
 
 
 def _by_place(place: Array, T_level_left: Array) -> Array:

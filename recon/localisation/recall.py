@@ -11,6 +11,7 @@ from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
+from recon.localisation.place_errors import PlaceErrors, motion_covariance
 from recon.localisation.registration import Points, Prior
 from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
@@ -18,7 +19,6 @@ from recon.localisation.surfels import Surfels
 from recon.localisation.trust import MIN_AGREEING, trust_in
 from recon.mapping.pair import match_points
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate, StereoPair, Voxels
-from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
 from recon.settings import Settings
 
@@ -36,9 +36,6 @@ NUM_SHAPES = 24
 """Number of guesses by shape that are refined."""
 LEVEL_SIGMA_DEG, LEVEL_SIGMA_CELLS = 0.5, 0.1
 """Standard deviations of tilt and height of a guess by shape."""
-PLACE_SIGMA_CELLS, PLACE_SIGMA_SHARE, PLACE_SIGMA_DEG = 0.05, 0.0016, 0.08
-"""Standard deviations of the pose of a place in its own map: in cells, as a share of its depth, and
-in degrees. Its map has the same errors, so points cannot correct them."""
 TILES_PER_E = 1.5
 """Number of additional agreeing tiles that make a pose e times as likely; neighbouring tiles are
 correlated."""
@@ -87,6 +84,8 @@ class KnownWorld:
     """(P, W) summaries of the atlas's places."""
     depths: Array
     """(P,) median depths of the atlas's places, world units."""
+    own: Array
+    """(6, 6) covariance of the pose of a place."""
     trust: float
     """Logarithm of how often places that look alike are one place, over how often they are not."""
     settings: Settings
@@ -108,6 +107,7 @@ class KnownWorld:
             atlas=atlas,
             summaries=atlas.summaries,
             depths=atlas.depths,
+            own=PlaceErrors.of(atlas, voxels.cell_size).covariance,
             trust=trust_in(atlas),
             settings=settings,
             search=Search.of(voxels, objects, atlas),
@@ -154,13 +154,6 @@ class KnownWorld:
             for row, meeting in both[:NUM_HYPOTHESES]
         ]
 
-    def _own(self, row: int) -> Array:
-        """Covariance (6, 6) of the pose of a place."""
-        shift = max(
-            PLACE_SIGMA_CELLS * self.voxels.cell_size, PLACE_SIGMA_SHARE * float(self.depths[row])
-        )
-        return np.diag(np.repeat([np.radians(PLACE_SIGMA_DEG), shift], 3) ** 2)
-
     def _by_shape(self, cloud: PointCloud, points: Points, outlook: Outlook) -> list[PoseEstimate]:
         """Poses from the shape of what is seen, where no place covers them."""
         if not len(self.atlas):
@@ -195,15 +188,11 @@ class KnownWorld:
     def _from(self, row: int, meeting: Meeting, query: Place) -> PoseEstimate:
         """The pose of the query from a place, with the uncertainty of the points and the place."""
         T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
-        at = linearise(meeting.T_second_first, meeting.tracks, query.rig)
-        information, _ = at.normal_equations()
-        # Corrects for the six fitted parameters.
-        spread = at.spread * np.sqrt(len(at.residual) / (len(at.residual) - 6.0))
-        covariance = np.linalg.pinv(information) * spread**2
+        covariance = motion_covariance(meeting, query.rig)
         turn = np.kron(np.eye(2), T_world_left[:3, :3])
         return PoseEstimate(
             T_world_left=T_world_left,
-            covariance=turn @ covariance @ turn.T + self._own(row),
+            covariance=turn @ covariance @ turn.T + self.own,
             probability=0.0,
             residual=1.0,
             inlier_share=meeting.num_agreeing / len(meeting.tracks),

@@ -1,0 +1,85 @@
+"""Errors of the poses of places, as places that show the same reveal them.
+
+Recorded poses have errors of their own, which differ from recording to recording; those of a
+simulator have none.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from recon.camera import StereoRig
+from recon.geometry import invert
+from recon.localisation.atlas import Atlas
+from recon.localisation.precision import information, shares
+from recon.sequences.odometry.motion import linearise
+from recon.sequences.odometry.places import Meeting, meet
+
+Array = NDArray[np.float64]
+
+NUM_PLACES = 24
+"""Maximum number of places that are compared with the next one."""
+MIN_AGREEING = 24
+"""Minimum number of agreeing points of two places."""
+LEAST_CELLS, LEAST_DEG = 0.01, 0.01
+"""Least standard deviations of a place's position, in cells, and rotation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaceErrors:
+    """Standard deviations of the pose of a place along and about each axis."""
+
+    turn: float
+    """Radians."""
+    shift: float
+    """World units."""
+
+    @classmethod
+    def of(cls, atlas: Atlas, cell_size: float) -> "PlaceErrors":
+        """The errors that the motions between neighbouring places have beyond those of points."""
+        rows = np.unique(np.linspace(0, max(len(atlas) - 2, 0), NUM_PLACES).astype(np.intp))
+        found = [_compared(atlas, int(row)) for row in rows if row + 1 < len(atlas)]
+        off, expected = (
+            np.array([one[part] for one in found if one is not None]).reshape(-1, 2, 3)
+            for part in (0, 1)
+        )
+        turn, shift = (_beyond(off[:, part], expected[:, part]) for part in (0, 1))
+        return cls(
+            turn=float(np.hypot(turn, np.radians(LEAST_DEG))),
+            shift=float(np.hypot(shift, LEAST_CELLS * cell_size)),
+        )
+
+    @property
+    def covariance(self) -> Array:
+        """(6, 6), in the order of `PoseEstimate`."""
+        return np.diag(np.repeat([self.turn, self.shift], 3) ** 2)
+
+
+def motion_covariance(met: Meeting, rig: StereoRig) -> Array:
+    """Covariance (6, 6) of the motion between two places, from their common points."""
+    at = linearise(met.T_second_first, met.tracks, rig)
+    known = information(at.residual, at.by_motion, shares(met.tracks))
+    return np.asarray(np.linalg.pinv(known), np.float64)
+
+
+def _compared(atlas: Atlas, row: int) -> tuple[Array, Array] | None:
+    """Rotation and shift (6,) between a place and the next beyond their poses, and variances."""
+    first, second = atlas.places[row : row + 2]
+    met = meet(first, second)
+    if met is None or met.num_agreeing < MIN_AGREEING:
+        return None
+    T_first, T_second = atlas.T_world_left[row : row + 2]
+    off = met.T_second_first @ invert(T_first) @ T_second
+    both = np.concatenate([Rotation.from_matrix(off[:3, :3]).as_rotvec(), off[:3, 3]])
+    return both, np.diag(motion_covariance(met, second.rig))
+
+
+def _beyond(off: Array, expected: Array) -> float:
+    """Standard deviation of each end that explains errors beyond the expected variances."""
+    if not off.size:
+        return 0.0
+    # The mean, not the median: a recording with some poses that are wrong is less certain.
+    excess = float(np.mean(off**2) - np.mean(expected))
+    return float(np.sqrt(max(excess, 0.0) / 2.0))
