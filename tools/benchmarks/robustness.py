@@ -102,6 +102,8 @@ class Row:
     pairs: int
     ended: int
     clearance: float
+    until_objects: float
+    """Path until the objects had their final names, of the oracle's."""
     path_share: float
 
 
@@ -204,8 +206,15 @@ def row_of(runs: list[Run]) -> Row:
         pairs=sum(one["num_pairs"] for one in metrics),
         ended=sum(run.done.stop_reason == "all known" for run in runs),
         clearance=min(one["min_clearance"] for one in metrics),
+        until_objects=float(np.mean([path_until_objects(one) for one in metrics])),
         path_share=float(np.mean([one["path_length"] / one["oracle_path"] for one in metrics])),
     )
+
+
+def path_until_objects(metrics: dict[str, Any]) -> float:
+    """Path until the objects had their final names, as a share of the oracle's."""
+    _, path_length, _ = metrics["curve"][max(metrics["pairs_until_objects"], 1) - 1]
+    return float(path_length / metrics["oracle_path"])
 
 
 def labels_of(run: Run) -> tuple[int, int]:
@@ -231,6 +240,7 @@ def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
     yield number(f"{condition}.all_known", row.ended, "worlds", "higher")
     yield number(f"{condition}.pairs", row.pairs / clean.pairs, "of the clean worlds'")
     yield number(f"{condition}.clearance", row.clearance, "units", "higher")
+    yield number(f"{condition}.path_until_objects", row.until_objects, "of the oracle's")
     yield number(f"{condition}.path", row.path_share, "of the oracle's")
 
 
