@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.sequences.contradictions.finding import Finding
 from recon.sequences.depth import Image
-from recon.sequences.odometry.tracking import NUM_CHECKED, Sightings, corners, follow
+from recon.sequences.odometry.tracking import Sightings, corners, follow
 from recon.sequences.pair_images import grey, levelled
 
 Array = NDArray[np.float64]
@@ -34,6 +34,8 @@ SOUND_ROW_OFFSET_PX = 0.35
 """Median row offset of a sound rig."""
 MAX_CORNER_PX = 2.5
 """Maximum row offset in the image's corners by a turn; KITTI has 1.6."""
+NUM_CORNERS = 300
+"""Fewer than for motions, since tracking takes most of the time of a check."""
 MIN_TRACKED, MAX_TRACKED_ROWS_PX = 100, 20.0
 """Minimum number of tracked corners, and maximum row offset of one."""
 MAX_DISTORTION, MIN_SIGMAS = 0.05, 10.0
@@ -66,7 +68,7 @@ class Fit:
 def tracked_corners(left: Image, right: Image) -> Sightings:
     """Corners of the left image tracked into the right one, from where they are."""
     one = grey(left)
-    points = corners(one, NUM_CHECKED)
+    points = corners(one, NUM_CORNERS)
     found, is_found = follow(one, levelled(grey(right), one), points)
     offset = points.astype(np.float64) - found
     seen = Sightings(

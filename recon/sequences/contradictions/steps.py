@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from recon.geometry import transform
 from recon.records import StereoPair
 from recon.sequences.odometry.motion import agreeing_tracks, refine_motion
-from recon.sequences.odometry.tracking import NUM_CHECKED, Tracks, track
+from recon.sequences.odometry.tracking import Tracks, track
 
 Array = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def step_between(
     """
     if first.rig != second.rig:
         return None
-    tracks = track(first, second, T_second_first, NUM_CHECKED)
+    tracks = track(first, second, T_second_first)
     agreeing = agreeing_tracks(tracks, first.rig)
     if agreeing is None:
         return None

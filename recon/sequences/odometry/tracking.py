@@ -19,8 +19,6 @@ Rows = NDArray[np.bool_] | NDArray[np.integer]
 
 NUM_CORNERS, NUM_CELLS = 700, 70
 """Corners are detected per cell, so that one textured wall does not get all of them."""
-NUM_CHECKED = 300
-"""Corners tracked to check a recording: fewer, as tracking takes most of the time of a check."""
 MIN_CORNER_SPACING_PX = 7
 CORNER_QUALITY = 0.01
 LK_WINDOW_PX, LK_LEVELS = 15, 4
@@ -74,12 +72,7 @@ class Tracks:
         return Tracks(first=self.first.select(rows), second=self.second.select(rows))
 
 
-def track(
-    first: StereoPair,
-    second: StereoPair,
-    T_second_first: Array | None = None,
-    num_corners: int = NUM_CORNERS,
-) -> Tracks:
+def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = None) -> Tracks:
     """Track corners of `first` through all four images.
 
     Parameters
@@ -87,12 +80,10 @@ def track(
     first, second : StereoPair
     T_second_first : (4, 4), optional
         Motion of the left camera, to predict the corners; by default they start where they were.
-    num_corners : int
-        Approximate maximum number of corners.
     """
     left, next_left = grey(first.left), grey(second.left)
     right, next_right = levelled(grey(first.right), left), levelled(grey(second.right), next_left)
-    points = corners(left, num_corners)
+    points = corners(left)
     seen, is_seen = seen_by_both(left, right, points)
     seen = seen.select(is_seen)
     if T_second_first is None:
