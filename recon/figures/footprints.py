@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 AROUND = 48
 """Number of corners of a circle."""
+DIGITS, TINY = 6, 1e-12
+"""Decimals, in sizes of the outline, of equal coordinates; least size of an outline."""
 
 
 def of_object(found: FoundObject, voxels: Voxels) -> Array:
@@ -112,4 +114,15 @@ def _hull(points: Array) -> Array:
     except QhullError:
         return points
     # Counter-clockwise in (x, z) is clockwise in (x, -z), which maps draw.
-    return ring[::-1]
+    return _from_first(ring[::-1])
+
+
+def _from_first(ring: Array) -> Array:
+    """The ring from its corner of least z, then least x, on.
+
+    Otherwise the last digit of a coordinate decides where it begins, and with it its dashes.
+    """
+    if not len(ring):
+        return ring
+    places = np.round((ring - ring.min(axis=0)) / max(float(np.ptp(ring)), TINY), DIGITS)
+    return np.roll(ring, -np.lexsort(places.T)[0], axis=0)
