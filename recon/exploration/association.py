@@ -65,7 +65,7 @@ def _known(way: Way) -> list[int]:
 
 
 def _agreed(sighter: Sighter, seen: Sequence[Outline], ways: list[Way]) -> Way:
-    """What all likely ways that associate most objects have in common."""
+    """The associations that all likely ways of associating most objects have in common."""
     for number in range(len(seen), 0, -1):
         most = [way for way in ways if len(_known(way)) == number]
         errors = np.array([sighter.joint_error(seen, way) for way in most])

@@ -179,7 +179,7 @@ def _least(shown: Shown, cells: float, degrees: float) -> Array:
 def told(
     place: Array, information: Array, known: tuple[Array, Array], least: Array
 ) -> tuple[Array, Array]:
-    """What points alone tell of a step, of an estimate with what was known before.
+    """The step by its points alone: the estimate without what was known before.
 
     Directions of which they tell next to nothing are left where they were known.
 

@@ -93,7 +93,7 @@ def planar_motion(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Known:
-    """What is known of place and common errors (5,) before."""
+    """The prior of place and common errors (5,)."""
 
     unknown: Array
     information: Array

@@ -9,7 +9,7 @@ from recon.records import Plane
 
 
 def squareness(pieces: Sequence[FlatPiece]) -> float:
-    """How nearly planes are parallel or at right angles, seen from above; 1 = all of them.
+    """The squareness of planes seen from above; 1 = all are parallel or at right angles.
 
     The length of the mean of unit vectors with four times the azimuth of the normals, in which
     quarter turns cancel; each plane counts as much as it has cells.
