@@ -11,7 +11,7 @@ from recon.mapping.sparse import match_sparse
 from recon.records import Matches, PointCloud, StereoPair, check_images
 from recon.settings import QUALITIES, Quality, Settings, updated, with_quality
 from recon.stereo.dense.dense import as_matches, match_every_pixel
-from recon.stereo.triangulation import triangulate_all
+from recon.stereo.triangulation import triangulate
 from recon.voxelmap import VoxelMap
 
 
@@ -136,7 +136,7 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
         pair.left, pair.right, settings, pair.disparity_range, pair.rig.residual_px
     )
     # Depth and its uncertainty (Eqs 19, 44), transformed to the world (Eq 45).
-    points = triangulate_all(_mapped(found.matches, pair, settings), pair, settings.triangulation)
+    points = triangulate(_mapped(found.matches, pair, settings), pair, settings.triangulation)
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
     return PairResult(
         matches=found.matches,

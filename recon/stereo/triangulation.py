@@ -31,12 +31,7 @@ class Triangulation:
         )
 
 
-def triangulate(matches: Matches, pair: StereoPair, settings: TriangulationSettings) -> PointCloud:
-    """Coloured points of the precise matches; see `triangulate_all`."""
-    return triangulate_all(matches, pair, settings).sure
-
-
-def triangulate_all(
+def triangulate(
     matches: Matches, pair: StereoPair, settings: TriangulationSettings
 ) -> Triangulation:
     """Coloured points of the matches whose rays meet in front of the cameras.

@@ -34,7 +34,7 @@ def test_known_point_is_recovered():
     matches = matches_of(RIG.project_left(point), RIG.disparity(point[:, 2]))
     image = np.zeros((48, 64, 3), np.uint8)
     image[..., 0] = 200
-    cloud = triangulate(matches, pair_of(image), TriangulationSettings())
+    cloud = triangulate(matches, pair_of(image), TriangulationSettings()).sure
     np.testing.assert_allclose(cloud.points, point, atol=1e-12)
     np.testing.assert_allclose(cloud.sigma, 3.0**2 / (50 * 0.3) * 0.1)
     assert cloud.colours.tolist() == [[200, 0, 0]]
@@ -45,21 +45,25 @@ def test_disparity_noise_gives_the_sigma_of_depth():
     depth, sigma_px = 3.0, 0.05
     noisy = RIG.disparity(depth) + rng.normal(0, sigma_px, 4000)
     matches = matches_of(np.tile([31.5, 23.5], (4000, 1)), noisy, sigma_px)
-    cloud = triangulate(matches, pair_of(np.zeros((48, 64), np.uint8)), TriangulationSettings())
+    cloud = triangulate(
+        matches, pair_of(np.zeros((48, 64), np.uint8)), TriangulationSettings()
+    ).sure
     assert 0.9 < np.std(cloud.points[:, 2]) / np.median(cloud.sigma) < 1.1
 
 
 @pytest.mark.parametrize("disparity", [0.0, -2.0, np.nan])
 def test_points_without_an_intersection_in_front_are_left_out(disparity):
     matches = matches_of([[10, 10], [20, 20]], [5.0, disparity])
-    cloud = triangulate(matches, pair_of(np.zeros((48, 64), np.uint8)), TriangulationSettings())
+    cloud = triangulate(
+        matches, pair_of(np.zeros((48, 64), np.uint8)), TriangulationSettings()
+    ).sure
     assert len(cloud) == 1
 
 
 def test_uncertain_points_are_left_out_on_request():
     matches = matches_of([[10, 10], [20, 20]], [5.0, 1.0])
     image = np.zeros((48, 64), np.uint8)
-    sure = triangulate(matches, pair_of(image), TriangulationSettings(max_sigma=0.5))
+    sure = triangulate(matches, pair_of(image), TriangulationSettings(max_sigma=0.5)).sure
     assert len(sure) == 1
     assert sure.points[0, 2] == pytest.approx(3.0)
 
@@ -68,10 +72,10 @@ def test_colour_is_the_mean_of_the_window_even_at_the_border():
     image = np.zeros((48, 64), np.uint8)
     image[10, 10] = 90
     matches = matches_of([[10, 10], [0, 0]], [5.0, 5.0])
-    cloud = triangulate(matches, pair_of(image), TriangulationSettings(colour_window_px=3))
+    cloud = triangulate(matches, pair_of(image), TriangulationSettings(colour_window_px=3)).sure
     assert cloud.colours.tolist() == [[10, 10, 10], [0, 0, 0]]
 
 
 def test_no_matches_give_an_empty_cloud():
     image = np.zeros((48, 64), np.uint8)
-    assert len(triangulate(Matches.none(), pair_of(image), TriangulationSettings())) == 0
+    assert len(triangulate(Matches.none(), pair_of(image), TriangulationSettings()).sure) == 0
