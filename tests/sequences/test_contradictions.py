@@ -161,6 +161,22 @@ def test_synchronised_cameras_are_not_reported(still):
     assert moment_finding(last, before[::-1]) is None
 
 
+def test_motion_along_the_baseline_is_not_reported():
+    """Its images have corresponding rows, whichever are paired; the nearest share most corners."""
+    wide = textured(np.random.default_rng(4), (240, 700))
+    rig = StereoRig(
+        width=400, height=240, focal_px=400.0, cx_left_px=200.0, cx_right_px=200.0, cy_px=120.0,
+        baseline=2.0,
+    )  # fmt: skip
+    *before, last = (
+        StereoPair(
+            left=wide[:, at : at + 400], right=wide[:, at + 160 : at + 560], rig=rig, name=""
+        )
+        for at in range(0, 3 * 40, 40)
+    )
+    assert moment_finding(last, before[::-1]) is None
+
+
 class Listed(list):
     """A list of pairs with the attributes of a source."""
 

@@ -1,6 +1,7 @@
 """Left and right taken at different times, found by comparison with the previous pairs."""
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,15 +27,16 @@ def moment_finding(pair: StereoPair, before: Sequence[StereoPair]) -> Finding | 
     before : sequence of StereoPair
         The previous pairs, the last one first; up to `REACH` of them are used.
     """
-    own = level_share(pair.left, pair.right)
-    shares = {words: level_share(*images) for words, images in _partners(pair, before[:REACH])}
-    words = max(shares, key=lambda one: shares[one], default="")
-    if not shares or shares[words] < max(MIN_GAIN * own, own + MIN_MORE):
+    own = level_shares(pair.left, pair.right)
+    shares = {words: level_shares(*images) for words, images in _partners(pair, before[:REACH])}
+    words = max(shares, key=lambda one: shares[one].of_wanted, default="")
+    if not shares or not _is_better(shares[words], own):
         return None
     return Finding(
         code="not-simultaneous",
         text=f"left and right were taken at different times: the right images are {words}, as "
-        f"{shares[words]:.0%} of the corners then lie in corresponding rows, {own:.0%} as paired",
+        f"{shares[words].of_wanted:.0%} of the corners then lie in corresponding rows, "
+        f"{own.of_wanted:.0%} as paired",
     )
 
 
@@ -50,8 +52,27 @@ def _partners(
         yield f"{pairs} early", (pair.left, other.right)
 
 
-def level_share(left: Image, right: Image) -> float:
-    """Share of the corners matched in corresponding rows, weighted by how close the rows are."""
+class LevelShares(NamedTuple):
+    """Shares of corners that lie in corresponding rows, weighted by how close the rows are."""
+
+    of_wanted: float
+    """Of the corners searched for."""
+    of_seen: float
+    """Of the corners found."""
+
+
+def level_shares(left: Image, right: Image) -> LevelShares:
+    """How well two images fit each other as a pair."""
     made = survey(left, right)
-    level = np.maximum(0.0, 1.0 - np.abs(made.seen.row_offset_px))
-    return float(level.sum()) / max(1, made.num_wanted)
+    level = float(np.maximum(0.0, 1.0 - np.abs(made.seen.row_offset_px)).sum())
+    return LevelShares(level / max(1, made.num_wanted), level / max(1, len(made.seen)))
+
+
+def _is_better(other: LevelShares, own: LevelShares) -> bool:
+    """True if the other images fit better than the paired ones.
+
+    Images of a rig that moves along its baseline all have corresponding rows, and those nearest to
+    each other share most corners: only corners out of their rows contradict a pair.
+    """
+    more_of_wanted = max(MIN_GAIN * own.of_wanted, own.of_wanted + MIN_MORE)
+    return other.of_wanted >= more_of_wanted and other.of_seen >= MIN_GAIN * own.of_seen
