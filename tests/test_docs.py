@@ -53,6 +53,23 @@ def test_messages_on_the_troubleshooting_page_occur_in_the_code():
     assert [words for words in known if words not in sources] == []
 
 
+def notified(source):
+    """The codes of the warnings that a source reports."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            named = [word.value for word in node.keywords if word.arg == "code"]
+            given = {"notify": node.args[:1], "Finding": named}.get(node.func.id, [])
+            yield from (code.value for code in given if isinstance(code, ast.Constant))
+
+
+def test_troubleshooting_page_lists_exactly_the_warnings_of_the_code():
+    assert list(notified("notify('a-b', text)\nFinding(code='c-d', text=text)")) == ["a-b", "c-d"]
+    sources = (path.read_text() for path in (DOCS.parent / "recon").rglob("*.py"))
+    known = {code for source in sources for code in notified(source)}
+    page = (DOCS / "troubleshooting.md").read_text()
+    assert re.findall(r"^\| `([a-z-]+): \.\.\.` \|", page, re.M) == sorted(known)
+
+
 def pieces(message):
     """Split a message into its fixed parts."""
     shown = message.replace("different settings", "different ...").replace("las]", "...]")

@@ -30,7 +30,7 @@ FLOORS = {
 HOMES = {
     "open3d": {"world", "voxelmap", "recognition", "surface", "localisation", "exports"},
     "cv2": {"stereo", "sequences", "localisation", "world", "exports"},
-    "skimage": {"stereo", "recognition", "exploration", "sequences"},
+    "skimage": {"sequences"},
     "PIL": {"world", "sequences", "figures"},
     "pyvista": {"figures", "app", "exports", "voxelmap"},  # VoxelMap.to_pyvista
     "matplotlib": {"figures"},

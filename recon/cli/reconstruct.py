@@ -31,7 +31,7 @@ def parse_roi(
 @click.option(
     "--format",
     "sequence__format",
-    help="auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in.",
+    help="auto, folder, kitti, euroc, middlebury, ring, video, bag, simulated, or a plug-in.",
 )
 @click.option(
     "--poses",

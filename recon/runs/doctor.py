@@ -11,11 +11,15 @@ from recon.world.filament import filament_fault
 
 EXTRAS = {
     "laspy": "las",
+    "pye57": "e57",
     "pyoctomap": "octomap",
     "trimesh": "mesh",
     "pyarrow": "tables",
     "zarr": "tables",
+    "fsspec": "tables",
     "rosbags": "ros",
+    "nicegui": "app",
+    "distributed": "cluster",
 }
 
 

@@ -10,7 +10,7 @@ class SequenceSettings:
     """Selection of the pairs of a recording, and the source of their poses."""
 
     format: str = "auto"
-    """auto, folder, kitti, euroc, middlebury, ring, video, bag, or a plug-in's name."""
+    """auto, folder, kitti, euroc, middlebury, ring, video, bag, simulated, or a plug-in's name."""
     poses: Literal["given", "estimated", "none"] = "given"
     """Source of the poses: the recording, stereo odometry, or none."""
     every: Count = 1
