@@ -200,16 +200,17 @@ def limit_threads(number: int) -> None:
 
 _M_ARENA_MAX = -8
 """Parameter of glibc's `mallopt`."""
+_NUM_ARENAS = 2
 
 
-def share_arenas(number: int = 2) -> None:
+def share_arenas() -> None:
     """Let all threads allocate in few arenas: what one frees the next one uses.
 
     glibc makes an arena for every thread otherwise, and a program that starts threads all the time
     grows. Elsewhere nothing happens.
     """
     with suppress(AttributeError, OSError, TypeError):
-        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, number)
+        ctypes.CDLL(None).mallopt(_M_ARENA_MAX, _NUM_ARENAS)
 
 
 def return_memory() -> None:

@@ -128,7 +128,7 @@ def _nth(path: Path, number: int, settings: Settings) -> StereoPair:
 
 
 def _seen(pair: StereoPair, shown: str, settings: Settings) -> SeenPair:
-    from recon.mapping.pair import match_images
+    from recon.mapping.sparse import match_sparse
     from recon.stereo.dense.dense import match_every_pixel
     from recon.stereo.features import detect
 
@@ -142,7 +142,7 @@ def _seen(pair: StereoPair, shown: str, settings: Settings) -> SeenPair:
             left=pair.left, points_px=np.asarray(found.points_px, np.float64),
             values=np.degrees(found.orientation_rad).astype(np.float64), label="orientation [deg]",
         )  # fmt: skip
-    matches = match_images(*images, settings, pair.disparity_range, pair.rig.residual_px)
+    matches = match_sparse(*images, settings, pair.disparity_range, pair.rig.residual_px).matches
     return _sparse(pair.left, matches.points_px, matches.disparity_px)
 
 

@@ -34,8 +34,8 @@ PATIENCE_S = 10.0
 class Walk:
     """One exploration in its own thread."""
 
-    def __init__(self, scene: Path, settings: Settings, seed: int = 0) -> None:
-        self.job = Job(kind="explore", inputs=(scene,), settings=settings, seed=seed)
+    def __init__(self, scene: Path, settings: Settings) -> None:
+        self.job = Job(kind="explore", inputs=(scene,), settings=settings)
         # Removed at the latest when the program ends.
         self._holder = tempfile.TemporaryDirectory(prefix="recon-", ignore_cleanup_errors=True)
         self.folder = Path(self._holder.name) / scene.stem

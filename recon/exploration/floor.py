@@ -241,8 +241,7 @@ class Floor:
         return heading_rad + np.linspace(-field_rad / 2.0, field_rad / 2.0, number)
 
 
-def first_best(values: Array, axis: int = -1) -> NDArray[np.intp]:
-    """Index of the first maximum along an axis, independent of rounding."""
+def first_best(values: Array) -> int:
+    """Index of the first maximum of values (N,), independent of rounding."""
     slack = ROUNDING * np.abs(values).max(initial=0.0)
-    best: NDArray[np.intp] = (values >= values.max(axis=axis, keepdims=True) - slack).argmax(axis)
-    return best
+    return int((values >= values.max() - slack).argmax())

@@ -112,7 +112,7 @@ def _placed(
         position = at[number]
         beside = [stops[other] for other in order[position - 1 : position + 2] if other != number]
         added = sum(np.hypot(*(candidates - place).T) for place in beside)
-        best = int(first_best(-np.asarray(added)))
+        best = first_best(-np.asarray(added))
         total += float(np.asarray(added)[best])
         places.append(candidates[best])
     return total, places

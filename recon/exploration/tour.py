@@ -135,7 +135,7 @@ def add_objects(
         update_best((most, ray), changed, sides.worth, ground, visibility.barred, scales.side_area)
         detour, position = tour.detours()
         score = most / (detour + scales.pair_cost)
-        best = int(first_best(score))
+        best = first_best(score)
         if score[best] == 0.0:
             return
         tour.insert(int(position[best]), best, int(ray[best]))

@@ -36,14 +36,13 @@ def columns_of(num: int) -> int:
     return max(1, int(np.ceil(np.sqrt(num * CELL[1] / CELL[0]))))
 
 
-def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
+def contact(prints: Sequence[Print]) -> Any:
     """Images in rows, each below its name.
 
     Parameters
     ----------
     prints : sequence of Print
         The first `MAX_SHOWN` are shown.
-    sheet : Sheet, optional
 
     Returns
     -------
@@ -52,7 +51,7 @@ def contact(prints: Sequence[Print], *, sheet: Sheet | None = None) -> Any:
     shown = prints[:MAX_SHOWN]
     columns = columns_of(len(shown))
     rows = max(1, -(-len(shown) // columns))
-    sheet = sheet or Sheet.of((CELL[0] * columns, CELL[1] * rows))
+    sheet = Sheet.of((CELL[0] * columns, CELL[1] * rows))
     sheet.place_by_hand()
     axes = sheet.figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()

@@ -13,7 +13,7 @@ Runs = Mapping[str, Sequence[tuple[Any, float]]]
 """Value of the setting and metric of each run, by the values of the other settings."""
 
 
-def sweep(runs: Runs, setting: str, metric: str, *, sheet: Sheet | None = None) -> Any:
+def sweep(runs: Runs, setting: str, metric: str) -> Any:
     """The mean metric per value of a setting as a line, and every run as a dot.
 
     Parameters
@@ -23,7 +23,6 @@ def sweep(runs: Runs, setting: str, metric: str, *, sheet: Sheet | None = None) 
         Name below the axis; words are placed at equal distances.
     metric : str
         Name beside the axis.
-    sheet : Sheet, optional
 
     Returns
     -------
@@ -31,7 +30,7 @@ def sweep(runs: Runs, setting: str, metric: str, *, sheet: Sheet | None = None) 
     """
     from matplotlib import colormaps
 
-    sheet = sheet or Sheet.of(SIZE)
+    sheet = Sheet.of(SIZE)
     axes = sheet.axes(f"{metric} over {setting}", setting, metric)
     values = list(dict.fromkeys(value for found in runs.values() for value, _ in found))
     is_numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)

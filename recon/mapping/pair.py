@@ -75,26 +75,7 @@ def match_pair(
         check_number("residual_px", residual_px, low=0)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}
     settings = updated(with_quality(Settings(), quality), {"matching": search})
-    return match_images(left, right, settings, residual_px=residual_px)
-
-
-def match_images(
-    left: NDArray[np.uint8],
-    right: NDArray[np.uint8],
-    settings: Settings,
-    stated_range: tuple[int, int] | None = None,
-    residual_px: float | None = None,
-) -> Matches:
-    """Match two rectified images as the settings say.
-
-    Parameters
-    ----------
-    stated_range : (min, max), optional
-        Search range in pixels, used if the settings do not define one.
-    residual_px : float, optional
-        Of the rig, used if the settings do not define one; see `refine`.
-    """
-    return match_sparse(left, right, settings, stated_range, residual_px).matches
+    return match_sparse(left, right, settings, residual_px=residual_px).matches
 
 
 def process_pair(

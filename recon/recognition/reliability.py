@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 NUM_BINS = 10
+"""Number of bins, of equal width."""
 
 
-def calibration_error(
-    probability: ArrayLike, is_right: ArrayLike, num_bins: int = NUM_BINS
-) -> float:
+def calibration_error(probability: ArrayLike, is_right: ArrayLike) -> float:
     """Expected calibration error: mean gap between probability and share of correct ones, by bins.
 
     Parameters
@@ -16,8 +15,6 @@ def calibration_error(
     probability : (N,) array_like
         0 to 1.
     is_right : (N,) array_like of bool
-    num_bins : int
-        Bins of equal width.
 
     Returns
     -------
@@ -27,6 +24,6 @@ def calibration_error(
     chance, right = np.asarray(probability, dtype=np.float64), np.asarray(is_right, dtype=bool)
     if not len(chance):
         return float("nan")
-    own = np.minimum((chance * num_bins).astype(int), num_bins - 1)
-    gaps = np.bincount(own, chance, num_bins) - np.bincount(own, right, num_bins)
+    own = np.minimum((chance * NUM_BINS).astype(int), NUM_BINS - 1)
+    gaps = np.bincount(own, chance, NUM_BINS) - np.bincount(own, right, NUM_BINS)
     return float(np.abs(gaps).sum() / len(chance))

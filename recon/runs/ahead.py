@@ -25,7 +25,7 @@ PIXELS_AT_ONCE = 4 << 20
 larger image."""
 
 
-def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
+def read_ahead(source: Iterable[Item]) -> Iterator[Item]:
     """The items of a source, in order, read in a thread while earlier ones are processed."""
     items, context = iter(source), contextvars.copy_context()
 
@@ -34,7 +34,7 @@ def read_ahead(source: Iterable[Item], depth: int = DEPTH) -> Iterator[Item]:
         return context.run(lambda: list(itertools.islice(items, 1)))
 
     with ThreadPoolExecutor(1) as reader:
-        waiting = deque(reader.submit(read) for _ in range(depth))
+        waiting = deque(reader.submit(read) for _ in range(DEPTH))
         while item := waiting.popleft().result():
             waiting.append(reader.submit(read))
             yield item[0]

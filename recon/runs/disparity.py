@@ -50,11 +50,7 @@ class MatchedPair:
 
 
 def match_files(
-    left_path: Path,
-    right_path: Path,
-    settings: Settings,
-    stated_range: tuple[int, int] | None = None,
-    calib: Path | None = None,
+    left_path: Path, right_path: Path, settings: Settings, calib: Path | None = None
 ) -> MatchedPair:
     """Match two image files as the settings say; with a calibration they are rectified first."""
     left, right = read_pair(left_path, right_path)
@@ -66,13 +62,12 @@ def match_files(
     search = matching.min_disparity, matching.max_disparity
     contradictions = check_contradictions(left, right, search)
     began = time.perf_counter()
-    found = match_sparse(left, right, settings, stated_range)
+    found = match_sparse(left, right, settings)
     seconds = time.perf_counter() - began
     num_features = found.num_features
     if num_features is None:
         num_features = len(detect(left, settings.features))
-    is_dense = settings.dense.enabled
-    dense = match_every_pixel(left, right, settings, stated_range) if is_dense else None
+    dense = match_every_pixel(left, right, settings) if settings.dense.enabled else None
     return MatchedPair(
         left=left,
         matches=found.matches,

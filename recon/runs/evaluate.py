@@ -11,7 +11,7 @@ import numpy as np
 from recon.errors import InputError
 from recon.figures.kept import kept_matches, kept_pair
 from recon.figures.kinds import Arrays
-from recon.mapping.pair import match_images
+from recon.mapping.sparse import match_sparse
 from recon.records import Features, Matches
 from recon.runs.arguments import positive, texts
 from recon.runs.disparity import match_files, matching_of, measure
@@ -141,7 +141,7 @@ def trial_arrays(trial: Trial) -> dict[str, Arrays]:
     whole = match(features_left, features_right, settings.matching)
     tuned = refine(whole, features_left, features_right)
     finest = updated(settings, {"features": {"widths_px": settings.features.widths_px[:1]}})
-    one_scale = match_images(left, right, finest)
+    one_scale = match_sparse(left, right, finest).matches
     # The row with the widest spread of points: one along a horizontal edge shows nothing.
     spread = np.unique(np.rint(whole.points_px // (8, 1)).astype(np.int64), axis=0)
     fullest = int(np.bincount(spread[:, 1], minlength=1).argmax())

@@ -14,7 +14,7 @@ from recon.geometry import transform
 from recon.localisation.keeper import PlaceKeeper
 from recon.manifest import read_manifest
 from recon.mapping.mapper import Mapper, Step
-from recon.mapping.pair import match_images
+from recon.mapping.sparse import match_sparse
 from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
@@ -84,7 +84,7 @@ def _is_rendered(path: Path) -> bool:
 
 def suggested_cell_size(pair: StereoPair, settings: Settings) -> float:
     """A cell size that suits the depths of a pair; 1 if it has no matches."""
-    matches = match_images(pair.left, pair.right, with_quality(settings, "fast"))
+    matches = match_sparse(pair.left, pair.right, with_quality(settings, "fast")).matches
     depth = pair.rig.depth(matches.disparity_px)
     depth = depth[np.isfinite(depth)]
     if not len(depth):

@@ -1,7 +1,6 @@
 """Accuracy of matches compared with the true disparity (Eqs 1, 2, Tables 1 and 3)."""
 
 from dataclasses import asdict, dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,12 +39,7 @@ class Evaluation:
         return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
-def evaluate(
-    matches: Matches,
-    truth_px: Disparity,
-    quantisation_px: float = 0.0,
-    truth_right_px: Disparity | None = None,
-) -> Evaluation:
+def evaluate(matches: Matches, truth_px: Disparity, quantisation_px: float = 0.0) -> Evaluation:
     """Compare matches with the true disparity of the left image.
 
     Parameters
@@ -56,16 +50,13 @@ def evaluate(
     quantisation_px : float
         Quantisation step of the truth. If it is a whole pixel, refined disparities are rounded
         first, like the truth.
-    truth_right_px : (H, W) float, optional
-        Disparity of the right image's pixels, for occlusion.
 
     Returns
     -------
     Evaluation
     """
     u, v = np.rint(matches.points_px).astype(np.int64).T
-    truth = _Truth(truth_px, quantisation_px, truth_right_px)
-    return _judged(u, v, matches.disparity_px, truth)
+    return _judged(u, v, matches.disparity_px, truth_px, quantisation_px)
 
 
 def evaluate_map(
@@ -73,32 +64,26 @@ def evaluate_map(
 ) -> Evaluation:
     """Compare a dense disparity (H, W), NaN = unknown, with the true one."""
     v, u = np.nonzero(np.isfinite(disparity_px))
-    return _judged(u, v, disparity_px[v, u], _Truth(truth_px, quantisation_px, None))
-
-
-class _Truth(NamedTuple):
-    """The truth that disparities are compared with."""
-
-    left_px: Disparity
-    """(H, W)"""
-    quantisation_px: float
-    right_px: Disparity | None
-    """(H, W)"""
+    return _judged(u, v, disparity_px[v, u], truth_px, quantisation_px)
 
 
 def _judged(
-    u: NDArray[np.int64], v: NDArray[np.int64], disparity_px: Disparity, true: _Truth
+    u: NDArray[np.int64],
+    v: NDArray[np.int64],
+    disparity_px: Disparity,
+    truth_px: Disparity,
+    quantisation_px: float,
 ) -> Evaluation:
-    check_shape("truth_px", true.left_px, (None, None))
-    height, width = true.left_px.shape
+    check_shape("truth_px", truth_px, (None, None))
+    height, width = truth_px.shape
     if len(u) and (u.max() >= width or v.max() >= height):
         raise InputError(
             f"truth is {width} x {height} pixels, but a match lies at ({u.max()}, {v.max()})"
         )
-    truth = true.left_px[v, u]
-    found = np.rint(disparity_px) if true.quantisation_px >= 1 else disparity_px
+    truth = truth_px[v, u]
+    found = np.rint(disparity_px) if quantisation_px >= 1 else disparity_px
     judged = np.isfinite(truth)
-    seen = seen_by_both(true.left_px, true.right_px)[v, u][judged]
+    seen = seen_by_both(truth_px)[v, u][judged]
     return _evaluation(np.abs(found - truth)[judged], seen)
 
 

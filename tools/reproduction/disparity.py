@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.mapping.pair import match_images
+from recon.mapping.sparse import match_sparse
 from recon.records import Matches
 from recon.settings import Settings, updated, with_preset
 from recon.stereo.evaluation import evaluate
@@ -102,7 +102,7 @@ def _matched(name: str, matcher: str, preset: str = "default") -> tuple[int, Mat
     if preset == "thesis":
         settings = updated(settings, {"matching": pair.search})
     number_left = len(detect(pair.left, settings.features))
-    return number_left, match_images(pair.left, pair.right, settings)
+    return number_left, match_sparse(pair.left, pair.right, settings).matches
 
 
 def _disparity(name: str, printed: Printed) -> Result:
@@ -272,7 +272,7 @@ def _one_and_three() -> Result:
     ):
         changes = {"features": {"widths_px": widths}, "matching": pair.search}
         settings = updated(with_preset(Settings(), "thesis"), changes)
-        matches = match_images(pair.left, pair.right, settings)
+        matches = match_sparse(pair.left, pair.right, settings).matches
         disparity_over(one, pair.truth_px.shape, matches, f"{title}: {len(matches)} pairs")
         rows.append(_row(pair, title, "", len(detect(pair.left, settings.features)), matches))
     head = ("scales", "", "features", "pairs", "wrong", "right, %")

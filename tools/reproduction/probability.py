@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from recon.mapping.pair import match_images
+from recon.mapping.sparse import match_sparse
 from recon.settings import Settings, updated, with_preset
 from recon.stereo.features import detect
 from recon.stereo.matching import vonmises
@@ -78,5 +78,5 @@ def _seconds(image: np.ndarray, settings: Settings) -> tuple[float, float]:
     began = time.perf_counter()
     detect(image, settings.features)
     between = time.perf_counter()
-    match_images(image, np.roll(image, -4, axis=1), settings)
+    match_sparse(image, np.roll(image, -4, axis=1), settings)
     return between - began, time.perf_counter() - between

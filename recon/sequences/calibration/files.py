@@ -1,6 +1,5 @@
 """Calibration files of all formats, identified by their content."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -105,17 +104,16 @@ def _with_partner(path: Path, document: Document) -> Document:
     return document
 
 
-def find_calibration(path: Path, names: Sequence[str] = ("calib.txt",)) -> Path:
-    """The calibration file of a folder: one of `names`, or the first with a calibration.
+def find_calibration(path: Path) -> Path:
+    """The calibration file of a folder: calib.txt, or the first with a calibration.
 
     Raises
     ------
     InputError
         If there is none.
     """
-    for name in names:
-        if (path / name).is_file():
-            return path / name
+    if (usual := path / "calib.txt").is_file():
+        return usual
     files = [
         file
         for file in sorted(path.iterdir() if path.is_dir() else [])

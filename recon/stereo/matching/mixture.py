@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 _LARGEST_KAPPA = 500.0
 _TURN = 2.0 * np.pi
 _ROUNDING = 1e-9
+_NUM_ROUNDS = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,9 +52,7 @@ class Mixture:
         return density
 
 
-def fit(
-    phases_rad: Array, num_components: int = 1, *, is_centred: bool = False, num_rounds: int = 100
-) -> Mixture:
+def fit(phases_rad: Array, num_components: int = 1, *, is_centred: bool = False) -> Mixture:
     """Fit a mixture to phases.
 
     Parameters
@@ -64,7 +63,6 @@ def fit(
     num_components : int
     is_centred : bool
         Fix the means at 0, so that a pair is equally probable from the right and from the left.
-    num_rounds : int
 
     Returns
     -------
@@ -82,7 +80,7 @@ def fit(
         means_rad=np.zeros(num_components) if is_centred else start * np.pi,
         kappas=np.linspace(2.0, 8.0, num_components),
     )
-    for _ in range(num_rounds):
+    for _ in range(_NUM_ROUNDS):
         mixture = improved(mixture, phases, is_centred)
     return mixture
 
