@@ -4,6 +4,7 @@ import hashlib
 import importlib.metadata
 import json
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from recon.errors import InputError
 from recon.files.documents import read_json
 
 MANIFEST = "manifest.json"
+PARTIAL = "partial"
+"""Subfolder of what is only needed to resume a run."""
 KEYS = {"command", "seed", "settings_sha256", "inputs", "state"}
 """Keys that every manifest has."""
 LIBRARIES = ("recon-stereo", "numpy", "scipy", "opencv-python-headless", "open3d", "numba")
@@ -57,12 +60,27 @@ def read_manifest(path: Path) -> dict[str, Any]:
     return document
 
 
+def input_paths(manifest: Mapping[str, Any]) -> list[Path]:
+    """Paths of the inputs at the time of the run."""
+    return [Path(path) for path in manifest.get("input_paths", [])]
+
+
 def is_finished(path: Path) -> bool:
     """True if a folder contains a finished run."""
     try:
         return bool(read_manifest(path)["state"] == "finished")
     except InputError:
         return False
+
+
+def outputs(path: Path) -> dict[str, str]:
+    """Digests of the files of a run by their names in it, without the manifest and partial data."""
+    files = {
+        file.relative_to(path): file
+        for file in sorted(path.rglob("*"))
+        if file.is_file() and file.name != MANIFEST
+    }
+    return {n.as_posix(): digest(file) for n, file in files.items() if PARTIAL not in n.parts}
 
 
 def digest(path: Path) -> str:

@@ -12,9 +12,45 @@ from typing import Any, Self
 from recon.errors import InputError
 from recon.files import atomic_path, remove_temporaries
 from recon.locks import locked
-from recon.manifest import MANIFEST, RunPlan, digest, is_finished, read_manifest, versions
+from recon.manifest import (
+    MANIFEST,
+    PARTIAL,
+    RunPlan,
+    is_finished,
+    outputs,
+    read_manifest,
+    versions,
+)
 
-PARTIAL = "partial"
+
+@dataclass(frozen=True, slots=True)
+class EarlierRun:
+    """The run that a new one replaces, kept beside the new one until that has finished."""
+
+    path: Path
+    """Of the new run."""
+
+    @property
+    def place(self) -> Path:
+        """The folder in which it is kept."""
+        return self.path.with_name(f".{self.path.name}.before")
+
+    def put_aside(self) -> None:
+        """Make room for the new run; of two earlier ones, a finished one is kept."""
+        if self.place.exists() and not is_finished(self.path):
+            shutil.rmtree(self.path)
+            return
+        self.remove()
+        self.path.rename(self.place)
+
+    def restore(self) -> None:
+        """Put it back in place of the new run."""
+        shutil.rmtree(self.path)
+        self.place.rename(self.path)
+
+    def remove(self) -> None:
+        """Remove it, if there is one."""
+        shutil.rmtree(self.place, ignore_errors=True)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -47,30 +83,12 @@ class RunFolder:
             raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
         run = cls(path=path, plan=plan, identity=plan.identity())
         if resume and path.exists():
-            run._check_same(read_manifest(path))
+            _check_same(path, run.identity)
+            run.is_finished = is_finished(path)
         elif path.exists():
-            run._check_replaceable()
+            _check_replaceable(path, plan.inputs)
+            run.replaces = True
         return run
-
-    def _check_replaceable(self) -> None:
-        """Refuse to replace a folder that is not a run, or that contains an input."""
-        if not self.path.is_dir():
-            raise InputError(f"{self.path} is not a folder; give another -o")
-        if any(self.path.iterdir()):
-            read_manifest(self.path)
-        for source in self.plan.inputs:
-            if self.path.resolve() in [source.resolve(), *source.resolve().parents]:
-                raise InputError(f"{source} lies in {self.path} and would be deleted with it")
-        self.replaces = True
-
-    def _check_same(self, manifest: dict[str, Any]) -> None:
-        for name, value in self.identity.items():
-            if manifest.get(name) != value:
-                raise InputError(
-                    f"{self.path} was made with different {name.removesuffix('_sha256')}; "
-                    "resume with the same, or give --overwrite"
-                )
-        self.is_finished = manifest["state"] == "finished"
 
     @contextmanager
     def opened(self) -> Iterator[Self]:
@@ -89,20 +107,21 @@ class RunFolder:
         """
         self.path.parent.mkdir(parents=True, exist_ok=True)
         busy = f"{self.path} is being written by another process; wait for it, or give another -o"
+        earlier = EarlierRun(self.path)
         with locked(self.path.with_name(f".{self.path.name}.lock"), busy):
             if self.replaces:
-                self._put_aside()
+                earlier.put_aside()
             is_new = not self.path.exists()
             self.path.mkdir(exist_ok=True)
             try:
                 yield from self._filled()
             except BaseException as error:
-                self._fail(error, is_new)
+                self._fail(error, earlier, is_new)
                 if isinstance(error, OSError) and error.errno and error.filename is None:
                     # A write to a file that is open, as on a full disk, does not name it.
                     raise OSError(error.errno, error.strerror, str(self.path)) from error
                 raise
-            shutil.rmtree(self._before, ignore_errors=True)
+            earlier.remove()
 
     def _filled(self) -> Iterator[Self]:
         """Write the files common to all runs, before and after the block."""
@@ -118,25 +137,11 @@ class RunFolder:
             shutil.rmtree(self.path / PARTIAL, ignore_errors=True)
         self._write_manifest()
 
-    @property
-    def _before(self) -> Path:
-        """Folder in which a replaced run is kept."""
-        return self.path.with_name(f".{self.path.name}.before")
-
-    def _put_aside(self) -> None:
-        """Make room for the new run; of two earlier ones, a finished one is kept."""
-        if self._before.exists() and not is_finished(self.path):
-            shutil.rmtree(self.path)
-            return
-        shutil.rmtree(self._before, ignore_errors=True)
-        self.path.rename(self._before)
-
-    def _fail(self, error: BaseException, is_new: bool) -> None:
+    def _fail(self, error: BaseException, earlier: EarlierRun, is_new: bool) -> None:
         """Restore the earlier run if there is one, else record the error in the manifest."""
         is_cut = isinstance(error, KeyboardInterrupt)
-        if is_new and not is_cut and self._before.exists():
-            shutil.rmtree(self.path)
-            self._before.rename(self.path)
+        if is_new and not is_cut and earlier.place.exists():
+            earlier.restore()
         elif is_new and isinstance(error, InputError):
             shutil.rmtree(self.path)
         else:
@@ -165,18 +170,34 @@ class RunFolder:
         self.write_text(name, json.dumps(document, indent=2, allow_nan=False) + "\n")
 
     def _write_manifest(self, error: str | None = None) -> None:
-        outputs = sorted(p for p in self.path.rglob("*") if p.is_file() and p.name != MANIFEST)
         document = self.identity | {
             "state": self.state,
-            "sources": [str(path.resolve()) for path in self.plan.inputs],
             "error": error,
             "input_paths": [str(path.resolve()) for path in self.plan.inputs],
             "versions": versions(),
-            "outputs": {
-                path.relative_to(self.path).as_posix(): digest(path)
-                for path in outputs
-                if PARTIAL not in path.relative_to(self.path).parts
-            },
+            "outputs": outputs(self.path),
             "seconds": {stage: round(s, 3) for stage, s in self.seconds.items()},
         }
         self.write_json(MANIFEST, document)
+
+
+def _check_same(path: Path, identity: dict[str, Any]) -> None:
+    """Refuse to resume a run of another identity."""
+    manifest = read_manifest(path)
+    for name, value in identity.items():
+        if manifest.get(name) != value:
+            raise InputError(
+                f"{path} was made with different {name.removesuffix('_sha256')}; "
+                "resume with the same, or give --overwrite"
+            )
+
+
+def _check_replaceable(path: Path, inputs: tuple[Path, ...]) -> None:
+    """Refuse to replace a folder that is not a run, or that contains an input."""
+    if not path.is_dir():
+        raise InputError(f"{path} is not a folder; give another -o")
+    if any(path.iterdir()):
+        read_manifest(path)
+    for source in inputs:
+        if path.resolve() in [source.resolve(), *source.resolve().parents]:
+            raise InputError(f"{source} lies in {path} and would be deleted with it")

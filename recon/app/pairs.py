@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from recon.app.exhibit import Exhibit
 from recon.errors import InputError
-from recon.manifest import digest, read_manifest
+from recon.manifest import digest, input_paths, read_manifest
 from recon.records import StereoPair, View
 from recon.runs.reading import read_settings
 from recon.settings import Settings
@@ -95,7 +95,7 @@ class Pairs:
         return _nth(self._input(manifest), number, settings)
 
     def _input(self, manifest: Mapping[str, Any]) -> Path:
-        paths = [Path(path) for path in manifest.get("input_paths", [])]
+        paths = input_paths(manifest)
         if not paths:
             raise InputError(f"{self.exhibit.path} does not state where its pairs are")
         return paths[0] if paths[0].exists() else _shipped(paths[0], manifest)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.files.documents import read_text
-from recon.manifest import MANIFEST, read_manifest
+from recon.manifest import MANIFEST, input_paths, read_manifest
 from recon.notices import notify
 from recon.records import Reconstruction, Trajectory
 from recon.records.objects import from_json
@@ -68,7 +68,7 @@ def read_trajectory(run_path: Path) -> Trajectory:
 def is_recorded(run_path: Path) -> bool:
     """True if a run, or the run whose mesh it is, used a real recording."""
     manifest = read_manifest(run_path)
-    sources = [Path(path) for path in manifest.get("input_paths", [])]
+    sources = input_paths(manifest)
     if manifest["command"] == "mesh" and sources and (sources[0] / MANIFEST).exists():
         return is_recorded(sources[0])
     return bool(manifest["command"] in RECORDED)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from recon.errors import InputError
 from recon.geometry import Array
-from recon.manifest import read_manifest
+from recon.manifest import input_paths, read_manifest
 from recon.records import StereoPair, Trajectory, View
 from recon.sequences.open import open_sequence
 from recon.settings import Settings, updated
@@ -88,9 +88,9 @@ def _command(run: Path) -> str:
 
 
 def _source(run: Path) -> Path:
-    sources = read_manifest(run).get("sources") or [""]
-    path = Path(sources[0])
-    if not sources[0] or not path.exists():
+    paths = input_paths(read_manifest(run))
+    path = paths[0] if paths else Path()
+    if not (paths and path.exists()):
         named = _SOURCES[_command(run)]
         raise InputError(f"the {named} of {run} is not at {str(path)!r}: give --recording PATH")
     return path

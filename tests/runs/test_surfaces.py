@@ -166,7 +166,7 @@ def test_mesh_needs_a_run_with_images(walk, tmp_path, capsys):
     (other / "manifest.json").write_text(json.dumps(manifest | {"command": "fit"}))
     assert main(["mesh", str(other), "-o", str(tmp_path / "a")]) == 2
     assert "is a run of fit, but one of reconstruct or explore is needed" in capsys.readouterr().err
-    gone = manifest | {"sources": [str(tmp_path / "gone.scene")]}
+    gone = manifest | {"input_paths": [str(tmp_path / "gone.scene")]}
     (other / "manifest.json").write_text(json.dumps(gone))
     assert main(["mesh", str(other), "-o", str(tmp_path / "a")]) == 2
     assert "give --recording PATH" in capsys.readouterr().err
