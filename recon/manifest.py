@@ -80,7 +80,9 @@ def outputs(path: Path) -> dict[str, str]:
         for file in sorted(path.rglob("*"))
         if file.is_file() and file.name != MANIFEST
     }
-    return {n.as_posix(): digest(file) for n, file in files.items() if PARTIAL not in n.parts}
+    return {
+        name.as_posix(): digest(file) for name, file in files.items() if PARTIAL not in name.parts
+    }
 
 
 def digest(path: Path) -> str:

@@ -21,6 +21,8 @@ def to_open3d(voxels: Voxels) -> Any:
 def to_pyvista(voxels: Voxels) -> Any:
     """A pyvista.PolyData: one point per cell at its centre, with `counts` and known `colours`."""
     cells = load_pyvista().PolyData(np.ascontiguousarray(voxels.centres))
+    if not len(voxels):  # pyvista refuses arrays without rows
+        return cells
     if voxels.colours is not None:
         cells["colours"] = voxels.colours
     cells["counts"] = voxels.counts

@@ -44,7 +44,7 @@ class VoxelMap:
     Attributes
     ----------
     has_colour : bool
-        Whether cells have colours: only if all points inserted had colours.
+        True if cells have colours, as they do if all points inserted had colours.
     """
 
     def __init__(

@@ -68,3 +68,14 @@ def test_empty_maps_and_clouds_are_converted():
     voxels = VoxelMap(0.5).occupied()
     assert len(of_voxel_grid(as_voxel_grid(voxels))) == 0
     assert len(of_image(as_image(voxels))) == 0
+    assert len(VoxelMap(0.5).to_open3d().points) == 0
+    assert VoxelMap(0.5).to_pyvista().n_points == 0
+
+
+def test_maps_become_points_of_other_libraries():
+    voxel_map = sample_map()
+    voxels = voxel_map.occupied(2)
+    assert np.array_equal(np.asarray(voxel_map.to_open3d(min_count=2).points), voxels.means)
+    cells = voxel_map.to_pyvista(min_count=2)
+    assert np.array_equal(cells.points, voxels.centres)
+    assert np.array_equal(cells["counts"], voxels.counts)
