@@ -53,6 +53,17 @@ def test_messages_on_the_troubleshooting_page_occur_in_the_code():
     assert [words for words in known if words not in sources] == []
 
 
+def test_keys_on_the_page_of_files_occur_in_the_code():
+    words = set()
+    for path in (DOCS.parent / "recon").rglob("*.py"):
+        words |= set(re.findall(r"\w+", path.read_text()))
+    words |= {word.removesuffix("_rad") + "_deg" for word in words if word.endswith("_rad")}
+    page = (DOCS / "reference" / "files.md").read_text()
+    keys = set(re.findall(r"`([a-z]+(?:_\w+)+)`", page))
+    assert len(keys) > 60
+    assert keys - words == set()
+
+
 def notified(source):
     """The codes of the warnings that a source reports."""
     for node in ast.walk(ast.parse(source)):
