@@ -11,7 +11,7 @@ FIRST_STAGE = "reading"
 """The stage that runs while no other does: unnamed time is spent reading input."""
 
 
-def unheard(stage: str) -> None:
+def ignore(stage: str) -> None:
     """Ignore the stage."""
 
 
@@ -24,7 +24,7 @@ class Stopwatch:
         Called with the name of every stage that begins or resumes.
     """
 
-    def __init__(self, on_stage: Callable[[str], None] = unheard) -> None:
+    def __init__(self, on_stage: Callable[[str], None] = ignore) -> None:
         self._on_stage = on_stage
         self._seconds: dict[str, float] = {}
         self._stage = FIRST_STAGE

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection, Pipe, wait
 
-from recon.batch.worker import Progress, hear_with
+from recon.batch.worker import Progress, report_progress_to
 from recon.processes import begin_worker
 
 INTERVAL_S = 0.2
@@ -54,7 +54,7 @@ class Pipes:
         return bool(ready)
 
 
-def begin_telling(num_threads: int, end: Connection) -> None:
+def set_up_worker(num_threads: int, end: Connection) -> None:
     """Set up a worker process: its share of the processors, and its progress reports."""
     begin_worker(num_threads)
 
@@ -63,6 +63,6 @@ def begin_telling(num_threads: int, end: Connection) -> None:
         try:
             end.send((name, done, total))
         except OSError:
-            hear_with(None)
+            report_progress_to(None)
 
-    hear_with(tell)
+    report_progress_to(tell)

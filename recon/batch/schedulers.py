@@ -10,8 +10,8 @@ from functools import partial
 from multiprocessing.context import BaseContext
 from typing import Any, Protocol
 
-from recon.batch.progress import Pipes, begin_telling
-from recon.batch.worker import Outcome, Progress, hear_with, unheard
+from recon.batch.progress import Pipes, set_up_worker
+from recon.batch.worker import Outcome, Progress, ignore_progress, report_progress_to
 from recon.errors import InputError
 from recon.files import Limits
 from recon.libraries import THREAD_VARIABLES, limit_threads, load_extra
@@ -63,7 +63,7 @@ class Processes:
     """
 
     def __init__(
-        self, num_workers: int, progress: Progress = unheard, start: BaseContext = SPAWN
+        self, num_workers: int, progress: Progress = ignore_progress, start: BaseContext = SPAWN
     ) -> None:
         self._num_workers = num_workers
         self._progress = progress
@@ -96,7 +96,7 @@ class Processes:
         pool = ProcessPoolExecutor(
             1,
             mp_context=self._start,
-            initializer=begin_telling,
+            initializer=set_up_worker,
             initargs=(self._num_threads, self._pipes.new()),
         )
         with self._lock:
@@ -135,7 +135,7 @@ class Dask:
         self,
         address: str,
         num_workers: int,
-        progress: Progress = unheard,
+        progress: Progress = ignore_progress,
         start: BaseContext = SPAWN,
     ) -> None:
         self._progress = progress
@@ -153,7 +153,7 @@ class Dask:
             client.subscribe_topic(TOPIC, lambda event: self._progress(*event[1]))
             names = {}
             for name, call in calls:
-                future = client.submit(telling, call, pure=False, key=f"recon-{name}")
+                future = client.submit(run_on_dask, call, pure=False, key=f"recon-{name}")
                 names[future] = name
             for future in self._distributed.as_completed(list(names)):
                 yield self._outcome(names[future], future)
@@ -186,11 +186,11 @@ class Dask:
             )
 
 
-def telling(call: Call) -> Outcome:
+def run_on_dask(call: Call) -> Outcome:
     """Run a job on a Dask worker, which publishes its progress."""
     worker = load_extra("distributed", "cluster").get_worker()
     limit_threads(num_threads())
-    hear_with(lambda *progress: worker.log_event(TOPIC, progress))
+    report_progress_to(lambda *progress: worker.log_event(TOPIC, progress))
     return call()
 
 
@@ -203,7 +203,7 @@ def lost(name: str) -> Outcome:
 def make_scheduler(
     address: str | None,
     num_workers: int,
-    progress: Progress = unheard,
+    progress: Progress = ignore_progress,
     start: BaseContext = SPAWN,
 ) -> Scheduler:
     """Local processes if no address is given, else a Dask cluster."""

@@ -36,17 +36,17 @@ class Outcome:
         return own | {"seconds": round(self.seconds, 3)} | numbers
 
 
-def unheard(name: str, done: int, total: int) -> None:
+def ignore_progress(name: str, done: int, total: int) -> None:
     """Ignore the progress."""
 
 
-_heard: list[Progress] = [unheard]
+_listener: list[Progress] = [ignore_progress]
 """The progress callback of this process."""
 
 
-def hear_with(progress: Progress | None) -> None:
+def report_progress_to(progress: Progress | None) -> None:
     """Set the progress callback for all jobs of this process."""
-    _heard[:] = [progress or unheard]
+    _listener[:] = [progress or ignore_progress]
 
 
 def do(named: NamedJob, folder: Path) -> Outcome:
@@ -86,7 +86,7 @@ def _execute(named: NamedJob, folder: Path) -> Mapping[str, Any]:
     from recon.runs.events import Events
     from recon.runs.execute import execute
 
-    events = Events(on_progress=lambda done, total: _heard[-1](named.name, done, total))
+    events = Events(on_progress=lambda done, total: _listener[-1](named.name, done, total))
     return execute(named.job, folder, events, resume=is_begun(folder)).as_json()
 
 

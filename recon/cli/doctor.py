@@ -21,15 +21,13 @@ def doctor(compiles: bool, as_json: bool, quiet: bool, verbose: bool) -> None:
         _compile(quiet)
     from recon.runs.doctor import examine
 
-    findings = examine()
+    checks = examine()
     if as_json:
-        print_json({"checks": [finding.as_json() for finding in findings]})
+        print_json({"checks": [check.as_json() for check in checks]})
     elif not quiet:
-        for finding in findings:
-            click.echo(
-                f"{_state(finding.is_well, finding.is_needed):8} {finding.name:12} {finding.word}"
-            )
-    faults = [finding.word for finding in findings if not finding.is_well and finding.is_needed]
+        for check in checks:
+            click.echo(f"{_state(check.is_ok, check.is_needed):8} {check.name:12} {check.message}")
+    faults = [check.message for check in checks if not check.is_ok and check.is_needed]
     if faults:
         raise ReconError(faults[0])
 
@@ -46,8 +44,8 @@ def _compile(quiet: bool) -> None:
         click.echo(f"recon: all kernels are compiled ({seconds:.0f} s)", err=True)
 
 
-def _state(is_well: bool, is_needed: bool) -> str:
-    """The status of a finding in one word."""
-    if is_well:
+def _state(is_ok: bool, is_needed: bool) -> str:
+    """The status of a check in one word."""
+    if is_ok:
         return "ok"
     return "MISSING" if is_needed else "optional"

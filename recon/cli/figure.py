@@ -45,17 +45,17 @@ def figure(run: Path, **given: Any) -> None:
     """Redraw the figures of a run."""
     start_logging(given)
     from recon.figures.canvas import Style
-    from recon.runs.figures import Wish, figure_run
+    from recon.runs.figures import FigureRequest, figure_run
 
     style = Style(
         dpi=given["dpi"], font_size=given["font_size"], with_title=not given["no_title"],
         background=given["background"],
     )  # fmt: skip
-    wish = Wish(
+    request = FigureRequest(
         kind=given["kind"], view=given["view"], size=_parse_size(given["size"]), style=style,
         ending=given["ending"], with_data=given["with_data"],
     )  # fmt: skip
-    paths = figure_run(run, wish)
+    paths = figure_run(run, request)
     if given["as_json"]:
         print_json({"figures": [str(path) for path in paths]})
     elif not given["quiet"]:

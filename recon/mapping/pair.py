@@ -100,7 +100,7 @@ def process_pair(
     return result
 
 
-def _mapped(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
+def _matches_for_map(matches: Matches, pair: StereoPair, settings: Settings) -> Matches:
     """Matches for the map: the sparse ones, or one per pixel if the settings say so."""
     if settings.map.points == "sparse":
         return matches
@@ -117,7 +117,9 @@ def match_points(pair: StereoPair, settings: Settings) -> PairResult:
         pair.left, pair.right, settings, pair.disparity_range, pair.rig.residual_px
     )
     # Depth and its uncertainty (Eqs 19, 44), transformed to the world (Eq 45).
-    points = triangulate(_mapped(found.matches, pair, settings), pair, settings.triangulation)
+    points = triangulate(
+        _matches_for_map(found.matches, pair, settings), pair, settings.triangulation
+    )
     points = points.transformed(LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left)
     return PairResult(
         matches=found.matches,

@@ -20,7 +20,7 @@ class SeenCamera:
     rig: StereoRig
 
 
-def as_document(seen: Sequence[SeenCamera]) -> str:
+def cameras_text(seen: Sequence[SeenCamera]) -> str:
     """The text of cameras.json: the distinct rigs, and the index of each pair's rig."""
     numbers = {rig: number for number, rig in enumerate(dict.fromkeys(one.rig for one in seen))}
     document = {
@@ -31,7 +31,7 @@ def as_document(seen: Sequence[SeenCamera]) -> str:
 
 
 def read_cameras(path: Path) -> list[SeenCamera]:
-    """Read what `as_document` wrote.
+    """Read what `cameras_text` wrote.
 
     Raises
     ------

@@ -24,26 +24,26 @@ EXTRAS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class Check:
     """Result of one check."""
 
     name: str
-    is_well: bool
+    is_ok: bool
     is_needed: bool
-    word: str
+    message: str
     """Its version, or the remedy."""
 
     def as_json(self) -> dict[str, object]:
-        """The finding as an entry of `recon doctor --json`."""
+        """The check as an entry of `recon doctor --json`."""
         return {
             "name": self.name,
-            "ok": self.is_well,
+            "ok": self.is_ok,
             "needed": self.is_needed,
-            "message": self.word,
+            "message": self.message,
         }
 
 
-def examine() -> list[Finding]:
+def examine() -> list[Check]:
     """Check everything; a library that could kill the process is tried in a child."""
     return [
         _needed("python", None, platform.python_version()),
@@ -55,24 +55,22 @@ def examine() -> list[Finding]:
     ]
 
 
-def _kernels() -> Finding:
+def _kernels() -> Check:
     """Folder of compiled kernels; without one, every command compiles for half a minute."""
     folder = kernel_folder()
-    cure = "no writable folder: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
-    return _optional("kernels", None if folder else cure, f"kept in {folder}")
+    remedy = "no writable folder: every command compiles anew; set NUMBA_CACHE_DIR to a folder"
+    return _optional("kernels", None if folder else remedy, f"kept in {folder}")
 
 
-def _needed(name: str, fault: str | None, word: str) -> Finding:
-    return Finding(name=name, is_well=fault is None, is_needed=True, word=fault or word)
+def _needed(name: str, fault: str | None, detail: str) -> Check:
+    return Check(name=name, is_ok=fault is None, is_needed=True, message=fault or detail)
 
 
-def _optional(name: str, fault: str | None, word: str) -> Finding:
-    return Finding(name=name, is_well=fault is None, is_needed=False, word=fault or word)
+def _optional(name: str, fault: str | None, detail: str) -> Check:
+    return Check(name=name, is_ok=fault is None, is_needed=False, message=fault or detail)
 
 
-def _extra(module: str, extra: str) -> Finding:
+def _extra(module: str, extra: str) -> Check:
     if importlib.util.find_spec(module) is None:
-        word = f"pip install 'recon-stereo[{extra}]'"
-        return Finding(name=module, is_well=False, is_needed=False, word=word)
-    word = importlib.metadata.version(module)
-    return Finding(name=module, is_well=True, is_needed=False, word=word)
+        return _optional(module, f"pip install 'recon-stereo[{extra}]'", "")
+    return _optional(module, None, importlib.metadata.version(module))

@@ -12,7 +12,7 @@ class Cancelled(KeyboardInterrupt):
     """The caller cancelled the job, as with Ctrl-C."""
 
 
-def _unheard(*_: object) -> None:
+def _ignore(*_: object) -> None:
     """Ignore the event."""
 
 
@@ -24,12 +24,12 @@ def _never() -> bool:
 class Events:
     """Callbacks of a running job, called from its thread."""
 
-    on_step: Callable[["Step"], None] = _unheard
+    on_step: Callable[["Step"], None] = _ignore
     """Called when one more pair is in the map."""
-    on_stage: Callable[[str], None] = _unheard
+    on_stage: Callable[[str], None] = _ignore
     """Called when another stage starts: compiling, reading, stereo, map, recognise, figures, write,
     ..."""
-    on_progress: Callable[[int, int], None] = _unheard
+    on_progress: Callable[[int, int], None] = _ignore
     """Called with the numbers of items done and of all items, an upper bound."""
     is_cancelled: Callable[[], bool] = _never
     """Called between pairs: true ends the job."""

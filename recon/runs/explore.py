@@ -12,7 +12,7 @@ from recon.notices import notify
 from recon.records import StereoPair, View
 from recon.records.objects import from_json
 from recon.runfolder import RunFolder
-from recon.runs.cameras import CAMERAS, SeenCamera, as_document
+from recon.runs.cameras import CAMERAS, SeenCamera, cameras_text
 from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.outputs import cells_hit, move_cloud, write_outputs, write_places
@@ -20,7 +20,7 @@ from recon.runs.replay import SavedPairs
 from recon.runs.report import read_json
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
-from recon.runs.worlds import namings
+from recon.runs.worlds import judged_names
 from recon.settings import EXPLORER_BASE, merged
 from recon.world.library import find_scene
 from recon.world.scene import read_scene
@@ -49,7 +49,7 @@ def _explore(job: Job, work: Work) -> Numbers:
         notify("controller-failed", done.message)
     if done.stop_reason == "interrupted":
         work.run.interrupt()
-    work.run.write_text(CAMERAS, as_document(recorder.seen))
+    work.run.write_text(CAMERAS, cameras_text(recorder.seen))
     move_cloud(work.run.path / "cloud.ply", recorder.poses, done.reconstruction.trajectory)
     _write(done, work)
     if job.settings.map.places:
@@ -119,7 +119,7 @@ def _judged(job: Job, run_path: Path) -> list[tuple[str, str]]:
     """The true names of the world's objects, with the names given by the run."""
     world = World.from_file(job.resolved().inputs[0], job.settings)
     found = from_json(read_json(run_path / "objects.json"))
-    return [(one.true, one.found) for one in namings(world.objects, found)]
+    return [(one.true, one.found) for one in judged_names(world.objects, found)]
 
 
 EXPLORE = Kind(

@@ -36,7 +36,7 @@ DAMAGE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wish:
+class FigureRequest:
     """A request: which figures, and how they are drawn."""
 
     kind: str | None = None
@@ -78,7 +78,7 @@ def write_run_figure(
     subject = replace(_subject(run_path, contents), kept=kept)
     if kept is not None and name == "disparity":
         _write_arrays(run_path, name, {"kind": np.array(name), **kept})
-    _write(run_path, name, KINDS.load(name), subject, Wish())
+    _write(run_path, name, KINDS.load(name), subject, FigureRequest())
 
 
 def _drawable(contents: Reconstruction[Any]) -> Reconstruction[Any]:
@@ -91,16 +91,16 @@ def leave_figure(run_path: Path, kind: str, arrays: Arrays, name: str | None = N
     """Write a figure, and `figures/NAME.npz`, from which it can be redrawn."""
     name = name or kind
     _write_arrays(run_path, name, {"kind": np.array(kind), **arrays})
-    _write(run_path, name, KINDS.load(kind), Subject(kept=arrays), Wish())
+    _write(run_path, name, KINDS.load(kind), Subject(kept=arrays), FigureRequest())
 
 
 def leave_mesh_figure(run_path: Path, surface: Mesh, cameras: NDArray[np.float64]) -> None:
     """Draw a run's mesh, seen from its cameras (N, 3)."""
     subject = replace(_subject(run_path, None), mesh=surface, cameras=cameras)
-    _write(run_path, "mesh", KINDS.load("mesh"), subject, Wish())
+    _write(run_path, "mesh", KINDS.load("mesh"), subject, FigureRequest())
 
 
-def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
+def figure_run(run_path: Path, request: FigureRequest | None = None) -> list[Path]:
     """Draw one kind of figure of a run, or all possible ones, into its folder.
 
     Returns
@@ -114,47 +114,49 @@ def figure_run(run_path: Path, wish: Wish | None = None) -> list[Path]:
         For an unknown kind or view, for one that cannot be drawn from the run, and for a folder
         that is not a run.
     """
-    wish = wish or Wish()
+    request = request or FigureRequest()
     read_manifest(run_path)
-    kinds = [wish.kind] if wish.kind else KINDS.names()
+    kinds = [request.kind] if request.kind else KINDS.names()
     paths: list[Path] = []
     for name in kinds:
         kind = KINDS.load(name)
-        if wish.kind and wish.view != "default" and not kind.has_view:
-            raise InputError(f"view is {wish.view!r}, but {name} has a fixed view")
-        for stem, subject in _subjects(run_path, name, kind, wish):
-            paths += _write(run_path, stem, kind, subject, wish)
+        if request.kind and request.view != "default" and not kind.has_view:
+            raise InputError(f"view is {request.view!r}, but {name} has a fixed view")
+        for stem, subject in _subjects(run_path, name, kind, request):
+            paths += _write(run_path, stem, kind, subject, request)
     if not paths:
         raise InputError(f"{run_path} contains nothing that a figure could show")
     return paths
 
 
-def _subjects(run_path: Path, name: str, kind: Kind, wish: Wish) -> Iterator[tuple[str, Subject]]:
+def _subjects(
+    run_path: Path, name: str, kind: Kind, request: FigureRequest
+) -> Iterator[tuple[str, Subject]]:
     """Subjects of a run for figures of one kind, by the name of the file."""
     if kind.is_kept:
-        found = list(_kept_subjects(run_path, name, wish))
+        found = list(_kept_subjects(run_path, name, request))
         lack = f"has no data for the figure {name}"
     elif kind.needs_mesh:
         has_mesh = (run_path / "mesh.ply").exists()
-        found = [(name, _with_mesh(run_path, wish.view))] if has_mesh else []
+        found = [(name, _with_mesh(run_path, request.view))] if has_mesh else []
         lack = f"has no mesh.ply, which {name} shows"
     else:
-        return (yield from _mapped_subjects(run_path, name, kind, wish))
-    if wish.kind and not found:
+        return (yield from _mapped_subjects(run_path, name, kind, request))
+    if request.kind and not found:
         raise InputError(f"{run_path} {lack}")
     yield from found
 
 
 def _mapped_subjects(
-    run_path: Path, name: str, kind: Kind, wish: Wish
+    run_path: Path, name: str, kind: Kind, request: FigureRequest
 ) -> Iterator[tuple[str, Subject]]:
-    if wish.kind is None and map_path(run_path) is None:
+    if request.kind is None and map_path(run_path) is None:
         return
-    subject = _subject(run_path, _read(run_path), wish.view)
+    subject = _subject(run_path, _read(run_path), request.view)
     lack = kind.lack(subject)
     if lack is None:
         yield name, subject
-    elif wish.kind:
+    elif request.kind:
         raise InputError(f"{run_path}: {lack}")
 
 
@@ -165,7 +167,9 @@ def _with_mesh(run_path: Path, view: str) -> Subject:
     return replace(subject, mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
 
 
-def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str, Subject]]:
+def _kept_subjects(
+    run_path: Path, name: str, request: FigureRequest
+) -> Iterator[tuple[str, Subject]]:
     # The overview shows the run's disparity beside its map.
     source = "disparity" if name == "overview" else name
     has_map = map_path(run_path) is not None
@@ -175,7 +179,7 @@ def _kept_subjects(run_path: Path, name: str, wish: Wish) -> Iterator[tuple[str,
         arrays = read_arrays(path)
         if str(arrays.get("kind")) == source:
             run = _read(run_path) if has_map else None
-            subject = replace(_subject(run_path, run, wish.view), kept=arrays)
+            subject = replace(_subject(run_path, run, request.view), kept=arrays)
             yield (name, subject) if name == "overview" else (path.stem, subject)
 
 
@@ -192,20 +196,24 @@ def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "defau
     )
 
 
-def _write(run_path: Path, stem: str, kind: Kind, subject: Subject, wish: Wish) -> list[Path]:
+def _write(
+    run_path: Path, stem: str, kind: Kind, subject: Subject, request: FigureRequest
+) -> list[Path]:
     """Draw one figure into `figures/`; its name includes the view."""
-    shown = f"{stem}_{_as_name(wish.view)}" if kind.has_view and wish.view != "default" else stem
-    scale = wish.style.dpi / Style().dpi
-    size = wish.size or (round(kind.size[0] * scale), round(kind.size[1] * scale))
-    path = run_path / "figures" / f"{shown}.{wish.ending}"
+    shown = (
+        f"{stem}_{_as_name(request.view)}" if kind.has_view and request.view != "default" else stem
+    )
+    scale = request.style.dpi / Style().dpi
+    size = request.size or (round(kind.size[0] * scale), round(kind.size[1] * scale))
+    path = run_path / "figures" / f"{shown}.{request.ending}"
     path.parent.mkdir(exist_ok=True)
     try:
-        figure = kind.draw(subject, Sheet.of(size, wish.style, fits=wish.size is None))
+        figure = kind.draw(subject, Sheet.of(size, request.style, fits=request.size is None))
     except KeyError as error:
         raise InputError(f"{run_path}: the data for {stem} has no {error}") from error
     save(figure, path)
     paths = [path]
-    if wish.with_data:
+    if request.with_data:
         paths.append(_write_arrays(run_path, shown, kind.data(subject)))
         if stem == "labels":
             paths += write_labels(run_path / "figures", subject)

@@ -16,7 +16,7 @@ from recon.manifest import is_finished, read_manifest
 from recon.mapping.views import with_views
 from recon.recognition import recognise
 from recon.records import Reconstruction, Trajectory
-from recon.runs.cameras import CAMERAS, as_document, read_cameras
+from recon.runs.cameras import CAMERAS, cameras_text, read_cameras
 from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.maps import PARTITIONED, read_map, shown
@@ -120,7 +120,7 @@ def _write_cameras(job: Job, work: Work) -> None:
     files = [run / CAMERAS for run in job.inputs]
     if all(file.is_file() for file in files):
         seen = [one for file in files for one in read_cameras(file)]
-        work.run.write_text(CAMERAS, as_document(seen))
+        work.run.write_text(CAMERAS, cameras_text(seen))
 
 
 def _joined(ways: list[Trajectory]) -> Trajectory:

@@ -19,7 +19,7 @@ from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
-from recon.runs.cameras import CAMERAS, SeenCamera, as_document
+from recon.runs.cameras import CAMERAS, SeenCamera, cameras_text
 from recon.runs.figures import ALWAYS, NAMELESS, PAIRED, draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
@@ -129,7 +129,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
                 places.add(pair, mapper.num_pairs - 1)
             work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
-    work.run.write_text(CAMERAS, as_document(seen))
+    work.run.write_text(CAMERAS, cameras_text(seen))
     loops = close_drive(source, mapper, places, work)
     if loops.get("num_loops"):  # the map was rebuilt from all points
         chunked.forget()

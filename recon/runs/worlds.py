@@ -28,7 +28,7 @@ GAP = 8.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Naming:
+class JudgedName:
     """One true object and its assigned name."""
 
     true: str
@@ -39,8 +39,8 @@ class Naming:
 def _worlds(job: Job, work: Work) -> Numbers:
     """Explore random worlds and count labels, by the settings' recogniser and the thesis's."""
     num_worlds: int = job.arguments.get("worlds", 1)
-    own: list[Naming] = []
-    thesis: list[Naming] = []
+    own: list[JudgedName] = []
+    thesis: list[JudgedName] = []
     for number in range(num_worlds):
         by_settings, by_thesis = _explore_one(job, number, work)
         own += by_settings
@@ -53,7 +53,7 @@ def _worlds(job: Job, work: Work) -> Numbers:
     return report
 
 
-def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[Naming]]:
+def _explore_one(job: Job, number: int, work: Work) -> tuple[list[JudgedName], list[JudgedName]]:
     """Names of the objects of one world by the settings' recogniser and the thesis's."""
     settings = job.settings
     scene = random_scene(np.random.default_rng([job.seed, number]), NUM_OBJECTS, GAP)
@@ -63,12 +63,12 @@ def _explore_one(job: Job, number: int, work: Work) -> tuple[list[Naming], list[
         chosen = replace(settings.recognition, recogniser="thesis")
         by_thesis = recognise(done.reconstruction.voxels, chosen)
     return (
-        namings(world.objects, done.recognition.objects),
-        namings(world.objects, by_thesis.objects),
+        judged_names(world.objects, done.recognition.objects),
+        judged_names(world.objects, by_thesis.objects),
     )
 
 
-def _leave_figures(run_path: Path, own: list[Naming], thesis: list[Naming]) -> None:
+def _leave_figures(run_path: Path, own: list[JudgedName], thesis: list[JudgedName]) -> None:
     for name, named in (("confusion", own), ("confusion_thesis", thesis)):
         arrays = {
             "true": np.array([one.true for one in named], dtype=np.str_),
@@ -82,24 +82,24 @@ def _leave_figures(run_path: Path, own: list[Naming], thesis: list[Naming]) -> N
     leave_figure(run_path, "reliability", judged)
 
 
-def namings(
+def judged_names(
     true_objects: tuple[TrueObject, ...], found_objects: tuple[FoundObject, ...]
-) -> list[Naming]:
+) -> list[JudgedName]:
     """Every true object with the nearest found one, by axis, within its own half width."""
-    return [_naming(true, found_objects) for true in true_objects]
+    return [_judged_name(true, found_objects) for true in true_objects]
 
 
-def _naming(true: TrueObject, found_objects: tuple[FoundObject, ...]) -> Naming:
+def _judged_name(true: TrueObject, found_objects: tuple[FoundObject, ...]) -> JudgedName:
     def distance(found: FoundObject) -> float:
         return float(np.hypot(*(found.centre - true.centre)[[0, 2]]))
 
     nearest = min(found_objects, key=distance, default=None)
     if nearest is None or distance(nearest) > max(true.size[[0, 2]]) / 2.0:
-        return Naming(true=true.label, found=NOT_FOUND, probability=0.0)
-    return Naming(true=true.label, found=nearest.label, probability=nearest.probability or 0.0)
+        return JudgedName(true=true.label, found=NOT_FOUND, probability=0.0)
+    return JudgedName(true=true.label, found=nearest.label, probability=nearest.probability or 0.0)
 
 
-def summary(named: list[Naming]) -> dict[str, Any]:
+def summary(named: list[JudgedName]) -> dict[str, Any]:
     """Counts of correct labels, and the confusion matrix, true by found."""
     if not named:
         raise InputError("there are no objects to be named; request at least one world")

@@ -187,10 +187,10 @@ def test_worker_does_not_outlive_the_batch(tmp_path, way):
 
 
 def report_progress(name, num):
-    from recon.batch.worker import _heard
+    from recon.batch.worker import _listener
 
     for done in range(num):
-        _heard[-1](name, done + 1, num)
+        _listener[-1](name, done + 1, num)
     return Outcome(name=name, state="done")
 
 

@@ -9,7 +9,7 @@ import pytest
 from recon.errors import InputError
 from recon.geometry import pose
 from recon.records import Trajectory
-from recon.runs.cameras import CAMERAS, SeenCamera, as_document
+from recon.runs.cameras import CAMERAS, SeenCamera, cameras_text
 from recon.runs.execute import execute
 from recon.runs.job import Job
 from recon.runs.posed import export_poses
@@ -31,7 +31,7 @@ def run(tmp_path):
     way = Trajectory(stamps_s=np.arange(2.0), T_world_left=poses)
     (path / "trajectory.txt").write_text(way.as_tum())
     seen = [SeenCamera(name="000000", rig=RIG), SeenCamera(name="000001", rig=OTHER)]
-    (path / CAMERAS).write_text(as_document(seen))
+    (path / CAMERAS).write_text(cameras_text(seen))
     return path
 
 

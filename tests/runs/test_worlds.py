@@ -8,7 +8,7 @@ import pytest
 from recon.cli import main
 from recon.errors import InputError
 from recon.records import FoundObject
-from recon.runs.worlds import NOT_FOUND, namings, summary
+from recon.runs.worlds import NOT_FOUND, judged_names, summary
 from recon.world.objects import TrueObject
 
 
@@ -26,8 +26,12 @@ def found_object(x, label):
 def test_true_objects_match_the_nearest_within_their_width():
     true = (true_object(0.0), true_object(20.0), true_object(40.0, "cottage"))
     found = (found_object(1.0, "pine tree"), found_object(18.0, "apple tree"))
-    assert [one.found for one in namings(true, found)] == ["pine tree", "apple tree", NOT_FOUND]
-    counts = summary(namings(true, found))
+    assert [one.found for one in judged_names(true, found)] == [
+        "pine tree",
+        "apple tree",
+        NOT_FOUND,
+    ]
+    counts = summary(judged_names(true, found))
     assert (counts["num_right"], counts["num_objects"]) == (1, 3)
     assert counts["confusion"] == {
         "cottage": {NOT_FOUND: 1}, "pine tree": {"apple tree": 1, "pine tree": 1},

@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks import Measurement
 from recon.exploration.agent import explore
 from recon.exploration.outcome import Exploration
-from recon.runs.worlds import namings
+from recon.runs.worlds import judged_names
 from recon.settings import Settings, updated, with_quality
 from recon.world.generator import random_scene
 from recon.world.world import World
@@ -53,7 +53,9 @@ def square() -> Measurement:
     settings = settings_for("frontier")
     world = World.from_file(SQUARE, settings)
     done = explore(world, settings)
-    right = sum(one.true == one.found for one in namings(world.objects, done.recognition.objects))
+    right = sum(
+        one.true == one.found for one in judged_names(world.objects, done.recognition.objects)
+    )
     return number("square_right", right, f"of {len(world.objects)} objects", "higher")
 
 

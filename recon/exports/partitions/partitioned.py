@@ -86,7 +86,7 @@ class PartitionedMap:
         """Number of points in all cells."""
         return sum(entry.num_points for entry in self.partitions)
 
-    def meeting(self, box: Box | None) -> list[Entry]:
+    def intersecting(self, box: Box | None) -> list[Entry]:
         """The partitions that intersect a box, all if it is None."""
         if box is None:
             return list(self.partitions)
@@ -127,7 +127,7 @@ class PartitionedMap:
     def within(self, box: Box) -> VoxelMap:
         """The cells whose centre lies in a box, as a map; only intersecting partitions are read."""
         low, high = box
-        return self.whole(self.meeting(box)).cropped(low, high)
+        return self.whole(self.intersecting(box)).cropped(low, high)
 
     def whole(self, entries: Sequence[Entry] | None = None) -> VoxelMap:
         """All partitions, or some, as one map in memory.

@@ -57,7 +57,7 @@ def test_any_chunks_merge_to_the_same_bytes(city, cuts, tmp_path):
 def test_box_reads_only_intersecting_partitions(whole, city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
-    met = {entry.file for entry in city.meeting(BOX)}
+    met = {entry.file for entry in city.intersecting(BOX)}
     assert 0 < len(met) < len(city)
     for entry in city.partitions:
         if entry.file not in met:
