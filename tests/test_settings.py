@@ -5,12 +5,12 @@ import tomllib
 import pytest
 
 from recon.errors import InputError
+from recon.files.documents import read_toml
 from recon.settings import (
     PRESETS,
     QUALITIES,
     Settings,
     parse_overrides,
-    read_toml,
     to_toml,
     tolerated,
     updated,

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from recon.errors import InputError
+from recon.files.documents import read_toml
 from recon.runs.job import KINDS, Job
-from recon.settings import PRESETS, QUALITIES, Settings, merged, read_toml, updated
+from recon.settings import PRESETS, QUALITIES, Settings, merged, updated
 
 JOB_KEYS = ("name", "command", "input", "settings", "seed", "preset", "quality", "arguments")
 FILE_KEYS = ("job", "sweep")

@@ -180,7 +180,8 @@ def build_settings(given: dict[str, Any]) -> Any:
     given : dict
         The options of a command.
     """
-    from recon.settings import Settings, parse_overrides, read_toml, updated, with_preset
+    from recon.files.documents import read_toml
+    from recon.settings import Settings, parse_overrides, updated, with_preset
     from recon.settings import with_quality as qualified
 
     settings = with_preset(Settings(), given["preset"])

@@ -103,10 +103,6 @@ def _sigma(subject: Subject, sheet: Sheet) -> Any:
     )
 
 
-def _labels(subject: Subject, sheet: Sheet) -> Any:
-    return draw_labels(subject, sheet)
-
-
 def draw_labels(subject: Subject, sheet: Sheet, *, with_legend: bool = True) -> Any:
     """The labelled occupancy of a run."""
     run = subject.mapped
@@ -166,7 +162,7 @@ OCCUPANCY = Kind(
     data=_floor,
     size=occupancy.SIZE,
 )
-LABELS = Kind(draw=_labels, data=_objects, size=occupancy.SIZE)
+LABELS = Kind(draw=draw_labels, data=_objects, size=occupancy.SIZE)
 TRAJECTORY = Kind(
     draw=lambda subject, sheet: trajectory.trajectory(
         subject.mapped.trajectory.T_world_left, subject.mapped.voxels, unit=subject.unit,

@@ -152,7 +152,7 @@ def _mapped_subjects(
 ) -> Iterator[tuple[str, Subject]]:
     if request.kind is None and map_path(run_path) is None:
         return
-    subject = _subject(run_path, _read(run_path), request.view)
+    subject = _subject(run_path, read_reconstruction(run_path), request.view)
     lack = kind.lack(subject)
     if lack is None:
         yield name, subject
@@ -161,7 +161,7 @@ def _mapped_subjects(
 
 
 def _with_mesh(run_path: Path, view: str) -> Subject:
-    run = _read(run_path) if map_path(run_path) is not None else None
+    run = read_reconstruction(run_path) if map_path(run_path) is not None else None
     cameras = None if run is None else run.trajectory.positions
     subject = _subject(run_path, run, view)
     return replace(subject, mesh=read_mesh(run_path / "mesh.ply"), cameras=cameras)
@@ -178,13 +178,9 @@ def _kept_subjects(
     for path in sorted((run_path / "figures").glob("*.npz")):
         arrays = read_arrays(path)
         if str(arrays.get("kind")) == source:
-            run = _read(run_path) if has_map else None
+            run = read_reconstruction(run_path) if has_map else None
             subject = replace(_subject(run_path, run, request.view), kept=arrays)
             yield (name, subject) if name == "overview" else (path.stem, subject)
-
-
-def _read(run_path: Path) -> Reconstruction[Any]:
-    return read_reconstruction(run_path)
 
 
 def _subject(run_path: Path, run: Reconstruction[Any] | None, view: str = "default") -> Subject:

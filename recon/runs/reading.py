@@ -3,14 +3,14 @@
 from pathlib import Path
 
 from recon.errors import InputError
-from recon.files.documents import read_text
+from recon.files.documents import read_text, read_toml
 from recon.manifest import MANIFEST, input_paths, read_manifest
 from recon.notices import notify
 from recon.records import Reconstruction, Trajectory
 from recon.records.objects import from_json
 from recon.runs.maps import read_map, shown
 from recon.runs.report import read_json
-from recon.settings import Settings, read_toml, tolerated, updated
+from recon.settings import Settings, tolerated, updated
 
 RECORDED = ("reconstruct", "merge")
 """Commands with real recordings."""

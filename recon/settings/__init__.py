@@ -5,7 +5,6 @@ from recon.settings.files import (
     given_tree,
     merged,
     parse_overrides,
-    read_toml,
     to_toml,
     updated,
 )
@@ -52,7 +51,6 @@ __all__ = [
     "given_tree",
     "merged",
     "parse_overrides",
-    "read_toml",
     "to_toml",
     "tolerated",
     "updated",

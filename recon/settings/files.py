@@ -3,14 +3,12 @@
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 import tomli_w
 from pydantic import ValidationError
 
 from recon.errors import InputError, unknown
-from recon.files import documents
 from recon.settings.stage import first_fault, given
 from recon.settings.stages import S, Stages
 from recon.settings.world import FOLLOWERS
@@ -34,11 +32,6 @@ def to_tree(settings: Stages) -> Tree:
 def to_toml(settings: Stages) -> str:
     """The text of `settings.toml`."""
     return tomli_w.dumps(to_tree(settings))
-
-
-def read_toml(path: Path) -> Tree:
-    """The tables of a settings file; its values are checked by `updated`."""
-    return documents.read_toml(path)
 
 
 def parse_overrides(overrides: Iterable[str]) -> Tree:
