@@ -106,36 +106,25 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
-    surface = SurfaceWork(
-        job.settings,
-        work,
-        unit=job.settings.recognition.unit or "world units",
-        waits=may_close(source),
-    )
-    places = PlaceKeeper()
-    seen: list[SeenCamera] = []
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
+    recorder = Recorder(source, job, work)
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
         for pair, result in match_ahead(source, job.settings, work):
             num_before = mapper.num_pairs
             _note(mapper.process(pair, result), cloud, work)
             counts = mapper.num_pairs > num_before
-            surface.take(pair, counts=counts)
-            if not counts:  # it only confirms
-                continue
-            seen.append(SeenCamera(name=pair.name, rig=pair.rig))
-            chunked.take(mapper)
-            if keeps_places(job.settings):
-                places.add(pair, mapper.num_pairs - 1)
-            work.progress(mapper.num_pairs, len(source))
+            recorder.take(pair, counts=counts)
+            if counts:
+                chunked.take(mapper)
+                work.progress(mapper.num_pairs, len(source))
         _note(mapper.finish(), cloud, work)
-    work.run.write_text(CAMERAS, cameras_text(seen))
-    loops = close_drive(source, mapper, places, work)
+    work.run.write_text(CAMERAS, cameras_text(recorder.seen))
+    loops = close_drive(source, mapper, recorder.places, work)
     if loops.get("num_loops"):  # the map was rebuilt from all points
         chunked.forget()
     num_voxels = _write(mapper, chunked.finish(mapper), work, _figures_of(job))
     if job.settings.map.places:
-        write_places(work, places, mapper.trajectory)
+        write_places(work, recorder.places, mapper.trajectory)
     mapper.reached.say()
     return (
         mapper.metrics
@@ -143,8 +132,28 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
         | _surface_distance(path, mapper)
         | source.metrics
         | loops
-        | surface.finish(mapper.trajectory, is_part=chunked.chunk is not None)
+        | recorder.surface.finish(mapper.trajectory, is_part=chunked.chunk is not None)
     )
+
+
+class Recorder:
+    """Records what a run keeps of its pairs besides their points."""
+
+    def __init__(self, source: PairSource, job: Job, work: Work) -> None:
+        unit = job.settings.recognition.unit or "world units"
+        self.surface = SurfaceWork(job.settings, work, unit, waits=may_close(source))
+        self.keeps_places = keeps_places(job.settings)
+        self.places = PlaceKeeper()
+        self.seen: list[SeenCamera] = []
+
+    def take(self, pair: StereoPair, *, counts: bool) -> None:
+        """Record the next pair; one that does not count only confirms the surface of others."""
+        self.surface.take(pair, counts=counts)
+        if not counts:
+            return
+        if self.keeps_places:
+            self.places.add(pair, len(self.seen))
+        self.seen.append(SeenCamera(name=pair.name, rig=pair.rig))
 
 
 def _check_search(source: PairSource, settings: Settings) -> None:
