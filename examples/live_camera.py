@@ -1,4 +1,4 @@
-"""Points of a live camera with both eyes side by side: python live_camera.py CALIB CAMERA."""
+"""Map what a stereo camera sees, images side by side: python live_camera.py CALIB CAMERA."""
 
 import sys
 

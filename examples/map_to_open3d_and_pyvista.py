@@ -1,4 +1,4 @@
-"""A map in two other libraries: python map_to_open3d_and_pyvista.py MAP.npz OUT.vtp."""
+"""Pass a map to two other libraries: python map_to_open3d_and_pyvista.py MAP.npz OUT.vtp."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""A recording reconstructed by a matcher of one's own: python own_matcher.py SEQUENCE."""
+"""Reconstruct a recording with your own matcher: python own_matcher.py SEQUENCE."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""A place of one's own explored: python own_source.py SCENE NUM_PAIRS."""
+"""Explore your own source of pairs: python own_source.py SCENE NUM_PAIRS."""
 
 import sys
 from dataclasses import replace
@@ -8,7 +8,7 @@ import recon
 
 class Dusk:
     def __init__(self, scene: str) -> None:
-        self.world = recon.World.from_file(scene)  # a robot would stand here
+        self.world = recon.World.from_file(scene)  # or connect to your robot
 
     def start(self) -> recon.View:
         return self.world.start()
