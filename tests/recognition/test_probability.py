@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from recon.recognition.naming import hypotheses
+from recon.recognition.fitting.composite import fit_composite
+from recon.recognition.naming import flat_rival, hypotheses
+from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Evidence, Logistic
@@ -20,7 +22,12 @@ COLOURS = np.full((2, 3), 120.0)
 UP = np.array([0.0, 1.0, 0.0])
 CLUMPS = Path(__file__).with_name("data") / "recorded_clumps.npz"
 SURE = Evidence(
-    criterion=-4.0, lead=2.0, seen=np.array([0.8, 0.8]), widths=np.array([4.0, 9.0]), num_cells=200
+    criterion=-4.0,
+    lead=2.0,
+    seen=np.array([0.8, 0.8]),
+    widths=np.array([4.0, 9.0]),
+    num_cells=200,
+    num_cells_above=90,
 )
 
 
@@ -97,6 +104,7 @@ def test_partly_seen_objects_are_named_with_calibrated_probabilities():
         {"seen": np.array([0.01, 0.9])},
         {"widths": np.array([0.2, 30.0])},
         {"num_cells": 8},
+        {"num_cells_above": 3},
     ],
     ids=lambda missing: next(iter(missing)),
 )
@@ -147,3 +155,27 @@ def test_a_few_cells_off_the_rim_of_a_post_are_no_roof(seed):
     means = voxels.means.copy()
     means[np.flatnonzero(means[:, 1] > 5.5)[::9][:6]] *= [0.8, 1.08, 0.8]
     assert name_object(dataclasses.replace(voxels, means=means), 0.0, KINDS).label == "unknown"
+
+
+@pytest.mark.parametrize("seed", [5, 11, 20])
+def test_cottage_in_noise_wider_than_a_cell_is_not_its_level_slices(seed, monkeypatch):
+    rng = np.random.default_rng(seed)
+    cottage = random_composite("cottage", rng)
+    voxels = voxelise(observe(cottage, COLOURS, Orbit(sigma_px=0.25), rng))
+    voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
+    assert name_object(voxels, 0.0, KINDS).label == "cottage"
+    monkeypatch.setattr(flat_rival, "MOST_INSIDE", 1.0)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+
+
+def test_lead_of_a_part_does_not_hide_that_the_rest_is_worse_explained(monkeypatch):
+    monkeypatch.setattr(hypotheses, "lead_of_parts", lambda *_: 0.4)
+    post = Cylinder(point=np.zeros(3), axis=UP, radius=4.5, height=6.6)
+    voxels = voxelise(observe([post], COLOURS, Orbit(), np.random.default_rng(0)))
+    case = a_case(voxels.select(voxels.means[:, 1] > 1.0), 0.0, is_metric=False)
+    rival = case.lone_criterion(case.alone[0])
+    shapes = ("cylinder", "truncated cone")
+    fit = fit_composite(shapes, case.cells.means, 0.0, case.cells.cell_size, case.weights)
+    for loss in (0.0, 0.3):
+        evidence = hypotheses._evidence(case, fit, rival + loss, np.ones(2))
+        assert evidence.lead == pytest.approx(0.4 - loss)

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from recon.recognition.fitting.composite import Composite, fit_composite, solids
 from recon.recognition.fitting.least_squares import Estimate
-from recon.recognition.naming.assembly import Assembly, assemblies, bic_of_pieces
+from recon.recognition.naming.assembly import Assembly, assemblies
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
 from recon.recognition.naming.curvature import bend
 from recon.recognition.naming.descriptors import describe
+from recon.recognition.naming.flat_rival import flat_rival
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.lead import lead_of_parts
 from recon.recognition.naming.limits import (
@@ -135,8 +136,7 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
 
 def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]:
     """Fits, on one axis less likely if planes explain the cells better: a box on a box."""
-    planes = case.faces.planes if any(one.whole > LEAST_WHOLE for one in found) else ()
-    rival = case.dense_criterion(bic_of_pieces(case.dense, planes)) if len(planes) > 1 else 0.0
+    rival = flat_rival(case) if any(one.whole > LEAST_WHOLE for one in found) else 0.0
     for one in found:
         lead = rival - one.criterion if one.composite else np.inf
         yield replace(one, whole=one.whole * float(FORMED.chance(lead)))
@@ -145,16 +145,19 @@ def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
     """Evidence for a fit of upright parts."""
     rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
-    composite = fit.state
+    overall, composite = rival - criterion, fit.state
+    counts = np.bincount(composite.nearest(case.cells.means)[1], minlength=len(composite.shapes))
     # The two radii of a cone differ only if there is a layer of cells for each.
     layers = [max(1, len(radii)) for radii in composite.radii]
     narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights) / layers)
     return Evidence(
         criterion=criterion,
-        lead=max(rival - criterion, lead_of_parts(fit, case.cells, case.alone)),
+        # A part makes up for no more than its lead: the rest must not be worse explained.
+        lead=max(overall, lead_of_parts(fit, case.cells, case.alone) + min(overall, 0.0)),
         seen=seen,
         widths=narrowest / case.cells.cell_size,
         num_cells=len(case.cells),
+        num_cells_above=int(counts[1:].min()),
     )
 
 
@@ -219,6 +222,7 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
                 seen=seen,
                 widths=np.array([width]),
                 num_cells=len(case.cells),
+                num_cells_above=len(case.cells),
             )
             filled = case.filled(one.solid)
             found = Hypothesis(

@@ -44,6 +44,9 @@ ORDERED = Logistic(middle=-0.9, steepness=4.0)
 cells."""
 ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
 """Log of the number of cells: a handful fits anything."""
+ABOVE = Logistic(middle=float(np.log(8.0)), steepness=4.0)
+"""Log of the number of cells of each part above the lowest: any few cells fit a crown. Simulated
+objects have 11 at least."""
 EXPLAINED = Logistic(middle=0.7, steepness=14.0)
 """Share of the cells on the parts of an assembly."""
 SHOWN = Logistic(middle=float(np.log(12.0)), steepness=4.0)
@@ -78,6 +81,8 @@ class Evidence:
     widths: Array
     """(parts,) minimum width of each part in cells, of a cone that of a layer per radius."""
     num_cells: int
+    num_cells_above: int
+    """Of the part above the lowest that has the fewest; of a single solid all."""
 
     @property
     def probability(self) -> float:
@@ -85,4 +90,6 @@ class Evidence:
         seen = SEEN.chance(np.log(np.maximum(self.seen, 1e-3))).prod()
         resolved = RESOLVED.chance(np.log(np.maximum(self.widths, 1e-3))).prod()
         fitting = FORM.chance(-self.criterion) * LEAD.chance(self.lead)
-        return float(fitting * ENOUGH.chance(np.log(self.num_cells)) * seen * resolved)
+        enough = ENOUGH.chance(np.log(self.num_cells))
+        enough *= ABOVE.chance(np.log(max(self.num_cells_above, 1)))
+        return float(fitting * enough * seen * resolved)
