@@ -49,7 +49,7 @@ benchmark: setup
 reproduce: setup
 	$(BIN)/python tools/reproduce.py
 
-# The site: site/index.html. Examples run when it is made.
+# The site: site/index.html.
 docs: setup
 	$(call install,-e ".[docs]")
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs site

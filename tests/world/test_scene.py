@@ -88,10 +88,6 @@ def written(tmp_path):
     return write
 
 
-def line_of(text, row):
-    return text.splitlines().index(row) + 1
-
-
 def test_scene_of_appendix_b_is_read_unchanged():
     scene = read_scene(SCENES / "village.scene")
     assert [len(part) for part in (scene.shaders, scene.textures, scene.visuals)] == [3, 9, 13]
