@@ -18,7 +18,10 @@ from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_lo
     help="Inner corners, such as 9x6, or charuco:CxR[:DICTIONARY][:MARKER], counted in squares.",
 )
 @click.option("--square", required=True, type=PositiveNumber(), help="Side of a square in metres.")
-@click.option("-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True)
+@click.option(
+    "-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True,
+    help="File to write.",
+)  # fmt: skip
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @click.option(
     "--force", is_flag=True, help="Write a calibration even if its rms exceeds one pixel."

@@ -7,13 +7,13 @@ import click
 
 from recon.cli.explore import PROGRESS, say_exploration
 from recon.cli.jobs import do_job
-from recon.cli.options import FOLDER, OUTPUT, SETTINGS, with_options
+from recon.cli.options import OUTPUT, SETTINGS, run_folder, with_options
 
 SCENE = Path("village")
 
 
 @click.command(epilog="Example: recon demo")
-@with_options(SETTINGS, FOLDER, OUTPUT)
+@with_options(SETTINGS, run_folder("runs/village"), OUTPUT)
 def demo(**given: Any) -> None:
     """Explore the village that ships with recon, into runs/village."""
     do_job("explore", (SCENE,), given, say=say_exploration, draws=True, unit=PROGRESS)

@@ -7,12 +7,12 @@ import click
 
 from recon.cli.jobs import do_job
 from recon.cli.options import (
-    FOLDER,
     MATCHING,
     OUTPUT,
     PATH,
     SETTINGS,
     PositiveNumber,
+    run_folder,
     with_options,
 )
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     default=None,
     help="Match every pixel as well, and save dense.pfm and dense_sigma.pfm.",
 )
-@with_options(MATCHING, SETTINGS, FOLDER, OUTPUT)
+@with_options(MATCHING, SETTINGS, run_folder("none"), OUTPUT)
 def disparity(left: Path, right: Path, **given: Any) -> None:
     """Match two rectified images; with -o, save matches.npz and figures."""
     named = {name: given[name] for name in ("truth", "truth_scale", "calib")}

@@ -7,11 +7,11 @@ import click
 
 from recon.cli.jobs import do_job
 from recon.cli.options import (
-    FOLDER,
     OUTPUT,
     PATH,
     SETTINGS,
     PositiveNumber,
+    run_folder,
     with_options,
 )
 
@@ -73,13 +73,13 @@ DENSE_COLUMNS = {
     type=PATH,
     help="True poses, or the true surface: a mesh, a cloud or a rendered recording.",
 )
-@with_options(SETTINGS, FOLDER, OUTPUT)
+@with_options(SETTINGS, run_folder("none"), OUTPUT)
 def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Evaluate matchers, labels in random worlds, a trajectory or a surface against truth.
 
-    A pair is searched over the range that its calibration states, else a little more than its truth
-    holds, where the settings give none. -o leaves figures. ATE is the root mean square distance of
-    positions after rigid alignment (Umeyama, no scale), RPE that of the steps from frame to frame.
+    The search range is that of the settings, else of a pair's calibration, else slightly larger
+    than that of its truth. -o leaves figures. ATE is the root mean square distance of positions
+    after rigid alignment (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
     _check_one(pair_dirs, given)
     if given["surface"]:

@@ -9,7 +9,6 @@ from recon.cli.jobs import counted, do_job
 from recon.cli.mesh import say_surface
 from recon.cli.objects import say_objects
 from recon.cli.options import (
-    FOLDER,
     MATCHING,
     NAMES,
     OUTPUT,
@@ -17,6 +16,7 @@ from recon.cli.options import (
     SCENE,
     SETTINGS,
     SURFACE,
+    run_folder,
     with_options,
 )
 
@@ -37,7 +37,7 @@ PROGRESS = "% of the floor"
     metavar="N",
     help="Stop after N pairs.",
 )
-@with_options(NAMES, MATCHING, SURFACE, SCENE, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SURFACE, SCENE, SETTINGS, run_folder(), OUTPUT)
 def explore(scene: Path, **given: Any) -> None:
     """Explore a simulated world, map it and name its objects.
 

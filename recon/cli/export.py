@@ -29,7 +29,7 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)
 def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
-    """Convert a map, a cloud or a mesh to the format of OUT, told by its suffix."""
+    """Convert a map, a cloud or a mesh to the format that the suffix of OUT names."""
     start_logging(given)
     from recon.runs.export import Selection, export_run
 

@@ -25,7 +25,12 @@ VIEWS = "default, front, back, side, top, ego (behind the first camera), camera 
     help="Size in pixels, such as 1200x900; depends on the kind by default.",
 )
 @click.option(
-    "--format", "ending", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True
+    "--format",
+    "ending",
+    type=click.Choice(["png", "pdf", "svg"]),
+    default="png",
+    show_default=True,
+    help="Format of the file.",
 )
 @click.option("--dpi", type=click.IntRange(30, 1200), default=100, show_default=True,
               help="Resolution of the printed figure, dots per inch.")  # fmt: skip
@@ -36,7 +41,11 @@ VIEWS = "default, front, back, side, top, ego (behind the first camera), camera 
 )
 @click.option("--no-title", is_flag=True, help="Draw no title.")
 @click.option(
-    "--background", type=click.Choice(["white", "transparent"]), default="white", show_default=True
+    "--background",
+    type=click.Choice(["white", "transparent"]),
+    default="white",
+    show_default=True,
+    help="Background of the figure.",
 )
 @click.option("--data", "with_data", is_flag=True,
               help="Also save the data as .npz; labels also as GeoJSON and nav2 map.")  # fmt: skip

@@ -7,7 +7,7 @@ import click
 
 from recon.cli.jobs import counted, do_job
 from recon.cli.objects import say_objects
-from recon.cli.options import FOLDER, NAMES, OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.options import NAMES, OUTPUT, PATH, SETTINGS, run_folder, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: recon merge runs/north runs/south -o runs/city")
 @click.argument("runs", nargs=-1, required=True, type=PATH, metavar="RUN...")
-@with_options(NAMES, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, SETTINGS, run_folder("runs/merged"), OUTPUT)
 def merge(runs: tuple[Path, ...], **given: Any) -> None:
     """Merge runs of the same world into one partitioned map of any size.
 

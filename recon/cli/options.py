@@ -111,18 +111,22 @@ SETTINGS = [
     ),
 ]  # fmt: skip
 
-FOLDER = [
-    click.option("-o", "--output", type=PATH, help="Run folder, runs/NAME by default."),
-    click.option("--overwrite", is_flag=True, help="Replace an existing run."),
-    click.option("--resume", is_flag=True, help="Continue an interrupted run."),
-    click.option(
-        "--seed",
-        type=click.IntRange(min=0),
-        default=0,
-        show_default=True,
-        help="Seed of all random numbers.",
-    ),
-]
+
+def run_folder(default: str = "runs/NAME") -> list[Callable[[Command], Command]]:
+    """Options of a run folder, and of the seed that it depends on."""
+    return [
+        click.option("-o", "--output", type=PATH, help=f"Run folder, {default} by default."),
+        click.option("--overwrite", is_flag=True, help="Replace an existing run."),
+        click.option("--resume", is_flag=True, help="Continue an interrupted run."),
+        click.option(
+            "--seed",
+            type=click.IntRange(min=0),
+            default=0,
+            show_default=True,
+            help="Seed of all random numbers.",
+        ),
+    ]
+
 
 # An option whose name in Python is STAGE__NAME sets that value.
 MATCHING = [

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: recon recognise runs/village --catalogue village")
 @click.argument("file", type=PATH)
-@click.option("--up", type=click.Choice(["y", "-y", "z", "-z"]), default="y", show_default=True)
+@click.option(
+    "--up", type=click.Choice(["y", "-y", "z", "-z"]), default="y", show_default=True,
+    help="Direction that is up in FILE.",
+)  # fmt: skip
 @click.option(
     "--unit", "recognition__unit", type=click.Choice(["m"]), help="Unit of length in FILE."
 )

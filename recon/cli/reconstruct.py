@@ -8,7 +8,16 @@ import click
 from recon.cli.jobs import counted, do_job
 from recon.cli.mesh import say_surface
 from recon.cli.objects import say_objects
-from recon.cli.options import FOLDER, MATCHING, NAMES, OUTPUT, PATH, SETTINGS, SURFACE, with_options
+from recon.cli.options import (
+    MATCHING,
+    NAMES,
+    OUTPUT,
+    PATH,
+    SETTINGS,
+    SURFACE,
+    run_folder,
+    with_options,
+)
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -61,7 +70,7 @@ def parse_roi(
     metavar="N",
     help="Hold N pairs in memory at a time and write a partitioned map.parquet of any size.",
 )
-@with_options(NAMES, MATCHING, SURFACE, SETTINGS, FOLDER, OUTPUT)
+@with_options(NAMES, MATCHING, SURFACE, SETTINGS, run_folder(), OUTPUT)
 def reconstruct(sequence: Path, chunk: int | None, **given: Any) -> None:
     """Reconstruct a scene from a calibrated stereo recording."""
     do_job("reconstruct", (sequence,), given, say=_say, draws=True, chunk=chunk)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
-from recon.cli.options import FOLDER, OUTPUT, PATH, SCENE, SETTINGS, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, SETTINGS, run_folder, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     "--views", default="ring:20", show_default=True, metavar="ring:N|drive:N|FILE",
     help="ring:N, drive:N, or a file with a position and a target per row.",
 )  # fmt: skip
-@with_options(SCENE, SETTINGS, FOLDER, OUTPUT)
+@with_options(SCENE, SETTINGS, run_folder("runs/NAME_views"), OUTPUT)
 def render(scene: Path, **given: Any) -> None:
     """Render a stereo recording of a scene or a mesh, with true disparity, depth and surface.
 

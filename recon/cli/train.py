@@ -21,7 +21,10 @@ from recon.cli.options import (
 @click.argument("pair_dirs", nargs=-1, required=True, type=PATH)
 @click.option("-o", "--output", required=True, type=PATH, help="Model file to write.")
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True,
+    help="Seed of all random numbers.",
+)  # fmt: skip
 @with_options(SETTINGS, OUTPUT)
 def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     """Train the model of the von Mises matcher on pairs; no ground truth is needed.
