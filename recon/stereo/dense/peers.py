@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from recon.stereo.dense.cost import Search
 from recon.stereo.kernels.simd import Floats
 from recon.stereo.kernels.threads import run
+from recon.stereo.matching.sgbm import BLOCK_PX, semi_global
 
 Grey = NDArray[np.uint8]
 
-_BLOCK_PX = 3
 _BM_BLOCK_PX = 15
 _TOLERANCE_PX = 1
 """Maximum difference of the disparities of both images."""
@@ -46,19 +46,8 @@ def confirmed_three_ways(left: Grey, right: Grey, search: Search) -> Floats:
 
 def _sgbm(mode: int) -> Callable[[Grey, Grey, Search], Floats]:
     def match(left: Grey, right: Grey, search: Search) -> Floats:
-        matcher = cv2.StereoSGBM.create(
-            minDisparity=search.first,
-            numDisparities=search.depth,
-            blockSize=_BLOCK_PX,
-            P1=8 * _BLOCK_PX**2,
-            P2=32 * _BLOCK_PX**2,
-            disp12MaxDiff=1,
-            uniquenessRatio=10,
-            speckleWindowSize=100,
-            speckleRange=2,
-            mode=mode,
-        )
-        return _matched(matcher, (left, right), search, _BLOCK_PX)
+        matcher = semi_global(search.first, search.depth, mode)
+        return _matched(matcher, (left, right), search, BLOCK_PX)
 
     return match
 

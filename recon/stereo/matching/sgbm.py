@@ -1,5 +1,7 @@
 """OpenCV's semi-global matcher, evaluated at the features."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +12,7 @@ from recon.settings import MatchingSettings
 from recon.stereo.exposure import with_gain_of
 from recon.stereo.kernels.sorting import falling
 
-_BLOCK_PX = 3
+BLOCK_PX = 3
 _SIGMA_PX = 0.25
 """Standard deviation of its correct disparities, measured on recorded pairs with truth."""
 
@@ -44,17 +46,7 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> NDAr
             f"disparities {settings.min_disparity}..{settings.max_disparity} all lie outside "
             f"the image, whose width is {width}"
         )
-    matcher = cv2.StereoSGBM.create(
-        minDisparity=lowest,
-        numDisparities=-(-wanted // 16) * 16,
-        blockSize=_BLOCK_PX,
-        P1=8 * _BLOCK_PX**2,
-        P2=32 * _BLOCK_PX**2,
-        disp12MaxDiff=1,
-        uniquenessRatio=10,
-        speckleWindowSize=100,
-        speckleRange=2,
-    )
+    matcher = semi_global(lowest, -(-wanted // 16) * 16)
     # Fixed point with four fractional bits; values below the lowest disparity mean none.
     greys = left.grey, with_gain_of(left.grey, right.grey)
     disparity = matcher.compute(*(_widened(x, lowest, wanted) for x in greys)) / 16.0
@@ -62,6 +54,22 @@ def compute(left: Features, right: Features, settings: MatchingSettings) -> NDAr
     outside = (disparity < lowest) | (disparity > settings.max_disparity)
     disparity[outside] = np.nan
     return np.asarray(disparity)
+
+
+def semi_global(lowest: int, depth: int, mode: int = cv2.StereoSGBM_MODE_SGBM) -> Any:
+    """OpenCV's matcher for `depth` disparities from `lowest` on, a multiple of 16."""
+    return cv2.StereoSGBM.create(
+        minDisparity=lowest,
+        numDisparities=depth,
+        blockSize=BLOCK_PX,
+        P1=8 * BLOCK_PX**2,
+        P2=32 * BLOCK_PX**2,
+        disp12MaxDiff=1,
+        uniquenessRatio=10,
+        speckleWindowSize=100,
+        speckleRange=2,
+        mode=mode,
+    )
 
 
 def _widened(grey: NDArray[np.uint8], lowest: int, wanted: int) -> NDArray[np.uint8]:
