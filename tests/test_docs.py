@@ -4,6 +4,7 @@ import ast
 import re
 from pathlib import Path
 
+import recon
 from recon.settings import Settings, with_preset
 from recon.settings.files import to_tree
 
@@ -62,6 +63,12 @@ def test_keys_on_the_page_of_files_occur_in_the_code():
     keys = set(re.findall(r"`([a-z]+(?:_\w+)+)`", page))
     assert len(keys) > 60
     assert keys - words == set()
+
+
+def test_reference_of_python_lists_every_public_name():
+    page = (DOCS / "reference" / "python.md").read_text()
+    listed = re.findall(r"^   (\w+)$", page, re.M)
+    assert sorted(listed) == sorted(set(recon.__all__) - {"Image", "__version__"})
 
 
 def notified(source):
