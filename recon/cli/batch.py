@@ -1,13 +1,21 @@
 """`recon batch`."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from recon.cli.info import table
 from recon.cli.options import OUTPUT, PATH, SCENE, print_json, start_logging, with_options
 from recon.cli.progress import shown_jobs
+
+if TYPE_CHECKING:
+    from multiprocessing.context import BaseContext
+
+    from recon.batch.jobfile import NamedJob
+    from recon.batch.worker import Outcome
+    from recon.figures.contact import Print
 
 SOME_FAILED = 5
 
@@ -63,14 +71,14 @@ def batch(jobs: str, **given: Any) -> int:
         _list(named, given)
         return 0
     load_ahead()
-    prints: dict[str, Any] = {}
+    prints: dict[str, Print] = {}
     folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
     with shown_jobs(given["quiet"]) as shown:
         scheduler = make_scheduler(
             given["scheduler"], given["num_workers"] or num_processors(), shown.progress, start
         )
 
-        def heard(outcome: Any, done: int, total: int) -> None:
+        def heard(outcome: "Outcome", done: int, total: int) -> None:
             shown.end(outcome.name, done, total)
             if len(prints) < MAX_SHOWN:
                 prints[outcome.name] = print_of(outcome, folder)  # while other jobs run
@@ -90,7 +98,7 @@ def batch(jobs: str, **given: Any) -> int:
     return SOME_FAILED if report.num_failed else 0
 
 
-def _way_to_start(given: dict[str, Any]) -> Any:
+def _way_to_start(given: dict[str, Any]) -> "BaseContext":
     """The way to start workers: forked from a server if this process serves the batch only."""
     from recon.processes import SPAWN, start_server
 
@@ -101,7 +109,7 @@ def _way_to_start(given: dict[str, Any]) -> Any:
     return start_server("recon.batch.loaded", *libraries)
 
 
-def _named_jobs(jobs: str, command: str | None) -> Any:
+def _named_jobs(jobs: str, command: str | None) -> "list[NamedJob]":
     from recon.batch.jobfile import jobs_of_glob, read_jobs
 
     if command is not None:
@@ -111,7 +119,7 @@ def _named_jobs(jobs: str, command: str | None) -> Any:
     return read_jobs(Path(jobs))
 
 
-def _list(named: Any, given: dict[str, Any]) -> None:
+def _list(named: "Sequence[NamedJob]", given: dict[str, Any]) -> None:
     rows = [
         {"name": one.name, "command": one.job.kind, "input": [str(p) for p in one.job.inputs]}
         for one in named

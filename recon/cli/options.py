@@ -6,12 +6,15 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import click
 
 import recon
 from recon.files import memory_limit, outside_allowed
+
+if TYPE_CHECKING:
+    from recon.settings import Settings
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 PATH = click.Path(path_type=Path)
@@ -174,7 +177,7 @@ def with_options(*groups: list[Callable[[Command], Command]]) -> Callable[[Comma
     return decorate
 
 
-def build_settings(given: dict[str, Any]) -> Any:
+def build_settings(given: dict[str, Any]) -> "Settings":
     """Settings in increasing precedence: preset, file, quality, options, --set.
 
     Values not given follow from the kind of job and its inputs.
