@@ -14,7 +14,7 @@ from recon.geometry import pose
 from recon.notices import notify
 from recon.sequences.calibration.agreement import MAX_SPREAD, BoardPair, agreed, lens
 from recon.sequences.calibration.cameras import Calibration, Camera
-from recon.sequences.calibration.targets import STOP, Target
+from recon.sequences.calibration.targets import STOP, Corners, Target
 from recon.sequences.frames import Skipped
 from recon.sequences.images import read_image
 from recon.sequences.listing import Listed, list_pairs
@@ -121,21 +121,15 @@ def _check_number(number: int, target: Target, skipped: Sequence[Skipped]) -> No
 
 
 def _found(entry: Listed, target: Target, size: tuple[int, int] | None) -> BoardPair:
-    """The corners of a board visible in both images."""
+    """The corners of a board visible in both images, whose `size` is that of the first pair."""
     if entry.left is None or entry.right is None:
         raise InputError(f"it has no {'left' if entry.left is None else 'right'} image")
     left, right = read_image(entry.left), read_image(entry.right)
     wanted = size or (left.shape[1], left.shape[0])
-    seen = []
-    for path, image in ((entry.left, left), (entry.right, right)):
-        if image.shape[1::-1] != wanted:
-            raise InputError(f"{path} has another size than the first image")
-        corners = target.find(image)
-        if corners is None:
-            raise InputError(f"{path} shows no {target.name}")
-        seen.append(corners)
-    numbers, in_left, in_right = np.intersect1d(
-        seen[0].numbers, seen[1].numbers, return_indices=True
+    in_left = _corners(entry.left, left, target, wanted)
+    in_right = _corners(entry.right, right, target, wanted)
+    numbers, left_rows, right_rows = np.intersect1d(
+        in_left.numbers, in_right.numbers, return_indices=True
     )
     points = target.points[numbers]
     if (
@@ -148,9 +142,21 @@ def _found(entry: Listed, target: Target, size: tuple[int, int] | None) -> Board
         size=wanted,
         numbers=numbers,
         points=points,
-        left=seen[0].points_px[in_left],
-        right=seen[1].points_px[in_right],
+        left=in_left.points_px[left_rows],
+        right=in_right.points_px[right_rows],
     )
+
+
+def _corners(
+    path: Path, image: NDArray[np.uint8], target: Target, size: tuple[int, int]
+) -> Corners:
+    """The corners of a board in one image."""
+    if image.shape[1::-1] != size:
+        raise InputError(f"{path} has another size than the first image")
+    corners = target.find(image)
+    if corners is None:
+        raise InputError(f"{path} shows no {target.name}")
+    return corners
 
 
 def _solved(pairs: list[BoardPair]) -> tuple[BoardCalibration, list[str]]:
