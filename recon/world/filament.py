@@ -60,10 +60,15 @@ class Filament:
 
     Parameters
     ----------
-    parts, looks : triangles and look of each visual
-    images : the textures (H, W, 3)
-    size : width and height of its images, pixels
-    settings : the renderer's
+    parts : sequence of Triangles
+        Of each visual.
+    looks : sequence of Look
+        Of each visual.
+    images : sequence of (H, W, 3) uint8
+        Textures.
+    size : (width, height)
+        Of its images, pixels.
+    settings : RenderSettings
 
     Raises
     ------

@@ -45,11 +45,14 @@ def random_scene(
 
     Parameters
     ----------
-    rng : source of all randomness
-    num_objects : number of objects
-    gap : minimum distance between two objects, and to the floor's border, world units
-    floor_size : side of the floor around the origin, world units
-    kinds : kinds of objects, by default the thesis's three (`KINDS`)
+    rng : Generator
+    num_objects : int
+    gap : float
+        Minimum distance between two objects, and to the floor's border, world units.
+    floor_size : float
+        Side of the floor around the origin, world units.
+    kinds : sequence of Kind, optional
+        By default the thesis's three (`KINDS`).
 
     Raises
     ------

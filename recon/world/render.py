@@ -60,10 +60,13 @@ class Raycaster:
 
     Parameters
     ----------
-    parts : triangles of each visual
-    looks : the look of each visual
-    images : the textures (H, W, 3)
-    settings : the renderer's
+    parts : sequence of Triangles
+        Of each visual.
+    looks : sequence of Look
+        Of each visual.
+    images : sequence of (H, W, 3) uint8
+        Textures.
+    settings : RenderSettings
     """
 
     def __init__(

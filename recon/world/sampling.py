@@ -42,9 +42,13 @@ def shade(
 
     Parameters
     ----------
-    frame : (6, 3) of a `Camera`
-    step_px : distance of the points in the image, which is the side of a point's footprint
-    triangle : (N,) the facet that each point's ray hits, -1 = none; its depth is NaN
+    frame : (6, 3) float64
+        Of a `Camera`.
+    points_px : (N, 2) float64
+    step_px : float
+        Distance of the points in the image, which is the side of a point's footprint.
+    triangle : (N,) int32
+        The facet that each point's ray hits, -1 = none; its depth is NaN.
     """
     facets, texture = surface
     depth, colour = np.empty(len(points_px)), np.empty((len(points_px), 3))

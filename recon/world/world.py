@@ -55,8 +55,11 @@ class World:
 
     Parameters
     ----------
-    scene : its content
-    eyes, render, world : settings of the cameras, the renderer and the floor
+    scene : Scene
+    eyes : EyesSettings
+    render : RenderSettings
+    world : WorldSettings
+        Of the floor.
 
     Raises
     ------
