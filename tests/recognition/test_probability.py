@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from recon.recognition.fitting.composite import fit_composite
+from recon.recognition.fitting.composite import fit_composite, solids
 from recon.recognition.naming import flat_rival, hypotheses
 from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.limits import log_within
 from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Evidence, Logistic
 from recon.recognition.reliability import calibration_error
@@ -168,14 +169,34 @@ def test_cottage_in_noise_wider_than_a_cell_is_not_its_level_slices(seed, monkey
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
 
 
-def test_lead_of_a_part_does_not_hide_that_the_rest_is_worse_explained(monkeypatch):
-    monkeypatch.setattr(hypotheses, "lead_of_parts", lambda *_: 0.4)
-    post = Cylinder(point=np.zeros(3), axis=UP, radius=4.5, height=6.6)
-    voxels = voxelise(observe([post], COLOURS, Orbit(), np.random.default_rng(0)))
+@pytest.fixture
+def post():
+    """A post, and the fit of a cottage to it."""
+    solid = Cylinder(point=np.zeros(3), axis=UP, radius=4.5, height=6.6)
+    voxels = voxelise(observe([solid], COLOURS, Orbit(), np.random.default_rng(0)))
     case = a_case(voxels.select(voxels.means[:, 1] > 1.0), 0.0, is_metric=False)
-    rival = case.lone_criterion(case.alone[0])
     shapes = ("cylinder", "truncated cone")
     fit = fit_composite(shapes, case.cells.means, 0.0, case.cells.cell_size, case.weights)
+    return case, fit
+
+
+def test_lead_of_a_part_does_not_hide_that_the_rest_is_worse_explained(post, monkeypatch):
+    case, fit = post
+    monkeypatch.setattr(hypotheses, "lead_of_parts", lambda *_: 0.4)
+    rival = case.lone_criterion(case.alone[0])
     for loss in (0.0, 0.3):
         evidence = hypotheses._evidence(case, fit, rival + loss, np.ones(2))
         assert evidence.lead == pytest.approx(0.4 - loss)
+
+
+def test_only_ratios_beyond_their_bounds_lower_the_probability(post):
+    case, fit = post
+    found = hypotheses.Hypothesis(
+        kind=None, evidence=0.0, criterion=0.0, composite=fit.state, solids=solids(fit.state)
+    )
+    chances = [log_within(ratio, (0.3, 2.5), 0.05) for ratio in (1.0, 0.3, 0.22)]
+    inside, bound, beyond = (
+        hypotheses._rated(case, found, KINDS[2], chance, SURE).whole for chance in chances
+    )
+    assert inside == bound
+    assert beyond < 0.1 * bound

@@ -117,21 +117,20 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
     opinions = colour_opinions([fit.state for fit in fits], cells)
     for fit, opinion in zip(fits, opinions, strict=True):
         criterion = case.criterion(fit.bic)
-        of_no_kind = Hypothesis(
+        found = Hypothesis(
             kind=None,
-            evidence=case.evidence(criterion) + opinion + LOG_NO_KIND,
+            evidence=case.evidence(criterion) + opinion,
             criterion=criterion,
             composite=fit.state,
             solids=tuple(solids(fit.state)),
         )
-        yield of_no_kind
+        yield replace(found, evidence=found.evidence + LOG_NO_KIND)
         own = [kind for kind in kinds if fit.state.shapes in kind.composites]
         chances = [_log_chance(fit.state, kind, cells) for kind in own]
         if np.isfinite(chances).any():
-            seen = coverage(of_no_kind.solids, cells)
-            evidence = _evidence(case, fit, criterion, seen)
+            evidence = _evidence(case, fit, criterion, coverage(found.solids, cells))
             for kind, chance in zip(own, chances, strict=True):
-                yield _rated(case, of_no_kind, kind, chance - LOG_NO_KIND, evidence)
+                yield _rated(case, found, kind, chance, evidence)
 
 
 def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]:
@@ -171,12 +170,13 @@ def _rated(
     if case.is_metric:
         looks *= size_chance(kind, kind.parts, list(map(solid_sizes, found.solids)), case.cells)
     seen = float(evidence.seen.mean())
-    whole = evidence.probability * looks if seen >= kind.min_seen else 0.0
+    # Only ratios beyond their bounds speak against a kind: on a bound the chance is a half.
+    within = min(1.0, 2.0 * float(np.exp(chance)))
     return replace(
         found,
         kind=kind,
         evidence=found.evidence + chance + float(np.log(max(looks, 1e-9))),
-        whole=whole,
+        whole=evidence.probability * looks * within if seen >= kind.min_seen else 0.0,
         seen=seen,
     )
 
