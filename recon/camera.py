@@ -62,7 +62,7 @@ class StereoRig:
         return T
 
     def depth(self, disparity_px: ArrayLike) -> Array:
-        """Depth along the left z axis; NaN where the rays do not meet in front of the cameras."""
+        """Depths along the left z axis; NaN where the rays do not meet in front of the cameras."""
         shift = np.asarray(disparity_px, dtype=np.float64) - self.disparity_offset_px
         with np.errstate(divide="ignore", invalid="ignore"):
             z: Array = np.where(shift > 0, self.focal_px * self.baseline / shift, np.nan)
@@ -75,7 +75,7 @@ class StereoRig:
         return d
 
     def depth_sigma(self, depth: ArrayLike, sigma_px: ArrayLike) -> Array:
-        """Standard deviation of depth: ``sigma_z = z^2 / (f b) sigma_d``."""
+        """Standard deviation of depths: ``sigma_z = z^2 / (f b) sigma_d``, world units."""
         z = np.asarray(depth, dtype=np.float64)
         sigma: Array = z * z / (self.focal_px * self.baseline) * np.asarray(sigma_px)
         return sigma
@@ -89,7 +89,19 @@ class StereoRig:
         return np.column_stack([x, y, np.ones(len(uv))])
 
     def triangulate(self, points_px: ArrayLike, disparity_px: ArrayLike) -> Array:
-        """Points (N, 3) in the left frame of left image points and their disparities (Eq 19)."""
+        """Points in the left camera's frame, from their disparities (Eq 19).
+
+        Parameters
+        ----------
+        points_px : (N, 2) array_like
+            Points of the left image.
+        disparity_px : (N,) array_like
+
+        Returns
+        -------
+        points_left : (N, 3) float64
+            NaN where the rays do not meet in front of the cameras.
+        """
         points: Array = self.rays(points_px) * self.depth(disparity_px)[:, None]
         return points
 

@@ -86,10 +86,8 @@ class PartitionedMap:
         """Number of points in all cells."""
         return sum(entry.num_points for entry in self.partitions)
 
-    def intersecting(self, box: Box | None) -> list[Entry]:
-        """The partitions that intersect a box, all if it is None."""
-        if box is None:
-            return list(self.partitions)
+    def intersecting(self, box: Box) -> list[Entry]:
+        """The partitions that intersect a box."""
         low, high = np.asarray(box, dtype=np.float64)
         side = self.cell_size * self.form.partition_size
         corners = np.array([entry.index for entry in self.partitions]).reshape(-1, 3) * side
