@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from recon.stereo import harmonics
 from recon.stereo.harmonics import DESCRIPTORS
+from recon.stereo.kernels.memory import reused_empty
 from recon.stereo.kernels.simd import (
     FAST,
     NUM_LANES,
@@ -163,7 +164,7 @@ def respond(grey: NDArray[np.uint8], widths_px: tuple[float, ...]) -> Responses:
     image = grey.astype(np.float32)
     lattices = tuple(_lattice(image, width_px) for width_px in widths_px)
     responses = Responses(
-        np.empty((height, len(widths_px), DESCRIPTORS, 2, filled(width)), np.float32),
+        reused_empty((height, len(widths_px), DESCRIPTORS, 2, filled(width))),
         *(np.empty(grey.shape, np.float32) for _ in range(3)),
     )
     widest = max(lattice.image.shape[1] for lattice in lattices)

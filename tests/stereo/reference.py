@@ -43,7 +43,9 @@ class Pair:
                 largest = np.maximum(np.abs(a) ** 2, np.abs(b) ** 2)
                 exact[k] = max(0.0, np.mean((a * b.conj()).real / largest))
         around = np.pad(exact, 1)
-        return exact, np.maximum(exact, SLACK * np.maximum(around[:-2], around[2:]))
+        slack = np.maximum(exact, SLACK * np.maximum(around[:-2], around[2:]))
+        # Both are kept in half precision.
+        return exact.astype(np.float16).astype(float), slack.astype(np.float16).astype(float)
 
     def is_member(self, v, u):
         if self.search.every == 2:

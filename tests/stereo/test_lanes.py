@@ -8,20 +8,23 @@ from hypothesis.extra.numpy import arrays
 from numba import njit
 from numba.core.errors import TypingError
 
+from recon.stereo.kernels import memory
 from recon.stereo.kernels import simd as lanes
-from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.memory import aligned_zeros, reused_empty
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     kernel,
     larger,
     largest,
     load,
+    load_halves,
     one_earlier,
     one_later,
     repeat,
     smaller,
     spread,
     store,
+    store_halves,
     total,
 )
 
@@ -111,3 +114,40 @@ def test_arrays_are_aligned_to_cache_lines(size):
     assert room.shape == (size,)
     assert room.ctypes.data % 64 == 0
     assert not room.any()
+
+
+@kernel
+def halve(a, halves, out):
+    for i in range(0, a.size, NUM_LANES):
+        store_halves(halves, i, load(a, i))
+        store(out, i, load_halves(halves, i))
+
+
+@settings(deadline=None, max_examples=20)
+@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(-1, 1, width=32)))
+def test_halves_hold_numbers_in_half_precision(a):
+    halves, out = np.zeros(a.size, np.uint16), np.zeros_like(a)
+    halve(a, halves, out)
+    np.testing.assert_array_equal(halves.view(np.float16), a.astype(np.float16))
+    np.testing.assert_array_equal(out, a.astype(np.float16).astype(np.float32))
+
+
+def test_only_sixteen_bits_are_read_as_halves():
+    @njit
+    def read(array):
+        return total(load_halves(array, 0))
+
+    with pytest.raises(TypingError, match="is not a contiguous \\(N,\\) uint16 array"):
+        read(np.zeros(16, np.float32))
+
+
+def test_freed_memory_of_the_same_size_is_used_again(monkeypatch):
+    monkeypatch.setattr(memory, "_LARGEST_KEPT", 0)
+    first = reused_empty((3, 5, 7))
+    place, view = first.ctypes.data, first[1:]
+    del first
+    other = reused_empty((3, 5, 7))
+    assert other.ctypes.data != place  # the view still uses it
+    del view
+    assert reused_empty((105,)).ctypes.data == place
+    assert reused_empty((3, 5, 7, 2)).shape == (3, 5, 7, 2)

@@ -18,6 +18,9 @@ from numba.extending import intrinsic, lower_builtin, models, register_model
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
+Halves = NDArray[np.uint16]
+"""Numbers of half precision by their bits: numba has no type for them, but processors convert them
+(those of x86 since 2013)."""
 Integers = NDArray[np.int64]
 
 NUM_LANES = 8
@@ -34,7 +37,8 @@ Lanes = Any
 """`NUM_LANES` float32, for compiled code only; supports +, -, * and /."""
 
 _VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
-_FLOAT_BYTES = 4
+_HALF_VECTOR = ir.VectorType(ir.HalfType(), NUM_LANES)
+_FLOAT_BYTES, _HALF_BYTES = 4, 2
 _READ_INTO_L2_DATA = (0, 2, 1)
 """Arguments of LLVM's prefetch: for reading, into the second level, of data."""
 
@@ -62,17 +66,17 @@ def filled(size: int, whole: int = NUM_LANES) -> int:
     return -(-size // whole) * whole
 
 
-def _check_array(array: Any) -> None:
+def _check_array(array: Any, item: Any = types.float32) -> None:
     """Refuse arrays with another item size or with gaps."""
     is_flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
-    if not is_flat or array.dtype != types.float32:
-        raise TypingError(f"{array} is not a contiguous (N,) float32 array, as lanes need")
+    if not is_flat or array.dtype != item:
+        raise TypingError(f"{array} is not a contiguous (N,) {item} array, as lanes need")
 
 
-def _place(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+def _place(vector: Any, context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
     """Pointer to the lanes that begin at an entry of a flat array."""
     data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+    return builder.bitcast(builder.gep(data, [index]), vector.as_pointer())
 
 
 @intrinsic
@@ -82,7 +86,7 @@ def load(typing_context: Any, array: Any, index: Any) -> Any:
     _check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(context, builder, signature.args[0], *arguments)
+        place = _place(_VECTOR, context, builder, signature.args[0], *arguments)
         return builder.load(place, align=_FLOAT_BYTES)
 
     return _lanes(array, types.intp), generate
@@ -95,8 +99,33 @@ def store(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     _check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(context, builder, signature.args[0], *arguments[:2])
+        place = _place(_VECTOR, context, builder, signature.args[0], *arguments[:2])
         builder.store(arguments[2], place, align=_FLOAT_BYTES)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, _lanes), generate
+
+
+@intrinsic
+def load_halves(typing_context: Any, array: Any, index: Any) -> Any:
+    """The lanes ``array[index : index + NUM_LANES]`` of a contiguous array of half precision."""
+    _check_array(array, types.uint16)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = _place(_HALF_VECTOR, context, builder, signature.args[0], *arguments)
+        return builder.fpext(builder.load(place, align=_HALF_BYTES), _VECTOR)
+
+    return _lanes(array, types.intp), generate
+
+
+@intrinsic
+def store_halves(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
+    """Write lanes to ``array[index : index + NUM_LANES]`` of a contiguous array of halves."""
+    _check_array(array, types.uint16)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        place = _place(_HALF_VECTOR, context, builder, signature.args[0], *arguments[:2])
+        builder.store(builder.fptrunc(arguments[2], _HALF_VECTOR), place, align=_HALF_BYTES)
         return context.get_dummy_value()
 
     return types.void(array, types.intp, _lanes), generate

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
+    Halves,
     Lanes,
     kernel,
     larger,
@@ -22,6 +23,7 @@ from recon.stereo.kernels.simd import (
     smaller,
     spread,
     store,
+    store_halves,
 )
 from recon.stereo.matching.ring import Ring, line_start, to_slack
 from recon.stereo.matching.search import Search
@@ -43,6 +45,8 @@ class Responses(NamedTuple):
 
     planes: Floats
     """(H, C, 2, W') real and imaginary responses; C = scales * orientations."""
+    factor: np.float32
+    """Of the responses: 1 / gain."""
     mask: NDArray[np.bool_]
     """(H, W) pixels that may be matched."""
     grey: NDArray[np.uint8]
@@ -63,8 +67,8 @@ def fill_row(
     lines = ring.scores[start:][:size], ring.scores[start + to_slack(ring) :][:size]
     height, v_other = base.mask.shape[0], v + search.row_shift
     if not (0 <= v < height and 0 <= v_other < height):
-        lines[0][:] = 0.0
-        lines[1][:] = 0.0
+        lines[0][:] = 0
+        lines[1][:] = 0
         return
     left = first - SIDE_RADIUS
     behind, behind_other = left % NUM_LANES, (left + search.first) % NUM_LANES
@@ -98,7 +102,8 @@ def _read(image: Responses, v: int, origin: int, every: int, target: tuple[Float
     for c in range(channels - 1, -1, -1):
         for i in range(first, end, NUM_LANES):
             here, place = plane + 2 * c * padded + i, 3 * c * reach + i
-            re, im = load(planes, here), load(planes, here + padded)
+            re = image.factor * load(planes, here)
+            im = image.factor * load(planes, here + padded)
             store(row, place, re)
             store(row, place + reach, im)
             store(row, place + 2 * reach, load(weights, i) / (re * re + im * im + spread(_TINY)))
@@ -108,7 +113,7 @@ def _read(image: Responses, v: int, origin: int, every: int, target: tuple[Float
 
 
 @kernel
-def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Floats, Floats]) -> None:
+def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Halves, Halves]) -> None:
     """Write the scores, exact and with slack, of every second pixel of a row."""
     for first in range(0, ring.columns, NUM_LANES):
         for column in range(first, first + _APART):
@@ -222,7 +227,7 @@ def _look_up(ring: Ring, u: int, start: int, table: Floats, line: Floats) -> Non
 
 
 @kernel
-def _slacken(line: Floats, start: int, search: Search, lines: tuple[Floats, Floats]) -> None:
+def _slacken(line: Floats, start: int, search: Search, lines: tuple[Halves, Halves]) -> None:
     """Write the scores, clipped to >= 0, and the maximum of each and its neighbours.
 
     The neighbours are weighted by `SLACK`.
@@ -235,7 +240,7 @@ def _slacken(line: Floats, start: int, search: Search, lines: tuple[Floats, Floa
         beside = larger(one_earlier(before, here), one_later(here, after))
         before, here = here, after
         place = start + i - NUM_LANES
-        store(lines[0], place, exact)
-        store(lines[1], place, larger(exact, SLACK * beside))
+        store_halves(lines[0], place, exact)
+        store_halves(lines[1], place, larger(exact, SLACK * beside))
     for i in range(search.num_shifts, line.size - 2 * NUM_LANES):
-        lines[1][start + i] = 0.0
+        lines[1][start + i] = 0

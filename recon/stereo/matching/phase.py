@@ -114,9 +114,7 @@ def _responses(features: Features, gain: float = 1.0) -> Responses:
     margin, edge = SIDE_RADIUS, cv2.BORDER_REPLICATE
     grey = cv2.copyMakeBorder(features.grey, margin, margin, margin, margin, edge)
     planes = features.planes.reshape(height, -1, 2, padded)
-    if gain != 1.0:
-        planes = planes / np.float32(gain)
-    return Responses(planes, features.candidate_mask, grey.reshape(-1))
+    return Responses(planes, np.float32(1.0 / gain), features.candidate_mask, grey.reshape(-1))
 
 
 def _ranked(

@@ -6,12 +6,14 @@ from numpy.typing import NDArray
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
+    Halves,
     Integers,
     Lanes,
     kernel,
     larger,
     largest,
     load,
+    load_halves,
     repeat,
     spread,
     store,
@@ -51,7 +53,7 @@ def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
 
 
 @kernel
-def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+def add_up(scores: Halves, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
     """Write the weighted sums of the members' scores for each shift, starting at `place`."""
     i = 0
     while i + 6 * NUM_LANES <= sums.size:
@@ -66,7 +68,7 @@ def add_up(scores: Floats, place: int, starts: Integers, weights: Floats, sums: 
 
 
 @kernel
-def _sum_six(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+def _sum_six(scores: Halves, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
     # As many as there are registers for, since every pass reads the starts again.
     nothing = spread(0.0)
     even = odd = nothing, nothing, nothing, nothing, nothing, nothing
@@ -78,7 +80,7 @@ def _sum_six(scores: Floats, place: int, starts: Integers, weights: Floats, sums
 
 
 @kernel
-def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+def _sum_four(scores: Halves, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
     nothing = spread(0.0)
     even = odd = nothing, nothing, nothing, nothing
     for k in range(0, starts.size, 2):
@@ -89,38 +91,38 @@ def _sum_four(scores: Floats, place: int, starts: Integers, weights: Floats, sum
 
 
 @kernel
-def _add_four(sums: _Four, weight: Lanes, scores: Floats, k: int) -> _Four:
+def _add_four(sums: _Four, weight: Lanes, scores: Halves, k: int) -> _Four:
     return (
-        sums[0] + weight * load(scores, k),
-        sums[1] + weight * load(scores, k + NUM_LANES),
-        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
-        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
+        sums[0] + weight * load_halves(scores, k),
+        sums[1] + weight * load_halves(scores, k + NUM_LANES),
+        sums[2] + weight * load_halves(scores, k + 2 * NUM_LANES),
+        sums[3] + weight * load_halves(scores, k + 3 * NUM_LANES),
     )
 
 
 @kernel
-def _add_six(sums: _Six, weight: Lanes, scores: Floats, k: int) -> _Six:
+def _add_six(sums: _Six, weight: Lanes, scores: Halves, k: int) -> _Six:
     return (
-        sums[0] + weight * load(scores, k),
-        sums[1] + weight * load(scores, k + NUM_LANES),
-        sums[2] + weight * load(scores, k + 2 * NUM_LANES),
-        sums[3] + weight * load(scores, k + 3 * NUM_LANES),
-        sums[4] + weight * load(scores, k + 4 * NUM_LANES),
-        sums[5] + weight * load(scores, k + 5 * NUM_LANES),
+        sums[0] + weight * load_halves(scores, k),
+        sums[1] + weight * load_halves(scores, k + NUM_LANES),
+        sums[2] + weight * load_halves(scores, k + 2 * NUM_LANES),
+        sums[3] + weight * load_halves(scores, k + 3 * NUM_LANES),
+        sums[4] + weight * load_halves(scores, k + 4 * NUM_LANES),
+        sums[5] + weight * load_halves(scores, k + 5 * NUM_LANES),
     )
 
 
 @kernel
-def _sum_two(scores: Floats, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
+def _sum_two(scores: Halves, place: int, starts: Integers, weights: Floats, sums: Floats) -> None:
     # Two independent sums, since a single one would stall on its own latency.
     a = b = c = d = spread(0.0)
     for k in range(0, starts.size, 2):
         weight, start = repeat(weights, k), place + starts[np.uint64(k)]
-        a += weight * load(scores, start)
-        b += weight * load(scores, start + NUM_LANES)
+        a += weight * load_halves(scores, start)
+        b += weight * load_halves(scores, start + NUM_LANES)
         weight, start = repeat(weights, k + 1), place + starts[np.uint64(k + 1)]
-        c += weight * load(scores, start)
-        d += weight * load(scores, start + NUM_LANES)
+        c += weight * load_halves(scores, start)
+        d += weight * load_halves(scores, start + NUM_LANES)
     store(sums, 0, a + c)
     store(sums, NUM_LANES, b + d)
 
