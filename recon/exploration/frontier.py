@@ -5,25 +5,18 @@ The round is planned again after every pair with what is then known.
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from recon.exploration.doubts import CLOSE, doubts
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
-from recon.exploration.paths import ShortestPaths, plan, unexplored
+from recon.exploration.paths import ShortestPaths, unexplored
+from recon.exploration.prospects import Prospects
 from recon.exploration.scan import Detection, field_of_view
 from recon.exploration.search import Look, Search, are_nameable
 from recon.exploration.sides import Sides, is_given_up, is_known
 from recon.exploration.state import State
-from recon.exploration.tour import MAX_UNKNOWN, first_stop
-from recon.exploration.viewpoints import (
-    azimuth_of,
-    look_along,
-    look_at,
-    vantage_points,
-    viewpoints_round,
-)
+from recon.exploration.tour import MAX_UNKNOWN
+from recon.exploration.viewpoints import azimuth_of, look_along, look_at
 from recon.records import View
 
 HORIZON = 1.5
@@ -88,20 +81,18 @@ class FrontierController:
     def _plan(self, state: State, search: Search) -> View | None:
         """Plan a round and return its first view."""
         unknown = unexplored(state.floor, state.obstacles)
-        paths = plan(state, unknown)
         wanted = search.nearest(state.place)
-        vantage = vantage_points(paths, unknown, state.scales)
-        around = viewpoints_round(paths, wanted, search.clearance)
-        places = np.vstack([state.place, vantage, around])
+        prospects = Prospects.of(state, unknown, wanted, search)
+        places = prospects.places
         field_rad, sight_range = field_of_view(state.pair), state.settings.exploration.sight_range
         visibility = Visibility.over(state.floor, places, field_rad, sight_range, unknown)
         visibility = visibility.without(self.taken, state.scales.same_place)
         sides = Sides.of(wanted, places, state.floor, field_rad, search)
-        stop = first_stop(paths.length(places), visibility, sides, unknown, state.scales)
+        stop = prospects.first_stop(visibility, sides, unknown, state.scales)
         if stop is None:
             return None
         search.looks.extend(sides.looks(*stop))
-        return self._look(state, paths, sides, *stop)
+        return self._look(state, prospects.known, sides, *stop)
 
     def _look(
         self, state: State, paths: ShortestPaths, sides: Sides, number: int, azimuth_rad: float

@@ -70,6 +70,10 @@ class Visibility:
         np.logical_or.at(barred, near, turn(AZIMUTHS_RAD, azimuths[:, None]) <= SAME_GAZE_RAD)
         return replace(self, barred=barred)
 
+    def only(self, places: Mask) -> "Visibility":
+        """The same, without views from any but some of the positions (C,)."""
+        return replace(self, barred=self.barred | ~places[:, None])
+
     def area(self, unknown: Mask, rows: NDArray[np.intp] | None = None) -> Array:
         """Area (C, NUM_RAYS) that a view along each azimuth would show of what is still unknown.
 

@@ -59,7 +59,7 @@ class ShortestPaths:
 
         The path over the cells is straightened where the straight line can be walked.
         """
-        steps = [*self._cells_to(end_xz), end_xz]
+        steps = [*self.cells_to(end_xz), end_xz]
         corners: list[Array] = []
         anchor = self.place
         for here, ahead in itertools.pairwise(steps):
@@ -68,7 +68,7 @@ class ShortestPaths:
                 anchor = here
         return np.array(corners).reshape(-1, 2)
 
-    def _cells_to(self, end_xz: Array) -> list[Array]:
+    def cells_to(self, end_xz: Array) -> list[Array]:
         """Centres of the cells on the path, in order, without the first and the last."""
         first, cells = tuple(self.floor.cells(self.place)), []
         cell = tuple(self.floor.cells(end_xz))
@@ -126,7 +126,7 @@ def _walkable(state: State, unknown: Mask | None) -> Mask:
     if unknown is not None:
         clearance = scales.cells(scales.unknown_clearance)
         doubtful = unknown | floor.barred | floor.hit
-        beside = _near(floor.occupied, scales.cells(scales.hidden_reach))
+        beside = near_to(floor.occupied, scales.cells(scales.hidden_reach))
         hidden = beside & (~floor.known_free | floor.hit)
         walkable &= floor.known_free & _away_from(doubtful, clearance, here)
         walkable &= _away_from(hidden, scales.cells(scales.walk_clearance), here)
@@ -148,18 +148,18 @@ def _open_exit(walkable: Mask, here: tuple[int, ...]) -> None:
 
 def _away_from(cells: Mask, clearance: float, here: tuple[int, ...]) -> Mask:
     """Mask (X, Z) of cells with a clearance (in cells), near `here` at most the clearance there."""
-    away: Mask = ~_near(cells, clearance)
+    away: Mask = ~near_to(cells, clearance)
     if away[here]:
         return away
     room = float(np.hypot(*(np.argwhere(cells) - here).T).min())
     offset = np.indices(cells.shape) - np.reshape(here, (2, 1, 1))
     close = np.hypot(*offset) <= 2.0 * clearance
-    found: Mask = away | (close & ~_near(cells, room))
+    found: Mask = away | (close & ~near_to(cells, room))
     return found
 
 
 @njit(cache=True)
-def _near(cells: Mask, distance: float) -> Mask:
+def near_to(cells: Mask, distance: float) -> Mask:
     """Mask (X, Z) of the cells closer than a distance (in cells) to some cells (X, Z)."""
     near = np.zeros_like(cells)
     for x in range(cells.shape[0]):

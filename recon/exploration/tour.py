@@ -94,7 +94,12 @@ def _detours(
 
 
 def first_stop(
-    lengths: Array, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
+    lengths: Array,
+    visibility: Visibility,
+    sides: Sides,
+    unknown: Mask,
+    scales: Scales,
+    reached: Mask,
 ) -> tuple[int, float] | None:
     """Index of the position and azimuth of the first view of a round.
 
@@ -108,13 +113,15 @@ def first_stop(
         Lengths of the paths to the positions of `visibility` and `sides`, world units.
     unknown : (X, Z) bool
         Ground to be seen.
+    reached : (C,) bool
+        The positions from which ground may be looked at, sides of obstacles from all.
     """
     tour = Tour(places=visibility.places, lengths=lengths)
     add_objects(tour, visibility, sides, unknown, scales)
     tour.shorten()
     for place, ray in tour.stops:
         unknown = visibility.left(unknown, tour.places[place], AZIMUTHS_RAD[ray])
-    add_ground(tour, visibility, unknown, scales)
+    add_ground(tour, visibility.only(reached), unknown, scales)
     if not tour.stops:
         return None
     place, ray = tour.stops[0]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.exploration import frontier, gains, paths, sides, thesis, tour, viewpoints
+from recon.exploration import frontier, gains, paths, prospects, sides, thesis, tour, viewpoints
 from recon.exploration.controllers import CONTROLLERS, make_controller
 
 PLUGIN = Path(__file__).parents[2] / "docs" / "plugin"
@@ -61,6 +61,8 @@ def test_plugin_that_does_not_load_is_rejected_by_name(tmp_path, monkeypatch):
         make_controller("broken")
 
 
-@pytest.mark.parametrize("module", [frontier, thesis, paths, viewpoints, gains, sides, tour])
+@pytest.mark.parametrize(
+    "module", [frontier, thesis, paths, prospects, viewpoints, gains, sides, tour]
+)
 def test_built_in_controllers_do_not_use_the_simulator(module):
     assert "simulator" not in Path(module.__file__).read_text()

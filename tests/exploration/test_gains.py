@@ -185,10 +185,11 @@ def test_tour_is_shortened_and_keeps_its_start():
     assert [place for place, _ in tour.stops] == [0, 1, 4]
 
 
-def stop_of(floor, unknown, visibility, start):
+def stop_of(floor, unknown, visibility, start, reached=None):
     lengths = np.hypot(*(visibility.places - start).T)
     sides = Sides.of([], visibility.places, floor, FIELD, searching())
-    return first_stop(lengths, visibility, sides, unknown, SCALES)
+    reached = np.ones(len(lengths), dtype=bool) if reached is None else np.array(reached)
+    return first_stop(lengths, visibility, sides, unknown, SCALES, reached)
 
 
 def test_tour_starts_with_nearby_places(floor):
@@ -198,6 +199,16 @@ def test_tour_starts_with_nearby_places(floor):
     place, azimuth = stop_of(floor, unknown, visibility, np.array([15.0, 0.0]))
     assert place == 2
     assert np.cos(azimuth) > np.cos(FIELD / 2)
+
+
+def test_ground_is_only_looked_at_from_reached_places(floor):
+    unknown = np.zeros(floor.shape, dtype=bool)
+    unknown[100:, 50:70] = True
+    visibility = visibility_from(floor, (0.0, 0.0), (20.0, 0.0), reach=45.0)
+    place, _ = stop_of(floor, unknown, visibility, np.array([15.0, 0.0]))
+    assert place == 1
+    place, _ = stop_of(floor, unknown, visibility, np.array([15.0, 0.0]), [True, False])
+    assert place == 0
 
 
 def test_tour_over_known_ground_has_no_stop(floor):

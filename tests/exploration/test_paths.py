@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle, covered_by
-from recon.exploration.paths import ShortestPaths, _near, plan, unexplored
+from recon.exploration.paths import ShortestPaths, near_to, plan, unexplored
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection
 from recon.exploration.state import State
@@ -194,7 +194,7 @@ def test_dilation_matches_the_distance_transform(seed, distance):
     rng = np.random.default_rng(seed)
     cells = rng.random((20, 30)) < rng.choice([0.02, 0.3, 0.9])
     cells[rng.integers(20), rng.integers(30)] = True
-    assert np.array_equal(_near(cells, distance), distance_transform_edt(~cells) < distance)
+    assert np.array_equal(near_to(cells, distance), distance_transform_edt(~cells) < distance)
 
 
 def test_interior_of_obstacles_and_narrow_gaps_are_not_unexplored():
