@@ -30,6 +30,9 @@ FLOOR = ((0, 425), (120, 425), (300, 455), (500, 460), (620, 480), (620, 498), (
 """Bare floor before it."""
 SEEN_THROUGH = 2.9
 """Depth, metres, beyond which points inside the outline are seen through wheels and frame."""
+ON_FLOOR = 0.03
+"""Height, metres, up to which points inside the outline are of the floor, seen between the wheels:
+these few would double the width."""
 AXES = ("length", "height", "width")
 
 
@@ -64,12 +67,15 @@ def true_sizes() -> np.ndarray:
     bike = points[outline & (points[..., 2] > -SEEN_THROUGH)]
     T_level_world = level_plane(floor[np.isfinite(floor).all(axis=1)][::20])
     assert T_level_world is not None
-    return upright_box(transform(T_level_world, bike[np.isfinite(bike).all(axis=1)])).sizes
+    level = transform(T_level_world, bike[np.isfinite(bike).all(axis=1)])
+    return upright_box(level[level[:, 1] > ON_FLOOR]).sizes
 
 
 def true_points(pair: recon.StereoPair) -> np.ndarray:
     """Compute points (H, W, 3) from the true disparity, y up, -z forward, NaN where unknown."""
     disparity = cv2.imread(str(PAIR / "disp_left.pfm"), cv2.IMREAD_UNCHANGED).astype(np.float64)
+    # Unknown ones are infinite, which is a depth of 0.
+    disparity[~np.isfinite(disparity)] = np.nan
     height, width = disparity.shape
     uv = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).reshape(-1, 2)
     points = pair.rig.triangulate(uv.astype(np.float64), disparity.ravel())
