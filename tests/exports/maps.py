@@ -6,6 +6,9 @@ from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
 
 CHANNELS = ("weight", "views", "rays")
+CLOUD_FORMATS = [".ply", ".pcd", ".las", ".laz", ".parquet", ".zarr", ".npz"]
+CELL_FORMATS = [*CLOUD_FORMATS, ".vti"]
+GRID_FORMATS = [".bt", ".ot", ".pgm", ".yaml"]
 
 
 def sample_cloud(seed=0, num=300, with_sigma=True):

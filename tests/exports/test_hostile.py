@@ -3,26 +3,19 @@
 import io
 import os
 import re
-import resource
 import struct
 import zipfile
 
 import numpy as np
 import pytest
 
-from recon.errors import InputError, ReconError
+from recon.errors import InputError
 from recon.exports import FORMATS, read, write
 from recon.exports.formats import Format
 from recon.files import memory_limit
 from recon.voxelmap import VoxelMap
 from tests.exports.maps import sample_cloud, sample_map
-
-
-def assert_rejected(path, message):
-    with pytest.raises(InputError, match=message) as error:
-        read(path)
-    assert "\n" not in str(error.value)
-    assert str(path) in str(error.value)
+from tests.exports.rejected import assert_rejected
 
 
 @pytest.fixture
@@ -239,28 +232,6 @@ def test_file_name_that_is_not_utf8_is_rejected(tmp_path):
         write(sample_cloud(), path)
 
 
-WRITABLE_FORMATS = [".ply", ".npz", ".parquet", ".las", ".csv", ".ot", ".vti", ".glb"]
-
-
-@pytest.mark.parametrize("ending", WRITABLE_FORMATS)
-def test_full_disk_is_reported_and_keeps_the_existing_file(tmp_path, ending):
-    """A limit on file sizes stands in for a full disk; VTK and OctoMap report neither."""
-    path = tmp_path / f"map{ending}"
-    voxels = sample_map(()).occupied(1)
-    write(voxels, path)  # compiles and caches the kernels without the limit
-    path.write_bytes(b"before")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1024, hard))
-    try:
-        with pytest.raises((ReconError, OSError), match=r"map\.") as error:
-            write(voxels, path)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    assert f"map{ending}" in str(error.value)
-    assert path.read_bytes() == b"before"
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_all_formats_are_registered():
     assert all(isinstance(form, Format) for _, form in FORMATS.parts())
     assert len(list(FORMATS.parts())) == len(FORMATS.names())
@@ -298,36 +269,3 @@ def test_zarr_with_a_device_is_rejected(tmp_path):
     (tmp_path / "a.zarr").mkdir()
     (tmp_path / "a.zarr" / "zarr.json").symlink_to("/dev/zero")
     assert_rejected(tmp_path / "a.zarr", "is a pipe or device")
-
-
-BLOCK = (
-    b'<VTKFile type="ImageData" version="1.0" header_type="UInt64"%s><ImageData '
-    b'WholeExtent="0 9 0 9 0 9" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 9 0 9 0 9">'
-    b'<PointData><DataArray type="Float64" Name="a" format="appended" offset="0"/></PointData>'
-    b'</Piece></ImageData><AppendedData encoding="raw">_%s</AppendedData></VTKFile>'
-)
-
-
-@pytest.mark.parametrize(
-    ("packing", "head", "message"),
-    [
-        (b' compressor="vtkZLibDataCompressor"', (1, 2**40, 2**40), "GB of memory"),
-        (b' compressor="vtkZLibDataCompressor"', (2**40, 8, 8), "claims 1099511627776 blocks"),
-        (b"", (2**40, 0, 0), "claims 1099511627776 blocks or bytes"),
-    ],
-)
-def test_vtk_array_with_a_false_size_is_rejected(tmp_path, packing, head, message):
-    """VTK itself would abort the process."""
-    content = struct.pack("<3Q", *head) + bytes(20)
-    (tmp_path / "a.vti").write_bytes(BLOCK % (packing, content))
-    assert_rejected(tmp_path / "a.vti", message)
-
-
-@pytest.mark.parametrize("options", [{"binary": True}, {"binary": False}])
-def test_valid_vtk_images_are_read(tmp_path, options):
-    import pyvista
-
-    block = pyvista.ImageData(dimensions=(9, 9, 9))
-    block["a"] = np.arange(1.0, 730.0)
-    block.save(tmp_path / "a.vti", **options)
-    assert len(read(tmp_path / "a.vti")) == 729

@@ -14,7 +14,7 @@ from recon.sequences.images import read_image
 from recon.sequences.pose_files import read_poses
 from recon.sequences.timestamps import read_times
 from recon.sequences.truth import read_truth_file
-from tests.sequences import test_cases as cases
+from tests.sequences import test_calibration_files as calibrations
 
 POSES = {
     ".vins.csv": "#t,x,y,z,qw,qx,qy,qz\n1000000000,0,0,0,1,0,0,0\n1050000000,1,0,0,1,0,0,0\n",
@@ -23,12 +23,12 @@ POSES = {
     "[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}",
 }  # fmt: skip
 CALIBRATIONS = {
-    ".kalibr.yaml": cases.kalibr("T_cam_imu"),
-    ".opencv.yaml": cases.HEAD + cases.CAMERAS + cases.STEP,
-    ".opencv.xml": cases.XML,
-    ".orbslam3.yaml": cases.HEAD + cases.ORB3,
-    ".okvis.yaml": cases.OKVIS,
-    ".raw.txt": cases.RAW,
+    ".kalibr.yaml": calibrations.kalibr("T_cam_imu"),
+    ".opencv.yaml": calibrations.HEAD + calibrations.CAMERAS + calibrations.STEP,
+    ".opencv.xml": calibrations.XML,
+    ".orbslam3.yaml": calibrations.HEAD + calibrations.ORB3,
+    ".okvis.yaml": calibrations.OKVIS,
+    ".raw.txt": calibrations.RAW,
 }
 
 
