@@ -11,6 +11,7 @@ TESTS = Path(__file__).parent
 SLOWEST = (
     "batch/test_determinism.py", "test_pages.py", "batch/test_chunks.py", "app/test_inspector.py",
     "test_readme.py", "app/test_simulator.py", "sequences/test_contradictions.py",
+    "sequences/test_recorded_contradictions.py",
     "batch/test_batch.py", "runs/test_explore_run.py", "runs/test_ahead.py",
     "sequences/test_recorded.py", "test_examples.py", "runs/test_evaluate.py",
     "runs/test_localise.py", "exports/test_fuzz.py", "runs/test_recorded.py", "test_packaging.py",

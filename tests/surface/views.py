@@ -13,6 +13,7 @@ RIG = StereoRig(
 )  # fmt: skip
 DISTANCE, RADIUS = 4.0, 1.0
 COLOUR = (200, 100, 50)
+VOXEL = 0.08
 
 
 def pose_at(angle_deg):
