@@ -36,7 +36,7 @@ from recon.cli.settings import settings
 from recon.cli.simulate import simulate
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
-from recon.processes import collect_rarely
+from recon.processes import collect_rarely, end_soon
 
 ENDING_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
@@ -113,4 +113,6 @@ def _say(message: str, code: int) -> int:
 def entry() -> None:
     """The console script."""
     collect_rarely()
-    sys.exit(main(is_alone=True))
+    code = main(is_alone=True)
+    end_soon()
+    sys.exit(code)
