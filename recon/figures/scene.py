@@ -36,9 +36,11 @@ class Scene:
         cells = np.column_stack([np.full(len(quads), 4), quads]).ravel()
         mesh = load_pyvista().PolyData(faces.vertices.reshape(-1, 3), faces=cells)
         mesh.cell_data["colour"] = faces.colours
+        # The back of an opaque cell is never seen, and takes as long as its front.
+        hidden = "back" if opacity == 1.0 else None
         self.plotter.add_mesh(
             mesh, scalars="colour", rgb=True, ambient=0.45, diffuse=0.6, specular=0.0,
-            show_edges=False, opacity=opacity,
+            show_edges=False, opacity=opacity, culling=hidden,
         )  # fmt: skip
 
     def add_solids(self, objects: Sequence[FoundObject], voxels: Voxels) -> None:
