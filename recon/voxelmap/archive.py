@@ -71,7 +71,9 @@ def save(path: str | os.PathLike[str], columns: Columns) -> None:
     ):
         for name, column in columns.items():
             entry = zipfile.ZipInfo(f"{name}.npy")
-            entry.compress_type = zipfile.ZIP_BZIP2
+            # Of numbers that hardly repeat, Bzip2 leaves more, in three times the time.
+            is_broken = np.asarray(column).dtype.kind == "f"
+            entry.compress_type = zipfile.ZIP_DEFLATED if is_broken else zipfile.ZIP_BZIP2
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(
                     member, np.asarray(column, order="C"), version=(1, 0), allow_pickle=False
