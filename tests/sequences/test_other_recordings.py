@@ -1,4 +1,4 @@
-"""Layouts, bags and poses of other recorders give the same four pairs."""
+"""Layouts of other recorders give the same four pairs, read as a whole or in parts."""
 
 import shutil
 

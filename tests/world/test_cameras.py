@@ -1,3 +1,5 @@
+"""Settings of the simulated cameras: field of view and focal length follow from each other."""
+
 import math
 
 import pytest

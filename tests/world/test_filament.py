@@ -1,3 +1,5 @@
+"""Filament renders what the ray caster does, or says why it cannot."""
+
 import dataclasses
 import os
 import subprocess

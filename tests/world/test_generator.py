@@ -1,3 +1,5 @@
+"""Random worlds keep distances, vary in looks, and follow from their seed."""
+
 import numpy as np
 import pytest
 

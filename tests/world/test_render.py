@@ -1,3 +1,5 @@
+"""Images by ray casting: depth, edges, textures, lighting and the faults of a camera."""
+
 import dataclasses
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Geometry files: read as they are, written without loss, faults named by file and line."""
+
 import dataclasses
 import math
 import re

@@ -1,3 +1,5 @@
+"""Visuals as triangles: placed, oriented, textured and closed as the geometry file says."""
+
 import numpy as np
 import pytest
 

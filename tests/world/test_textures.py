@@ -1,3 +1,5 @@
+"""Textures: shipped, looked up beside the scene, and laid out with mipmaps."""
+
 import runpy
 from pathlib import Path
 

@@ -1,3 +1,5 @@
+"""The simulator: its objects, its truth, and distances to its surfaces."""
+
 import dataclasses
 
 import cv2
