@@ -4,10 +4,10 @@ import numpy as np
 
 from recon.sequences import open_sequence
 from recon.settings import SequenceSettings
-from tests.sequences.recordings import (
-    NUM_PAIRS,
-    image_pairs,
-)
+from tests.sequences.recordings import NUM_PAIRS, image_pairs
+
+DRIVEN = [0.0, -0.7, -1.4, -2.1]
+"""Positions of the pairs along z."""
 
 
 def read(path, **settings):
@@ -25,6 +25,3 @@ def assert_same_pairs(pairs):
 
 def positions(path, **settings):
     return [pair.T_world_left[2, 3] for pair in read(path, **settings)]
-
-
-DRIVEN = [0.0, -0.7, -1.4, -2.1]

@@ -9,6 +9,7 @@ import pytest
 from recon.errors import InputError
 from recon.sequences import open_sequence
 from recon.settings import SequenceSettings
+from tests.sequences.read_back import positions
 from tests.sequences.recordings import (
     DISPARITY_PX,
     NUM_PAIRS,
@@ -38,10 +39,6 @@ def read(path, **settings):
 def assert_sides_match(pair):
     left, right = pair.left[:, DISPARITY_PX:], pair.right[:, :-DISPARITY_PX]
     np.testing.assert_array_equal(left, right)
-
-
-def positions(path):
-    return [pair.T_world_left[2, 3] for pair in open_sequence(path, SequenceSettings())]
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
