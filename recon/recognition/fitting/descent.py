@@ -106,7 +106,7 @@ def _residuals(surface: int, points: Array, state: Array, layout: Numbers) -> tu
             points, state[:2], state[2:ends], layout[0], state[ends:], layout[1]
         )
         return signed, jacobian
-    signed, jacobian = np.empty(len(points)), np.empty((len(points), STEP_SIZES[surface]))
+    signed, jacobian = np.empty(len(points)), np.empty((STEP_SIZES[surface], len(points))).T
     if surface == PLANE:
         to_plane(points, state, signed, jacobian)
     elif surface == SPHERE:

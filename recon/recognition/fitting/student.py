@@ -6,11 +6,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+REORDERED = {"reassoc", "contract", "nsz", "arcp"}
+"""Sums in any order, so that several terms are added at once; NaN and infinities stay as they
+are."""
 DEGREES_OF_FREEDOM = 3.0
 """Of the Student-t noise: low enough that a tenth of gross outliers does not move a fit."""
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def deviance(residuals: Array, sigma: float, share: Array, freedom: float) -> float:
     """Minus twice the log likelihood of residuals (N,), up to a constant."""
     tails = 0.0
@@ -20,7 +23,7 @@ def deviance(residuals: Array, sigma: float, share: Array, freedom: float) -> fl
     return (freedom + 1.0) * tails + size
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy", fastmath=REORDERED)
 def rescaled(
     residuals: Array, sigma: float, share: Array, floor: float, freedom: float, rounds: int
 ) -> float:
@@ -40,18 +43,32 @@ def normal_equations(
 ) -> tuple[Array, Array]:
     """``J^T W J`` (P, P) and ``J^T W r`` (P,) with the weights of Student-t noise."""
     size = jacobian.shape[1]
-    normal, right = np.zeros((size, size)), np.zeros(size)
-    for i in range(len(residuals)):
-        weight = share[i] * (freedom + 1.0) / (freedom + (residuals[i] / sigma) ** 2)
-        for j in range(size):
-            weighted = weight * jacobian[i, j]
-            right[j] += weighted * residuals[i]
-            for k in range(j + 1):
-                normal[j, k] += weighted * jacobian[i, k]
+    normal, right = np.empty((size, size)), np.empty(size)
+    weight = _weights(residuals, sigma, share, freedom)
     for j in range(size):
-        for k in range(j):
-            normal[k, j] = normal[j, k]
+        weighted = weight * jacobian[:, j]
+        right[j] = _sum_of_products(weighted, residuals)
+        for k in range(j + 1):
+            normal[j, k] = normal[k, j] = _sum_of_products(weighted, jacobian[:, k])
     return normal, right
+
+
+@njit(cache=True, error_model="numpy")
+def _weights(residuals: Array, sigma: float, share: Array, freedom: float) -> Array:
+    """Weights (N,) of residuals under Student-t noise."""
+    weight = np.empty(len(residuals))
+    for i in range(len(residuals)):
+        ratio = residuals[i] / sigma
+        weight[i] = share[i] * (freedom + 1.0) / (freedom + ratio * ratio)
+    return weight
+
+
+@njit(cache=True, fastmath=REORDERED)
+def _sum_of_products(first: Array, second: Array) -> float:
+    total = 0.0
+    for i in range(len(first)):
+        total += first[i] * second[i]
+    return total
 
 
 @njit(cache=True)
