@@ -87,7 +87,7 @@ class Mapper:
         stopwatch: Stopwatch | None = None,
         compares: bool = True,
         counts_views: bool = True,
-        part: "Part | None" = None,
+        part: Part | None = None,
     ) -> None:
         self.settings = Settings() if settings is None else settings
         check_type("settings", self.settings, Settings)

@@ -15,7 +15,7 @@ def _mesh(job: Job, work: Work) -> Numbers:
     """Fuse every pixel of the pairs of a run, at the poses of the run."""
     (run,) = job.inputs
     pairs = SeenAgain(run, job.settings, job.arguments.get("recording"))
-    surface = SurfaceWork(job.settings, work, pairs.unit)
+    surface = SurfaceWork(job.settings, work)
     for number, pair in enumerate(pairs, start=1):
         surface.take(pair)
         work.progress(number, len(pairs))

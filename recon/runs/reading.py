@@ -37,8 +37,8 @@ def read_settings(run_path: Path) -> Settings:
 
 
 def unit_of_run(run_path: Path) -> str:
-    """The unit of a run's lengths, as figures and pages write it."""
-    return read_settings(run_path).recognition.unit or "world units"
+    """The name of the unit of a run's lengths."""
+    return read_settings(run_path).recognition.unit_name
 
 
 def read_reconstruction(run_path: Path) -> Reconstruction:

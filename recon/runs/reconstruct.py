@@ -140,8 +140,7 @@ class Recorder:
     """Records what a run keeps of its pairs besides their points."""
 
     def __init__(self, source: PairSource, job: Job, work: Work) -> None:
-        unit = job.settings.recognition.unit or "world units"
-        self.surface = SurfaceWork(job.settings, work, unit, waits=may_close(source))
+        self.surface = SurfaceWork(job.settings, work, waits=may_close(source))
         self.keeps_places = keeps_places(job.settings)
         self.places = PlaceKeeper()
         self.seen: list[SeenCamera] = []

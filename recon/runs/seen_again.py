@@ -46,11 +46,6 @@ class SeenAgain:
     def __len__(self) -> int:
         return len(self.poses)
 
-    @property
-    def unit(self) -> str:
-        """Unit of lengths."""
-        return self.settings.recognition.unit or "world units"
-
     def __iter__(self) -> Iterator[StereoPair]:
         return self._read() if self.command == RECORDED else self._taken()
 

@@ -36,22 +36,12 @@ class SurfaceWork:
     ----------
     settings : Settings
     work : Work
-    unit : str
-        Of lengths.
     waits : bool
         Fuse only after all pairs, as their poses may be corrected.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        work: Work,
-        unit: str = "world units",
-        *,
-        waits: bool = False,
-    ) -> None:
+    def __init__(self, settings: Settings, work: Work, *, waits: bool = False) -> None:
         self.settings = settings
-        self.unit = unit
         self.work = work
         self.is_wanted = settings.wants_surface
         self.fusion = Fusion(settings.surface, work.run.partial / "surface")
@@ -105,7 +95,8 @@ class SurfaceWork:
         write_surface(surface, self.work)
         with self.work.stage("figures"):
             if self._fullest is not None:
-                kept = kept_depth(self._fullest.colours, self._fullest.depth, self.unit)
+                unit = self.settings.recognition.unit_name
+                kept = kept_depth(self._fullest.colours, self._fullest.depth, unit)
                 leave_figure(self.work.run.path, "depth", kept)
             _leave_mesh_figure(surface, self.work, np.array(self._places))
         return surface.metrics

@@ -34,6 +34,11 @@ class RecognitionSettings:
     hue_tolerance_deg: float = Field(default=7.0, gt=0, le=180)
     """Largest difference in hue within an object; the thesis's ColorThreshold_Hue."""
 
+    @property
+    def unit_name(self) -> str:
+        """Name of the unit of lengths, as figures and pages write it."""
+        return self.unit or "world units"
+
     def clearance(self, cell_size: float) -> float:
         """Height above a known ground from which a cell centre counts as above it, world units."""
         return cell_size if self.ground_clearance is None else self.ground_clearance
