@@ -103,12 +103,14 @@ def merged(
     return kept
 
 
-def decide(found: list[Candidate], cell_size: float) -> PoseEstimate | FitFailure:
+def decide(
+    found: list[Candidate], cell_size: float, chance: float = CHANCE
+) -> PoseEstimate | FitFailure:
     """The likeliest of distinct candidates, likeliest first, if no other comes near it."""
     if not found:
         return FitFailure("no place looks like it")
     best = found[0].estimate
-    evidence = np.array([*(one.evidence for one in found), CHANCE])
+    evidence = np.array([*(one.evidence for one in found), chance])
     probability = float(np.exp(evidence[0] - logsumexp(evidence)))
     if best.inlier_share < MIN_SHARE:
         return FitFailure("the map shows other things there")

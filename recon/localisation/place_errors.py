@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from recon.camera import StereoRig
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
+from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
 from recon.localisation.precision import information, shares
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import Meeting, meet
@@ -67,10 +68,13 @@ def motion_covariance(met: Meeting, rig: StereoRig) -> Array:
 def _compared(atlas: Atlas, row: int) -> tuple[Array, Array] | None:
     """Rotation and shift (6,) between a place and the next beyond their poses, and variances."""
     first, second = atlas.places[row : row + 2]
+    T_first, T_second = atlas.T_world_left[row : row + 2]
+    apart = np.linalg.norm(T_second[:3, 3] - T_first[:3, 3])
+    if apart > COVERED_SHARE * second.depth or T_first[:3, 2] @ T_second[:3, 2] < COVERED_COSINE:
+        return None  # these show other things; if they look alike, no pose is wrong
     met = meet(first, second)
     if met is None or met.num_agreeing < MIN_AGREEING:
         return None
-    T_first, T_second = atlas.T_world_left[row : row + 2]
     off = met.T_second_first @ invert(T_first) @ T_second
     both = np.concatenate([Rotation.from_matrix(off[:3, :3]).as_rotvec(), off[:3, 3]])
     return both, np.diag(motion_covariance(met, second.rig))

@@ -1,5 +1,6 @@
 """Recall: the pose of a pair in a known map without a guess (the kidnapped robot problem)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,14 +10,17 @@ from scipy.special import logsumexp
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
+from recon.localisation.inspection import Inspection, measured_from
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.outlook import Outlook
-from recon.localisation.place_errors import PlaceErrors, motion_covariance
+from recon.localisation.place_errors import PlaceErrors
 from recon.localisation.registration import Points, Prior
 from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
 from recon.localisation.surfels import Surfels
+from recon.localisation.texture import Texture
 from recon.localisation.trust import MIN_AGREEING, trust_in
+from recon.localisation.turns import Turns
 from recon.mapping.pair import match_points
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate, StereoPair, Voxels
 from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
@@ -89,8 +93,11 @@ class KnownWorld:
     trust: float
     """Logarithm of how often places that look alike are one place, over how often they are not."""
     settings: Settings
+    objects: tuple[FoundObject, ...]
     search: Search | None
     """The search of all positions; None if the run's cameras do not stand level."""
+    turns: Turns | None = None
+    """Textures of the map's objects; None if its pairs are not at hand."""
 
     @classmethod
     def of(
@@ -110,8 +117,16 @@ class KnownWorld:
             own=PlaceErrors.of(atlas, voxels.cell_size).covariance,
             trust=trust_in(atlas),
             settings=settings,
+            objects=objects,
             search=Search.of(voxels, objects, atlas),
         )
+
+    def textured(self, pairs: Sequence[StereoPair]) -> "KnownWorld":
+        """The same with the textures that pairs of the run, at its poses, show of its objects."""
+        texture = Texture.of(self.objects, pairs, self.voxels.cell_size)
+        if not len(texture):
+            return self
+        return replace(self, turns=Turns(texture=texture, pairs=pairs))
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
@@ -124,7 +139,11 @@ class KnownWorld:
             (self.search.upright(one), self.trust * number / TRUSTED_AGREEING)
             for one, number in self._by_places(pair)
         ]
-        return self.search.recall(all_points(cloud, pair.rig), pair.rig, known)
+        points = all_points(cloud, pair.rig)
+        if self.turns is None:
+            return self.search.recall(points, pair.rig, known)
+        inspection = Inspection(search=self.search, turns=self.turns, own=self.own)
+        return inspection.recall(points, pair, known)
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
         """The distinct possible poses of a pair, the most likely first."""
@@ -186,18 +205,8 @@ class KnownWorld:
         return meet(self.atlas.places[row], query)
 
     def _from(self, row: int, meeting: Meeting, query: Place) -> PoseEstimate:
-        """The pose of the query from a place, with the uncertainty of the points and the place."""
-        T_world_left = self.atlas.T_world_left[row] @ invert(meeting.T_second_first)
-        covariance = motion_covariance(meeting, query.rig)
-        turn = np.kron(np.eye(2), T_world_left[:3, :3])
-        return PoseEstimate(
-            T_world_left=T_world_left,
-            covariance=turn @ covariance @ turn.T + self.own,
-            probability=0.0,
-            residual=1.0,
-            inlier_share=meeting.num_agreeing / len(meeting.tracks),
-            num_cells=0,
-        )
+        """The pose of the query from a place."""
+        return measured_from(self.atlas.T_world_left[row], meeting, query.rig, self.own)
 
     def _judged(self, estimate: PoseEstimate, num_agreeing: int, outlook: Outlook) -> Hypothesis:
         same, different = outlook.agreement(self.voxels, estimate.T_world_left)

@@ -105,15 +105,15 @@ class Search:
         few = _some(points, NUM_REGISTERED)
         starts = [*self._summits(points, rig), *(one.T_world_left for one, _ in known)]
         found = [self._registered(few, T) for T in starts]
-        judged = [self._judged(one, points, rig) for one in found if one is not None]
-        judged += [self._judged(one, points, rig, more) for one, more in known]
+        judged = [self.judged(one, points, rig) for one in found if one is not None]
+        judged += [self.judged(one, points, rig, more) for one, more in known]
         if judged:
             best = max(judged, key=lambda one: one.evidence).estimate
             again = [self._registered(few, T) for T in _turned(few, best.T_world_left)]
-            judged += [self._judged(one, points, rig) for one in again if one is not None]
+            judged += [self.judged(one, points, rig) for one in again if one is not None]
         return distinct(judged, self.shape.size)
 
-    def _judged(
+    def judged(
         self, estimate: PoseEstimate, points: Points, rig: StereoRig, known: float | None = None
     ) -> Candidate:
         """A pose with its evidence, to which that of a known place is added."""

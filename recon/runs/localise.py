@@ -1,5 +1,7 @@
 """Poses of pairs in the map of a run."""
 
+import itertools
+import math
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,8 @@ from recon.sequences.open import open_sequence
 from recon.settings import SequenceSettings, given_tree
 
 PLACES = "places.npz"
+MAX_SHOWN = 200
+"""Maximum number of pairs, evenly chosen, that are kept for the textures of objects."""
 
 
 def _localise(job: Job, work: Work) -> Numbers:
@@ -26,6 +30,9 @@ def _localise(job: Job, work: Work) -> Numbers:
     with work.stage("places"):
         atlas = read_places(run, job)
     known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
+    if known.search is not None and made.objects:
+        with work.stage("places"):
+            known = known.textured(_shown(run, job))
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):
@@ -50,12 +57,27 @@ def read_places(run: Path, job: Job) -> Atlas:
     """The places stored by a run, else computed again from its recording or world."""
     if (run / PLACES).is_file():
         return Atlas.load(run / PLACES)
-    keeper = PlaceKeeper()
-    again = SeenAgain(run, read_settings(run), job.arguments.get("recording"))
+    keeper, again = PlaceKeeper(), _again(run, job)
     for number, pair in enumerate(again):
         keeper.add(pair, number)
     poses = again.poses
     return keeper.atlas(Trajectory(stamps_s=poses[:, 0, 0], T_world_left=poses))
+
+
+def _again(run: Path, job: Job) -> SeenAgain:
+    return SeenAgain(run, read_settings(run), job.arguments.get("recording"))
+
+
+def _shown(run: Path, job: Job) -> list[StereoPair]:
+    """Pairs that show the objects of a run; none if only its places are left."""
+    try:
+        again = _again(run, job)
+    except InputError:
+        if job.arguments.get("recording"):
+            raise
+        return []
+    step = math.ceil(len(again) / MAX_SHOWN)
+    return list(itertools.islice(again, 0, None, max(step, 1)))
 
 
 def _inputs(job: Job) -> tuple[Path, Path]:

@@ -38,3 +38,11 @@ def test_a_lone_place_has_the_least_errors():
     one = Atlas(places=village().atlas.places[:1], numbers=[0], T_world_left=np.eye(4)[None])
     assert np.isclose(PlaceErrors.of(one, 2.0).shift, 0.02)
     assert (np.diag(PlaceErrors.of(one, 2.0).covariance) > 0.0).all()
+
+
+def test_other_places_that_look_alike_are_no_errors_of_poses():
+    atlas = village().atlas
+    moved = atlas.T_world_left.copy()
+    moved[1::2, 0, 3] += 100.0
+    errors = PlaceErrors.of(replace(atlas, T_world_left=moved), 1.0)
+    assert errors.shift < 0.2 * SHIFT

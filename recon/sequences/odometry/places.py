@@ -123,12 +123,12 @@ def shared(first: Place, second: Place) -> Tracks:
     )
     rows = np.array([(pair.queryIdx, pair.trainIdx) for pair in pairs], np.intp).reshape(-1, 2)
     return Tracks(
-        first=_as_seen_by(second.rig, first.sightings.select(rows[:, 0]), first.rig),
+        first=as_seen_by(second.rig, first.sightings.select(rows[:, 0]), first.rig),
         second=second.sightings.select(rows[:, 1]),
     )
 
 
-def _as_seen_by(rig: StereoRig, seen: Sightings, by: StereoRig) -> Sightings:
+def as_seen_by(rig: StereoRig, seen: Sightings, by: StereoRig) -> Sightings:
     """Sightings of one rig, converted to another at the same pose."""
     zoom = rig.focal_px / by.focal_px
     own, other = (np.array([one.cx_left_px, one.cy_px]) for one in (rig, by))
