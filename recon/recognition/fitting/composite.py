@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
@@ -205,12 +206,13 @@ def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Compo
     """Composites round the middle of the bulk, their boundaries at several heights."""
     low, high = column_quantiles(points, BULK)
     axis = (low + high)[::2] / 2.0
-    rho, top = np.hypot(*(points[:, ::2] - axis).T), float(points[:, 1].max())
+    rho, y = np.hypot(*(points[:, ::2] - axis).T), points[:, 1].copy()
+    top = float(y.max())
     found = []
     for splits in _splits(len(shapes)):
         heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
         ends = pairwise(heights)
-        middles = [_middle(rho, points[:, 1], low, high) for low, high in ends]
+        middles = [_middle(rho, y, low, high) for low, high in ends]
         radii = tuple(
             middle * np.array(START_RADII[NUM_RADII[shape]])
             for shape, middle in zip(shapes, middles, strict=True)
@@ -219,10 +221,12 @@ def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Compo
     return found
 
 
+@njit(cache=True)
 def _middle(rho: Array, y: Array, low: float, high: float) -> float:
     """Median distance from the axis of the points between two heights, else of all."""
     inside = rho[(y >= low) & (y <= high)]
-    return float(np.median(inside if len(inside) else rho))
+    median: float = np.median(inside if len(inside) else rho)
+    return median
 
 
 def solids(composite: Composite) -> list[Solid]:

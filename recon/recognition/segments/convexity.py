@@ -142,9 +142,9 @@ def _touching(pairs: NDArray[np.intp], patches: _Patches) -> NDArray[np.intp]:
     """Pairs (E, 2) of patches that meet, the smaller number first, from those of cells."""
     first, second = patches.label[pairs].T.astype(np.int64)
     low, high = np.minimum(first, second), np.maximum(first, second)
-    numbers = (low * len(patches.middles) + high)[low != high]
-    edges, counts = np.unique(numbers, return_counts=True)
-    return np.column_stack(np.divmod(edges[counts >= SMALLEST_TOUCH], len(patches.middles)))
+    counts = np.bincount((low * len(patches.middles) + high)[low != high])
+    edges = np.flatnonzero(counts >= SMALLEST_TOUCH)
+    return np.column_stack(np.divmod(edges, len(patches.middles)))
 
 
 def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:
