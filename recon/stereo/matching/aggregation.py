@@ -12,10 +12,10 @@ from recon.stereo.kernels.memory import aligned_zeros
 from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, filled, kernel
 from recon.stereo.kernels.threads import bands, run
 from recon.stereo.matching.cost import Responses, fill_row
-from recon.stereo.matching.ring import Ring, line_start, make_ring, to_slack
+from recon.stereo.matching.ring import Ring, make_ring, steps
 from recon.stereo.matching.search import Search
 from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
-from recon.stereo.matching.windows import DIRECTIONS, NUM_LINES, SIDE_RADIUS, Window, windows
+from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
 
 _LEAST_BAND = 96
 """Minimum columns of a thread's band, as its strips are computed with a margin on both sides."""
@@ -70,8 +70,6 @@ class _Task(NamedTuple):
 class _Room(NamedTuple):
     """Buffers for one point, and for the points of a row."""
 
-    lines: Integers
-    """Starts of the lines of a ring, the top row of a window first: exact, then with slack."""
     disc: Integers
     """(2, K) starts of the scores of the disc's members, for even and odd columns."""
     side: Integers
@@ -101,11 +99,12 @@ def aggregate(base: Responses, other: Responses, points: Points, search: Search)
     parts = _column_bands(points, base.mask.shape)
     rings = [make_ring(base.planes.shape[1], search, end - first) for first, end in parts]
     stride = base.mask.shape[1] + 2 * SIDE_RADIUS
-    task = _Task(base, other, points, search, *windows(search.every, rings[0].lanes, stride))
-    rooms = [_make_room(task, ring) for ring in rings]
+    kinds = [windows(search.every, steps(ring), stride) for ring in rings]
+    tasks = [_Task(base, other, points, search, *three) for three in kinds]
+    rooms = [_make_room(*pair) for pair in zip(tasks, rings, strict=True)]
     result = support.shift, support.score, support.rival, support.side
     run([
-        partial(_aggregate, task, *part, result) for part in zip(rings, rooms, parts, strict=True)
+        partial(_aggregate, *part, result) for part in zip(tasks, rings, rooms, parts, strict=True)
     ])  # fmt: skip
     if search.is_unique:
         claims = reduce(np.maximum, [room.claims for room in rooms])
@@ -126,9 +125,8 @@ def _column_bands(points: Points, shape: tuple[int, int]) -> list[tuple[int, int
 def _make_room(task: _Task, ring: Ring) -> _Room:
     height, width = task.base.mask.shape
     reach = width + abs(task.search.first) + ring.lanes
-    num_disc, num_side = (len(window.line[0]) for window in (task.disc, task.ahead))
+    num_disc, num_side = (len(window.row[0]) for window in (task.disc, task.ahead))
     return _Room(
-        lines=np.zeros(2 * NUM_LINES, np.int64),
         disc=np.zeros((2, num_disc), np.int64),
         side=np.zeros(num_side, np.int64),
         weights=aligned_zeros(num_disc),
@@ -189,11 +187,8 @@ def _judge(
     v, first, begin, end = stretch
     left = first - SIDE_RADIUS
     _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
-    for k in range(NUM_LINES):
-        room.lines[k] = line_start(ring, v + k - SIDE_RADIUS)
-        room.lines[k + NUM_LINES] = room.lines[k] + to_slack(ring)
     for odd in range(2):
-        locate(task.disc, 2 * (v & 1) + odd, room.lines, room.disc[odd])
+        locate(task.disc, 2 * (v & 1) + odd, ring, v, room.disc[odd])
     for i in range(begin, end):
         place = ((task.points.u[i] - left) >> 1) * ring.lanes
         _choose(task, ring, room, (i, v, left, place), result)
@@ -205,8 +200,10 @@ def _judge(
 def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
     """Mark the candidates of another row, starting at a column."""
     closed[:] = CLOSED
-    for k in range(max(0, -start), min(closed.size, mask.size - start)):
-        closed[k] = np.float32(0.0) if mask[start + k] else CLOSED
+    first = max(0, -start)
+    inside, candidates = closed[first:], mask[start + first :]
+    for k in range(min(inside.size, candidates.size)):
+        inside[k] = np.float32(0.0) if candidates[k] else CLOSED
 
 
 @kernel
@@ -255,20 +252,18 @@ def _take_side(
     direction = min(int(orientation * DIRECTIONS / np.pi), DIRECTIONS - 1)
     row = (2 * (v & 1) + (u & 1)) * DIRECTIONS + direction
     side = result[3]
-    side[i] = _evidence(task, task.ahead, ring, room, (row, place, best))
-    side[i] -= _evidence(task, task.behind, ring, room, (row, place, best))
+    side[i] = _evidence(task.ahead, ring, room, (row, v, place, best))
+    side[i] -= _evidence(task.behind, ring, room, (row, v, place, best))
 
 
 @kernel
-def _evidence(
-    task: _Task, window: Window, ring: Ring, room: _Room, where: tuple[int, int, int]
-) -> float:
+def _evidence(window: Window, ring: Ring, room: _Room, where: tuple[int, int, int, int]) -> float:
     """Evidence that a half disc has the best shift, and is not better explained as background.
 
     Shifts increase as disparities decrease: the background comes after.
     """
-    row, place, best = where
-    locate(window, row, room.lines, room.side)
+    row, v, place, best = where
+    locate(window, row, ring, v, room.side)
     first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
     support = room.support[first:]
     add_up(ring.scores, place + first, room.side, window.weight[row], support)

@@ -90,14 +90,15 @@ def _read(image: Responses, v: int, origin: int, every: int, target: tuple[Float
     planes, plane = image.planes.reshape(-1), v * channels * 2 * padded + origin
     to_next_row = every * channels * 2 * padded
     share = np.float32(1.0) / np.float32(channels)
-    mask = image.mask[v]
     first, end = max(0, -origin), min(reach, padded - origin)
     # Outside the image, too: the row still contains another strip's.
     for c in range(channels):
         row[(3 * c + 2) * reach :][:reach] = 0.0
     weights = row[2 * reach :][:reach]
-    for i in range(first, min(reach, mask.size - origin)):
-        weights[i] = share if mask[origin + i] else np.float32(0.0)
+    # Slices that begin at 0: indices that might be negative keep the loop from being vectorised.
+    inside, mask = weights[first:], image.mask[v, origin + first :]
+    for i in range(min(inside.size, mask.size)):
+        inside[i] = share if mask[i] else np.float32(0.0)
     # The first channel last, since its inverse energies overwrite the weights.
     for c in range(channels - 1, -1, -1):
         for i in range(first, end, NUM_LANES):

@@ -70,10 +70,23 @@ def make_ring(num_channels: int, search: Search, size: int) -> Ring:
     )
 
 
+def steps(ring: Ring) -> tuple[int, int, int]:
+    """Steps between scores: from column to column, from row to row, from exact to with slack."""
+    line = ring.columns * ring.lanes
+    return ring.lanes, line, ring.rows * line
+
+
+@kernel
+def ring_row(ring: Ring, v: int) -> int:
+    """Row of the ring with the scores of a row of the image."""
+    return v // ring.every % ring.rows
+
+
 @kernel
 def line_start(ring: Ring, v: int) -> int:
     """Start of the exact scores of a row of the image."""
-    return v // ring.every % ring.rows * ring.columns * ring.lanes
+    start: int = ring_row(ring, v) * ring.columns * ring.lanes
+    return start
 
 
 @kernel

@@ -19,6 +19,7 @@ from recon.stereo.kernels.simd import (
     store,
     total,
 )
+from recon.stereo.matching.ring import Ring, ring_row
 from recon.stereo.matching.windows import LIKENESS, Window
 
 CLOSED = np.float32(-1e9)
@@ -45,11 +46,15 @@ def weigh(
 
 
 @kernel
-def locate(window: Window, row: int, lines: Integers, starts: Integers) -> None:
-    """Write the starts of the scores of a window's members, relative to its centre."""
-    line, offset = window.line[row], window.offset[row]
+def locate(window: Window, row: int, ring: Ring, v: int, starts: Integers) -> None:
+    """Write the starts of the scores of a window's members, relative to its centre's column."""
+    below, offset = window.row[row], window.offset[row]
+    here, line, size = ring_row(ring, v), ring.columns * ring.lanes, ring.rows
     for k in range(starts.size):
-        starts[k] = lines[np.uint64(line[k])] + offset[k]
+        place = here + below[k]
+        # Of the last rows, those below the end of the ring are at its beginning.
+        wrapped = np.int64(place < 0) - np.int64(place >= size)
+        starts[k] = offset[k] + (here + wrapped * size) * line
 
 
 @kernel

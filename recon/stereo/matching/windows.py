@@ -17,8 +17,6 @@ RADIUS = 7
 """Radius of the disc whose pixels support a disparity."""
 SIDE_RADIUS = 10
 """Radius of the two half discs that determine which side of an edge has the disparity."""
-NUM_LINES = 2 * SIDE_RADIUS + 1
-"""Number of rows of all windows together."""
 _SPREAD = 5.0
 """Standard deviation of the weight of a member, in pixels."""
 _RIGID = 3.0
@@ -103,40 +101,43 @@ def half_disc(sign: int, every: int) -> Members:
 class Window(NamedTuple):
     """Members of the windows of one kind, as ring offsets; (T, K) by parities and direction."""
 
-    line: Integers
-    """Rows relative to the top row of a ring; plus `NUM_LINES` where scores have slack."""
+    row: Integers
+    """Rows of a ring below the centre's."""
     offset: Integers
-    """Offset from the scores of the window's centre, without the line."""
+    """Offset from the scores of the window's centre, if the ring does not wrap between them."""
     pixel: Integers
     """Offset from the centre in the flat image with its margin."""
     weight: Floats
 
 
 @lru_cache(maxsize=16)
-def windows(every: int, lanes: int, stride: int) -> tuple[Window, Window, Window]:
+def windows(every: int, steps: tuple[int, int, int], stride: int) -> tuple[Window, Window, Window]:
     """The disc, and the half discs ahead and behind, in a ring and in a flat image.
 
     Parameters
     ----------
     every : int
         2: only pixels of every second row are members; 1: every second pixel of all rows.
-    lanes : int
-        Step from the scores of one member of a row to those of the next.
+    steps : (int, int, int)
+        From the scores of one member of a row to those of the next, of one row to those of the
+        next, and from exact scores to those with slack.
     stride : int
         Step from row to row of the image.
     """
     kinds = disc(every), half_disc(+1, every), half_disc(-1, every)
-    ours, ahead, behind = (_window(members, lanes, stride) for members in kinds)
+    ours, ahead, behind = (_window(members, every, steps, stride) for members in kinds)
     return ours, ahead, behind
 
 
-def _window(members: Members, lanes: int, stride: int) -> Window:
+def _window(members: Members, every: int, steps: tuple[int, int, int], stride: int) -> Window:
     # Rows of the tables are by parity of the centre's row, then of its column.
-    odd = np.arange(len(members.du)) * 4 // len(members.du) % 2
-    column = (odd[:, None] + members.du) >> 1
+    number = np.arange(len(members.du)) * 4 // len(members.du)
+    row = (members.dv + number[:, None] // 2) // every if every > 1 else members.dv
+    column = (number[:, None] % 2 + members.du) >> 1
+    lanes, line, slack = steps
     return Window(
-        line=members.dv + SIDE_RADIUS + members.slack * NUM_LINES,
-        offset=column * lanes,
+        row=row,
+        offset=column * lanes + row * line + members.slack * slack,
         pixel=members.dv * stride + members.du,
         weight=members.weight,
     )
