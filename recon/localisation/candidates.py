@@ -21,7 +21,7 @@ COVERED_SHARE, COVERED_COSINE = 0.35, 0.94
 it."""
 CHANCE = 6.0
 """Agreement that chance may have."""
-MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.97, 0.3, 0.5
+MIN_PROBABILITY, MAX_SIGMA_CELLS, MIN_SHARE = 0.99, 0.3, 0.5
 """Of an accepted pose: probability, standard deviation, and share of the points on the map."""
 
 

@@ -23,6 +23,8 @@ SHAPE_WEIGHT = 0.5
 """Weight of the evidence by shape, whose errors all sides of a round thing share."""
 NUM_STARTS = 3
 """Candidates at one distance from one thing that are turned about it."""
+MIN_TOLD = 3.0
+"""Least evidence by texture of a pose that is measured."""
 OTHER_SIDE_DEG, REPEATED_SHARE, MOST_REPEATED = 15.0, 0.4, 3.0
 """Turn to another side, the share of the best evidence by texture from which on that repeats the
 texture, and the most that a texture says that repeats: a side not seen so far may have it too."""
@@ -66,11 +68,13 @@ class Inspection:
         return distinct(both, self.search.shape.size)
 
     def _repeats(self, poses: list[Array], told: Array, pair: StereoPair) -> bool:
-        """True if other sides, or other things, have nearly the same texture."""
+        """True if other sides, seen or not, or other things may have nearly the same texture."""
         if not len(told):
             return False
         best = int(told.argmax())
         thing = [self.turns.ahead(pair, T) for T in poses]
+        if thing[best] is None or not self.turns.texture.is_whole[thing[best]]:
+            return True
         headings = np.array([planar(T)[2] for T in poses])
         is_other = np.abs(wrapped(headings - headings[best])) > math.radians(OTHER_SIDE_DEG)
         is_other |= np.array([one != thing[best] for one in thing])
@@ -89,7 +93,12 @@ class Inspection:
         starts.sort(key=lambda one: -one[0])
         met = [self.turns.measured(pair, T) for _, T in starts[:NUM_MEASURED]]
         estimates = [self._estimate(one, pair.rig) for one in met if one]
-        return [self.search.judged(one, points, pair.rig, 0.0) for one in estimates]
+        texture = self.turns.texture
+        return [
+            self.search.judged(one, points, pair.rig, 0.0)
+            for one in estimates
+            if texture.evidence(pair, screen, one.T_world_left) > MIN_TOLD
+        ]
 
     def _orbits(self, found: list[Candidate], pair: StereoPair) -> list[Candidate]:
         """Of the candidates at one distance from one thing, the likeliest ones."""

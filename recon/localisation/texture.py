@@ -39,6 +39,8 @@ BLOCKS_PER_E = 5.0
 """Number of blocks, one standard deviation squared off, that make a pose e times less likely."""
 BEHIND, NUM_SIGMAS = 1.25, 2.0
 """A point hides what is farther by this factor, and by so many of its standard deviations."""
+NUM_SIDES, SIDE_SHARE = 12, 0.3
+"""Sides of a thing, and the least share of the texels of one side that another one has."""
 MIN_TEXELS = 20
 """Fewer texels in view say nothing."""
 
@@ -94,6 +96,8 @@ class Texture:
     """(K,) number of its cell."""
     block: NDArray[np.intp]
     """(K,) number of its block of cells."""
+    is_whole: NDArray[np.bool_]
+    """(T,) True for things whose texture is known all round."""
     cell_size: float
 
     def __len__(self) -> int:
@@ -129,6 +133,7 @@ class Texture:
             thing=thing,
             cell=_numbered(points, cell_size),
             block=_numbered(points, SMOOTH_CELLS * cell_size),
+            is_whole=_are_whole(points, thing, len(objects)),
             cell_size=cell_size,
         )
 
@@ -230,11 +235,23 @@ def _numbered(points: Array, side: float) -> NDArray[np.intp]:
     return np.unique(cubes, axis=0, return_inverse=True)[1].ravel().astype(np.intp)
 
 
+def _are_whole(points: Array, thing: NDArray[np.intp], number: int) -> NDArray[np.bool_]:
+    """(T,) True for things of which no side has far fewer points than another."""
+    out = points[:, [0, 2]] - _middles(points, thing)[thing]
+    turn = (np.arctan2(out[:, 1], out[:, 0]) / (2.0 * np.pi)) % 1.0
+    side = thing * NUM_SIDES + np.minimum((turn * NUM_SIDES).astype(np.intp), NUM_SIDES - 1)
+    on = np.bincount(side, minlength=number * NUM_SIDES).reshape(number, NUM_SIDES)
+    return np.asarray(on.min(axis=1) > SIDE_SHARE * on.max(axis=1), np.bool_)
+
+
+def _middles(points: Array, thing: NDArray[np.intp]) -> Array:
+    """Middles (T, 2) of things in x, z."""
+    return _means(points[:, [0, 2]], thing)
+
+
 def _rings(points: Array, thing: NDArray[np.intp], cell_size: float) -> NDArray[np.intp]:
     """Number (K,) of the ring around its thing that each point is on."""
-    number = np.maximum(np.bincount(thing), 1)
-    middle = np.stack([np.bincount(thing, of) / number for of in points[:, [0, 2]].T], axis=1)
-    away = np.hypot(*(points[:, [0, 2]] - middle[thing]).T)
+    away = np.hypot(*(points[:, [0, 2]] - _middles(points, thing)[thing]).T)
     return _numbered(np.column_stack([thing * cell_size, points[:, 1], away]), cell_size)
 
 
