@@ -9,6 +9,7 @@ from recon.cli.jobs import do_job
 from recon.cli.options import (
     OUTPUT,
     PATH,
+    QUALITY,
     SETTINGS,
     PositiveNumber,
     run_folder,
@@ -56,7 +57,7 @@ DENSE_COLUMNS = {
 )
 @click.option("--worlds", type=click.IntRange(min=1), help="Evaluate labels in N random worlds.")
 @click.option("--matcher", "matchers", multiple=True, help="Matcher to evaluate; repeatable.")
-@click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed.")
+@QUALITY
 @click.option(
     "--keep",
     "matching__keep",

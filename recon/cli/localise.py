@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
-from recon.cli.options import OUTPUT, PATH, SETTINGS, with_options
+from recon.cli.options import OUTPUT, PATH, QUALITY, SETTINGS, with_options
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 @click.argument("run", type=PATH)
 @click.argument("pairs", type=PATH)
 @click.option("--recording", type=PATH, help="Present location of the run's recording or scene.")
+@QUALITY
 @with_options(SETTINGS, OUTPUT)
 def localise(run: Path, pairs: Path, **given: Any) -> None:
     """Find where pairs were taken in the map of a run.

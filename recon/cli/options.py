@@ -131,10 +131,12 @@ def run_folder(default: str = "runs/NAME") -> list[Callable[[Command], Command]]
     ]
 
 
+QUALITY = click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed.")
+
 # An option whose name in Python is STAGE__NAME sets that value.
 MATCHING = [
     click.option("--matcher", "matching__matcher", help="phase, vonmises, sgbm, or a plug-in."),
-    click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed."),
+    QUALITY,
     click.option(
         "--keep", "matching__keep", type=click.IntRange(min=1),
         metavar="K",

@@ -127,7 +127,11 @@ def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
             leave_figure(run.path, "dense", arrays)
 
 
-def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
+def measure(
+    pair: MatchedPair,
+    truth: DisparityTruth | None,
+    truth_right_px: NDArray[np.float64] | None = None,
+) -> dict[str, Any]:
     """The metrics of one pair by their JSON keys."""
     metrics: dict[str, Any] = {
         "num_features": pair.num_features,
@@ -140,7 +144,8 @@ def measure(pair: MatchedPair, truth: DisparityTruth | None) -> dict[str, Any]:
         return metrics
     if not pair.is_mismatched:
         check_truth(pair.left, pair.matches, truth)
-    metrics |= evaluate(pair.matches, truth.disparity_px, truth.quantisation_px).as_metrics()
+    judged = evaluate(pair.matches, truth.disparity_px, truth.quantisation_px, truth_right_px)
+    metrics |= judged.as_metrics()
     if pair.dense is not None:
         judged = evaluate_map(pair.dense.disparity_px, truth.disparity_px, truth.quantisation_px)
         metrics |= {f"dense_{name}": value for name, value in judged.as_metrics().items()}

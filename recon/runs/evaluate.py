@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.figures.kept import kept_matches, kept_pair
@@ -22,7 +23,7 @@ from recon.runs.work import Work
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
-from recon.sequences.truth import DisparityTruth, read_truth
+from recon.sequences.truth import DisparityTruth, read_right_truth, read_truth
 from recon.settings import Settings, given_tree, updated
 from recon.stereo.evaluation import coverage
 from recon.stereo.features import detect
@@ -41,6 +42,7 @@ class Trial:
     pair_dir: Path
     settings: Settings
     truth: DisparityTruth
+    truth_right_px: NDArray[np.float64] | None
 
     @property
     def name(self) -> str:
@@ -56,7 +58,7 @@ class Trial:
         pair = match_files(self.image("left"), self.image("right"), self.settings)
         names = {"name": self.name, "matcher": self.settings.matching.matcher}
         shares = {"coverage": coverage(pair.matches, pair.left.shape[:2])}
-        return as_document(names | measure(pair, self.truth) | shares)
+        return as_document(names | measure(pair, self.truth, self.truth_right_px) | shares)
 
 
 def _evaluate(job: Job, work: Work) -> Numbers:
@@ -91,11 +93,11 @@ def check_names(paths: tuple[Path, ...]) -> None:
 def _trials(
     pair_dir: Path, settings: Settings, matchers: Iterable[str], truth_scale: float | None
 ) -> Iterator[Trial]:
-    truth = read_truth(pair_dir, truth_scale)
+    truth, right_px = read_truth(pair_dir, truth_scale), read_right_truth(pair_dir, truth_scale)
     ranged = searching(settings, own_matching(pair_dir, truth))
     for matcher in matchers:
         chosen = updated(ranged, {"matching": {"matcher": matcher}})
-        yield Trial(pair_dir=pair_dir, settings=chosen, truth=truth)
+        yield Trial(pair_dir=pair_dir, settings=chosen, truth=truth, truth_right_px=right_px)
 
 
 def searching(settings: Settings, stated: Numbers) -> Settings:

@@ -16,7 +16,7 @@ from recon.runs.job import Job, Kind, Numbers
 from recon.runs.work import Work
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
-from recon.sequences.truth import DisparityTruth, read_truth, read_truth_file
+from recon.sequences.truth import DisparityTruth, read_right_truth, read_truth
 from recon.settings import Settings
 from recon.stereo.dense.cost import Search
 from recon.stereo.dense.dense import match_every_pixel
@@ -74,8 +74,7 @@ def _matched(left: NDArray[np.uint8], right: NDArray[np.uint8], settings: Settin
 def _rows(
     path: Path, found: Found, truth: DisparityTruth, scale: float | None
 ) -> list[dict[str, Any]]:
-    right = sorted(path.glob("disp_right.*"))
-    right_px = read_truth_file(right[0], scale).disparity_px if right else None
+    right_px = read_right_truth(path, scale)
     rows = []
     for name, (one, seconds) in found.items():
         numbers: dict[str, Any] = judge(

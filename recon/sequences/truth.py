@@ -51,11 +51,21 @@ def read_truth(pair_dir: Path, truth_scale: float | None = None) -> DisparityTru
 
 def find_truth(pair_dir: Path) -> Path | None:
     """The truth of the left image in a pair folder; None if it has none."""
-    for stem in NAMES:
-        files = [f for f in sorted(pair_dir.glob(f"{stem}.*")) if f.suffix.lower() in ENDINGS]
-        if files:
-            return files[0]
-    return None
+    return next(filter(None, (_file_of(pair_dir, stem) for stem in NAMES)), None)
+
+
+def _file_of(folder: Path, stem: str) -> Path | None:
+    """The file of disparities by this name, whatever its format."""
+    files = [f for f in sorted(folder.glob(f"{stem}.*")) if f.suffix.lower() in ENDINGS]
+    return files[0] if files else None
+
+
+def read_right_truth(
+    pair_dir: Path, truth_scale: float | None = None
+) -> NDArray[np.float64] | None:
+    """(H, W) disparity of the right image's pixels, `disp_right.*`; None if there is none."""
+    found = _file_of(pair_dir, "disp_right")
+    return None if found is None else read_truth_file(found, truth_scale).disparity_px
 
 
 def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTruth:

@@ -39,7 +39,12 @@ class Evaluation:
         return {name: None if value != value else value for name, value in asdict(self).items()}
 
 
-def evaluate(matches: Matches, truth_px: Disparity, quantisation_px: float = 0.0) -> Evaluation:
+def evaluate(
+    matches: Matches,
+    truth_px: Disparity,
+    quantisation_px: float = 0.0,
+    truth_right_px: Disparity | None = None,
+) -> Evaluation:
     """Compare matches with the true disparity of the left image.
 
     Parameters
@@ -50,13 +55,16 @@ def evaluate(matches: Matches, truth_px: Disparity, quantisation_px: float = 0.0
     quantisation_px : float
         Quantisation step of the truth. If it is a whole pixel, refined disparities are rounded
         first, like the truth.
+    truth_right_px : (H, W) float, optional
+        Disparity of the right image's pixels: it tells which left pixels are occluded.
 
     Returns
     -------
     Evaluation
     """
     u, v = np.rint(matches.points_px).astype(np.int64).T
-    return _judged(u, v, matches.disparity_px, truth_px, quantisation_px)
+    seen = seen_by_both(truth_px, truth_right_px)
+    return _judged(u, v, matches.disparity_px, truth_px, quantisation_px, seen)
 
 
 def evaluate_map(
@@ -64,7 +72,8 @@ def evaluate_map(
 ) -> Evaluation:
     """Compare a dense disparity (H, W), NaN = unknown, with the true one."""
     v, u = np.nonzero(np.isfinite(disparity_px))
-    return _judged(u, v, disparity_px[v, u], truth_px, quantisation_px)
+    seen = seen_by_both(truth_px)
+    return _judged(u, v, disparity_px[v, u], truth_px, quantisation_px, seen)
 
 
 def _judged(
@@ -73,8 +82,8 @@ def _judged(
     disparity_px: Disparity,
     truth_px: Disparity,
     quantisation_px: float,
+    seen: NDArray[np.bool_],
 ) -> Evaluation:
-    check_shape("truth_px", truth_px, (None, None))
     height, width = truth_px.shape
     if len(u) and (u.max() >= width or v.max() >= height):
         raise InputError(
@@ -83,8 +92,7 @@ def _judged(
     truth = truth_px[v, u]
     found = np.rint(disparity_px) if quantisation_px >= 1 else disparity_px
     judged = np.isfinite(truth)
-    seen = seen_by_both(truth_px)[v, u][judged]
-    return _evaluation(np.abs(found - truth)[judged], seen)
+    return _evaluation(np.abs(found - truth)[judged], seen[v, u][judged])
 
 
 def _evaluation(error: Disparity, seen: NDArray[np.bool_]) -> Evaluation:
@@ -112,6 +120,9 @@ def seen_by_both(truth_px: Disparity, truth_right_px: Disparity | None = None) -
     These are confirmed by the right truth within a pixel; without a right truth, they are not
     covered by a nearer pixel when the left truth is warped to the right.
     """
+    check_shape("truth_px", truth_px, (None, None))
+    if truth_right_px is not None:
+        check_shape("truth_right_px", truth_right_px, truth_px.shape)
     height, width = truth_px.shape
     v, u = np.nonzero(np.isfinite(truth_px))
     disparity = truth_px[v, u]

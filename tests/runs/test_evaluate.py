@@ -1,6 +1,7 @@
 """Matchers compared on the command line."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,19 @@ def test_table_has_one_line_per_pair(rows, capsys):
     assert len(lines) == 2
     assert lines[0].split()[:3] == ["pair", "matcher", "num_matches"]
     assert lines[1].split()[:2] == ["motorcycle", "phase"]
+
+
+def test_truth_of_the_right_image_decides_occlusion(rows, tmp_path, capsys):
+    """A right truth that confirms nothing leaves no point that is visible to both."""
+    folder = shutil.copytree(rows, tmp_path / "pair")
+    right = read_truth(rows).disparity_px + 50
+    write_pfm(folder / "disp_right.pfm", right)
+    argv = ["evaluate", str(rows), str(folder), "--matcher", "sgbm", "--json"]
+    assert main(argv) == 0
+    without, with_right = json.loads(capsys.readouterr().out)["pairs"]
+    assert with_right["success_all"] == without["success_all"]
+    assert without["success_nonocc"] > 90
+    assert with_right["success_nonocc"] is None
 
 
 def test_pair_without_truth_is_rejected_in_one_line(tmp_path, capsys):

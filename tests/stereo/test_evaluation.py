@@ -54,6 +54,11 @@ def test_truth_of_the_right_image_decides_occlusion():
     seen = seen_by_both(truth, right)
     assert not seen[:, 12].any()
     assert seen[:, 13].all()
+    matches = matches_of([[12, 5], [20, 5]], [9.0, 2.0])
+    assert evaluate(matches, truth, 0.0, right).success_nonocc == 100.0
+    assert evaluate(matches, truth).success_nonocc == 50.0
+    with pytest.raises(InputError, match="truth_right_px has shape"):
+        evaluate(matches, truth, 0.0, right[1:])
 
 
 def test_no_matches_give_unknown_metrics():
