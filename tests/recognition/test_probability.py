@@ -101,6 +101,7 @@ def test_partly_seen_objects_are_named_with_calibrated_probabilities():
     "missing",
     [
         {"criterion": 0.5},
+        {"criterion": -0.2},
         {"lead": -0.5},
         {"seen": np.array([0.01, 0.9])},
         {"widths": np.array([0.2, 30.0])},
