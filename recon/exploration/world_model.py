@@ -14,7 +14,7 @@ from recon.exploration.obstacles import Observations, Obstacle, find_obstacles, 
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
 from recon.exploration.sides import OPEN_SURE_RAD, widest_gap
-from recon.recognition import recognise
+from recon.recognition.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
 from recon.voxelmap import VoxelMap

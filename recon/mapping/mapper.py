@@ -14,7 +14,7 @@ from recon.mapping.consistency import Consistency, Witness
 from recon.mapping.pair import PairResult, count_points, insert, match_points
 from recon.mapping.reached import Reached
 from recon.mapping.views import CellCounts, count_cells, with_views
-from recon.recognition import recognise
+from recon.recognition.recognition import recognise
 from recon.records import (
     Matches,
     PointCloud,

@@ -12,9 +12,8 @@ from recon.exploration.explorable import Explorable
 from recon.exploration.outcome import Exploration, Step
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.mapping.mapper import Mapper
-from recon.recognition import recognise as name_objects
-from recon.recognition import recognise_cloud
-from recon.recognition.clouds import Up
+from recon.recognition.clouds import Up, recognise_cloud
+from recon.recognition.recognition import recognise as name_objects
 from recon.records import PointCloud, Recognition, Reconstruction, Voxels
 from recon.runs.job import Job
 from recon.runs.loops import DriveInMemory

@@ -10,12 +10,12 @@ import tomli_w
 
 from recon.errors import InputError
 from recon.files import atomic_path
-from recon.recognition import recognise
 from recon.recognition.clouds import gathered
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.descriptors import Learned
 from recon.recognition.naming.kinds import Kind as Entry
 from recon.recognition.naming.learning import Lesson, learn
+from recon.recognition.recognition import recognise
 from recon.records import PointCloud, Voxels
 from recon.runs.arguments import text, texts, word
 from recon.runs.job import Job, Kind, Numbers

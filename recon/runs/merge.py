@@ -14,7 +14,7 @@ from recon.exports.partitions.writing import merge_partitions, write_partitions
 from recon.exports.ply import CloudWriter, read_cloud_chunks
 from recon.manifest import is_finished, read_manifest
 from recon.mapping.views import with_views
-from recon.recognition import recognise
+from recon.recognition.recognition import recognise
 from recon.records import Reconstruction, Trajectory
 from recon.runs.cameras import CAMERAS, cameras_text, read_cameras
 from recon.runs.figures import draw_run_figures

@@ -14,8 +14,8 @@ from recon.exports.formats import read
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
 from recon.notices import notify
-from recon.recognition import recognise
 from recon.recognition.clouds import Up, recognise_cloud
+from recon.recognition.recognition import recognise
 from recon.records import PointCloud, Recognition, Voxels
 from recon.records.objects import as_json
 from recon.runs.arguments import flag, one_of, text

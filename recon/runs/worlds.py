@@ -9,7 +9,7 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.exploration.agent import explore
-from recon.recognition import recognise
+from recon.recognition.recognition import recognise
 from recon.recognition.reliability import calibration_error
 from recon.records import FoundObject
 from recon.runs.arguments import count

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
 from recon.recognition.naming import assembly
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.probability import Logistic
+from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.records import Box, Cylinder, Sphere
 from recon.settings import RecognitionSettings, Settings, updated

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
 from recon.recognition.naming.catalogue import FOLDER, read_catalogue, read_catalogues
+from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.settings import RecognitionSettings
 

@@ -7,8 +7,7 @@ import pytest
 
 from recon.errors import InputError
 from recon.geometry import pose, transform
-from recon.recognition import recognise_cloud
-from recon.recognition.clouds import T_LEVEL_CLOUD
+from recon.recognition.clouds import T_LEVEL_CLOUD, recognise_cloud
 from recon.recognition.frames import moved
 from recon.recognition.synthetic import Orbit, observe, random_composite
 from recon.records import Box, Cone, Cylinder, PointCloud, Sphere

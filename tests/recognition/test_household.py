@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from recon.recognition import recognise
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.naming import name_object
+from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.records import Box, Cylinder, PointCloud
 from recon.settings import RecognitionSettings

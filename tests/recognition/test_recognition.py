@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from recon.geometry import pose, rotation_about_y, transform
-from recon.recognition import components, recognise
 from recon.recognition.fitting.composite import Composite
+from recon.recognition.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud, Voxels
 from recon.settings import RecognitionSettings

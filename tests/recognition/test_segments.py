@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from recon.geometry import look_at, pose
-from recon.recognition import recognise, recognise_cloud
 from recon.recognition.cells import gather
+from recon.recognition.clouds import recognise_cloud
 from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.surface_points import surface
+from recon.recognition.recognition import recognise
 from recon.recognition.segments.convexity import convex_pieces, fewest_pieces, relief_of
 from recon.recognition.segments.focus import find_focus
 from recon.records import Box, Cylinder, PointCloud, Sphere

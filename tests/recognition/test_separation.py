@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from recon.recognition import components, recognise, separation
+from recon.recognition import separation
+from recon.recognition.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings

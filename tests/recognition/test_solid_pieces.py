@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from recon.recognition import recognise
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.naming import Naming, name_object
+from recon.recognition.recognition import recognise
 from recon.recognition.segments.solid_pieces import solid_pieces
 from recon.recognition.synthetic import Orbit, observe, voxelise
 from recon.records import UNKNOWN, Box, Cylinder, Solid, Sphere, Voxels

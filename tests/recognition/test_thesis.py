@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite, solids
 from recon.recognition.fitting.surface_points import surface
+from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
 from recon.settings import RecognitionSettings

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import Measurement
-from recon.recognition import recognise
 from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
+from recon.recognition.recognition import recognise
 from recon.recognition.reliability import calibration_error
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import UNKNOWN, Box, Sphere, Voxels
