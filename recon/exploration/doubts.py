@@ -17,9 +17,14 @@ CLOSE = 0.5
 
 def doubts(state: State) -> list[Detection]:
     """Obstacles that resemble a kind but have no sure name, and ground that may hide one."""
-    doubtful = [_once_more(one.centre, one.radius) for one in state.obstacles if one.is_doubtful]
     least = state.scales.unknown_clearance
-    return [*doubtful, *hiding_places(state.floor, state.obstacles, least)]
+    hiding = hiding_places(state.floor, state.obstacles, least)
+    return [*doubtful(state.obstacles), *hiding]
+
+
+def doubtful(obstacles: Iterable[Obstacle]) -> list[Detection]:
+    """Obstacles that resemble a kind but have no sure name, as if no view had seen them."""
+    return [_once_more(one.centre, one.radius) for one in obstacles if one.is_doubtful]
 
 
 def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:

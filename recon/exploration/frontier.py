@@ -5,14 +5,14 @@ The round is planned again after every pair with what is then known.
 
 from dataclasses import dataclass, field
 
-from recon.exploration.doubts import CLOSE, doubts
+from recon.exploration.doubts import CLOSE, doubtful, doubts
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import ShortestPaths, unexplored
 from recon.exploration.prospects import Prospects
 from recon.exploration.scan import Detection, field_of_view
-from recon.exploration.search import Look, Search, are_nameable
+from recon.exploration.search import Look, Search, Wanted, are_nameable
 from recon.exploration.sides import Sides, is_given_up, is_known
 from recon.exploration.state import State
 from recon.exploration.tour import MAX_UNKNOWN
@@ -50,11 +50,13 @@ class FrontierController:
         self.taken.append((state.place, azimuth_of(gaze)))
         reach = HORIZON * state.settings.exploration.sight_range
         near = state.within(reach)
-        view = self._plan(near, self._first(near))
+        view = self._once_more(near)
+        if view is None:
+            view = self._plan(near, self._first(near))
         if view is None and max(state.floor.shape) * state.floor.cell_size > reach:
             view = self._plan(state, self._first(state))
         if view is None:
-            view = self._plan(state, self._second(state))
+            view = self._plan(state, self._second(state, doubts(state)))
         if view is None:
             self._end(state)
         return view
@@ -68,18 +70,29 @@ class FrontierController:
             expects_names=are_nameable(state.obstacles),
         )
 
-    def _second(self, state: State) -> Search:
+    def _once_more(self, state: State) -> View | None:
+        """The next view of obstacles with all sides seen but a doubtful label; None without any.
+
+        They are viewed again before the agent goes on: it would have to come back.
+        """
+        wanted = doubtful(one for one in state.obstacles if is_known(one))
+        search = self._second(state, wanted)
+        if all(is_given_up(one, search) for one in wanted):
+            return None
+        return self._plan(state, search, needs_sides=True)
+
+    def _second(self, state: State, wanted: Wanted) -> Search:
         clearance = CLOSE * state.scales.clearance
         return Search(
-            wanted=doubts(state),
+            wanted=wanted,
             clearance=clearance,
             reach=clearance,
             looks=self.second_looks,
             max_looks=1,
         )
 
-    def _plan(self, state: State, search: Search) -> View | None:
-        """Plan a round and return its first view."""
+    def _plan(self, state: State, search: Search, needs_sides: bool = False) -> View | None:
+        """Plan a round and return its first view; if told so, only a round that shows sides."""
         unknown = unexplored(state.floor, state.obstacles)
         wanted = search.nearest(state.place)
         prospects = Prospects.of(state, unknown, wanted, search)
@@ -88,6 +101,8 @@ class FrontierController:
         visibility = Visibility.over(state.floor, places, field_rad, sight_range, unknown)
         visibility = visibility.without(self.taken, state.scales.same_place)
         sides = Sides.of(wanted, places, state.floor, field_rad, search)
+        if needs_sides and not sides.shown.any():
+            return None
         stop = prospects.first_stop(visibility, sides, unknown, state.scales)
         if stop is None:
             return None
