@@ -53,11 +53,16 @@ def _allowed(sighter: Sighter, one: Outline) -> list[int]:
 
 
 def _ways(allowed: list[list[int]]) -> list[Way]:
-    """All ways to associate; none if there are too many. No landmark is two objects."""
+    """All ways to associate; none if there are too many."""
     if math.prod(len(one) + 1 for one in allowed) > MAX_WAYS:
         return []
-    ways = itertools.product(*([*one, UNCLEAR] for one in allowed))
-    return [way for way in ways if len({*_known(way)}) == len(_known(way))]
+    return [way for way in itertools.product(*([*one, UNCLEAR] for one in allowed)) if _fits(way)]
+
+
+def _fits(way: Way) -> bool:
+    """True if no landmark is two objects."""
+    known = _known(way)
+    return len({*known}) == len(known)
 
 
 def _known(way: Way) -> list[int]:
