@@ -25,9 +25,11 @@ NUM_STARTS = 3
 """Candidates at one distance from one thing that are turned about it."""
 MIN_TOLD = 3.0
 """Least evidence by texture of a pose that is measured."""
-OTHER_SIDE_DEG, REPEATED_SHARE, MOST_REPEATED = 15.0, 0.4, 3.0
+OTHER_SIDE_DEG, REPEATED_SHARE, MOST_REPEATED = 15.0, 0.6, 3.0
 """Turn to another side, the share of the best evidence by texture from which on that repeats the
-texture, and the most that a texture says that repeats: a side not seen so far may have it too."""
+texture, and the most that a texture says that repeats."""
+SURE_LIKENESS = 0.8
+"""Correlation from which on a side is not taken for one that has not been seen."""
 MAX_OFF_SQ = 25.0
 """Squared standard deviations from which on two measurements contradict each other."""
 
@@ -59,7 +61,7 @@ class Inspection:
         judged = [*found, *self._measured(found, points, pair, screen)]
         poses = [one.estimate.T_world_left for one in judged]
         told = np.array([self.turns.texture.evidence(pair, screen, T) for T in poses])
-        if self._repeats(poses, told, pair):
+        if len(told) and self._may_repeat(judged, told, pair, screen):
             told = np.minimum(told, MOST_REPEATED)
         both = [
             replace(one, evidence=SHAPE_WEIGHT * one.evidence + float(more))
@@ -67,18 +69,23 @@ class Inspection:
         ]
         return distinct(both, self.search.shape.size)
 
-    def _repeats(self, poses: list[Array], told: Array, pair: StereoPair) -> bool:
-        """True if other sides, seen or not, or other things may have nearly the same texture."""
-        if not len(told):
-            return False
-        best = int(told.argmax())
+    def _may_repeat(
+        self, judged: list[Candidate], told: Array, pair: StereoPair, screen: Screen
+    ) -> bool:
+        """True if other sides, seen or not, or other things may have the texture of the pair."""
+        best, poses = int(told.argmax()), [one.estimate.T_world_left for one in judged]
         thing = [self.turns.ahead(pair, T) for T in poses]
-        if thing[best] is None or not self.turns.texture.is_whole[thing[best]]:
-            return True
         headings = np.array([planar(T)[2] for T in poses])
         is_other = np.abs(wrapped(headings - headings[best])) > math.radians(OTHER_SIDE_DEG)
         is_other |= np.array([one != thing[best] for one in thing])
-        return bool((told[is_other] > REPEATED_SHARE * told[best]).any())
+        if (told[is_other] > REPEATED_SHARE * told[best]).any():
+            return True
+        texture = self.turns.texture
+        if thing[best] is not None and texture.is_whole[thing[best]]:
+            return False
+        shape = SHAPE_WEIGHT * np.array([one.evidence for one in judged])
+        is_unlikely = shape.max() > shape[~is_other].max() + MOST_REPEATED
+        return bool(is_unlikely) or texture.likeness(pair, screen, poses[best]) < SURE_LIKENESS
 
     def _measured(
         self, found: list[Candidate], points: Points, pair: StereoPair, screen: Screen

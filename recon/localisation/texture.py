@@ -165,17 +165,24 @@ class Texture:
         is_clear &= ~screen.hides(seen[:, :2], pair.rig.focal_px / seen[:, 2])
         return rows[is_clear], looked_up(pair.left, seen[is_clear, :2])
 
-    def _alike(self, rows: NDArray[np.intp], colours: Array) -> float:
-        """Log likelihood ratio of the texture."""
+    def likeness(self, pair: StereoPair, screen: Screen, T_world_left: Array) -> float:
+        """Correlation of the texture that a pair shows, if taken there, with the known one."""
+        rows, colours = self._shown(pair, screen, T_world_left)
+        return self._likeness(rows, colours) if len(rows) >= MIN_TEXELS else 0.0
+
+    def _likeness(self, rows: NDArray[np.intp], colours: Array) -> float:
         block = self.block[rows]
         own, known = (_beyond_mean(of.mean(axis=1), block) for of in (colours, self.colours[rows]))
         size = np.sqrt((own @ own) * (known @ known))
-        likeness = float(own @ known / size) if size > 0.0 else 0.0
+        return float(own @ known / size) if size > 0.0 else 0.0
+
+    def _alike(self, rows: NDArray[np.intp], colours: Array) -> float:
+        """Log likelihood ratio of the texture."""
         number = np.count_nonzero(np.bincount(self.cell[rows])) / SHARED
         # Ratio of two normal distributions, of correlation LIKENESS and 0.
         rest = 1.0 - LIKENESS**2
-        gain = -0.5 * np.log(rest) - (LIKENESS**2 - LIKENESS * likeness) / rest
-        return float(number * gain)
+        gain = (LIKENESS * self._likeness(rows, colours) - LIKENESS**2) / rest
+        return float(number * (gain - 0.5 * np.log(rest)))
 
     def _off(self, rows: NDArray[np.intp], colours: Array) -> float:
         """Log likelihood that is lost as colours differ."""
