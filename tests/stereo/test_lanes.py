@@ -8,8 +8,9 @@ from hypothesis.extra.numpy import arrays
 from numba import njit
 from numba.core.errors import TypingError
 
-from recon.stereo.kernels import memory
+from recon.stereo.kernels import halves, memory
 from recon.stereo.kernels import simd as lanes
+from recon.stereo.kernels.halves import load_halves, store_halves
 from recon.stereo.kernels.memory import aligned_zeros, reused_empty
 from recon.stereo.kernels.simd import (
     NUM_LANES,
@@ -17,14 +18,12 @@ from recon.stereo.kernels.simd import (
     larger,
     largest,
     load,
-    load_halves,
     one_earlier,
     one_later,
     repeat,
     smaller,
     spread,
     store,
-    store_halves,
     total,
 )
 
@@ -117,19 +116,35 @@ def test_arrays_are_aligned_to_cache_lines(size):
 
 
 @kernel
-def halve(a, halves, out):
+def halve(a, half, out):
     for i in range(0, a.size, NUM_LANES):
-        store_halves(halves, i, load(a, i))
-        store(out, i, load_halves(halves, i))
+        store_halves(half, i, load(a, i))
+        store(out, i, load_halves(half, i))
 
 
 @settings(deadline=None, max_examples=20)
-@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(-1, 1, width=32)))
+@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(0, 1, width=32)))
 def test_halves_hold_numbers_in_half_precision(a):
-    halves, out = np.zeros(a.size, np.uint16), np.zeros_like(a)
-    halve(a, halves, out)
-    np.testing.assert_array_equal(halves.view(np.float16), a.astype(np.float16))
+    half, out = np.zeros(a.size, np.uint16), np.zeros_like(a)
+    halve(a, half, out)
+    np.testing.assert_array_equal(half.view(np.float16), a.astype(np.float16))
     np.testing.assert_array_equal(out, a.astype(np.float16).astype(np.float32))
+
+
+def test_halves_without_help_of_the_processor_are_the_same(monkeypatch):
+    monkeypatch.setattr(halves, "_CONVERTS_HALVES", False)
+
+    @njit
+    def halve_by_hand(a, half, out):
+        for i in range(0, a.size, NUM_LANES):
+            store_halves(half, i, load(a, i))
+            store(out, i, load_halves(half, i))
+
+    numbers = np.linspace(0, 1, 80_000).astype(np.float32)
+    half, out = np.zeros(numbers.size, np.uint16), np.zeros_like(numbers)
+    halve_by_hand(numbers, half, out)
+    np.testing.assert_array_equal(half.view(np.float16), numbers.astype(np.float16))
+    np.testing.assert_array_equal(out, numbers.astype(np.float16).astype(np.float32))
 
 
 def test_only_sixteen_bits_are_read_as_halves():

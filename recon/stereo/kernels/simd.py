@@ -18,9 +18,6 @@ from numba.extending import intrinsic, lower_builtin, models, register_model
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float32]
-Halves = NDArray[np.uint16]
-"""Numbers of half precision by their bits: numba has no type for them, but processors convert them
-(those of x86 since 2013)."""
 Integers = NDArray[np.int64]
 
 NUM_LANES = 8
@@ -36,9 +33,8 @@ kernel_with_nan = njit(cache=True, error_model="numpy", _nrt=False, forceinline=
 Lanes = Any
 """`NUM_LANES` float32, for compiled code only; supports +, -, * and /."""
 
-_VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
-_HALF_VECTOR = ir.VectorType(ir.HalfType(), NUM_LANES)
-_FLOAT_BYTES, _HALF_BYTES = 4, 2
+VECTOR = ir.VectorType(ir.FloatType(), NUM_LANES)
+_FLOAT_BYTES = 4
 _READ_INTO_L2_DATA = (0, 2, 1)
 """Arguments of LLVM's prefetch: for reading, into the second level, of data."""
 
@@ -50,7 +46,7 @@ class _LanesType(types.Type):  # type: ignore[misc]
         super().__init__(name=f"Lanes({NUM_LANES})")
 
 
-_lanes = _LanesType()
+lanes_type = _LanesType()
 
 
 @register_model(_LanesType)
@@ -58,7 +54,7 @@ class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
     """The vector is a native machine value."""
 
     def __init__(self, manager: Any, numba_type: _LanesType) -> None:
-        super().__init__(manager, numba_type, _VECTOR)
+        super().__init__(manager, numba_type, VECTOR)
 
 
 def filled(size: int, whole: int = NUM_LANES) -> int:
@@ -66,14 +62,16 @@ def filled(size: int, whole: int = NUM_LANES) -> int:
     return -(-size // whole) * whole
 
 
-def _check_array(array: Any, item: Any = types.float32) -> None:
+def check_array(array: Any, item: Any = types.float32) -> None:
     """Refuse arrays with another item size or with gaps."""
     is_flat = isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C"
     if not is_flat or array.dtype != item:
         raise TypingError(f"{array} is not a contiguous (N,) {item} array, as lanes need")
 
 
-def _place(vector: Any, context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+def place_of(
+    vector: Any, context: Any, builder: Any, array_type: Any, array: Any, index: Any
+) -> Any:
     """Pointer to the lanes that begin at an entry of a flat array."""
     data = context.make_array(array_type)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [index]), vector.as_pointer())
@@ -83,52 +81,27 @@ def _place(vector: Any, context: Any, builder: Any, array_type: Any, array: Any,
 def load(typing_context: Any, array: Any, index: Any) -> Any:
     """The lanes ``array[index : index + NUM_LANES]`` of a contiguous (N,) float32 array."""
 
-    _check_array(array)
+    check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(_VECTOR, context, builder, signature.args[0], *arguments)
+        place = place_of(VECTOR, context, builder, signature.args[0], *arguments)
         return builder.load(place, align=_FLOAT_BYTES)
 
-    return _lanes(array, types.intp), generate
+    return lanes_type(array, types.intp), generate
 
 
 @intrinsic
 def store(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
     """Write lanes to ``array[index : index + NUM_LANES]`` of a contiguous (N,) float32 array."""
 
-    _check_array(array)
+    check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(_VECTOR, context, builder, signature.args[0], *arguments[:2])
+        place = place_of(VECTOR, context, builder, signature.args[0], *arguments[:2])
         builder.store(arguments[2], place, align=_FLOAT_BYTES)
         return context.get_dummy_value()
 
-    return types.void(array, types.intp, _lanes), generate
-
-
-@intrinsic
-def load_halves(typing_context: Any, array: Any, index: Any) -> Any:
-    """The lanes ``array[index : index + NUM_LANES]`` of a contiguous array of half precision."""
-    _check_array(array, types.uint16)
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(_HALF_VECTOR, context, builder, signature.args[0], *arguments)
-        return builder.fpext(builder.load(place, align=_HALF_BYTES), _VECTOR)
-
-    return _lanes(array, types.intp), generate
-
-
-@intrinsic
-def store_halves(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Write lanes to ``array[index : index + NUM_LANES]`` of a contiguous array of halves."""
-    _check_array(array, types.uint16)
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        place = _place(_HALF_VECTOR, context, builder, signature.args[0], *arguments[:2])
-        builder.store(builder.fptrunc(arguments[2], _HALF_VECTOR), place, align=_HALF_BYTES)
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, _lanes), generate
+    return types.void(array, types.intp, lanes_type), generate
 
 
 @intrinsic
@@ -138,11 +111,11 @@ def spread(typing_context: Any, number: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return _spread(builder, arguments[0])
 
-    return _lanes(types.float32), generate
+    return lanes_type(types.float32), generate
 
 
 def _spread(builder: Any, number: Any) -> Any:
-    nothing = ir.Constant(_VECTOR, ir.Undefined)
+    nothing = ir.Constant(VECTOR, ir.Undefined)
     first = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
     every = ir.Constant(ir.VectorType(ir.IntType(32), NUM_LANES), [0] * NUM_LANES)
     return builder.shuffle_vector(first, nothing, every)
@@ -152,19 +125,19 @@ def _spread(builder: Any, number: Any) -> Any:
 def repeat(typing_context: Any, array: Any, index: Any) -> Any:
     """Lanes that all have the value of one entry of a contiguous (N,) float32 array."""
 
-    _check_array(array)
+    check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
         return _spread(builder, builder.load(builder.gep(data, [arguments[1]])))
 
-    return _lanes(array, types.intp), generate
+    return lanes_type(array, types.intp), generate
 
 
 @intrinsic
 def prefetch(typing_context: Any, array: Any, index: Any) -> Any:
     """Hint that an entry of a flat float32 array will be read soon; it may lie outside."""
-    _check_array(array)
+    check_array(array)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -191,7 +164,7 @@ def _slide(first: int) -> Callable[..., Any]:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             return builder.shuffle_vector(arguments[0], arguments[1], mask)
 
-        return _lanes(_lanes, _lanes), generate
+        return lanes_type(lanes_type, lanes_type), generate
 
     slid: Callable[..., Any] = intrinsic(slide)
     return slid
@@ -220,7 +193,7 @@ def _reduction(combine: Callable[..., Any]) -> Callable[..., Any]:
                 value, count = combine(builder, *halves), count // 2
             return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
 
-        return types.float32(_lanes), generate
+        return types.float32(lanes_type), generate
 
     reduced: Callable[..., Any] = intrinsic(reduce)
     return reduced
@@ -233,7 +206,7 @@ def _choice(comparison: str) -> Callable[..., Any]:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             return _select(comparison, builder, *arguments)
 
-        return _lanes(_lanes, _lanes), generate
+        return lanes_type(lanes_type, lanes_type), generate
 
     chosen: Callable[..., Any] = intrinsic(choose)
     return chosen
@@ -255,8 +228,10 @@ def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:
     class Template(AbstractTemplate):  # type: ignore[misc]
         def generic(self, arguments: Any, keywords: Any) -> Any:
             first, second = arguments
-            if second == _lanes and (first == _lanes or isinstance(first, types.Number)):
-                return signature(_lanes, _lanes if first == _lanes else types.float32, _lanes)
+            if second == lanes_type and (first == lanes_type or isinstance(first, types.Number)):
+                return signature(
+                    lanes_type, lanes_type if first == lanes_type else types.float32, lanes_type
+                )
             return None
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -266,8 +241,8 @@ def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:
         return getattr(builder, instruction)(_spread(builder, arguments[0]), arguments[1])
 
     infer_global(symbol)(Template)
-    lower_builtin(symbol, _lanes, _lanes)(generate)
-    lower_builtin(symbol, types.float32, _lanes)(generate_spread)
+    lower_builtin(symbol, lanes_type, lanes_type)(generate)
+    lower_builtin(symbol, types.float32, lanes_type)(generate_spread)
 
 
 _compile_operator(operator.add, "fadd")

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.stereo.kernels.halves import Halves, store_halves
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
-    Halves,
     Lanes,
     kernel,
     larger,
@@ -23,7 +23,6 @@ from recon.stereo.kernels.simd import (
     smaller,
     spread,
     store,
-    store_halves,
 )
 from recon.stereo.matching.ring import Ring, line_start, to_slack
 from recon.stereo.matching.search import Search

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from recon.stereo.kernels.halves import Halves
 from recon.stereo.kernels.memory import aligned_empty, aligned_zeros
-from recon.stereo.kernels.simd import NUM_LANES, Floats, Halves, filled, kernel
+from recon.stereo.kernels.simd import NUM_LANES, Floats, filled, kernel
 from recon.stereo.matching.search import Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 

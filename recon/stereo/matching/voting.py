@@ -3,17 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.stereo.kernels.halves import Halves, load_halves
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
-    Halves,
     Integers,
     Lanes,
     kernel,
     larger,
     largest,
     load,
-    load_halves,
     repeat,
     spread,
     store,
