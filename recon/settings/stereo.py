@@ -72,7 +72,8 @@ class TriangulationSettings:
     """Triangulation of matches to coloured points (thesis 3.5, 4.5)."""
 
     colour_window_px: int = Field(default=3, ge=1)
-    """Side of the square window whose mean colour a point takes, pixels."""
+    """Side of the square window whose mean colour a point takes, pixels; at an outline, only the
+    pixels on the side of its surface count, in a window three times as wide."""
     max_sigma: Positive | None = None
     """Largest sigma of a point, world units; points above it are set aside as doubtful; none = no
     limit."""

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from recon.records import Matches, PointCloud, StereoPair
 from recon.settings import TriangulationSettings
+from recon.stereo.colours import point_colours
 from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 
 
@@ -51,24 +51,13 @@ def triangulate(
     """
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     sigma = pair.rig.depth_sigma(points[:, 2], matches.sigma_px)
-    cloud = PointCloud(points=points, colours=_colours(matches, pair.left, settings), sigma=sigma)
     limit = np.inf if settings.max_sigma is None else settings.max_sigma
     is_sure = (sigma <= limit) & (matches.sigma_px < UNTUNED_SIGMA_PX)
     # Written so that an unknown probability passes.
     is_sure &= ~(matches.probability < settings.min_probability)
     is_seen = np.isfinite(points).all(axis=1)
+    colours = point_colours(matches, pair, is_seen & is_sure, settings.colour_window_px)
+    cloud = PointCloud(points=points, colours=colours, sigma=sigma)
     return Triangulation(
         sure=cloud.select(is_seen & is_sure), doubtful=cloud.select(is_seen & ~is_sure)
     )
-
-
-def _colours(
-    matches: Matches, image: NDArray[np.uint8], settings: TriangulationSettings
-) -> NDArray[np.uint8]:
-    """(M, 3) mean colour of the square around each point, clipped at the border."""
-    rgb = image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
-    side = (settings.colour_window_px, settings.colour_window_px)
-    mean = cv2.blur(np.ascontiguousarray(rgb), side, borderType=cv2.BORDER_REPLICATE)
-    u, v = np.rint(matches.points_px).astype(np.int64).T
-    colours: NDArray[np.uint8] = mean[v, u]
-    return colours
