@@ -75,7 +75,8 @@ def recognise(
     if settings.recogniser != "thesis":
         if kinds:
             pieces = reunite(pieces, layout.cells, namer)
-            pieces = [p for piece in pieces for p in separate(piece, layout.cells, settings, namer)]
+            apart = partial(separate, settings=settings, relief_of=reliefs, name=namer)
+            pieces = [p for piece in pieces for p in apart(piece, layout.cells)]
             # A crown that touched another object is now free to join its trunk.
             pieces = reunite(pieces, layout.cells, namer)
         if layout.has_floor and not _is_one(focus):

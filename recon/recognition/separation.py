@@ -1,6 +1,7 @@
 """Objects in one component of the map."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from recon.recognition.connectivity import linked, overhanging
 from recon.recognition.fitting.ransac import find_solids, same_solid
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
-from recon.recognition.segments.convexity import Relief, fewest_pieces, relief_of
+from recon.recognition.segments.convexity import Relief, fewest_pieces
 from recon.records import UNKNOWN, FitFailure, Solid, Voxels
 from recon.settings import RecognitionSettings
 
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 Piece = tuple[Naming, Rows]
+Cut = tuple[Mask, float]
+"""Which cells are on its second side, and how much the two touch."""
 Namer = Callable[[Rows], Naming]
 """Names the object in some rows of the map."""
 Reliefs = Callable[[Rows], Relief]
@@ -63,21 +66,21 @@ MOST_OBJECTS = 8
 
 
 def separate(
-    whole: Piece, voxels: Voxels, settings: RecognitionSettings, name: Namer
+    whole: Piece,
+    voxels: Voxels,
+    settings: RecognitionSettings,
+    *,
+    relief_of: Reliefs,
+    name: Namer,
 ) -> list[Piece]:
-    """The objects in a piece of the map: itself, or several if they fit better.
-
-    Parameters
-    ----------
-    name : Callable
-        Names the object in some rows of `voxels`.
-    """
+    """The objects in a piece of the map: itself, or several if they fit better."""
     waiting: list[Piece] = [whole]
     done: list[Piece] = []
     while waiting:
         piece = waiting.pop()
         room = len(waiting) + len(done) + 2 <= MOST_OBJECTS
-        halves = _halves(piece, voxels, settings.min_voxels, name) if room else []
+        cuts = partial(_cuts, relief_of=relief_of, min_voxels=settings.min_voxels)
+        halves = _halves(piece, voxels, cuts, name) if room else []
         waiting.extend(halves)
         if not halves:
             done.append(piece)
@@ -139,7 +142,9 @@ def _explained(cells: Voxels) -> float:
     return float(on_it.mean())
 
 
-def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[Piece]:
+def _halves(
+    whole: Piece, voxels: Voxels, cuts: Callable[[Voxels, Rows], list[Cut]], name: Namer
+) -> list[Piece]:
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
     cells = voxels.select(rows)
@@ -152,7 +157,7 @@ def _halves(whole: Piece, voxels: Voxels, min_voxels: int, name: Namer) -> list[
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
     num_names = 0 if naming.label == UNKNOWN else 1 if has_strays else 2
-    for second, touch in _cuts(cells, min_voxels):
+    for second, touch in cuts(cells, rows):
         sides = (rows[~second], rows[second])
         halves = _objects(sides, 2 if touch >= waist else num_names, name)
         deviance = sum(half.deviance for half, _ in halves)
@@ -195,12 +200,12 @@ def _spread(floor: Array) -> tuple[float, float]:
     return float(across), float(along)
 
 
-def _cuts(cells: Voxels, min_voxels: int) -> list[tuple[Mask, float]]:
+def _cuts(cells: Voxels, rows: Rows, *, relief_of: Reliefs, min_voxels: int) -> list[Cut]:
     """Splits of the cells with little contact: at the waist, and between the main solids.
 
     They are searched among coarser cells where there are many.
     """
-    relief = relief_of(cells)
+    relief = relief_of(rows)
     coarse = relief.cells
     floor = coarse.means[:, ::2]
     cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
