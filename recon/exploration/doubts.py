@@ -1,6 +1,8 @@
-"""Doubts: what the agent views again from nearby before it ends."""
+"""Doubts: what the agent views again before it goes on or ends."""
 
+import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, label
@@ -9,10 +11,13 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import unexplored
 from recon.exploration.scan import Detection
+from recon.exploration.sides import widest_gap
 from recon.exploration.state import State
 
 CLOSE = 0.5
 """Distance of a second look, as a share of the usual one: errors of depth grow with its square."""
+FAR = 0.8
+"""Least distance of a look at a top, as a share of the usual one."""
 
 
 def doubts(state: State) -> list[Detection]:
@@ -25,6 +30,17 @@ def doubts(state: State) -> list[Detection]:
 def doubtful(obstacles: Iterable[Obstacle]) -> list[Detection]:
     """Obstacles that resemble a kind but have no sure name, as if no view had seen them."""
     return [_once_more(one.centre, one.radius) for one in obstacles if one.is_doubtful]
+
+
+def cut_off(obstacles: Iterable[Obstacle]) -> list[Obstacle]:
+    """Obstacles that resemble nothing and whose top was not seen from half of all directions.
+
+    They are as if seen only by the views that show their tops: a tree of which only the trunk was
+    in view resembles nothing.
+    """
+    strange = [one for one in obstacles if one.found and not (one.is_sure or one.is_doubtful)]
+    whole = [replace(one, bearings_rad=one.bearings_rad[one.is_whole]) for one in strange]
+    return [one for one in whole if widest_gap(one.bearings_rad) > math.pi]
 
 
 def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:

@@ -5,7 +5,7 @@ The round is planned again after every pair with what is then known.
 
 from dataclasses import dataclass, field
 
-from recon.exploration.doubts import CLOSE, doubtful, doubts
+from recon.exploration.doubts import CLOSE, FAR, cut_off, doubtful, doubts
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
@@ -34,6 +34,8 @@ class FrontierController:
     """Views that were meant to show sides of obstacles."""
     second_looks: list[Look] = field(default_factory=list)
     """Views that were meant to remove doubts."""
+    far_looks: list[Look] = field(default_factory=list)
+    """Views that were meant to show tops."""
     reason: str = ""
 
     def info(self) -> str:
@@ -71,15 +73,17 @@ class FrontierController:
         )
 
     def _once_more(self, state: State) -> View | None:
-        """The next view of obstacles with all sides seen but a doubtful label; None without any.
+        """The next view of obstacles with all sides seen but no sure label; None without any.
 
         They are viewed again before the agent goes on: it would have to come back.
         """
-        wanted = doubtful(one for one in state.obstacles if is_known(one))
-        search = self._second(state, wanted)
-        if all(is_given_up(one, search) for one in wanted):
-            return None
-        return self._plan(state, search, needs_sides=True)
+        known = [one for one in state.obstacles if is_known(one)]
+        for search in (self._second(state, doubtful(known)), self._afar(state, cut_off(known))):
+            if not all(is_given_up(one, search) for one in search.wanted):
+                view = self._plan(state, search, needs_sides=True)
+                if view is not None:
+                    return view
+        return None
 
     def _second(self, state: State, wanted: Wanted) -> Search:
         clearance = CLOSE * state.scales.clearance
@@ -88,6 +92,17 @@ class FrontierController:
             clearance=clearance,
             reach=clearance,
             looks=self.second_looks,
+            max_looks=1,
+        )
+
+    def _afar(self, state: State, wanted: Wanted) -> Search:
+        clearance = state.scales.clearance
+        return Search(
+            wanted=wanted,
+            clearance=clearance,
+            least=FAR * clearance,
+            reach=state.sure_range,
+            looks=self.far_looks,
             max_looks=1,
         )
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,13 @@ from scipy.spatial import ConvexHull
 from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.recognition.connectivity import grouped
-from recon.records import UNKNOWN, FoundObject, PointCloud, Voxels
+from recon.records import UNKNOWN, FoundObject, PointCloud, StereoPair, Voxels
 
 MIN_POINTS_OF_VIEW = 30
 """A view has seen an obstacle well if it has this number of reliable points on it."""
 
+TOP_AT = 0.5
+"""Distance of the top from the middle of an obstacle, as a share of its radius."""
 SURE, POSSIBLE = 0.9, 0.1
 """Minimum probability of a trusted label, and of one that is worth another look."""
 
@@ -38,6 +41,8 @@ class Obstacle:
     """Its occupied cells above the ground."""
     bearings_rad: Array
     """(V,) azimuth, from the obstacle, of every position that saw it well."""
+    is_whole: Mask
+    """(V,) True for views in which its top is not cut off."""
     found: FoundObject | None = None
     """Its name and shape, as last recognised."""
     num_named: int = 0
@@ -63,22 +68,40 @@ class Obstacle:
         return near
 
 
+class UpperEdge(NamedTuple):
+    """The upper edge of an image: what is higher is not in view."""
+
+    height: float
+    """Of the camera, world units."""
+    slope: float
+    """Rise of the edge per distance."""
+
+    @classmethod
+    def of(cls, pair: StereoPair) -> "UpperEdge":
+        """The upper edge of the left image of a pair with a pose."""
+        assert pair.T_world_left is not None
+        ray = pair.T_world_left[:3, :3] @ [0.0, -pair.rig.cy_px / pair.rig.focal_px, 1.0]
+        return cls(float(pair.T_world_left[1, 3]), float(ray[1] / np.hypot(ray[0], ray[2])))
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Observations:
     """The floor cells with reliable points, for every pair."""
 
     places: list[Array] = field(default_factory=list)
     """(2,) x, z of the cameras, one per pair."""
+    edges: list[UpperEdge] = field(default_factory=list)
     cell: list[NDArray[np.intp]] = field(default_factory=list)
     """Flat indices of the cells with points, one array per pair."""
     number: list[NDArray[np.intp]] = field(default_factory=list)
     """Number of points on each of them."""
 
-    def add(self, place: Array, sure: PointCloud, floor: Floor) -> None:
+    def add(self, place: Array, sure: PointCloud, floor: Floor, edge: UpperEdge) -> None:
         """Record the cells of the points of another pair."""
         of_points = floor.flat(floor.cells(sure.points[:, [0, 2]]))
         cell, number = np.unique(of_points, return_counts=True)
         self.places.append(place)
+        self.edges.append(edge)
         self.cell.append(cell)
         self.number.append(number)
 
@@ -139,11 +162,13 @@ def find_obstacles(
     rows_of = grouped(columns.number_of(voxels, new_of_cell), len(new))
     seen = observations.seen(new_of_cell, len(new)) >= MIN_POINTS_OF_VIEW
     places = np.array(observations.places).reshape(-1, 2)
+    edges = np.array(observations.edges).reshape(-1, 2)
     for one, rows, seen_by in zip(new, rows_of, seen.T, strict=True):
         if len(rows) >= min_voxels:
             own, same = voxels.select(rows), old[one]
             covered = covered_by(cells_of[one]) if same is None else same.covered
-            found[one] = _obstacle(columns.floor, cells_of[one], covered, own, places[seen_by])
+            views = places[seen_by], edges[seen_by]
+            found[one] = _obstacle(columns.floor, cells_of[one], covered, own, *views)
     return tuple(one for one in found if one is not None)
 
 
@@ -175,17 +200,22 @@ def _obstacle(
     covered: NDArray[np.intp],
     voxels: Voxels,
     places: Array,
+    edges: Array,
 ) -> Obstacle:
-    """The obstacle on some cells, seen well from some positions (V, 2)."""
+    """The obstacle on some cells, seen well from positions (V, 2), with upper edges (V, 2)."""
     points_xz = floor.centres(cells)
     centre = (points_xz.min(axis=0) + points_xz.max(axis=0)) / 2.0
     offsets = places - centre
+    radius = float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size
+    top = float(voxels.means[:, 1].max())
+    highest = edges[:, 0] + edges[:, 1] * (np.hypot(*offsets.T) - TOP_AT * radius)
     return Obstacle(
         cells=cells,
         covered=covered,
         centre=centre,
-        radius=float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size,
-        top=float(voxels.means[:, 1].max()),
+        radius=radius,
+        top=top,
         voxels=voxels,
         bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),
+        is_whole=highest >= top,
     )

@@ -35,6 +35,8 @@ class Search:
     """Distance from which obstacles are viewed, world units."""
     reach: float
     """Distance up to which a view shows an obstacle well enough, world units."""
+    least: float = 0.0
+    """Distance from which on a view shows an obstacle well enough, world units."""
     looks: list[Look] = field(default_factory=list)
     """Earlier views that were meant to show these; the next one is added."""
     max_looks: int = MAX_LOOKS

@@ -65,6 +65,7 @@ class Sides:
         x, z = np.moveaxis(centres[:, None] - places, -1, 0)
         azimuth, apart = np.arctan2(z, x), np.hypot(x, z)
         is_near = (apart - radii <= search.reach) & (apart > 0.0)
+        is_near &= (search.least == 0.0) | (apart - radii >= search.least)
         own = (radii[:, 0] + floor.cell_size) / floor.cell_size
         lines = (floor.in_cells(places), floor.in_cells(centres), own)
         is_seen = are_open(floor.occupied, *lines, is_near)

@@ -10,7 +10,7 @@ from scipy.spatial.distance import cdist
 
 from recon.exploration.columns import Columns
 from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
-from recon.exploration.obstacles import Observations, Obstacle, find_obstacles, patches
+from recon.exploration.obstacles import Observations, Obstacle, UpperEdge, find_obstacles, patches
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
 from recon.exploration.sides import OPEN_SURE_RAD, widest_gap
@@ -91,7 +91,7 @@ class WorldModel:
         place = view.position[[0, 2]]
         standing = self.standing(place, cloud)
         sure = standing.select(sigma_of(standing) <= SURE_SIGMA * self.scales.cell)
-        self.observations.add(place, sure, self.floor)
+        self.observations.add(place, sure, self.floor, UpperEdge.of(pair))
         if len(standing):
             _, distance = polar(standing.points[:, [0, 2]], place)
             growth = np.quantile(sigma_of(standing) / distance**2, NEARLY_ALL)

@@ -1,13 +1,15 @@
 """Doubts: places that are viewed again before the agent ends."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from recon.exploration import world_model
-from recon.exploration.doubts import CLOSE, hiding_places
+from recon.exploration.doubts import CLOSE, cut_off, hiding_places
 from recon.exploration.floor import Floor
+from recon.exploration.obstacles import Obstacle
 from recon.records import UNKNOWN
 from recon.settings import Settings
 
@@ -46,6 +48,39 @@ def resembling(monkeypatch):
         monkeypatch.setattr(world_model, "recognise", doubting)
 
     return let
+
+
+AROUND = np.radians([0.0, 90.0, 180.0, 270.0])
+STRANGE = SimpleNamespace(label=UNKNOWN, probability=1.0, nearest=())
+RESEMBLING = SimpleNamespace(label=UNKNOWN, probability=0.6, nearest=(("tree", 0.4),))
+TREE = SimpleNamespace(label="tree", probability=0.95, nearest=(("tree", 0.95),))
+
+
+def obstacle(found, is_whole):
+    """Make an obstacle seen from four sides."""
+    return Obstacle(
+        cells=np.empty((0, 2), np.intp), covered=np.empty((0, 2), np.intp), centre=np.ones(2),
+        radius=3.0, top=9.0, voxels=None, bearings_rad=AROUND, is_whole=np.array(is_whole),
+        found=found,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("found", "is_whole", "number"),
+    [
+        (STRANGE, [False] * 4, 1),
+        (STRANGE, [True, True, False, False], 1),
+        (STRANGE, [True, True, True, False], 0),
+        (RESEMBLING, [False] * 4, 0),
+        (TREE, [False] * 4, 0),
+        (None, [False] * 4, 0),
+    ],
+)
+def test_tops_of_strange_things_are_viewed_from_half_of_all_directions(found, is_whole, number):
+    again = cut_off([obstacle(found, is_whole)])
+    assert len(again) == number
+    for one in again:
+        assert one.bearings_rad.tolist() == AROUND[is_whole].tolist()
 
 
 def close_views(done, disc):

@@ -1,5 +1,6 @@
 """Expected gains of views, and tours of views."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -68,6 +69,14 @@ def searching(looks=(), expects_names=True):
 def sides_from(floor, *places, looks=(), expects_names=True):
     search = searching(looks, expects_names)
     return Sides.of([OBSTACLE], np.array(places, dtype=float), floor, FIELD, search)
+
+
+def test_view_from_nearer_than_wanted_shows_no_side(floor):
+    """From 13 units, the edge of the obstacle is 10 units away."""
+    for least, is_shown in ((0.0, True), (9.9, True), (10.1, False)):
+        search = replace(searching(), least=least)
+        sides = Sides.of([OBSTACLE], np.array([[13.0, 0.0]]), floor, FIELD, search)
+        assert (sides.shown > 0.0).all() == is_shown
 
 
 def test_unseen_side_counts_only_if_near_in_view_and_visible(floor):

@@ -3,17 +3,22 @@
 import numpy as np
 import pytest
 
+from recon.camera import StereoRig
 from recon.exploration.columns import Columns
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import (
     MIN_POINTS_OF_VIEW,
     Observations,
+    UpperEdge,
     find_obstacles,
     patches,
 )
-from recon.records import PointCloud
+from recon.geometry import look_at
+from recon.records import PointCloud, StereoPair
 from recon.settings import MapSettings
 from recon.voxelmap.occupancy import new_map
+
+HIGH = UpperEdge(height=5.0, slope=10.0)
 
 
 def cloud(points):
@@ -44,7 +49,7 @@ def added(columns, points):
 def obstacles_of(points, places=(), min_voxels=12):
     columns, observations = columns_of(points), Observations()
     for place in places:
-        observations.add(np.array(place), cloud(points), columns.floor)
+        observations.add(np.array(place), cloud(points), columns.floor, HIGH)
     return find_obstacles(columns, observations, min_voxels)
 
 
@@ -79,15 +84,41 @@ def test_bearings_are_those_of_views_with_enough_points():
     assert obstacle.bearings_rad == pytest.approx([0.0, -np.pi / 2])
     columns, observations = columns_of(pillar(10, 5)), Observations()
     few = cloud(pillar(10, 5)[: MIN_POINTS_OF_VIEW - 1])
-    observations.add(np.array([30.5, 5.5]), few, columns.floor)
+    observations.add(np.array([30.5, 5.5]), few, columns.floor, HIGH)
     (obstacle,) = find_obstacles(columns, observations, 12)
     assert len(obstacle.bearings_rad) == 0
+
+
+def test_views_from_too_near_cut_off_the_top():
+    """The top of the pillar is at 11.5; half a radius before it, the edges are at 12.7 and 5.9."""
+    columns, observations = columns_of(pillar(10, 5)), Observations()
+    for x in (20.5, 12.5):
+        place, edge = np.array([x, 5.5]), UpperEdge(height=5.0, slope=0.85)
+        observations.add(place, cloud(pillar(10, 5)), columns.floor, edge)
+    (obstacle,) = find_obstacles(columns, observations, 12)
+    assert obstacle.bearings_rad.tolist() == [0.0, 0.0]
+    assert obstacle.is_whole.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(("up", "slope"), [(0.0, 0.5), (1.0, 3.0)])
+def test_upper_edge_rises_with_the_gaze(up, slope):
+    """Half the height is half the focal length; a gaze up by 45 degrees rises by (1 + .5) / .5."""
+    rig = StereoRig(
+        width=100, height=101, focal_px=100.0, cx_left_px=50.0, cx_right_px=50.0, cy_px=50.0,
+        baseline=0.1,
+    )  # fmt: skip
+    image = np.zeros((101, 100), np.uint8)
+    T = look_at(np.array([1.0, 4.0, 2.0]), np.array([1.0, 4.0 + up, 1.0]))
+    pair = StereoPair(left=image, right=image, rig=rig, name="", T_world_left=T)
+    edge = UpperEdge.of(pair)
+    assert edge.height == 4.0
+    assert edge.slope == pytest.approx(slope)
 
 
 def test_only_changed_obstacles_are_recomputed():
     columns, observations = columns_of(np.vstack([pillar(10, 5), pillar(-20, -7)])), Observations()
     before = find_obstacles(columns, observations, 12)
-    observations.add(np.array([10.5, 20.0]), cloud(pillar(10, 5)), columns.floor)
+    observations.add(np.array([10.5, 20.0]), cloud(pillar(10, 5)), columns.floor, HIGH)
     touched = added(columns, pillar(10, 5)[:1])
     kept, grown = find_obstacles(columns, observations, 12, before, touched)
     assert kept is before[0]

@@ -25,6 +25,7 @@ def obstacle(num_cells, bearings, label="house", nearest=()):
         top=5.0,
         voxels=range(num_cells),
         bearings_rad=np.array(bearings),
+        is_whole=np.ones(len(bearings), dtype=bool),
         found=SimpleNamespace(label=label, probability=0.95, nearest=nearest),
         num_named=100,
         views_named=3,
