@@ -62,7 +62,7 @@ class LevelShares(NamedTuple):
 
 
 def level_shares(left: Image, right: Image) -> LevelShares:
-    """How well two images fit each other as a pair."""
+    """The fit of two images to each other as those of one pair."""
     made = survey(left, right)
     level = float(np.maximum(0.0, 1.0 - np.abs(made.seen.row_offset_px)).sum())
     return LevelShares(level / max(1, made.num_wanted), level / max(1, len(made.seen)))

@@ -21,7 +21,7 @@ _HALF_BYTES = 2
 _CONVERTS_HALVES = get_host_cpu_features().get("f16c", True)
 """False for old or emulated x86 processors, where LLVM would call a function that is not there."""
 _MISSING_BITS, _MISSING_BIAS = 13, 112
-"""What a half has less than a float: bits of the fraction, and bias of the exponent."""
+"""Bits of the fraction and bias of the exponent that a half lacks of a float."""
 
 
 @intrinsic
