@@ -36,6 +36,10 @@ def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
     for name, values in arrays.items():
         is_colour = name.lower() in _COLOURS
         names = named.get(name) or (RGB if is_colour else ("nx", "ny", "nz"))
+        if (is_colour or name.lower() in _NORMALS) and np.shape(values)[:1] != (num,):
+            raise InputError(
+                f"{name} has shape {values.shape}, but one row for each of {num} points is needed"
+            )
         if values.dtype.kind not in "biuf" or values.ndim not in (1, 2) or len(values) != num:
             if name == points:
                 raise InputError(f"{name} is {values.dtype} {values.shape}, not numbers (N, 3)")

@@ -9,7 +9,8 @@ from recon.errors import InputError
 from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
 from recon.exports.lasheader import check_header
-from recon.exports.numbers import drop_columns, held_columns
+from recon.exports.names import spelled
+from recon.exports.numbers import held_columns
 from recon.files import atomic_path
 from recon.libraries import load_extra, silent
 from recon.records import Crs
@@ -35,22 +36,23 @@ _WKT = 2112
 def write(path: Path, columns: Columns, crs: Crs | None) -> None:
     """Write columns; coordinates are rounded to steps of a power of ten, at least 1e-7."""
     laspy = load_extra("laspy", "las")
-    extra = {name: v for name, v in columns.items() if name not in XYZ + RGB}
-    held = held_columns(extra, _HELD, path)
-    long = [name for name in held if len(name.encode()) > _MAX_NAME_BYTES]
-    drop_columns(long, path)
-    kept = {name: values for name, values in held.items() if name not in long}
+    own = XYZ + RGB if set(RGB) <= columns.keys() else XYZ
+    extra = {name: v for name, v in columns.items() if name not in own}
+    kept = spelled(held_columns(extra, _HELD, path), _dimension_name, path)
     header, names = _header(laspy, columns, kept, crs)
     file = laspy.LasData(header)
     for name in XYZ:
         file[name] = columns[name]
-    for name in RGB:
-        if name in columns:
-            file[name] = columns[name].astype(np.uint16) * _COLOUR_FACTOR
+    for name in own[len(XYZ) :]:
+        file[name] = columns[name].astype(np.uint16) * _COLOUR_FACTOR
     for name, values in kept.items():
         file[names[name]] = values
     with atomic_path(path) as temporary:
         file.write(str(temporary))
+
+
+def _dimension_name(name: str) -> str:
+    return name if len(name.encode()) <= _MAX_NAME_BYTES else ""
 
 
 def _header(

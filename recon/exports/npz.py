@@ -80,8 +80,10 @@ def write_npy(path: Path, data: PointCloud | Voxels) -> None:
     rows = np.empty(len(data), [(name, values.dtype) for name, values in columns.items()])
     for name, values in columns.items():
         rows[name] = values
+    # Chosen here, since numpy warns when it chooses 3.0 for names beyond Latin-1.
+    version = (1, 0) if all(map(str.isascii, columns)) else (3, 0)
     with atomic_path(path) as temporary, temporary.open("wb") as file:
-        np.save(file, rows, allow_pickle=False)
+        np.lib.format.write_array(file, rows, version, allow_pickle=False)
 
 
 FORMAT = Format(write=write, read=read, takes=(PointCloud, Voxels, VoxelMap))

@@ -9,6 +9,7 @@ import numpy as np
 from recon.errors import InputError
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
+from recon.exports.names import as_words
 from recon.exports.numbers import held_columns, parsed, whole
 from recon.exports.pcdheader import HELD, Header, parse_header
 from recon.files import atomic_path, check_memory
@@ -20,7 +21,7 @@ def write(path: Path, columns: Columns) -> None:
     """Write columns as fields, binary."""
     import pypcd4
 
-    held = held_columns(columns, HELD, path)
+    held = held_columns(as_words(columns, path), HELD, path)
     arrays = [np.ascontiguousarray(values) for values in held.values()]
     cloud = pypcd4.PointCloud.from_points(arrays, list(held), [one.dtype for one in arrays])
     with atomic_path(path) as temporary, temporary.open("wb") as file:

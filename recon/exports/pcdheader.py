@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from recon.errors import InputError
+from recon.exports.names import decoded
 
 _TYPES = {"F": "f", "U": "u", "I": "i"}
 _SIZES = {"f": (4, 8), "u": (1, 2, 4, 8), "i": (1, 2, 4, 8)}
@@ -66,7 +67,7 @@ def parse_header(content: bytes) -> tuple[Header, int]:
         end = content.find(b"\n", at, _MAX_HEADER_BYTES)
         if end < 0:
             raise InputError("not a PCD file (its header has no end)")
-        words = content[at:end].decode("latin-1").split("#")[0].split()
+        words = decoded(content[at:end]).split("#")[0].split()
         at = end + 1
         if words:
             if words[0].upper() not in _KEYS:

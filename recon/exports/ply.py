@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.exports.columns import RGB, Columns, cloud_in, columns_of
 from recon.exports.format import Format, table
+from recon.exports.names import as_words
 from recon.exports.numbers import held_columns
 from recon.exports.plyheader import HELD, Element, Header, header, read_header
 from recon.exports.plyrows import Rows, read_rows
@@ -109,7 +110,7 @@ def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
     """Write columns in chunks, with `num` rows in total."""
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         for number, columns in enumerate(parts):
-            held = held_columns(columns, HELD, path)
+            held = held_columns(as_words(columns, path), HELD, path)
             dtype = _vertex_dtype(held)
             if number == 0:
                 file.write(header(dtype, num))
@@ -151,7 +152,7 @@ def _columns_of(mesh: Mesh | MeshPart) -> Columns:
 
 def _write(path: Path, columns: Columns, triangles: NDArray[np.integer] | None) -> None:
     """Write in chunks, since rows of one type would double the memory."""
-    held = held_columns(columns, HELD, path)
+    held = held_columns(as_words(columns, path), HELD, path)
     dtype = _vertex_dtype(held)
     num_faces = None if triangles is None else len(triangles)
     with atomic_path(path) as temporary, temporary.open("wb") as file:

@@ -8,6 +8,7 @@ from typing import BinaryIO
 import numpy as np
 
 from recon.errors import InputError
+from recon.exports.names import decoded
 from recon.files import PathLike
 
 # Old and new names of the types.
@@ -85,7 +86,7 @@ def header(dtype: np.dtype[np.void], count: int, faces: int | None = None) -> by
         lines.append(f"property {_NAMES[dtype[name].str[1:]]} {name}")
     if faces is not None:
         lines += [f"element face {faces:012d}", "property list uchar int vertex_indices"]
-    return "\n".join([*lines, "end_header", ""]).encode("ascii")
+    return "\n".join([*lines, "end_header", ""]).encode()
 
 
 def read_header(file: BinaryIO, path: PathLike) -> Header:
@@ -115,7 +116,7 @@ def _header_lines(file: BinaryIO) -> list[list[str]]:
     if last is None:
         raise ValueError("its header has no end")
     file.seek(last.end())
-    return [line.split() for line in content[: last.start()].decode("latin-1").splitlines()]
+    return [line.split() for line in re.split(r"[\r\n]+", decoded(content[: last.start()]))]
 
 
 def _parsed(lines: Sequence[list[str]]) -> Header:

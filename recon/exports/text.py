@@ -15,6 +15,7 @@ from recon.exports.columns import XYZ, Columns
 from recon.exports.elevation import grid_points, is_grid
 from recon.exports.format import Format, table
 from recon.exports.headings import heading
+from recon.exports.names import as_words
 from recon.exports.numbers import drop_columns, held_columns, leave_out, parsed
 from recon.files import atomic_path, check_memory
 
@@ -72,6 +73,7 @@ def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
     names = tuple(columns) if columns else found.names
     values, texts = _values(found, names)
     names = names or names_by_kind(values)
+    _check_names(names)
     if len(names) != values.shape[1] + len(texts):
         raise InputError(f"a row has {values.shape[1]} values, but {len(names)} are named")
     leave_out([names[n] for n in texts if names[n] != _SKIPPED], path)
@@ -81,6 +83,12 @@ def read(path: Path, columns: Sequence[str] | None = None) -> Columns:
         for n, name in enumerate(numbers)
         if name != _SKIPPED
     }
+
+
+def _check_names(names: Sequence[str]) -> None:
+    twice = [name for name in names if name != _SKIPPED and names.count(name) > 1]
+    if twice:
+        raise InputError(f"two columns are named {twice[0]}: name all columns (--columns)")
 
 
 def _split(content: bytes) -> _Table:
@@ -200,7 +208,7 @@ def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
     mark = "," if path.suffix.lower() == ".csv" else " "
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         for number, columns in enumerate(parts):
-            held = held_columns(columns, _HELD, path)
+            held = held_columns(as_words(columns, path), _HELD, path)
             if number == 0:
                 file.write(("" if mark == "," else "# ") + mark.join(held) + "\n")
             _write_rows(file, held, mark)

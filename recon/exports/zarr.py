@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import re
 import secrets
 import shutil
 from pathlib import Path
@@ -14,8 +15,11 @@ from recon.errors import InputError
 from recon.exports.arrays import columns_in
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
+from recon.exports.names import spelled
 from recon.files import check_memory, check_regular
 from recon.libraries import load_extra
+
+_MAX_NAME_BYTES = 255
 
 
 def write(path: Path, columns: Columns) -> None:
@@ -36,7 +40,7 @@ def write(path: Path, columns: Columns) -> None:
         # Zeros are written too, so that a missing chunk is a lost one.
         with zarr.config.set({"array.write_empty_chunks": True}):
             group = zarr.create_group(str(new))
-            for name, values in columns.items():
+            for name, values in spelled(columns, _node_name, path).items():
                 group.create_array(name, data=np.ascontiguousarray(values))
         if path.exists():
             path.replace(old)
@@ -46,6 +50,12 @@ def write(path: Path, columns: Columns) -> None:
             old.replace(path)
         shutil.rmtree(new, ignore_errors=True)
         shutil.rmtree(old, ignore_errors=True)
+
+
+def _node_name(name: str) -> str:
+    """The name of a node: none of a path, none that Zarr reserves; empty if too long for a file."""
+    node = re.sub(r"/|^__|^\.+$", "_", name)
+    return node if len(node.encode()) <= _MAX_NAME_BYTES else ""
 
 
 def read(path: Path) -> Columns:

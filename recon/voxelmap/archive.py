@@ -3,6 +3,7 @@
 `numpy.load(path)` reads the columns by name. Nothing in it is ever unpickled.
 """
 
+import io
 import os
 import sys
 import tokenize
@@ -28,6 +29,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 _COPIES = 3.0
 _MOST_ARRAYS = 2000
+_MAX_HEADER_BYTES = 1 << 16
 """Maximum number of arrays in a file."""
 
 # Errors of the zip and npy readers for a truncated or modified file.
@@ -150,17 +152,25 @@ def _read_array(file: BinaryIO | Any, name: str, num_bytes: int) -> NDArray[Any]
 
 def _read_header(file: BinaryIO | Any) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     version = np.lib.format.read_magic(file)
-    if version not in ((1, 0), (2, 0)):
-        raise InputError("an array is of a newer npy version than 2.0")
+    if version not in ((1, 0), (2, 0), (3, 0)):
+        raise InputError("an array is of a newer npy version than 3.0")
     if version == (1, 0):
         shape, is_fortran, dtype = np.lib.format.read_array_header_1_0(file)
     else:
-        shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(file)
+        header = file if version == (2, 0) else _as_2_0(file)
+        shape, is_fortran, dtype = np.lib.format.read_array_header_2_0(header)
     if dtype.hasobject:
         raise InputError(f"an array of {dtype} does not contain plain numbers")
     if min(shape, default=0) < 0:
         raise InputError(f"an array has shape {shape}")
     return shape, is_fortran, dtype
+
+
+def _as_2_0(file: BinaryIO | Any) -> BinaryIO:
+    """A header of version 3.0 in the form of 2.0: names in UTF-8 become escapes in ASCII."""
+    length = int.from_bytes(file.read(4), "little")
+    text = file.read(min(length, _MAX_HEADER_BYTES)).decode().encode("ascii", "backslashreplace")
+    return io.BytesIO(len(text).to_bytes(4, "little") + text)
 
 
 def _content(columns: Columns) -> Content:
