@@ -29,10 +29,11 @@ from recon.runs.parts import part_of, refined_of, without_poses
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
 from recon.sequences.contradictions.pairs import check_images
+from recon.sequences.contradictions.truth import check_truth, check_truth_size
 from recon.sequences.open import open_sequence
 from recon.sequences.readers.ring import is_ring
 from recon.sequences.readers.simulated import is_simulated
-from recon.sequences.truth import read_truth
+from recon.sequences.truth import DisparityTruth, read_truth
 from recon.settings import Settings, updated, with_quality
 
 # Cell size at the median depth, in sigmas of a well-matched point and in pixels; the latter is
@@ -105,6 +106,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     (path,) = job.inputs
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
     _check_search(source, job.settings)
+    truth = _truth_of(path, source, job.settings)
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
     recorder = Recorder(source, job, work)
@@ -129,7 +131,7 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     return (
         mapper.metrics
         | {"num_voxels": num_voxels, "num_skipped": len(source.skipped)}
-        | _surface_distance(path, mapper)
+        | _surface_distance(truth, mapper)
         | source.metrics
         | loops
         | recorder.surface.finish(mapper.trajectory, is_part=chunked.chunk is not None)
@@ -197,14 +199,26 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
     return len(voxels)
 
 
-def _surface_distance(path: Path, mapper: Mapper) -> dict[str, float]:
+def _truth_of(path: Path, source: PairSource, settings: Settings) -> DisparityTruth | None:
+    """The truth of a single whole pair, read before the work, as a faulty one ends the run."""
+    if len(source) > 1 or settings.sequence.roi or not list(path.glob("disp_left.*")):
+        return None
+    truth = read_truth(path)
+    check_truth_size(next(iter(source)).left, truth)
+    return truth
+
+
+def _surface_distance(truth: DisparityTruth | None, mapper: Mapper) -> dict[str, float]:
     """Median distance of the points to the true surface, for a single pair with truth."""
     step = mapper.clearest
-    if step is None or mapper.num_pairs > 1 or not list(path.glob("disp_left.*")):
+    if truth is None or step is None:
         return {}
-    truth = read_truth(path)
+    check_truth(step.pair.left, step.matches, truth)
     v, u = np.nonzero(np.isfinite(truth.disparity_px))
     surface = step.pair.rig.triangulate(np.column_stack([u, v]), truth.disparity_px[v, u])
+    surface = surface[np.isfinite(surface).all(axis=1)]
+    if not len(surface) or not len(step.cloud):
+        return {}
     if step.pair.T_world_left is not None:
         surface = transform(step.pair.T_world_left, surface)
     distance, _ = cKDTree(surface).query(step.cloud.points)

@@ -69,6 +69,14 @@ def read_right_truth(
 
 
 def read_truth_file(path: Path, truth_scale: float | None = None) -> DisparityTruth:
+    """The disparity of a file, as `read_disparity`, of which some has to be known."""
+    truth = read_disparity(path, truth_scale)
+    if not np.isfinite(truth.disparity_px).any():
+        raise InputError(f"{path} contains no known disparity, but truth is needed")
+    return truth
+
+
+def read_disparity(path: Path, truth_scale: float | None = None) -> DisparityTruth:
     """Disparity of a file: floats unchanged (scale 1), integers divided by their scale.
 
     0 and non-finite values are unknown. Without `truth_scale`, integers need the "truth_scale" of

@@ -11,7 +11,7 @@ from recon.sequences.images import read_pixels
 from recon.sequences.open import find_recording, name_of, open_sequence
 from recon.sequences.readers.bag import is_bag
 from recon.sequences.readers.bag_file import connections
-from recon.sequences.truth import read_truth_file
+from recon.sequences.truth import read_disparity
 from recon.settings import SequenceSettings
 from recon.world.scene import read_scene
 
@@ -77,7 +77,7 @@ def of_image(path: Path) -> Facts:
 
 def of_disparity(path: Path) -> Facts:
     """A dense disparity, or its standard deviation."""
-    values = read_truth_file(path).disparity_px
+    values = read_disparity(path).disparity_px
     return {
         "kind": "disparity",
         "width": values.shape[1],

@@ -32,12 +32,7 @@ def check_truth(left: Image, matches: Matches, truth: DisparityTruth) -> None:
     InputError
         If the truth differs in size from the left image.
     """
-    height, width = truth.disparity_px.shape
-    if left.shape[:2] != (height, width):
-        raise InputError(
-            f"truth is {width} x {height} pixels, but the left image has "
-            f"{left.shape[1]} x {left.shape[0]}"
-        )
+    check_truth_size(left, truth)
     known = _known(matches, truth.disparity_px)
     share = known.agreeing(known.as_left)
     if len(known.found_px) < MIN_JUDGED:
@@ -54,6 +49,16 @@ def check_truth(left: Image, matches: Matches, truth: DisparityTruth) -> None:
         if reading or share < CHANCE_SHARE:
             word = reading or "is it the left image's, of these two?"
             notify("truth-disagrees", f"{share:.0%} of the matches agree with the truth; {word}")
+
+
+def check_truth_size(left: Image, truth: DisparityTruth) -> None:
+    """Raise `InputError` if the truth differs in size from the left image."""
+    height, width = truth.disparity_px.shape
+    if left.shape[:2] != (height, width):
+        raise InputError(
+            f"truth is {width} x {height} pixels, but the left image has "
+            f"{left.shape[1]} x {left.shape[0]}"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
