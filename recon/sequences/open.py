@@ -62,9 +62,7 @@ def open_sequence(
     InputError
         If `path` does not exist, no reader recognises it, or nothing in it is usable.
     """
-    recording: DerivedSource = RangedPairs(_recording(Path(path), settings))
-    if checks:
-        recording = CheckedPairs(recording, has_given_poses=settings.poses == "given")
+    recording = open_recorded(path, settings, checks=checks)
     source: DerivedSource
     if refined is not None:
         source = refined.pairs(recording)
@@ -77,6 +75,14 @@ def open_sequence(
     elif settings.poses == "none":
         source = UnposedPairs(source)
     return source if settings.roi is None else RegionSource(source, settings.roi)
+
+
+def open_recorded(path: Path, settings: SequenceSettings, *, checks: bool = True) -> DerivedSource:
+    """The pairs as recorded: rectified, in recon's world, without a pose where none is given."""
+    recording = RangedPairs(_recording(Path(path), settings))
+    if not checks:
+        return recording
+    return CheckedPairs(recording, has_given_poses=settings.poses == "given")
 
 
 def _images(path: Path, settings: SequenceSettings) -> Hashable:

@@ -13,7 +13,7 @@ from recon.runs.description import describe
 from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.voxelmap import VoxelMap
-from tests.sequences.recordings import middlebury_keys, write_folder, write_ros1
+from tests.sequences.recordings import middlebury_keys, write_folder, write_pair_dir, write_ros1
 
 POINTS = np.array([[1.0, 2, 3], [4, 5, 6], [7, 8, 9]])
 
@@ -138,6 +138,19 @@ def test_topics_and_format_of_a_bag_are_described(tmp_path):
     assert len(facts["topics"]) == 4
     write_folder(tmp_path / "plain")
     assert describe(tmp_path / "plain")["format"] == "folder"
+
+
+@pytest.mark.parametrize("has_poses", [True, False])
+def test_recording_is_described_with_and_without_poses(tmp_path, capsys, has_poses):
+    path = write_folder(tmp_path / "drive")
+    if not has_poses:
+        (path / "poses.txt").unlink()
+    assert info(capsys, path)["has_poses"] is has_poses
+
+
+def test_pair_has_no_pose(tmp_path, capsys):
+    facts = info(capsys, write_pair_dir(tmp_path / "pair"))
+    assert (facts["num_pairs"], facts["has_poses"]) == (1, False)
 
 
 def test_error_in_a_calibration_is_reported(tmp_path, capsys):

@@ -8,7 +8,7 @@ from recon.errors import InputError
 from recon.runs.description.facts import Facts, spread
 from recon.sequences.calibration.files import read_calibration
 from recon.sequences.images import read_pixels
-from recon.sequences.open import find_recording, name_of, open_sequence
+from recon.sequences.open import find_recording, name_of, open_recorded
 from recon.sequences.readers.bag import is_bag
 from recon.sequences.readers.bag_file import connections
 from recon.sequences.truth import read_disparity
@@ -36,7 +36,7 @@ def _topics(path: Path) -> Facts:
 
 
 def _of_pairs(path: Path, form: str | None) -> Facts:
-    source = open_sequence(path, SequenceSettings())
+    source = open_recorded(path, SequenceSettings())
     pair = next(iter(source), None)
     if pair is None:
         raise InputError(f"{path} contains no readable pair")

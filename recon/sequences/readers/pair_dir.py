@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from recon.errors import InputError
-from recon.geometry import LEVEL_CAMERA
 from recon.sequences.calibration.files import find_calibration, read_calibration
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
@@ -26,11 +25,11 @@ def is_pair_dir(path: Path) -> bool:
 
 
 def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
-    """The single pair in `path`; its left camera is the origin of the world, and level."""
+    """The single pair in `path`, without a pose."""
     pair = Listed(
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
-    at = FramePose(stamp_s=0.0, T_world_left=LEVEL_CAMERA)
+    at = FramePose(stamp_s=0.0, T_world_left=None)
     calibration = read_calibration(find_calibration(path))
     return file_recording([pair], [at], calibration, settings)
 
