@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError
 from recon.records import Features, Matches, check_alike
+from recon.stereo import chance
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
@@ -21,7 +22,6 @@ from recon.stereo.uncertainty import (
     Prior,
     calm_ratios,
     solve,
-    updated_probability,
     white_energies,
 )
 
@@ -89,7 +89,7 @@ def refine(
     disparity[rows] = delta + tuning.change_px
     sigma[rows] = tuning.sigma_px
     probability = matches.probability.copy()
-    probability[rows] = updated_probability(prior.probability, tuning.noise_variance)
+    probability[rows] = chance.probability(prior.probability, tuning.noise_variance, tuning.trust)
     return dataclasses.replace(
         matches, disparity_px=disparity, sigma_px=sigma, probability=probability
     )

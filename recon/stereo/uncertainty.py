@@ -1,4 +1,4 @@
-"""Uncertainty of a refined disparity: its sigma, and the odds that the pair is correct."""
+"""Uncertainty of a refined disparity: its sigma, and how far noise alone moves it."""
 
 from dataclasses import dataclass
 
@@ -42,11 +42,6 @@ _NOISE_OF_HALF_DOUBT = 0.009
 """Variance due to noise at which half of these odds are attributed to noise."""
 _LARGEST_VARIANCE = 0.115
 
-# Log odds that a pair is correct: those of matching, less those that noise could create.
-_NOISE_ODDS = -0.40
-_NOISE_OF_EVEN_ODDS = 0.05
-_LEAST_NOISE, _MOST_NOISE = 1e-3, 10.0
-
 _WHOLE, _INFORMATION, _TRUST, _PROBABILITY = 0, 1, 2, 3
 """Rows of the shift's estimate of each pair; the last is the probability by matching."""
 _LEAST_PROBABILITY = 1e-3
@@ -72,6 +67,8 @@ class Tuning:
     noise_variance: Floats
     """Variance of the change due to image noise alone, squared pixels; infinite where the phase is
     uninformative, NaN where no filter is wide enough."""
+    trust: Floats
+    """Share of the change that is applied, from 0, if the edge is along the row, to 1."""
 
 
 def solve(
@@ -98,6 +95,7 @@ def solve(
             change_px=nothing,
             sigma_px=nothing + np.float32(UNTUNED_SIGMA_PX),
             noise_variance=np.full_like(nothing, np.nan),
+            trust=nothing,
         )
     num = sums.shape[1]
     shifts, scatter = np.empty((4, num), np.float32), np.empty((len(white), num), np.float32)
@@ -109,7 +107,7 @@ def solve(
     tuned = np.empty((3, num), np.float32)
     _weigh(sums, white, ratio, shifts, scatter, np.float32(residual_px**2), tuned)
     change, sigma, noise = tuned
-    return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise)
+    return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise, trust=shifts[_TRUST])
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
@@ -209,15 +207,3 @@ def calm_ratios(left: Features, right: Features, scales: Integers) -> Array:
     """(S,) energy of the images' calmest regions, relative to that of single-pixel noise."""
     both = [(one.noise.by_scale[scales] / one.noise.level) ** 2 for one in (left, right)]
     return np.asarray(0.5 * (both[0] + both[1]), dtype=np.float64)
-
-
-def updated_probability(prior: Array, noise_variance: Floats) -> Array:
-    """Probability that pairs are correct, from matching and from the effect of noise.
-
-    If noise alone moves a disparity considerably, it may have created the pair, too.
-    """
-    noise = np.clip(noise_variance, _LEAST_NOISE, _MOST_NOISE)
-    ratio = np.exp(np.float32(-_NOISE_ODDS) * np.log(noise / np.float32(_NOISE_OF_EVEN_ODDS)))
-    # If no filter is wide enough, the odds are unchanged.
-    wrong = (1.0 - prior) * np.where(np.isnan(ratio), np.float32(1), ratio)
-    return np.asarray(prior / (prior + wrong))

@@ -31,6 +31,9 @@ _NUM_COSINES = 64
 _WORTH = 3.7
 """Number of independent channels that all together are equivalent to, as they share pixels;
 calibrates the probability (fitted to Venus, Sawtooth, Cones and Map; the others confirm it)."""
+_FURTHER_RIVALS = 4.0
+"""Weight of all rivals but the best; their odds are about the square of its odds. Where noise
+created the pair, all of them are level."""
 _SHIPPED = "vonmises_venus.json"
 _FORMAT = "recon von Mises model"
 
@@ -126,8 +129,11 @@ def match(left: Features, right: Features, settings: MatchingSettings) -> Matche
 
     # Ranked by the lead, since many probabilities round to 1.
     matches = match_by(left, right, settings, table(model, len(left.widths_px)), lead)
-    probability = 1 / (1 + np.exp(-_WORTH * matches.score))
-    return dataclasses.replace(matches, score=probability, probability=probability)
+    odds_of_rival = np.exp(-_WORTH * matches.score)
+    odds_of_rivals = odds_of_rival * (1 + _FURTHER_RIVALS * odds_of_rival)
+    return dataclasses.replace(
+        matches, score=1 / (1 + odds_of_rival), probability=1 / (1 + odds_of_rivals)
+    )
 
 
 def load_model(path: str | None) -> Model:

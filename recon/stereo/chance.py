@@ -1,0 +1,137 @@
+"""Probability that a pair is correct, in view of the noise.
+
+Where noise alone moves a disparity considerably, it may have created the pair. On plain ground it
+has; on a faint texture hardly ever, though the scores of both are low. Which of the two an image
+shows, only its pairs together tell: those that noise created have the scores of pure noise. So the
+share of such pairs, and the scores of the others, are estimated from all pairs of the images.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import FAST, Floats, Integers
+
+Array = NDArray[np.float64]
+
+# Fitted to rendered worlds and to recorded pairs, with noise of 0 to 10 grey levels; each recorded
+# pair is confirmed by the others.
+_MEAN, _SPREAD = -1.45, 0.5
+"""Log odds by matching of the pairs that noise creates."""
+_CORRECT = 0.05
+"""Share of those that are correct to a pixel."""
+_GROWTH = 0.5
+"""Log odds that noise created a pair, per natural logarithm of the variance due to noise."""
+_FADING = -0.5
+"""Log odds by matching of all other pairs, per natural logarithm of the same."""
+_EVEN_NOISE = 0.05
+"""Variance due to noise at which half of its effect on the odds is reached, squared pixels."""
+_LEAST_NOISE, _MOST_NOISE = 0.02, 10.0
+"""Less noise creates no pairs."""
+_STEEPNESS, _OFFSET = 1.2, 0.3
+"""Of the log odds of all other pairs, over those by matching."""
+_FAINT = 1.6
+"""Added if they are noisy: noise reduces the scores of correct pairs, too."""
+_ALONG = -3.0
+"""Added instead if their edges are along the row, which matches anywhere on it."""
+_EVEN_TRUST = 0.02
+
+_NUM_SAMPLES = 1024
+_NUM_ITERATIONS = 15
+_TYPICAL_MEAN, _TYPICAL_SPREAD, _TYPICAL_COUNT = 2.0, 1.5, 10.0
+"""What is assumed of the other pairs, and with the weight of how many samples."""
+_LARGEST_BIAS = 8.0
+
+
+class _Share(NamedTuple):
+    """The pairs that noise created among those that it may have created, and the others."""
+
+    bias: float
+    """Log odds that noise created a pair, at `_EVEN_NOISE`."""
+    mean: float
+    """Log odds by matching of the others, at `_EVEN_NOISE`."""
+    spread: float
+
+
+def probability(prior: Array, noise_variance: Floats, trust: Floats) -> Array:
+    """Probability that pairs are correct (N,), from matching and from the effect of noise.
+
+    Parameters
+    ----------
+    prior : (N,)
+        Probability by matching; NaN if unknown, which it then stays.
+    noise_variance : (N,)
+        Variance of the disparity due to noise alone, squared pixels; where it is NaN, as no filter
+        is wide enough, the prior is kept.
+    trust : (N,)
+        From 0, if the edge is along the row, to 1.
+    """
+    log_odds = np.log(np.clip(prior, 1e-6, None) / np.clip(1.0 - prior, 1e-6, None))
+    noise = np.minimum(noise_variance, np.float32(_MOST_NOISE))
+    rows = np.flatnonzero((noise > _LEAST_NOISE) & np.isfinite(log_odds))
+    rows = rows[:: max(1, len(rows) // _NUM_SAMPLES)]
+    share = _estimate(log_odds[rows], np.log(noise[rows] / _EVEN_NOISE))
+    found = prior.copy()
+    rows = np.flatnonzero(np.isfinite(log_odds) & ~np.isnan(noise))
+    _update(rows, (log_odds, noise, trust), share, found)
+    return found
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _estimate(log_odds: Array, log_noise: Floats) -> _Share:
+    """Estimate the share by expectation maximisation."""
+    bias, mean, spread = 0.0, _TYPICAL_MEAN, _TYPICAL_SPREAD
+    for _ in range(_NUM_ITERATIONS):
+        slope = 1.0
+        excess = 0.0
+        count, first, second = _TYPICAL_COUNT, 0.0, 0.0
+        for i in range(log_odds.size):
+            before = _logistic(bias + _GROWTH * log_noise[i])
+            after = _posterior(log_odds[i], log_noise[i], _Share(bias, mean, spread))
+            excess += after - before
+            slope += before * (1.0 - before)
+            value = log_odds[i] - _FADING * log_noise[i] - _TYPICAL_MEAN
+            count += 1.0 - after
+            first += (1.0 - after) * value
+            second += (1.0 - after) * value * value
+        change = first / count
+        variance = (second + _TYPICAL_COUNT * _TYPICAL_SPREAD**2) / count - change * change
+        spread = max(np.sqrt(max(variance, 0.0)), _SPREAD)
+        mean = max(_TYPICAL_MEAN + change, _MEAN + 1.0)
+        bias = min(max(bias + 2.0 * excess / slope, -_LARGEST_BIAS), _LARGEST_BIAS)
+    return _Share(bias, mean, spread)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _posterior(log_odds: float, log_noise: float, share: _Share) -> float:
+    """Probability that noise created a pair of these log odds by matching."""
+    # Even lower scores are no evidence against noise.
+    value = max(log_odds, _MEAN)
+    chance = (value - _MEAN) / _SPREAD
+    other = (value - share.mean - _FADING * log_noise) / share.spread
+    ratio = np.log(share.spread / _SPREAD) + 0.5 * (other * other - chance * chance)
+    return float(_logistic(share.bias + _GROWTH * log_noise + ratio))
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _logistic(log_odds: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-log_odds)))
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _update(
+    rows: Integers, evidence: tuple[Array, Floats, Floats], share: _Share, found: Array
+) -> None:
+    """Write the probabilities of some pairs."""
+    log_odds, noise, trust = evidence
+    for i in rows:
+        created = 0.0
+        if noise[i] > _LEAST_NOISE:
+            created = _posterior(log_odds[i], np.log(noise[i] / _EVEN_NOISE), share)
+        effect = noise[i] / (noise[i] + _EVEN_NOISE)
+        across = trust[i] / (trust[i] + _EVEN_TRUST)
+        other = _OFFSET + _STEEPNESS * log_odds[i]
+        other += effect * (_FAINT * across + _ALONG * (1.0 - across))
+        found[i] = (1.0 - created) * _logistic(other) + created * _CORRECT

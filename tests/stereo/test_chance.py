@@ -1,0 +1,49 @@
+"""Pairs that noise created are told from those of faint textures by all pairs of an image."""
+
+import numpy as np
+import pytest
+
+from recon.stereo import chance
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(8)
+
+
+def probability(log_odds, noise=0.5, trust=0.9):
+    size = len(log_odds)
+    prior = 1 / (1 + np.exp(-np.asarray(log_odds, np.float64)))
+    return chance.probability(
+        prior, np.full(size, noise, np.float32), np.full(size, trust, np.float32)
+    )
+
+
+def test_same_score_is_improbable_only_where_noise_creates_pairs(rng):
+    faint, created = rng.normal(1.5, 1.0, 3000), rng.normal(-1.45, 0.5, 3000)
+    of_noise = slice(3000, None)
+    together = probability(np.r_[faint, created])
+    assert together[of_noise].mean() < 0.25 < 0.7 < together[:3000].mean()
+    alone = probability(np.r_[faint, np.full(20, -0.8)])
+    assert alone[of_noise].min() > 3 * together[of_noise].mean()
+
+
+def test_order_of_evidence_is_kept(rng):
+    log_odds = np.sort(np.r_[rng.normal(1.5, 1.0, 500), rng.normal(-1.45, 0.5, 500)])
+    assert (np.diff(probability(log_odds)) >= -1e-9).all()
+
+
+def test_edge_along_the_row_is_doubtful_if_noisy(rng):
+    log_odds = rng.normal(2.0, 1.0, 1000)
+    assert probability(log_odds, trust=0.0).mean() < 0.5 < probability(log_odds).mean()
+    certain = probability(log_odds, noise=1e-4, trust=0.0)
+    np.testing.assert_allclose(certain, probability(log_odds, noise=1e-4), atol=0.01)
+
+
+def test_unknown_evidence_leaves_the_prior():
+    prior = np.array([0.8, np.nan, 0.7])
+    noise = np.array([np.nan, 0.1, np.inf], np.float32)
+    found = chance.probability(prior, noise, np.ones(3, np.float32))
+    np.testing.assert_array_equal(found[:2], prior[:2])
+    assert 0 < found[2] < 1
+    assert len(chance.probability(prior[:0], noise[:0], noise[:0])) == 0
