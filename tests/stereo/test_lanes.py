@@ -157,7 +157,7 @@ def test_only_sixteen_bits_are_read_as_halves():
 
 
 def test_freed_memory_of_the_same_size_is_used_again(monkeypatch):
-    monkeypatch.setattr(memory, "_LARGEST_KEPT", 0)
+    monkeypatch.setattr(memory, "_SMALLEST_LENT", 0)
     first = reused_empty((3, 5, 7))
     place, view = first.ctypes.data, first[1:]
     del first

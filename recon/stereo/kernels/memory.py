@@ -11,8 +11,8 @@ _LINE_BYTES = 64
 """Size of a cache line: data across two lines is read twice."""
 _LARGEST_KEPT = (32 << 20) - (8 << 10)
 """Bytes of the largest array that the C library can learn to keep."""
-_LARGEST_LENT = 128 << 20
-"""Bytes of the largest array whose memory is kept by `reused_empty`."""
+_SMALLEST_LENT, _LARGEST_LENT = 8 << 20, 128 << 20
+"""Bytes of the arrays whose memory is kept by `reused_empty`."""
 
 
 def aligned_zeros(size: int) -> Floats:
@@ -34,10 +34,11 @@ def aligned_empty(size: int) -> Floats:
 def reused_empty(shape: tuple[int, ...]) -> Floats:
     """An array of any value, in the memory of an earlier one of the same size if that is free.
 
-    For arrays that the C library does not keep: their pages cost as much as writing them.
+    For arrays that the C library does not keep, at least for threads but the first: their pages
+    cost as much as writing them.
     """
     size = math.prod(shape)
-    if not _LARGEST_KEPT < size * np.float32().nbytes <= _LARGEST_LENT:
+    if not _SMALLEST_LENT < size * np.float32().nbytes <= _LARGEST_LENT:
         return np.empty(shape, np.float32)
     memory = _free.pop() if _free else None
     if memory is None or memory.size != size:
