@@ -4,6 +4,8 @@ import numpy as np
 
 RADIUS, SIDE_RADIUS, SPREAD, RIGID, GAP, CONTRAST = 7, 10, 5.0, 3.0, 1.5, 20.0
 SLACK, RIVAL_GAP, DIRECTIONS = 0.9, 3, 16
+WHOLE, ONE = 1 << 15, 32_000
+"""Units of the members' shares and scores, which are whole numbers, and so are the sums."""
 
 
 class Pair:
@@ -44,8 +46,7 @@ class Pair:
                 exact[k] = max(0.0, np.mean((a * b.conj()).real / largest))
         around = np.pad(exact, 1)
         slack = np.maximum(exact, SLACK * np.maximum(around[:-2], around[2:]))
-        # Both are kept in half precision.
-        return exact.astype(np.float16).astype(float), slack.astype(np.float16).astype(float)
+        return rounded(ONE * exact), rounded(ONE * slack)
 
     def is_member(self, v, u):
         if self.search.every == 2:
@@ -53,17 +54,17 @@ class Pair:
         return (v + u) % 2 == 0
 
     def mean(self, v, u, radius, weigh):
-        """Compute the weighted sum of the members' scores, and the sum of the weights."""
-        total, weights = np.zeros(self.search.num_shifts), 0.0
+        """Compute the weighted mean of the members' scores."""
+        weights, scores = [], []
         for dv in range(-radius, radius + 1):
             for du in range(-radius, radius + 1):
                 r_sq = dv * dv + du * du
                 if r_sq > radius**2 or not self.is_member(v + dv, u + du):
                     continue
-                weight = np.exp(-r_sq / (2 * SPREAD**2)) * weigh(dv, du)
-                total += weight * self.scores(v + dv, u + du)[r_sq > RIGID**2]
-                weights += weight
-        return total, weights
+                weights.append(np.exp(-r_sq / (2 * SPREAD**2)) * weigh(dv, du))
+                scores.append(self.scores(v + dv, u + du)[r_sq > RIGID**2])
+        shares = rounded((WHOLE - 1) * np.array(weights) / np.sum(weights))
+        return rounded(shares[:, None] * np.array(scores) / WHOLE).sum(axis=0) / ONE
 
     def support(self, v, u):
         """Compute the support of every shift; -inf if it leads to no candidate."""
@@ -73,8 +74,7 @@ class Pair:
             there = self.grey[np.clip(v + dv, 0, height - 1), np.clip(u + du, 0, width - 1)]
             return np.exp(-abs(there - self.grey[v, u]) / CONTRAST)
 
-        total, weights = self.mean(v, u, RADIUS, alike)
-        return np.where(self.is_open(v, u), total / weights, -np.inf)
+        return np.where(self.is_open(v, u), self.mean(v, u, RADIUS, alike), -np.inf)
 
     def side(self, v, u, best, orientation):
         """Compare the evidence for the best shift in the half disc ahead and the one behind."""
@@ -82,13 +82,16 @@ class Pair:
         normal = np.cos(np.pi * angle), np.sin(np.pi * angle)
         evidence = []
         for sign in (1, -1):
-            total, weights = self.mean(
+            average = self.mean(
                 v, u, SIDE_RADIUS,
                 lambda dv, du, s=sign: s * (du * normal[0] + dv * normal[1]) >= GAP,
             )  # fmt: skip
-            average = total / weights
             evidence.append(average[best] - 0.5 * average[best + 2 :].max(initial=0.0))
         return evidence[0] - evidence[1]
+
+
+def rounded(numbers):
+    return np.floor(numbers + 0.5)
 
 
 def responses(features):

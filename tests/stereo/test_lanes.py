@@ -1,4 +1,4 @@
-"""Lanes compute on eight numbers what Python computes on one."""
+"""Lanes and shorts compute on many numbers what Python computes on one."""
 
 import numpy as np
 import pytest
@@ -8,10 +8,21 @@ from hypothesis.extra.numpy import arrays
 from numba import njit
 from numba.core.errors import TypingError
 
-from recon.stereo.kernels import halves, memory
+from recon.stereo.kernels import memory, shorts
 from recon.stereo.kernels import simd as lanes
-from recon.stereo.kernels.halves import load_halves, store_halves
 from recon.stereo.kernels.memory import aligned_zeros, reused_empty
+from recon.stereo.kernels.shorts import (
+    NUM_SHORTS,
+    WHOLE,
+    greater,
+    greatest,
+    least,
+    lesser,
+    load_shorts,
+    part,
+    store_rounded,
+    store_shorts,
+)
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     kernel,
@@ -116,44 +127,55 @@ def test_arrays_are_aligned_to_cache_lines(size):
 
 
 @kernel
-def halve(a, half, out):
+def round_off(a, out):
     for i in range(0, a.size, NUM_LANES):
-        store_halves(half, i, load(a, i))
-        store(out, i, load_halves(half, i))
+        store_rounded(out, i, load(a, i))
 
 
 @settings(deadline=None, max_examples=20)
-@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(0, 1, width=32)))
-def test_halves_hold_numbers_in_half_precision(a):
-    half, out = np.zeros(a.size, np.uint16), np.zeros_like(a)
-    halve(a, half, out)
-    np.testing.assert_array_equal(half.view(np.float16), a.astype(np.float16))
-    np.testing.assert_array_equal(out, a.astype(np.float16).astype(np.float32))
+@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(0, 32_000, width=32)))
+def test_lanes_are_stored_as_the_nearest_shorts(a):
+    out = np.zeros(a.size, np.int16)
+    round_off(a, out)
+    np.testing.assert_array_equal(out, np.floor(a + np.float32(0.5)))
 
 
-def test_halves_without_help_of_the_processor_are_the_same(monkeypatch):
-    monkeypatch.setattr(halves, "_CONVERTS_HALVES", False)
+short_numbers = arrays(np.int16, NUM_SHORTS)
+
+
+def multiplied_by_hand(monkeypatch):
+    monkeypatch.setattr(shorts, "_MULTIPLIES_SHARES", False)
+
+
+@pytest.mark.parametrize("prepare", [lambda _: None, multiplied_by_hand])
+def test_parts_are_rounded_products(prepare, monkeypatch):
+    prepare(monkeypatch)
 
     @njit
-    def halve_by_hand(a, half, out):
-        for i in range(0, a.size, NUM_LANES):
-            store_halves(half, i, load(a, i))
-            store(out, i, load_halves(half, i))
+    def multiply(a, b, out):
+        for i in range(0, a.size, NUM_SHORTS):
+            store_shorts(out, i, part(load_shorts(a, i), load_shorts(b, i)))
 
-    numbers = np.linspace(0, 1, 80_000).astype(np.float32)
-    half, out = np.zeros(numbers.size, np.uint16), np.zeros_like(numbers)
-    halve_by_hand(numbers, half, out)
-    np.testing.assert_array_equal(half.view(np.float16), numbers.astype(np.float16))
-    np.testing.assert_array_equal(out, numbers.astype(np.float16).astype(np.float32))
+    a, b = np.random.default_rng(5).integers(-WHOLE + 1, WHOLE, (2, 80_000)).astype(np.int16)
+    out = np.zeros_like(a)
+    multiply(a, b, out)
+    np.testing.assert_array_equal(out, (a.astype(int) * b + WHOLE // 2) // WHOLE)
 
 
-def test_only_sixteen_bits_are_read_as_halves():
-    @njit
-    def read(array):
-        return total(load_halves(array, 0))
+@kernel
+def reduce_shorts(a, b, out):
+    x, y = load_shorts(a, 0), load_shorts(b, 0)
+    store_shorts(out[0], 0, lesser(x, y))
+    store_shorts(out[1], 0, greater(x, y))
+    return least(x), greatest(x)
 
-    with pytest.raises(TypingError, match="is not a contiguous \\(N,\\) uint16 array"):
-        read(np.zeros(16, np.float32))
+
+@settings(deadline=None, max_examples=20)
+@given(short_numbers, short_numbers)
+def test_extremes_of_shorts_match_arrays(a, b):
+    out = np.zeros((2, NUM_SHORTS), np.int16)
+    assert reduce_shorts(a, b, out) == (a.min(), a.max())
+    np.testing.assert_array_equal(out, [np.minimum(a, b), np.maximum(a, b)])
 
 
 def test_freed_memory_of_the_same_size_is_used_again(monkeypatch):

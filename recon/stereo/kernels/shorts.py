@@ -1,6 +1,6 @@
-"""Sixteen small integers at once: the vector type of the semi-global paths.
+"""Sixteen small integers at once: the vector type of the semi-global paths and of votes.
 
-Costs fit into 16 bits, so that twice as many are processed at a time as with `Lanes`.
+Costs and shares fit into 16 bits, so that twice as many are processed at a time as with `Lanes`.
 """
 
 import operator
@@ -9,11 +9,14 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from llvmlite.binding import get_host_cpu_features
 from numba import types
 from numba.core.errors import TypingError
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 from numpy.typing import NDArray
+
+from recon.stereo.kernels.simd import NUM_LANES, VECTOR, lanes_type
 
 ShortArray = NDArray[np.int16]
 
@@ -24,6 +27,13 @@ Shorts = Any
 
 _VECTOR = ir.VectorType(ir.IntType(16), NUM_SHORTS)
 _BYTES = 2
+_LANE_INTEGERS = ir.VectorType(ir.IntType(32), NUM_LANES)
+_LANE_SHORTS = ir.VectorType(ir.IntType(16), NUM_LANES)
+
+WHOLE = 1 << 15
+"""The share 1; as a short, one less."""
+_MULTIPLIES_SHARES = get_host_cpu_features().get("avx2", False)
+"""True if the processor has the instruction that multiplies by a share."""
 
 
 class _ShortsType(types.Type):  # type: ignore[misc]
@@ -50,9 +60,11 @@ def _check_array(array: Any) -> None:
         raise TypingError(f"{array} is not a contiguous (N,) int16 array, as shorts need")
 
 
-def _place(context: Any, builder: Any, array_type: Any, array: Any, index: Any) -> Any:
+def _place(
+    context: Any, builder: Any, array_type: Any, array: Any, index: Any, vector: Any = _VECTOR
+) -> Any:
     data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+    return builder.bitcast(builder.gep(data, [index]), vector.as_pointer())
 
 
 @intrinsic
@@ -81,33 +93,79 @@ def store_shorts(typing_context: Any, array: Any, index: Any, value: Any) -> Any
 
 
 @intrinsic
+def store_rounded(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
+    """Write lanes from 0 to 32767, rounded, to ``array[index : index + NUM_LANES]``."""
+    _check_array(array)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array, index, lanes = arguments
+        place = _place(context, builder, signature.args[0], array, index, _LANE_SHORTS)
+        half = ir.Constant(VECTOR, [0.5] * NUM_LANES)
+        whole = builder.fptosi(builder.fadd(lanes, half), _LANE_INTEGERS)
+        builder.store(builder.trunc(whole, _LANE_SHORTS), place, align=_BYTES)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, lanes_type), generate
+
+
+@intrinsic
 def spread_short(typing_context: Any, number: Any) -> Any:
     """Shorts that all have the same value."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        number = arguments[0]
-        if number.type.width > 16:
-            number = builder.trunc(number, ir.IntType(16))
-        nothing = ir.Constant(_VECTOR, ir.Undefined)
-        first = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
-        every = ir.Constant(ir.VectorType(ir.IntType(32), NUM_SHORTS), [0] * NUM_SHORTS)
-        return builder.shuffle_vector(first, nothing, every)
+        return _spread(builder, arguments[0])
 
     return _shorts(number), generate
 
 
-@intrinsic
-def lesser(typing_context: Any, a: Any, b: Any) -> Any:
-    """The element-wise minimum."""
+def _spread(builder: Any, number: Any) -> Any:
+    if number.type.width > 16:
+        number = builder.trunc(number, ir.IntType(16))
+    nothing = ir.Constant(_VECTOR, ir.Undefined)
+    first = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
+    every = ir.Constant(ir.VectorType(ir.IntType(32), NUM_SHORTS), [0] * NUM_SHORTS)
+    return builder.shuffle_vector(first, nothing, every)
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return _lesser(builder, *arguments)
 
-    return _shorts(_shorts, _shorts), generate
+def _of_two(combine: Callable[..., Any]) -> Callable[..., Any]:
+    """An element-wise operation on two vectors."""
+
+    def both(typing_context: Any, a: Any, b: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            return combine(builder, *arguments)
+
+        return _shorts(_shorts, _shorts), generate
+
+    operation: Callable[..., Any] = intrinsic(both)
+    return operation
 
 
 def _lesser(builder: Any, a: Any, b: Any) -> Any:
     return builder.select(builder.icmp_signed("<", a, b), a, b)
+
+
+def _greater(builder: Any, a: Any, b: Any) -> Any:
+    return builder.select(builder.icmp_signed(">", a, b), a, b)
+
+
+def _part(builder: Any, a: Any, b: Any) -> Any:
+    """``(a * b + WHOLE / 2) // WHOLE``."""
+    if _MULTIPLIES_SHARES:
+        kind = ir.FunctionType(_VECTOR, [_VECTOR, _VECTOR])
+        multiply = builder.module.declare_intrinsic("llvm.x86.avx2.pmul.hr.sw", (), kind)
+        return builder.call(multiply, [a, b])
+    wide = ir.VectorType(ir.IntType(32), NUM_SHORTS)
+    product = builder.mul(builder.sext(a, wide), builder.sext(b, wide))
+    product = builder.add(product, ir.Constant(wide, [WHOLE // 2] * NUM_SHORTS))
+    return builder.trunc(builder.ashr(product, ir.Constant(wide, [15] * NUM_SHORTS)), _VECTOR)
+
+
+lesser = _of_two(_lesser)
+"""The minimum of each two numbers."""
+greater = _of_two(_greater)
+"""The maximum of each two numbers."""
+part = _of_two(_part)
+"""Numbers times shares of `WHOLE`, rounded."""
 
 
 def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
@@ -115,18 +173,41 @@ def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
     return builder.shuffle_vector(value, ir.Constant(value.type, ir.Undefined), which)
 
 
+def _of_all(combine: Callable[..., Any]) -> Callable[..., Any]:
+    """One number of a vector, found by halves."""
+
+    def one(typing_context: Any, values: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            value, count = arguments[0], NUM_SHORTS // 2
+            while count:
+                halves = (_picked(builder, value, first, count) for first in (0, count))
+                value, count = combine(builder, *halves), count // 2
+            return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
+
+        return types.int16(_shorts), generate
+
+    operation: Callable[..., Any] = intrinsic(one)
+    return operation
+
+
+least = _of_all(_lesser)
+"""The smallest of the numbers."""
+greatest = _of_all(_greater)
+"""The largest of the numbers."""
+
+
 @intrinsic
-def least(typing_context: Any, values: Any) -> Any:
-    """The smallest of the numbers."""
+def first_equal(typing_context: Any, values: Any, number: Any) -> Any:
+    """Place of the first of the numbers that equals another; `NUM_SHORTS` if none does."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        value, count = arguments[0], NUM_SHORTS // 2
-        while count:
-            halves = (_picked(builder, value, first, count) for first in (0, count))
-            value, count = _lesser(builder, *halves), count // 2
-        return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
+        integer = ir.IntType(64)
+        equal = builder.icmp_signed("==", arguments[0], _spread(builder, arguments[1]))
+        bits = builder.zext(builder.bitcast(equal, ir.IntType(NUM_SHORTS)), integer)
+        beyond = builder.or_(bits, ir.Constant(integer, 1 << NUM_SHORTS))
+        return builder.cttz(beyond, ir.Constant(ir.IntType(1), 1))
 
-    return types.int16(_shorts), generate
+    return types.int64(_shorts, number), generate
 
 
 def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:

@@ -9,12 +9,24 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.kernels.memory import aligned_zeros
+from recon.stereo.kernels.shorts import NUM_SHORTS, ShortArray
 from recon.stereo.kernels.simd import FAST, NUM_LANES, Floats, Integers, filled, kernel
 from recon.stereo.kernels.threads import bands, run
 from recon.stereo.matching.cost import Responses, fill_row
-from recon.stereo.matching.ring import Ring, make_ring, steps
+from recon.stereo.matching.ring import ONE, Ring, make_ring, steps
 from recon.stereo.matching.search import Search
-from recon.stereo.matching.voting import CLOSED, add_up, claim, close, forget, locate, peak, weigh
+from recon.stereo.matching.voting import (
+    CLOSED,
+    OPEN,
+    add_up,
+    claim,
+    close,
+    find,
+    forget,
+    locate,
+    peak,
+    weigh,
+)
 from recon.stereo.matching.windows import DIRECTIONS, SIDE_RADIUS, Window, windows
 
 _LEAST_BAND = 96
@@ -74,13 +86,13 @@ class _Room(NamedTuple):
     """(2, K) starts of the scores of the disc's members, for even and odd columns."""
     side: Integers
     """(K',) the same for a half disc."""
-    weights: Floats
-    """Weights of the disc's members."""
-    support: Floats
-    """Support of each shift, padded to whole lanes."""
-    closed: Floats
-    """Per pixel of the other row: 0, or `CLOSED` if it is not a candidate."""
-    claims: Floats
+    weights: tuple[Floats, ShortArray]
+    """Weights of the disc's members, and their shares of the sum."""
+    support: ShortArray
+    """Support of each shift, padded to whole shorts, in the unit of the scores."""
+    limits: ShortArray
+    """Highest possible support per pixel of the other row."""
+    claims: ShortArray
     """(H, ...) highest support of any point of a row for each pixel of the other row; (0, 0) if not
     needed."""
 
@@ -129,9 +141,9 @@ def _make_room(task: _Task, ring: Ring) -> _Room:
     return _Room(
         disc=np.zeros((2, num_disc), np.int64),
         side=np.zeros(num_side, np.int64),
-        weights=aligned_zeros(num_disc),
-        support=aligned_zeros(ring.lanes),
-        closed=np.zeros(2 * ring.columns + ring.lanes, np.float32),
+        weights=(aligned_zeros(num_disc), np.zeros(num_disc, np.int16)),
+        support=aligned_zeros(ring.lanes // 2).view(np.int16),
+        limits=np.full(2 * ring.columns + ring.lanes, CLOSED),
         claims=np.full((height, reach) if task.search.is_unique else (0, 0), CLOSED),
     )
 
@@ -186,7 +198,7 @@ def _judge(
     """Find shift and side of the points `begin` to `end` of a row of a strip."""
     v, first, begin, end = stretch
     left = first - SIDE_RADIUS
-    _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.closed)
+    _open(task.other.mask[v + task.search.row_shift], left + task.search.first, room.limits)
     for odd in range(2):
         locate(task.disc, 2 * (v & 1) + odd, ring, v, room.disc[odd])
     for i in range(begin, end):
@@ -197,13 +209,13 @@ def _judge(
 
 
 @kernel
-def _open(mask: NDArray[np.bool_], start: int, closed: Floats) -> None:
+def _open(mask: NDArray[np.bool_], start: int, limits: ShortArray) -> None:
     """Mark the candidates of another row, starting at a column."""
-    closed[:] = CLOSED
+    limits[:] = CLOSED
     first = max(0, -start)
-    inside, candidates = closed[first:], mask[start + first :]
+    inside, candidates = limits[first:], mask[start + first :]
     for k in range(min(inside.size, candidates.size)):
-        inside[k] = np.float32(0.0) if candidates[k] else CLOSED
+        inside[k] = OPEN if candidates[k] else CLOSED
 
 
 @kernel
@@ -217,27 +229,26 @@ def _choose(
     stride = task.base.mask.shape[1] + 2 * SIDE_RADIUS
     middle = (v + SIDE_RADIUS) * stride + u + SIDE_RADIUS
     row = 2 * (v & 1) + (u & 1)
-    share = weigh(task.base.grey, middle, task.disc, row, room.weights)
-    add_up(ring.scores, place, room.disc[u & 1], room.weights, support)
-    highest = close(support, share, room.closed[u - left :])
+    weigh(task.base.grey, middle, task.disc, row, room.weights)
+    add_up(ring.scores, place, room.disc[u & 1], room.weights[1], support)
+    highest = close(support, room.limits[u - left :])
     if search.is_unique:
         claim(support, room.claims[v, max(0, -search.first) + u + search.first :])
     if highest > 0:
-        best = 0
-        while support[np.uint64(best)] < highest:
-            best += 1
+        best = find(support, highest)
         shift[i] = search.first + best
-        score[i] = highest
+        score[i] = np.float32(highest) / ONE
         forget(support, best - _RIVAL_GAP + 1, best + _RIVAL_GAP)
-        rival[i] = max(peak(support), np.float32(0.0)) / highest
+        rival[i] = np.float32(max(peak(support), 0)) / np.float32(highest)
 
 
 @njit(cache=True, nogil=True)
-def _reject(points: Points, first: int, claims: Floats, shift: Integers, score: Floats) -> None:
+def _reject(points: Points, first: int, claims: ShortArray, shift: Integers, score: Floats) -> None:
     """Reject points whose partner supports another point of the row more."""
     margin = max(0, -first)
     for i in range(shift.size):
-        if score[i] < claims[points.v[i], margin + points.u[i] + shift[i]]:
+        claimed = claims[points.v[i], margin + points.u[i] + shift[i]]
+        if score[i] < np.float32(claimed) / ONE:
             score[i] = -np.inf
 
 
@@ -264,10 +275,9 @@ def _evidence(window: Window, ring: Ring, room: _Room, where: tuple[int, int, in
     """
     row, v, place, best = where
     locate(window, row, ring, v, room.side)
-    first = best // (2 * NUM_LANES) * (2 * NUM_LANES)
+    first = best // NUM_SHORTS * NUM_SHORTS
     support = room.support[first:]
-    add_up(ring.scores, place + first, room.side, window.weight[row], support)
-    own = support[best - first]
-    support[: best + 2 - first] = 0.0
-    evidence: float = own - np.float32(0.5) * peak(support)
-    return evidence
+    add_up(ring.scores, place + first, room.side, window.share[row], support)
+    own = np.float32(support[best - first])
+    support[: best + 2 - first] = 0
+    return float((own - np.float32(0.5) * np.float32(peak(support))) / ONE)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.halves import Halves, store_halves
+from recon.stereo.kernels.shorts import ShortArray, store_rounded
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
@@ -24,7 +24,7 @@ from recon.stereo.kernels.simd import (
     spread,
     store,
 )
-from recon.stereo.matching.ring import Ring, line_start, to_slack
+from recon.stereo.matching.ring import ONE, Ring, line_start, to_slack
 from recon.stereo.matching.search import Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
@@ -113,7 +113,9 @@ def _read(image: Responses, v: int, origin: int, every: int, target: tuple[Float
 
 
 @kernel
-def _score(ring: Ring, here: int, there: int, search: Search, lines: tuple[Halves, Halves]) -> None:
+def _score(
+    ring: Ring, here: int, there: int, search: Search, lines: tuple[ShortArray, ShortArray]
+) -> None:
     """Write the scores, exact and with slack, of every second pixel of a row."""
     for first in range(0, ring.columns, NUM_LANES):
         for column in range(first, first + _APART):
@@ -227,7 +229,9 @@ def _look_up(ring: Ring, u: int, start: int, table: Floats, line: Floats) -> Non
 
 
 @kernel
-def _slacken(line: Floats, start: int, search: Search, lines: tuple[Halves, Halves]) -> None:
+def _slacken(
+    line: Floats, start: int, search: Search, lines: tuple[ShortArray, ShortArray]
+) -> None:
     """Write the scores, clipped to >= 0, and the maximum of each and its neighbours.
 
     The neighbours are weighted by `SLACK`.
@@ -240,7 +244,7 @@ def _slacken(line: Floats, start: int, search: Search, lines: tuple[Halves, Halv
         beside = larger(one_earlier(before, here), one_later(here, after))
         before, here = here, after
         place = start + i - NUM_LANES
-        store_halves(lines[0], place, exact)
-        store_halves(lines[1], place, larger(exact, SLACK * beside))
+        store_rounded(lines[0], place, ONE * exact)
+        store_rounded(lines[1], place, ONE * larger(exact, SLACK * beside))
     for i in range(search.num_shifts, line.size - 2 * NUM_LANES):
         lines[1][start + i] = 0

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from recon.stereo.kernels.halves import Halves
 from recon.stereo.kernels.memory import aligned_empty, aligned_zeros
+from recon.stereo.kernels.shorts import NUM_SHORTS, ShortArray
 from recon.stereo.kernels.simd import NUM_LANES, Floats, filled, kernel
 from recon.stereo.matching.search import Search
 from recon.stereo.matching.windows import SIDE_RADIUS
@@ -18,21 +18,24 @@ _RING_BYTES = 2 << 20
 _NARROWEST = 64
 """Minimum columns of a strip, as it is computed with a margin on both sides."""
 
+ONE = np.float32(32_000)
+"""The score 1 in a ring: room is left in a short for what a sum of rounded parts may exceed it."""
+
 
 class Ring(NamedTuple):
     """Scores of the last rows of a strip: for every second pixel of a row, one lane per shift."""
 
-    scores: Halves
+    scores: ShortArray
     """(2 * rows * columns * lanes,) exact scores, then those with slack for slanted surfaces.
 
-    In half precision: its rounding, averaged over a window, is far below what separates two shifts,
-    and twice as many scores fit into the cache."""
+    In units of 1 / `ONE`: their rounding is far below what separates two shifts, and twice as many
+    scores fit into the cache, and are added up at once, as in single precision."""
     rows: int
     every: int
     """Step between image rows with scores; see `Search`."""
     columns: int
     lanes: int
-    """Shifts, padded to multiples of 2 * `NUM_LANES`."""
+    """Shifts, padded to multiples of `NUM_SHORTS`."""
     width: int
     """Image columns in a strip; with a margin of SIDE_RADIUS on both sides they are twice
     `columns`, which are whole lanes."""
@@ -48,7 +51,7 @@ class Ring(NamedTuple):
 
 def make_ring(num_channels: int, search: Search, size: int) -> Ring:
     """An empty ring for the strips of `size` columns of an image."""
-    lanes = filled(search.num_shifts, 2 * NUM_LANES)
+    lanes = filled(search.num_shifts, NUM_SHORTS)
     rows = 2 * SIDE_RADIUS // search.every + 1
     fitting = _RING_BYTES // (2 * rows * lanes * 2) * 2 - 2 * SIDE_RADIUS
     num_strips = -(-size // max(fitting, _NARROWEST))
@@ -57,7 +60,7 @@ def make_ring(num_channels: int, search: Search, size: int) -> Ring:
     reach = filled(2 * columns + 2 * NUM_LANES + lanes)
     return Ring(
         # Every line is written before it is read.
-        scores=aligned_empty(rows * columns * lanes).view(np.uint16),
+        scores=aligned_empty(rows * columns * lanes).view(np.int16),
         rows=rows,
         every=search.every,
         columns=columns,

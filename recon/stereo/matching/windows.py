@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.stereo.kernels.shorts import WHOLE, ShortArray
 from recon.stereo.kernels.simd import Floats, Integers, filled
 
 RADIUS = 7
@@ -83,10 +84,7 @@ def disc(every: int) -> Members:
 
 @cache
 def half_disc(sign: int, every: int) -> Members:
-    """The half disc ahead of (+1) or behind (-1) an edge, by parities and then by direction.
-
-    The weights of a window sum to 1.
-    """
+    """The half disc ahead of (+1) or behind (-1) an edge, by parities and then by direction."""
     dv, du, weight = _disc(SIDE_RADIUS)
     windows = []
     for odd_v, odd_u in product((0, 1), repeat=2):
@@ -94,7 +92,7 @@ def half_disc(sign: int, every: int) -> Members:
         for direction in (np.arange(DIRECTIONS) + 0.5) * np.pi / DIRECTIONS:
             ahead = sign * (du * np.cos(direction) + dv * np.sin(direction)) >= _SIDE_GAP
             rows = ahead & chosen
-            windows.append((dv[rows], du[rows], weight[rows] / weight[rows].sum()))
+            windows.append((dv[rows], du[rows], weight[rows]))
     return _stacked(windows)
 
 
@@ -108,6 +106,8 @@ class Window(NamedTuple):
     pixel: Integers
     """Offset from the centre in the flat image with its margin."""
     weight: Floats
+    share: ShortArray
+    """The weights as shares of their sum."""
 
 
 @lru_cache(maxsize=16)
@@ -135,12 +135,15 @@ def _window(members: Members, every: int, steps: tuple[int, int, int], stride: i
     row = (members.dv + number[:, None] // 2) // every if every > 1 else members.dv
     column = (number[:, None] % 2 + members.du) >> 1
     lanes, line, slack = steps
+    share = members.weight / members.weight.sum(axis=1, keepdims=True)
     return Window(
         row=row,
         offset=column * lanes + row * line + members.slack * slack,
         pixel=members.dv * stride + members.du,
         weight=members.weight,
+        share=np.rint(share * (WHOLE - 1)).astype(np.int16),
     )
 
 
-LIKENESS = np.exp(-np.arange(256) / _CONTRAST).astype(np.float32)
+LIKENESS = np.exp(-np.abs(np.arange(-255, 256)) / _CONTRAST).astype(np.float32)
+"""Factor of the weight of a pixel, by its grey level minus that of the centre, from -255 on."""
