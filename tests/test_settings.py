@@ -10,6 +10,7 @@ from recon.settings import (
     PRESETS,
     QUALITIES,
     Settings,
+    merged,
     parse_overrides,
     to_toml,
     tolerated,
@@ -56,9 +57,21 @@ def test_overrides_are_parsed_as_toml_or_as_a_word():
     [
         ("matching.max_dispraity=3", "matching.max_dispraity is unknown.*matching.max_disparity"),
         ("maps.cell_size=3", "maps is unknown; the nearest known name is map"),
-        ("map.cell_size=-1", "map.cell_size is -1: .*greater than 0"),
-        ("map.cell_size=inf", "map.cell_size is inf"),
-        ("matching.keep=many", "matching.keep is 'many'"),
+        ("cell_size=3", "cell_size is unknown; the nearest known name is map.cell_size"),
+        ("map=3", "map is 3, but a table is needed"),
+        ("map.cell_size=-1", "map.cell_size is -1, but a number > 0 is needed"),
+        ("map.cell_size=inf", "map.cell_size is inf, but a finite number is needed"),
+        ("map.cell_size=true", "map.cell_size is 'True', but a number is needed"),
+        ("map.max_sigma=true", "map.max_sigma is 'True', but a number is needed"),
+        ("map.min_count=2.5", "map.min_count is 2.5, but a whole number is needed"),
+        ("map.occupancy=count,views", "map.occupancy is 'count,views', but a list, such as"),
+        ("map.occupancy=['x']", "map.occupancy.0 is 'x', but 'count', 'weight', .* is needed"),
+        ("features.widths_px=[]", r"widths_px is \[\], but a list of at least 1 is needed"),
+        ("sequence.roi=[1, 2]", "sequence.roi.2 is missing"),
+        ("exploration.start_position=1", "exploration.start_position is 1, but a list, such as"),
+        ("render.mipmaps=7", "render.mipmaps is 7, but true or false is needed"),
+        ("matching.keep=many", "matching.keep is 'many', but a whole number is needed"),
+        ("=3", "stage.name=value is needed"),
         ("map.cell_size", "stage.name=value is needed"),
         ("matching.max_disparity=-5", "max_disparity -5 is below min_disparity 0"),
     ],
@@ -66,6 +79,18 @@ def test_overrides_are_parsed_as_toml_or_as_a_word():
 def test_invalid_setting_is_named(override, message):
     with pytest.raises(InputError, match=message):
         updated(Settings(), parse_overrides([override]), "--set")
+
+
+def test_keys_of_a_file_may_be_those_of_set(tmp_path):
+    file = tmp_path / "settings.toml"
+    file.write_text('"map.cell_size" = 0.5\n"map.min_count" = 3\n[matching]\nkeep = 7\n')
+    settings = updated(Settings(), read_toml(file))
+    assert (settings.map.cell_size, settings.map.min_count, settings.matching.keep) == (0.5, 3, 7)
+
+
+def test_later_tables_take_precedence_value_by_value():
+    tree = merged({"map.cell_size": 1.0, "map.min_count": 2}, {"map": {"cell_size": 3.0}})
+    assert tree == {"map": {"cell_size": 3.0, "min_count": 2}}
 
 
 def test_invalid_toml_file_is_named(tmp_path):

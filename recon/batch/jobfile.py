@@ -122,7 +122,7 @@ def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -
         if key in table:
             tree = merged(tree, _choice(_text(table, key, source), key, source))
     for changes in (_table(table, "settings", source), point):
-        tree = merged(tree, _tree(changes))
+        tree = merged(tree, changes)
     return updated(Settings(), tree, source)
 
 
@@ -142,25 +142,14 @@ def _choice(word: str, key: str, source: str) -> Mapping[str, Any]:
     return tree
 
 
-def _tree(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Settings by stage, from keys "stage.name" or tables of stages."""
-    tree: Mapping[str, Any] = {}
-    for key, value in values.items():
-        stage, dot, name = key.partition(".")
-        if not dot and not isinstance(value, Mapping):
-            raise InputError(f"{key} = {value!r} is not a setting, but stage.name = value is")
-        tree = merged(tree, {stage: {name: value}} if dot else {stage: value})
-    return tree
-
-
 def _sweep(table: Any, path: Path) -> tuple[dict[str, Any], ...]:
     """Every combination of the values of a sweep."""
     if not isinstance(table, Mapping):
         raise InputError(f"{path}: sweep is {table!r}, but a table is needed")
     flat = {
         f"{stage}.{name}": value
-        for stage, values in _tree(table).items()
-        for name, value in values.items()
+        for stage, values in merged(table).items()
+        for name, value in _table({stage: values}, stage, f"{path}: sweep").items()
     }
     for key, values in flat.items():
         if not isinstance(values, list) or not values:

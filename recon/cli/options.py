@@ -199,27 +199,13 @@ def build_settings(given: dict[str, Any]) -> "Settings":
         settings = updated(settings, read_toml(file), str(file))
     if given.get("quality") is not None:
         settings = qualified(settings, given["quality"])
-    options = {name.replace("__", "."): value for name, value in given.items() if "__" in name}
-    settings = updated(settings, tree(options), "options")
+    options = {
+        name.replace("__", "."): value
+        for name, value in given.items()
+        if "__" in name and value is not None
+    }
+    settings = updated(settings, options, "options")
     return updated(settings, parse_overrides(given["overrides"]), "--set")
-
-
-def tree(flat: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Tables by stage of values by "stage.name"; what is None was not given."""
-    tables: dict[str, dict[str, Any]] = {}
-    for key, value in flat.items():
-        stage, _, name = key.partition(".")
-        if value is not None:
-            tables.setdefault(stage, {})[name] = value
-    return tables
-
-
-class StderrHandler(logging.Handler):
-    """Logs as lines on stderr."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Print one record."""
-        click.echo(f"recon: {record.getMessage()}", err=True)
 
 
 def start_logging(given: dict[str, Any]) -> None:
@@ -240,3 +226,11 @@ def stop_logging() -> None:
 def print_json(document: object) -> None:
     """The one document of --json."""
     click.echo(json.dumps(document, indent=2, allow_nan=False))
+
+
+class StderrHandler(logging.Handler):
+    """Logs as lines on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one record."""
+        click.echo(f"recon: {record.getMessage()}", err=True)

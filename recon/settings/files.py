@@ -8,7 +8,7 @@ from typing import Any, get_args, get_type_hints
 import tomli_w
 from pydantic import ValidationError
 
-from recon.errors import InputError, unknown
+from recon.errors import InputError, nearest, unknown
 from recon.settings.stage import first_fault, given
 from recon.settings.stages import S, Stages
 from recon.settings.world import FOLLOWERS
@@ -34,16 +34,15 @@ def to_toml(settings: Stages) -> str:
     return tomli_w.dumps(to_tree(settings))
 
 
-def parse_overrides(overrides: Iterable[str]) -> Tree:
-    """Tables from lines "stage.name=value", the value in TOML or a bare word."""
-    tree: Tree = {}
+def parse_overrides(overrides: Iterable[str]) -> dict[str, Any]:
+    """Values by "stage.name" from lines "stage.name=value", the value in TOML or a bare word."""
+    values: dict[str, Any] = {}
     for line in overrides:
         key, equals, text = line.partition("=")
-        stage, dot, name = key.strip().partition(".")
-        if not (equals and dot and name):
+        if not (equals and key.strip()):
             raise InputError(f"--set is {line!r}, but stage.name=value is needed")
-        tree.setdefault(stage, {})[name] = _value(text.strip())
-    return tree
+        values[key.strip()] = _value(text.strip())
+    return values
 
 
 def _value(text: str) -> Any:
@@ -58,16 +57,26 @@ def given_tree(settings: Stages) -> Tree:
     return {stage: given(getattr(settings, stage)) for stage in STAGES}
 
 
-def merged(weaker: Mapping[str, Any], stronger: Mapping[str, Any]) -> Tree:
-    """The union of both trees; if both have a value, that of the stronger one."""
-    return {
-        stage: {**weaker.get(stage, {}), **stronger.get(stage, {})}
-        for stage in [*weaker, *(stage for stage in stronger if stage not in weaker)]
-    }
+def merged(*given: Mapping[str, Any]) -> Tree:
+    """Tables by stage from values by "stage.name" or tables; later ones take precedence."""
+    tree: dict[str, Any] = {}
+    for key, value in (pair for values in given for pair in values.items()):
+        stage, dot, name = key.partition(".")
+        table = {name: value} if dot else value
+        is_joined = isinstance(table, Mapping) and isinstance(tree.get(stage), Mapping)
+        tree[stage] = {**tree[stage], **table} if is_joined else table
+    return tree
 
 
 def updated(settings: S, changes: Mapping[str, Any], source: str = "settings") -> S:
     """`settings` with the values of `changes`, all of them checked; the word "none" is None.
+
+    Parameters
+    ----------
+    changes : mapping
+        Values by "stage.name", or in tables by stage.
+    source : str
+        What errors name as their place.
 
     Raises
     ------
@@ -75,8 +84,9 @@ def updated(settings: S, changes: Mapping[str, Any], source: str = "settings") -
         For an unknown name, with the nearest known one, and for a value out of its range.
     """
     stages = {stage: getattr(settings, stage) for stage in STAGES}
-    for stage, values in changes.items():
-        _check_known(stage, STAGES, source)
+    for stage, values in merged(changes).items():
+        if stage not in STAGES:
+            raise InputError(_unknown_stage(stage, source))
         if not isinstance(values, Mapping):
             raise InputError(f"{source}: {stage} is {values!r}, but a table is needed")
         known = [f"{stage}.{known.name}" for known in fields(STAGES[stage])]
@@ -93,6 +103,16 @@ def _plain(stage: str, name: str, value: Any) -> Any:
         return value
     kind = get_type_hints(STAGES[stage], include_extras=True)[name]
     return None if type(None) in get_args(kind) else value
+
+
+def _unknown_stage(name: str, source: str) -> str:
+    """The message about a name that is no stage, but may be a setting without its stage."""
+    settings = {
+        one.name: f"{stage}.{one.name}" for stage in STAGES for one in fields(STAGES[stage])
+    }
+    known = settings | dict.fromkeys(STAGES)
+    found = nearest(name, known)
+    return f"{source}: {name} is unknown; the nearest known name is {known[found] or found}"
 
 
 def _check_known(name: str, known: Iterable[str], source: str) -> None:

@@ -82,7 +82,7 @@ def test_jobs_survive_pickling(tmp_path):
         (JOB + 'settings = { "map.cell_size" = -1 }\n', "map.cell_size is -1"),
         (JOB + "settings = 3\n", "settings is 3, but a table"),
         (JOB + "arguments = [1]\n", r"arguments is \[1\], but a table"),
-        (JOB + "[sweep]\nmap = [1]\n", r"map = \[1\] is not a setting"),
+        (JOB + "[sweep]\nmap = [1]\n", r"sweep: map is \[1\], but a table is needed"),
         (JOB + JOB, "2 jobs are named 'a'"),
         (JOB.replace('"a"', '"../a"'), r"name is '../a'"),
         (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),

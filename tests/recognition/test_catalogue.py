@@ -57,7 +57,7 @@ def test_user_catalogue_adds_a_kind(tmp_path):
     ("text", "message"),
     [
         ("[[object]\n", "but a TOML file is needed"),
-        ("", "object: Field required"),
+        ("", "object is missing"),
         (
             '[[object]]\nname = "x"\nparts = []\n',
             "object.0: exactly one of parts and learned is needed",
@@ -68,11 +68,11 @@ def test_user_catalogue_adds_a_kind(tmp_path):
         ),
         (
             '[[object]]\nname = "x"\nmin_seen = 1.5\nparts = [{ role = "a", shapes = ["cone"] }]\n',
-            r"bad.toml:3: object.0.min_seen is 1.5: ",
+            r"bad.toml:3: object.0.min_seen is 1.5, but a number <= 1 is needed",
         ),
         (
             '[[object]]\nname = "x"\ncolour = 1\nparts = [{ role = "a", shapes = ["cone"] }]\n',
-            "object.0.colour",
+            "object.0.colour is unknown",
         ),
     ],
 )
