@@ -1,10 +1,14 @@
 """Connected components of cells, by cell index or by point density."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from recon.recognition.unions import joined_roots, linked_roots, numbered
+from recon.recognition.adjacency import neighbours
+from recon.recognition.cells import distinct
+from recon.recognition.unions import joined_roots, linked_roots, numbered, touching_roots
 
 NUM_LINKS = 24
 """Neighbours a point may be linked to: the number within reach on a surface."""
@@ -34,35 +38,47 @@ def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     label : (K,) int32
         0, 1, ... in the order of the components' first points.
     """
-    roots = np.arange(len(points))
-    if len(points) < 2:
+    roots = _near_roots(points, least)
+    if not roots.any():
         return roots.astype(np.int32)
-    tree, rows, reach = cKDTree(points), roots, np.empty(0)
-    for count in FEW_LINKS, NUM_LINKS:
+    tree, count = cKDTree(points), len(points)
+    spacing, _ = tree.query(points, k=[min(SPACING_RANK + 1, count)])
+    # The denser side decides: a speck far off joins nothing, and dense points are linked already.
+    reach = LINK_SPACINGS * np.asarray(spacing)[:, 0]
+    rows = np.flatnonzero(reach > least)
+    for most in FEW_LINKS, NUM_LINKS:
         if not len(rows):
             break
-        distances, near = map(np.asarray, tree.query(points[rows], k=min(count, len(points))))
-        if not len(reach):
-            # The denser side decides: a speck far off joins nothing.
-            reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, len(points) - 1)]
+        distances, near = map(np.asarray, tree.query(points[rows], k=min(most, count)))
         roots = linked_roots(roots, rows, distances, near, reach, least)
-        rows = _unsettled(points, roots, reach, least)
+        rows = _unsettled(points, roots, reach, rows)
     label: NDArray[np.int32] = numbered(roots)
     return label
+
+
+def _near_roots(points: NDArray[np.float64], least: float) -> NDArray[np.int64]:
+    """Roots (K,) of points linked to those closer than `least`: often all, without a tree."""
+    # Cells as wide as this hold only points that are linked, none beyond the second next cell.
+    index = np.floor(points * (math.sqrt(3.0) / least)).astype(np.int64)
+    cells, cell = distinct(index)
+    order = np.argsort(cell, kind="stable")
+    starts = np.searchsorted(cell[order], np.arange(len(cells) + 1))
+    roots: NDArray[np.int64] = touching_roots(points, order, starts, neighbours(cells, 2), least)
+    return roots
 
 
 def _unsettled(
     points: NDArray[np.float64],
     roots: NDArray[np.int64],
     reach: NDArray[np.float64],
-    least: float,
+    rows: NDArray[np.intp],
 ) -> NDArray[np.intp]:
-    """Points that may yet be linked to another component: none deep in the largest one."""
+    """Those rows that may yet be linked to another component: none deep in the largest one."""
     inside = roots == np.argmax(np.bincount(roots))
     if inside.all():
         return np.empty(0, dtype=np.intp)
-    away, _ = cKDTree(points[~inside]).query(points)
-    return np.flatnonzero(away <= np.maximum(reach, least))
+    away, _ = cKDTree(points[~inside]).query(points[rows])
+    return rows[away <= reach[rows]]
 
 
 def joined(pairs: NDArray[np.intp], num_nodes: int) -> NDArray[np.int32]:

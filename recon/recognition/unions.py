@@ -19,6 +19,49 @@ def joined_roots(pairs: Numbers, num_nodes: int) -> Numbers:
 
 
 @njit(cache=True)
+def touching_roots(
+    points: Array, order: Numbers, starts: Numbers, pairs: Numbers, reach: float
+) -> Numbers:
+    """Root (N,) of each point after those of one cell, and those within reach, were joined.
+
+    Parameters
+    ----------
+    points : (N, 3)
+    order : (N,) their rows, cell by cell
+    starts : (C + 1,) where the rows of each cell start
+    pairs : (E, 2)
+        Neighbouring cells; only between these there are links.
+    reach : float
+        At least the diagonal of a cell.
+    """
+    parent = np.arange(len(points))
+    for cell in range(len(starts) - 1):
+        for k in range(starts[cell] + 1, starts[cell + 1]):
+            _join(parent, order[starts[cell]], order[k])
+    for first, second in pairs:
+        own = order[starts[first] : starts[first + 1]]
+        others = order[starts[second] : starts[second + 1]]
+        # All of a cell have one root.
+        if _root(parent, own[0]) != _root(parent, others[0]) and _touch(points, own, others, reach):
+            _join(parent, own[0], others[0])
+    _settle(parent)
+    return parent
+
+
+@njit(cache=True)
+def _touch(points: Array, first: Numbers, second: Numbers, reach: float) -> bool:
+    """True if two groups of points have some within reach of each other."""
+    for i in first:
+        for j in second:
+            square = 0.0
+            for axis in range(3):
+                square += (points[i, axis] - points[j, axis]) ** 2
+            if square <= reach * reach:
+                return True
+    return False
+
+
+@njit(cache=True)
 def linked_roots(
     roots: Numbers, rows: Numbers, distances: Array, near: Numbers, reach: Array, least: float
 ) -> Numbers:

@@ -50,9 +50,9 @@ class Ellipsoid:
 
     def distances(self, points: Array) -> Array:
         """(N,) distances of points (N, 3) to the surface."""
-        local = np.abs((points - self.centre) @ self.axes.T)
+        local = np.abs(self.axes @ (points - self.centre).T)
         foot = _foot_on_ellipsoid(local, self.radii)
-        away: Array = np.linalg.norm(local - foot, axis=1)
+        away: Array = np.linalg.norm(local - foot, axis=0)
         return away
 
 
@@ -214,24 +214,24 @@ def _to_segment(profile: Array, start: tuple[float, float], end: tuple[float, fl
 
 
 def _foot_on_ellipsoid(local: Array, radii: Array) -> Array:
-    """Nearest surface points of points in the positive octant.
+    """Nearest surface points (3, N) of points (3, N) in the positive octant.
 
     The foot of p is ``r^2 p / (t + r^2)`` for the one root t > -min(r)^2 of ``sum (r p / (t +
     r^2))^2 = 1``. The sum is decreasing and convex, so that Newton steps from below the root
     increase towards it; they start where no term exceeds 1.
     """
     scale = float(radii.max())
-    squares = (radii / scale) ** 2
+    squares = (radii[:, None] / scale) ** 2
     # Points on a plane of symmetry are moved slightly off it, which makes their root simple.
     points = np.maximum(local / scale, 1e-9)
-    weighted = points * radii / scale
-    root = (weighted - squares).max(axis=1, initial=-np.inf)
+    weighted = points * radii[:, None] / scale
+    root = (weighted - squares).max(axis=0, initial=-np.inf)
     for _ in range(MOST_STEPS):
-        from_pole = root[:, None] + squares
+        from_pole = root + squares
         terms = (weighted / from_pole) ** 2
-        step = (terms.sum(axis=1) - 1.0) / (2.0 * (terms / from_pole).sum(axis=1))
+        step = (terms.sum(axis=0) - 1.0) / (2.0 * (terms / from_pole).sum(axis=0))
         root = root + np.maximum(step, 0.0)
         if (step <= CONVERGED * (1.0 + np.abs(root))).all():
             break
-    foot: Array = scale * squares * points / (root[:, None] + squares)
+    foot: Array = scale * squares * points / (root + squares)
     return foot

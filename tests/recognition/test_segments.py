@@ -98,6 +98,16 @@ def test_link_distance_follows_the_point_density():
     assert label[0] != label[-1]
 
 
+@pytest.mark.parametrize(("gap", "num_components"), [(0.98, 1), (1.02, 2)])
+def test_dense_points_are_linked_up_to_the_reach_in_every_direction(gap, num_components):
+    grid = np.stack(np.meshgrid(*[np.arange(0.0, 1.0, 0.25)] * 3), axis=-1).reshape(-1, 3)
+    for away in np.random.default_rng(4).normal(size=(40, 3)):
+        side = away / np.linalg.norm(away)
+        corner, other = (grid[np.argmax(sign * grid @ side)] for sign in (1.0, -1.0))
+        label = linked(np.concatenate([grid, grid - other + corner + gap * side]), 1.0)
+        assert label.max() + 1 == num_components
+
+
 def test_box_on_a_box_is_two_pieces_and_a_ball_is_one():
     rng = np.random.default_rng(3)
     eye = np.array([2.0, 3.0, 4.0])

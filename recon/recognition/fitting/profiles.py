@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Pair = tuple[float, float]
-Profile = Pair
-"""rho and y."""
 Profiles = tuple[Array, Array]
-"""The same of several points."""
+"""rho and y of points."""
 
 NUM_RADII = {"cylinder": 1, "sphere": 0, "ellipsoid": 1, "truncated cone": 2}
 """Number of radii of a part, besides its lower and upper end."""
@@ -47,30 +45,43 @@ def to_parts(
         With respect to the axis, the heights above the ground, and the radii.
     nearest : (N,) number of the part
     """
-    x, z, y = points[:, 0] - axis[0], points[:, 2] - axis[1], points[:, 1].copy()
-    rho = np.maximum(np.sqrt(x * x + z * z), 1e-12)
-    signed, nearest = _nearest((rho, y), heights, outlines, radii, counts)
-    first = 2 + len(outlines)
-    # Stored by columns, along which the normal equations add up.
-    gradient = np.zeros((first + counts.sum(), len(points))).T
-    columns, numbers = np.cumsum(counts) - counts, np.empty(7)
+    # Four arrays, not one: the compiler must see that they do not overlap.
+    size = len(points)
+    x, z, rho, y = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
     for i in range(len(points)):
-        part = nearest[i]
-        own, count = columns[part], counts[part]
-        ends = heights[part], heights[part + 1]
+        x[i], z[i], y[i] = points[i, 0] - axis[0], points[i, 2] - axis[1], points[i, 1]
+        rho[i] = max(math.sqrt(x[i] * x[i] + z[i] * z[i]), 1e-12)
+    signed, nearest = _nearest((rho, y), heights, outlines, radii, counts)
+    first, own = 2 + len(outlines), 2 + len(outlines)
+    # A row for each step, along which the normal equations add up.
+    gradient, slopes = np.zeros((first + counts.sum(), len(points))), np.empty((5, len(points)))
+    for part in range(len(outlines)):
+        ends, count, rims = (heights[part], heights[part + 1]), counts[part], radii[own - first :]
         if outlines[part] == ARC:
-            _to_arc((rho[i], y[i]), ends, radii[own] if count else 0.0, count == 0, numbers)
+            _to_arc((rho, y), ends, rims[0] if count else 0.0, count == 0, slopes)
         else:
-            _to_segment((rho[i], y[i]), ends, (radii[own], radii[own + count - 1]), numbers)
-        gradient[i, 0] = -numbers[0] * x[i] / rho[i]
-        gradient[i, 1 + part], gradient[i, 2 + part] = numbers[2], numbers[3]
+            _to_segment((rho, y), ends, (rims[0], rims[count - 1]), slopes)
         if count == 1:
-            gradient[i, first + own] = numbers[4] + numbers[5]
-        elif count == 2:
-            gradient[i, first + own], gradient[i, first + own + 1] = numbers[4], numbers[5]
+            slopes[3] += slopes[4]
+        _add_own(slopes[0], nearest, part, gradient[0])
         # The lowest end is the known ground.
-        gradient[i, 1] = -numbers[0] * z[i] / rho[i]
-    return signed, gradient, nearest
+        if part > 0:
+            _add_own(slopes[1], nearest, part, gradient[1 + part])
+        _add_own(slopes[2], nearest, part, gradient[2 + part])
+        for k in range(count):
+            _add_own(slopes[3 + k], nearest, part, gradient[own + k])
+        own += count
+    for i in range(len(points)):
+        outwards = gradient[0, i]
+        gradient[0, i], gradient[1, i] = -outwards * x[i] / rho[i], -outwards * z[i] / rho[i]
+    return signed, gradient.T, nearest
+
+
+@njit(cache=True)
+def _add_own(slopes: Array, nearest: Numbers, part: int, total: Array) -> None:
+    """Add the slopes (N,) of the points that are nearest to one part."""
+    for i in range(len(total)):
+        total[i] += slopes[i] if nearest[i] == part else 0.0
 
 
 @njit(cache=True)
@@ -124,36 +135,39 @@ def _from_arc(profiles: Profiles, ends: Pair, radius: float, is_sphere: bool) ->
 
 
 @njit(cache=True, error_model="numpy")
-def _to_segment(profile: Profile, ends: Pair, rims: Pair, out: Array) -> None:
-    """Write the derivatives of the distance by rho, y, both ends and both radii."""
-    (rho, y), (low, high), (bottom, top) = profile, ends, rims
+def _to_segment(profiles: Profiles, ends: Pair, rims: Pair, out: Array) -> None:
+    """Write the derivatives (5, N) of distances by rho, both ends and both radii."""
+    (rhos, ys), (low, high), (bottom, top) = profiles, ends, rims
     run, rise = top - bottom, high - low
-    share = ((rho - bottom) * run + (y - low) * rise) / max(run * run + rise * rise, 1e-12)
-    share = min(max(share, 0.0), 1.0)
-    across, up = rho - bottom - share * run, y - low - share * rise
-    length = math.sqrt(across * across + up * up)
-    side = -1.0 if across * rise - up * run < 0 else 1.0
-    normal_rho, normal_y = side * across / max(length, 1e-12), side * up / max(length, 1e-12)
-    # The derivative of a distance keeps the nearest point at its position on the segment.
-    out[0], out[1] = normal_rho, normal_y
-    out[2], out[3] = -(1.0 - share) * normal_y, -share * normal_y
-    out[4], out[5] = -(1.0 - share) * normal_rho, -share * normal_rho
+    square = max(run * run + rise * rise, 1e-12)
+    for i in range(len(rhos)):
+        share = ((rhos[i] - bottom) * run + (ys[i] - low) * rise) / square
+        share = min(max(share, 0.0), 1.0)
+        across, up = rhos[i] - bottom - share * run, ys[i] - low - share * rise
+        length = math.sqrt(across * across + up * up)
+        side = -1.0 if across * rise - up * run < 0 else 1.0
+        normal_rho, normal_y = side * across / max(length, 1e-12), side * up / max(length, 1e-12)
+        # The derivative of a distance keeps the nearest point at its position on the segment.
+        out[0, i] = normal_rho
+        out[1, i], out[2, i] = -(1.0 - share) * normal_y, -share * normal_y
+        out[3, i], out[4, i] = -(1.0 - share) * normal_rho, -share * normal_rho
 
 
 @njit(cache=True, error_model="numpy")
-def _to_arc(profile: Profile, ends: Pair, radius: float, is_sphere: bool, out: Array) -> None:
+def _to_arc(profiles: Profiles, ends: Pair, radius: float, is_sphere: bool, out: Array) -> None:
     """Write the same for a sphere, or an ellipsoid of a radius."""
-    (rho, y), (low, high) = profile, ends
+    (rhos, ys), (low, high) = profiles, ends
     middle, half = (low + high) / 2.0, max((high - low) / 2.0, 1e-6)
     wide = half if is_sphere else max(radius, 1e-6)
-    u, v = rho / wide, (y - middle) / half
-    level = max(math.sqrt(u * u + v * v), 1e-9)
-    slope_rho, slope_y = u / wide / level, v / half / level
-    # Level over its slope; the slope is treated as constant in the derivative.
-    scale = 1.0 / max(math.sqrt(slope_rho * slope_rho + slope_y * slope_y), 1e-9)
-    by_half, by_radius = -v * v / level / half, -u * u / level / wide
-    if is_sphere:
-        by_half += by_radius
-    out[0], out[1] = slope_rho * scale, slope_y * scale
-    out[2], out[3] = (-slope_y - by_half) / 2.0 * scale, (-slope_y + by_half) / 2.0 * scale
-    out[4], out[5] = by_radius * scale, 0.0
+    for i in range(len(rhos)):
+        u, v = rhos[i] / wide, (ys[i] - middle) / half
+        level = max(math.sqrt(u * u + v * v), 1e-9)
+        slope_rho, slope_y = u / wide / level, v / half / level
+        # Level over its slope; the slope is treated as constant in the derivative.
+        scale = 1.0 / max(math.sqrt(slope_rho * slope_rho + slope_y * slope_y), 1e-9)
+        by_half, by_radius = -v * v / level / half, -u * u / level / wide
+        by_half += by_radius if is_sphere else 0.0
+        out[0, i] = slope_rho * scale
+        out[1, i] = (-slope_y - by_half) / 2.0 * scale
+        out[2, i] = (-slope_y + by_half) / 2.0 * scale
+        out[3, i], out[4, i] = by_radius * scale, 0.0

@@ -15,7 +15,7 @@ from recon.recognition.naming.assembly import bic_of_pieces
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import box_sizes
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
-from recon.recognition.segments.flat_pieces import FlatPieces, Step, flat_pieces
+from recon.recognition.segments.flat_pieces import FlatPieces, unsplit
 from recon.recognition.segments.solid_pieces import Pieces, solid_pieces
 from recon.records import Box, FitFailure, Plane, Solid, Voxels
 
@@ -38,11 +38,6 @@ MOST_SOLIDS = 6
 """Maximum number of solids that an object is taken apart into."""
 TRUSTS = 0.1, 4.0
 """Limits of the trust in a cell by its number of points."""
-OTHER_WAYS: tuple[tuple[Step, ...], ...] = (("board", "upright"), ("upright", "any"), ("board",))
-"""Orders in which planes are extracted from an object, besides that of their size alone; under a
-board alone the rest are bars."""
-OUTER_WAY: tuple[Step, ...] = ("outer", "upright")
-"""The same for kinds made of planes only."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,19 +67,29 @@ class Case:
         return height / max(box_sizes(self.cells.means)["radius"], 1e-9)
 
     @cached_property
+    def unsplit(self) -> FlatPieces:
+        """The dense cells before planes are taken from them."""
+        return unsplit(self.dense)
+
+    @cached_property
     def faces(self) -> FlatPieces:
         """Planes of any tilt, and bars."""
-        return flat_pieces(self.dense)
+        return self.unsplit.then("any")
 
     @cached_property
     def pieces(self) -> list[FlatPieces]:
-        """Planes and bars of the cells, for every order of extraction."""
-        return [self.faces, *(flat_pieces(self.dense, way) for way in OTHER_WAYS)]
+        """Planes and bars of the cells, for every order of extraction.
+
+        Under a board alone the rest are bars.
+        """
+        board = self.unsplit.then("board")
+        walled = self.unsplit.then("upright").then("any")
+        return [self.faces, board.then("upright"), walled, board]
 
     @cached_property
     def outer(self) -> FlatPieces:
         """Slopes that touch the cells from outside, and upright planes below them."""
-        return flat_pieces(self.dense, OUTER_WAY)
+        return self.unsplit.then("outer").then("upright")
 
     def ways(self, kind: Kind) -> Sequence[Pieces]:
         """The splits of the cells that may show the parts of a kind."""

@@ -21,7 +21,7 @@ def upright_box(points: Array) -> Box:
     turns = _edge_directions(floor)
     along = floor @ np.stack([np.cos(turns), np.sin(turns)])
     across = floor @ np.stack([-np.sin(turns), np.cos(turns)])
-    lows, highs = (np.stack([np.quantile(a, q, axis=0) for a in (along, across)]) for q in BULK)
+    lows, highs = np.quantile(np.stack([along, across]), BULK, axis=1)
     best = int(np.argmin(np.prod(highs - lows, axis=0)))
     c, s = np.cos(turns[best]), np.sin(turns[best])
     axes = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

@@ -172,9 +172,10 @@ def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
     large = counts >= smallest
     if not large.any():
         return np.zeros(len(piece), dtype=np.int32)
-    kept = large[piece]
-    _, nearest = cKDTree(cells.means[kept]).query(cells.means)
-    absorbed: Labels = np.where(kept, piece, piece[kept][nearest]).astype(np.int32)
+    rows, kept = np.flatnonzero(~large[piece]), np.flatnonzero(large[piece])
+    _, nearest = cKDTree(cells.means[kept]).query(cells.means[rows])
+    absorbed = piece.copy()
+    absorbed[rows] = piece[kept[nearest]]
     return absorbed
 
 

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
 from typing import Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from recon.geometry import WORLD_UP
 from recon.recognition.connectivity import grouped, joined
-from recon.recognition.segments.local_planes import local_planes
+from recon.recognition.segments.local_planes import local_planes, surroundings
 from recon.recognition.segments.outer_planes import outer_planes
 from recon.recognition.segments.peeling import LINK_CELLS, ON_PLANE_CELLS, peeled
 from recon.recognition.segments.plane_votes import largest_group
@@ -59,11 +59,13 @@ class FlatPieces:
 
     cells: Voxels
     """Of the object."""
-    planes: tuple[FlatPiece, ...]
+    around: tuple[Rows, Rows]
+    """The cells near each."""
+    planes: tuple[FlatPiece, ...] = ()
     """By step, and of each step by descending size."""
     rest: Rows
     """Cells on none of them."""
-    is_outer: bool
+    is_outer: bool = False
     """True if the first of them were found by what they touch, and not as surfaces."""
 
     def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
@@ -77,6 +79,25 @@ class FlatPieces:
         """Upright bars between the planes."""
         return tuple(_bars(self.cells, self.rest))
 
+    def then(self, step: Step) -> "FlatPieces":
+        """The same with the planes of one step among the rest."""
+        planes, is_left = list(self.planes), np.ones(len(self.rest), np.bool_)
+        for plane, own in _found(self, step, max(LEAST_PLANE, int(LEAST_SHARE * len(self.cells)))):
+            planes.append(piece_of(self.cells, self.rest[own], plane))
+            is_left[own] = False
+        return replace(
+            self,
+            planes=tuple(planes),
+            rest=self.rest[is_left],
+            is_outer=self.is_outer or step == "outer",
+        )
+
+
+def unsplit(cells: Voxels) -> FlatPieces:
+    """An object before planes are taken from it."""
+    around = surroundings(cells.means, NEIGHBOUR_CELLS * cells.cell_size)
+    return FlatPieces(cells=cells, around=around, rest=np.arange(len(cells)))
+
 
 def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
     """Planes of an object, those of each step by descending size, and the bars between them.
@@ -87,24 +108,17 @@ def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
         Planes to extract, one step after the other. Stereo errors are along the rays, which are
         nearly level, so heights are the most accurate, and the tilt of a low board the least.
     """
-    rest = np.arange(len(cells))
-    planes: list[FlatPiece] = []
-    for step in way:
-        least = max(LEAST_PLANE, int(LEAST_SHARE * len(cells)))
-        is_left = np.ones(len(rest), np.bool_)
-        for plane, own in _found(cells.means[rest], step, cells.cell_size, least):
-            planes.append(piece_of(cells, rest[own], plane))
-            is_left[own] = False
-        rest = rest[is_left]
-    return FlatPieces(cells=cells, planes=tuple(planes), rest=rest, is_outer="outer" in way)
+    return reduce(FlatPieces.then, way, unsplit(cells))
 
 
-def _found(points: Array, step: Step, cell_size: float, least: int) -> Iterator[tuple[Plane, Rows]]:
-    """Planes of one step and their points."""
+def _found(pieces: FlatPieces, step: Step, least: int) -> Iterator[tuple[Plane, Rows]]:
+    """Planes of one step in the rest, and their rows of it."""
+    points, cell_size = pieces.cells.means[pieces.rest], pieces.cells.cell_size
     if step == "outer":
         yield from _outer(points, cell_size, least)
     elif step != "board":
-        yield from _peeled(points, step, cell_size, least)
+        choice = _choice(pieces, points, is_upright=step == "upright")
+        yield from _peeled(points, choice, step, cell_size, least)
     elif len(points) >= least:
         board = _board(points, cell_size, least)
         yield from [] if board is None else [board]
@@ -120,24 +134,24 @@ def _outer(points: Array, cell_size: float, least: int) -> Iterator[tuple[Plane,
 
 
 def _peeled(
-    points: Array, step: Step, cell_size: float, least: int
+    points: Array, choice: tuple[Array, Array], step: Step, cell_size: float, least: int
 ) -> Iterator[tuple[Plane, Rows]]:
     """Planes of any tilt, or upright, and their points."""
-    is_upright = step == "upright"
-    middles, normals = _choice(points, is_upright, cell_size)
-    places, directions, number = peeled(points, middles, normals, is_upright, cell_size, least)
+    places, directions, number = peeled(points, *choice, step == "upright", cell_size, least)
     for plane, (place, direction) in enumerate(zip(places, directions, strict=True)):
         yield Plane(point=place, normal=direction), np.flatnonzero(number == plane)
 
 
-def _choice(points: Array, is_upright: bool, cell_size: float) -> tuple[Array, Array]:
+def _choice(pieces: FlatPieces, points: Array, is_upright: bool) -> tuple[Array, Array]:
     """Points and normals (P, 3) of planes to choose from; row n, modulo N, is that of point n.
 
     They are the planes of the points' neighbourhoods, and the level ones through the points: a low
     rim has no neighbourhood that shows its plane.
     """
-    reach = NEIGHBOUR_CELLS * cell_size, ON_PLANE_CELLS * cell_size
-    middles, normals = local_planes(points, is_upright, reach)
+    reach = ON_PLANE_CELLS * pieces.cells.cell_size
+    middles, normals = local_planes(
+        pieces.cells.means, pieces.around, pieces.rest, is_upright, reach
+    )
     if is_upright:
         return middles, normals
     level = np.broadcast_to(np.array(WORLD_UP), points.shape)

@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 from recon.recognition.fitting.principal_axes import TINY, principal_axes
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Vector = tuple[float, float, float]
+Moments = tuple[float, float, float, float, float, float]
+"""Of x with x, y and z, of y with y and z, and of z."""
 
 REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 """Sums in any order, so that several terms are added at once; NaN and infinities stay as they
@@ -18,80 +22,132 @@ WIDE = 2.0
 settles on one of the two faces."""
 NUM_ROUNDS = 3
 """Fits of a neighbourhood's plane."""
+MOST_AT_FIRST = 32
+"""Pairs of neighbours a point for which there is room from the start: some 20 are usual."""
 PARALLEL = 1e-12
 """Square of the sine between two rows below which these are parallel."""
 
 
 @njit(cache=True)
-def local_planes(
-    points: Array, is_upright: bool, reach: tuple[float, float]
-) -> tuple[Array, Array]:
-    """The plane of each point's neighbourhood.
+def surroundings(points: Array, reach: float) -> tuple[Numbers, Numbers]:
+    """The points within reach of each of some, itself among them.
 
     Parameters
     ----------
     points : (N, 3)
-    is_upright : bool
-        Fit upright planes.
-    reach : (float, float)
-        Distances up to which points are neighbours, and vote.
 
     Returns
     -------
-    middles, normals : (N, 3)
+    starts : (N + 1,)
+        Where those of each point start in `near`.
+    near : (M,)
+        Rows of points, those of one point by their first coordinate.
     """
-    middles, normals = np.empty_like(points), np.empty_like(points)
     order = np.argsort(points[:, 0])
-    ordered = np.ascontiguousarray(points[order].T)
-    near, first = np.empty_like(ordered), 0
-    for rank, i in enumerate(order):
-        while ordered[0, rank] - ordered[0, first] > reach[0]:
-            first += 1
-        count = _copy_neighbours(ordered[:, first:], rank - first, reach[0], near)
-        middle, normal = np.zeros(3), np.zeros(3)
+    pairs, count = _near_pairs(np.ascontiguousarray(points[order].T), reach)
+    starts = np.zeros(len(points) + 1, dtype=np.int64)
+    starts[1:] = 1
+    for k in range(count):
+        starts[order[pairs[0, k]] + 1] += 1
+        starts[order[pairs[1, k]] + 1] += 1
+    starts = np.cumsum(starts)
+    near, ends, k = np.empty(starts[-1], dtype=np.int64), starts[:-1].copy(), 0
+    for rank, row in enumerate(order):
+        near[ends[row]] = row
+        ends[row] += 1
+        while k < count and pairs[0, k] == rank:
+            other = order[pairs[1, k]]
+            near[ends[row]], near[ends[other]] = other, row
+            ends[row] += 1
+            ends[other] += 1
+            k += 1
+    return starts, near
+
+
+@njit(cache=True)
+def _near_pairs(ordered: Array, reach: float) -> tuple[Numbers, int]:
+    """Pairs (2, M) of points (3, N), given by their first coordinate, and how many count."""
+    x, y, z = ordered
+    pairs, count = np.empty((2, MOST_AT_FIRST * len(x)), dtype=np.int64), 0
+    for i in range(len(x)):
+        if count + len(x) > pairs.shape[1]:
+            pairs = np.concatenate((pairs, np.empty_like(pairs)), axis=1)
+        for j in range(i + 1, len(x)):
+            dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
+            if dx > reach:
+                break
+            pairs[0, count], pairs[1, count] = i, j
+            # Not an if: no branch predictor would guess it.
+            count += dx * dx + dy * dy + dz * dz <= reach * reach
+    return pairs, count
+
+
+@njit(cache=True)
+def local_planes(
+    points: Array, around: tuple[Numbers, Numbers], rows: Numbers, is_upright: bool, reach: float
+) -> tuple[Array, Array]:
+    """The planes of the neighbourhoods of some points, among these.
+
+    Parameters
+    ----------
+    points : (N, 3)
+    around : tuple
+        The `surroundings` of all of them.
+    rows : (R,)
+        Those that count.
+    is_upright : bool
+        Fit upright planes.
+    reach : float
+        Distance up to which points vote.
+
+    Returns
+    -------
+    middles, normals : (R, 3)
+    """
+    middles, normals = np.empty((len(rows), 3)), np.empty((len(rows), 3))
+    offsets, counts = np.empty((3, len(points))), np.zeros(len(points), dtype=np.int64)
+    counts[rows] = 1
+    for k, row in enumerate(rows):
+        near = offsets[:, : _write_offsets(points, row, around, counts, offsets)]
+        middle, normal = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for _ in range(NUM_ROUNDS):
             # Without a normal all have the same vote.
-            middle, moments = _spread(near, count, middle, normal / (WIDE * reach[1]))
+            middle, moments = _spread(near, middle, normal, 1.0 / (WIDE * reach))
             normal = _level_normal(moments) if is_upright else _normal(moments)
-        middles[i], normals[i] = points[i] + middle, normal
+        for axis in range(3):
+            middles[k, axis] = points[row, axis] + middle[axis]
+            normals[k, axis] = normal[axis]
     return middles, normals
 
 
 @njit(cache=True)
-def _copy_neighbours(ordered: Array, row: int, reach: float, near: Array) -> int:
-    """Write the offsets of those within reach of one point to `near` (3, N); their number.
-
-    Parameters
-    ----------
-    ordered : (3, N)
-        The points by their first coordinate, without those too low for this one.
-    """
-    x, y, z = ordered
-    count = 0
-    for i in range(len(x)):
-        dx, dy, dz = x[i] - x[row], y[i] - y[row], z[i] - z[row]
-        if dx > reach:
-            break
-        near[0, count], near[1, count], near[2, count] = dx, dy, dz
-        # Not an if: no branch predictor would guess it.
-        count += dx * dx + dy * dy + dz * dz <= reach * reach
+def _write_offsets(
+    points: Array, row: int, around: tuple[Numbers, Numbers], counts: Numbers, offsets: Array
+) -> int:
+    """Write the offsets (3, N) of those around one point that count, each 1; their number."""
+    (starts, near), count = around, 0
+    for place in range(starts[row], starts[row + 1]):
+        other = near[place]
+        for axis in range(3):
+            offsets[axis, count] = points[other, axis] - points[row, axis]
+        count += counts[other]
     return count
 
 
 @njit(cache=True, fastmath=REORDERED)
-def _spread(near: Array, count: int, point: Array, across: Array) -> tuple[Array, Array]:
-    """Mean (3,) and moments (6,) of offsets by their votes for a plane.
+def _spread(near: Array, point: Vector, normal: Vector, scale: float) -> tuple[Vector, Moments]:
+    """Mean and moments of offsets (3, N) by their votes for a plane.
 
     Parameters
     ----------
-    across : (3,)
-        Normal of the plane over the reach of the votes.
+    scale : float
+        One over the reach of the votes.
     """
-    a, b, c = across[0], across[1], across[2]
+    a, b, c = normal[0] * scale, normal[1] * scale, normal[2] * scale
     offset = a * point[0] + b * point[1] + c * point[2]
     total, sx, sy, sz = 0.0, 0.0, 0.0, 0.0
     xx, xy, xz, yy, yz, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(count):
+    for i in range(near.shape[1]):
         x, y, z = near[0, i], near[1, i], near[2, i]
         away = a * x + b * y + c * z - offset
         vote = max(1.0 - away * away, 0.0)
@@ -101,41 +157,45 @@ def _spread(near: Array, count: int, point: Array, across: Array) -> tuple[Array
         yy, yz, zz = yy + vote * y * y, yz + vote * y * z, zz + vote * z * z
     share = 1.0 / max(total, TINY)
     mx, my, mz = sx * share, sy * share, sz * share
-    moments = np.array(
-        [xx - sx * mx, xy - sx * my, xz - sx * mz, yy - sy * my, yz - sy * mz, zz - sz * mz]
-    )
-    return np.array([mx, my, mz]), moments
+    moments = xx - sx * mx, xy - sx * my, xz - sx * mz, yy - sy * my, yz - sy * mz, zz - sz * mz
+    return (mx, my, mz), moments
 
 
 @njit(cache=True)
-def _level_normal(moments: Array) -> Array:
+def _level_normal(moments: Moments) -> Vector:
     """The level direction of least variance."""
     turn = 0.5 * math.atan2(2.0 * moments[2], moments[0] - moments[5]) + math.pi / 2.0
-    return np.array([math.cos(turn), 0.0, math.sin(turn)])
+    return math.cos(turn), 0.0, math.sin(turn)
 
 
 @njit(cache=True)
-def _normal(moments: Array) -> Array:
+def _normal(moments: Moments) -> Vector:
     """The direction of least variance: across the rows of the moments less their least value."""
     xx, xy, xz, yy, yz, zz = moments
     least = _least_variance(moments)
-    rows = np.array([[xx - least, xy, xz], [xy, yy - least, yz], [xz, yz, zz - least]])
-    normal, largest = np.zeros(3), 0.0
-    for k in range(3):
-        across = np.cross(rows[k], rows[(k + 1) % 3])
+    first, second, third = (xx - least, xy, xz), (xy, yy - least, yz), (xz, yz, zz - least)
+    normal, largest = (0.0, 0.0, 0.0), 0.0
+    for across in (_across(first, second), _across(second, third), _across(third, first)):
         square = across[0] ** 2 + across[1] ** 2 + across[2] ** 2
         if square > largest:
             normal, largest = across, square
     scale = xx + yy + zz
     if largest <= PARALLEL * scale**4:
-        whole = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        normal, largest = principal_axes(whole)[1][0], 1.0
-    normal /= math.sqrt(largest)
-    return normal
+        axis = principal_axes(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))[1][0]
+        return axis[0], axis[1], axis[2]
+    length = math.sqrt(largest)
+    return normal[0] / length, normal[1] / length, normal[2] / length
 
 
 @njit(cache=True)
-def _least_variance(moments: Array) -> float:
+def _across(first: Vector, second: Vector) -> Vector:
+    """The cross product."""
+    (a, b, c), (d, e, f) = first, second
+    return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+@njit(cache=True)
+def _least_variance(moments: Moments) -> float:
     """The least eigenvalue of symmetric moments, by the trigonometric formula."""
     xx, xy, xz, yy, yz, zz = moments
     mean = (xx + yy + zz) / 3.0
