@@ -17,8 +17,10 @@ JOB_KEYS = ("name", "command", "input", "settings", "seed", "preset", "quality",
 FILE_KEYS = ("job", "sweep")
 CHOICES: dict[str, dict[str, Any]] = {"preset": dict(PRESETS), "quality": dict(QUALITIES.items())}
 """Named sets of settings; later ones take precedence."""
-NAME = re.compile(r"[^\W.][\w.=+-]*")
+NAME = re.compile(r"[^-./\x00-\x1f\x7f][^/\x00-\x1f\x7f]*")
 """Valid job names, which become folder names."""
+SHEETS = re.compile(r"(summary|sweep|contact|confusion).*\.(json|csv|png)")
+"""Names of the files of a batch."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +63,10 @@ def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
 
 
 def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
+    """The jobs, if each can have a folder of its own."""
+    for job in jobs:
+        if not NAME.fullmatch(job.name) or SHEETS.fullmatch(job.name):
+            raise InputError(f"{source}: name is {job.name!r}, but that of a new folder is needed")
     for name, number in Counter(job.name for job in jobs).items():
         if number > 1:
             raise InputError(f"{source}: {number} jobs are named {name!r}; give each its own name")
@@ -82,21 +88,25 @@ def _jobs_of(
     if not isinstance(table, Mapping):
         raise InputError(f"{source} is {table!r}, but a table is needed")
     _check_keys(table, JOB_KEYS, source)
-    command = _text(table, "command", source)
-    KINDS.check(command)
+    command = _command(table, source)
     found = [_matches(word, folder) for word in _words(table, source)]
     if len(found) == 1:
         groups: list[tuple[Path, ...]] = [(path,) for path in found[0]]
     else:
         groups = [tuple(path for paths in found for path in paths)]
     for group in groups:
-        name = _name(table, group, len(groups) > 1)
+        name = _name(table, group, len(groups) > 1, source)
         for point in sweep or ({},):
             yield NamedJob(
-                name="-".join([name, *(f"{key}={value}" for key, value in point.items())]),
+                name="-".join([name, *(_word(key, value) for key, value in point.items())]),
                 job=_job(table, command, group, point, source),
                 swept=tuple(point.items()),
             )
+
+
+def _word(key: str, value: Any) -> str:
+    """A swept value in the name of a folder."""
+    return f"{key}={value}".replace("/", "_")
 
 
 def _job(
@@ -175,7 +185,7 @@ def _matches(word: str, folder: Path) -> list[Path]:
     A missing path is kept: only its job fails.
     """
     path = folder / word
-    if not any(mark in word for mark in "*?["):
+    if path.exists() or not any(mark in word for mark in "*?["):
         is_shipped = path.name == word and not path.exists() and not Path(word).exists()
         # The worker, which loads the command, checks whether recon ships a recording of that name.
         return [Path(word) if is_shipped else path]
@@ -187,13 +197,23 @@ def _matches(word: str, folder: Path) -> list[Path]:
     return found
 
 
-def _name(table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bool) -> str:
+def _name(
+    table: Mapping[str, Any], inputs: tuple[Path, ...], is_one_of_many: bool, source: str
+) -> str:
     own = table.get("name")
-    stem = inputs[0].stem if inputs[0].suffix else inputs[0].name
-    name = stem if own is None else f"{own}-{stem}" if is_one_of_many else own
-    if not isinstance(name, str) or not NAME.fullmatch(name):
-        raise InputError(f"name is {name!r}, but letters, digits and one of . _ - + = are needed")
-    return name
+    if own is not None and not isinstance(own, str):
+        raise InputError(f"{source}: name is {own!r}, but a word is needed")
+    stem = inputs[0].resolve().name if inputs[0].is_dir() else inputs[0].stem
+    return stem if own is None else f"{own}-{stem}" if is_one_of_many else own
+
+
+def _command(table: Mapping[str, Any], source: str) -> str:
+    command = _text(table, "command", source)
+    try:
+        KINDS.check(command)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
+    return command
 
 
 def _text(table: Mapping[str, Any], key: str, source: str) -> str:

@@ -51,6 +51,21 @@ def test_glob_gives_one_job_per_match(tmp_path):
     assert [one.name for one in found] == ["a", "b"]
 
 
+@pytest.mark.parametrize("name", ["drive 1", "drive (2)", "höhe 中", "2024.05.01", "a#b", "[1]"])
+def test_job_is_named_by_its_input_whatever_that_is_called(tmp_path, name):
+    (tmp_path / "runs" / name).mkdir(parents=True)
+    (found,) = jobs_of_glob(str(tmp_path / "runs" / "*"), "reconstruct")
+    assert found.name == name
+    (found,) = jobs_of_glob(str(tmp_path / "runs" / name), "reconstruct")
+    assert found.job.inputs == (tmp_path / "runs" / name,)
+
+
+def test_swept_path_is_no_folder_of_its_own(tmp_path):
+    text = JOB + '[sweep]\n"recognition.catalogue" = ["a/b.toml", "none"]\n'
+    names = [one.name for one in read_jobs(written(tmp_path, text))]
+    assert names[0] == "a-recognition.catalogue=a_b.toml"
+
+
 def test_sweep_covers_every_combination(tmp_path):
     text = JOB + '[sweep]\n"map.cell_size" = [1.0, 2.0]\nexploration.max_pairs = [1, 2, 3]\n'
     jobs = read_jobs(written(tmp_path, text))
@@ -71,7 +86,7 @@ def test_jobs_survive_pickling(tmp_path):
     [
         ("", r"has no \[\[job\]\] table"),
         ("[[job]]\n", r"job 1 has no command, but a word"),
-        ('[[job]]\ncommand = "fly"\ninput = "a"\n', "kind of job is 'fly'"),
+        ('[[job]]\ncommand = "fly"\ninput = "a"\n', "job 1: kind of job is 'fly'"),
         ('[[job]]\ncommand = "explore"\n', "input is None, but a path or a list"),
         ('[[job]]\ncommand = "explore"\ninput = 3\n', "input is 3"),
         (JOB + "colour = 1\n", "'colour' is unknown, but one of name"),
@@ -84,7 +99,10 @@ def test_jobs_survive_pickling(tmp_path):
         (JOB + "arguments = [1]\n", r"arguments is \[1\], but a table"),
         (JOB + "[sweep]\nmap = [1]\n", r"sweep: map is \[1\], but a table is needed"),
         (JOB + JOB, "2 jobs are named 'a'"),
-        (JOB.replace('"a"', '"../a"'), r"name is '../a'"),
+        (JOB.replace('"a"', '"../a"'), r"jobs.toml: name is '../a'"),
+        (JOB.replace('"a"', '"summary.json"'), "name is 'summary.json', but that of a new folder"),
+        (JOB.replace('"a"', '""'), "name is '', but that of a new folder"),
+        (JOB.replace('"a"', "3"), "job 1: name is 3"),
         (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),
         (JOB.replace("village", "no/*.scene"), "matches no file or folder"),
         ("jobs = 1\n", "'jobs' is unknown"),
