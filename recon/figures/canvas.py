@@ -1,6 +1,9 @@
 """The sheet that figures are drawn on, and its reproducible output to a file."""
 
 import importlib
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -167,6 +170,15 @@ def load_libraries() -> None:
     getattr(load_pyvista(), "Plotter")  # noqa: B009
 
 
+@contextmanager
+def any_characters() -> Iterator[None]:
+    """Do not warn of characters that the font lacks: they are drawn as boxes."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from font")
+        yield
+
+
+@any_characters()
 def pixels(figure: Any) -> Image:
     """The pixels (H, W, 3) of a figure, over white."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -179,6 +191,7 @@ def pixels(figure: Any) -> Image:
     return flat
 
 
+@any_characters()
 def save(figure: Any, path: Path) -> None:
     """Write a figure atomically, in the format of the suffix, without date or program name.
 
@@ -210,6 +223,7 @@ def save(figure: Any, path: Path) -> None:
             figure.savefig(part, format=kind, metadata=nameless)
 
 
+@any_characters()
 def _lay_out(figure: Any) -> None:
     """Run the layout of a figure, unless its axes are placed."""
     engine = figure.get_layout_engine()

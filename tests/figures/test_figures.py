@@ -1,5 +1,7 @@
 """Figures: the right size, the right colours in the right places, the same bytes twice."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -92,6 +94,14 @@ def test_same_figure_gives_the_same_bytes(voxels, ball, tmp_path, ending):
         save(labels(voxels, [ball], sheet=small()), path)
     assert paths[0].read_bytes() == paths[1].read_bytes()
     assert paths[0].stat().st_size > 2000
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_names_in_any_script_are_drawn_without_a_warning(voxels, ball, tmp_path, ending):
+    """Warnings are errors in tests."""
+    named = replace(ball, label="名前")
+    save(labels(voxels, [named], sheet=small()), tmp_path / f"labels.{ending}")
+    pixels(labels(voxels, [named], sheet=small()))
 
 
 def test_unknown_extension_is_rejected(voxels, tmp_path):
