@@ -84,6 +84,8 @@ class Registry(Generic[Part]):
         """
         # Scanning all installed packages is slow; recon's own plug-ins need not wait for it.
         if name in self._own:
+            if name in _registered.get(self.group, ()):
+                say_once(f"{self.noun} {name!r} is recon's own; the registered one is not used")
             return self._loaded(self._own[name])
         self.check(name)
         return self._part(name, self._entries())

@@ -1,6 +1,7 @@
 """`import recon`: the functions for Python callers, their results, and rejected arguments."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ RIG = recon.StereoRig(
     width=8, height=6, focal_px=10.0, cx_left_px=3.5, cx_right_px=3.5, cy_px=2.5, baseline=0.1
 )
 IMAGE = np.zeros((6, 8), np.uint8)
+WORLD = SimpleNamespace(start=print, take=print)
 CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.uint8))
 
 
@@ -54,7 +56,16 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
             "T_world_left",
         ),
         (lambda: recon.match_pair(IMAGE, None), "right image is of type NoneType"),
-        (lambda: recon.match_pair(IMAGE, IMAGE, max_disparity="64"), "max_disparity is of type"),
+        (
+            lambda: recon.match_pair(IMAGE, IMAGE, max_disparity="64"),
+            "max_disparity is '64', but a whole number",
+        ),
+        (lambda: recon.explore(WORLD, controller=3), "controller is 3, but a name or an object"),
+        (lambda: recon.World.from_file(3), "path is 3, but a path is needed"),
+        (lambda: recon.VoxelMap().save(None), "path is None, but a path is needed"),
+        (lambda: recon.execute(None), "job is of type NoneType, but Job is needed"),
+        (lambda: recon.Job(kind="explore", inputs=3), "inputs is of type int"),
+        (lambda: recon.Job(kind="explore", arguments=3), "arguments is of type int"),
         (lambda: recon.match_pair(IMAGE, IMAGE, max_disparity=-1), "below min_disparity"),
         (lambda: recon.match_pair(IMAGE, IMAGE, quality="good"), "quality is 'good'"),
         (lambda: recon.process_pair("pair", recon.Settings(), recon.VoxelMap()), "pair is of"),

@@ -39,13 +39,14 @@ def test_broken_plugin_is_named_in_one_line_and_others_still_load(registry, capl
     assert "'broken'" in caplog.text
 
 
-def test_registered_part_is_found_but_replaces_no_built_in(monkeypatch):
+def test_registered_part_is_found_but_replaces_no_built_in(monkeypatch, caplog):
     monkeypatch.setattr("recon.plugins._registered", {})
     matchers = Registry("recon.matchers", "matcher", OWN)
     register("matchers", "mine", len)
     register("matchers", "join", len)
     assert matchers.load("mine") is len
     assert matchers.load("join") is not len
+    assert "matcher 'join' is recon's own; the registered one is not used" in caplog.text
     assert dict(matchers.parts())["mine"] is len
     with pytest.raises(InputError, match=r"group is 'matcher', but one of .*matchers"):
         register("matcher", "mine", len)

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from recon.errors import check_path
+
 PathLike = str | os.PathLike[str]
 
 # A temporary name: process id, random token, target name.
@@ -29,6 +31,7 @@ def atomic_path(path: PathLike) -> Iterator[Path]:
     OSError
         With the name of the target, for instance if the disk is full.
     """
+    check_path(path)
     wanted = Path(path)
     if not wanted.parent.is_dir():
         # The error names the requested folder, not the temporary name.

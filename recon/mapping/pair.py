@@ -70,7 +70,8 @@ def match_pair(
         raise InputError(f"quality is {quality!r}, but one of {', '.join(QUALITIES)} is needed")
     check_images(left, right)
     for name, value in (("min_disparity", min_disparity), ("max_disparity", max_disparity)):
-        check_type(name, value, int, np.integer)
+        if not isinstance(value, int | np.integer):
+            raise InputError(f"{name} is {value!r}, but a whole number is needed")
     if residual_px is not None:
         check_number("residual_px", residual_px, low=0)
     search = {"min_disparity": min_disparity, "max_disparity": max_disparity}

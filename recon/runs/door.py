@@ -127,6 +127,8 @@ def explore(
     if controller and isinstance(controller, str):
         chosen = updated(chosen, {"exploration": {"controller": controller}})
     own = None if isinstance(controller, str) else controller
+    if own is not None and not callable(getattr(own, "next_view", None)):
+        raise InputError(f"controller is {own!r}, but a name or an object with next_view is needed")
     return lead(source, explorers(chosen), observe, controller=own)
 
 

@@ -3,6 +3,7 @@
 from contextlib import closing
 from pathlib import Path
 
+from recon.errors import check_type
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder
 from recon.runs.artist import Artist
@@ -53,6 +54,7 @@ def execute(
     InputError
         If an input is unusable, or the folder contains another run.
     """
+    check_type("job", job, Job)
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
     with (

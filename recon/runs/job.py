@@ -45,7 +45,9 @@ class Job:
         KINDS.check(self.kind)
         check_type("settings", self.settings, Settings)
         check_number("seed", self.seed, low=0)
+        check_type("arguments", self.arguments, Mapping)
         inputs = (self.inputs,) if isinstance(self.inputs, str | Path) else self.inputs
+        check_type("inputs", inputs, tuple, list)
         object.__setattr__(self, "inputs", tuple(Path(path) for path in inputs))
 
     def resolved(self) -> Self:

@@ -43,8 +43,12 @@ def rectify_files(left: Path, right: Path, calib: Path, output: Path) -> Rectifi
         return _folders(left, right, calib, output)
     images = read_pair(left, right)
     rectify = rectifier(read_calibration(calib), (images[0].shape[1], images[0].shape[0]))
+    try:
+        rectified = rectify(*images)
+    except InputError as error:
+        raise InputError(f"{left} and {right}: {error}") from error
     output.mkdir(parents=True, exist_ok=True)
-    for side, image in zip(("left", "right"), rectify(*images), strict=True):
+    for side, image in zip(("left", "right"), rectified, strict=True):
         _write(output / f"{side}.png", image)
     _write_calibration(output, rectify.rig)
     return Rectified(rig=rectify.rig, num_pairs=1, skipped=())

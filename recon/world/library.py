@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from recon.errors import InputError, nearest
+from recon.errors import InputError, check_path, nearest
 from recon.world.textures import SHIPPED
 
 
@@ -19,6 +19,7 @@ def find_scene(scene: str | Path) -> Path:
     InputError
         If there is neither, with the nearest shipped name.
     """
+    check_path(scene)
     path = Path(scene)
     if path.exists() and not path.is_dir():
         return path

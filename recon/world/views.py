@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from recon.errors import InputError
+from recon.files.documents import read_text
 from recon.geometry import Array
 from recon.records import View
 
 MAX_VIEWS = 10_000
+_MAX_BYTES = 1 << 22
 _ELEVATION_DEG = 25.0
 """Elevation of a ring's cameras, seen from the centre."""
 _ROOM = 1.15
@@ -74,11 +76,23 @@ def _parallel(position: Array, target: Array) -> View:
 def _read(path: Path) -> list[View]:
     if not path.is_file():
         raise InputError(f"views are {str(path)!r}, but ring:N, drive:N or a file is needed")
+    views = [
+        _view(words, f"{path}:{number}")
+        for number, line in enumerate(read_text(path, _MAX_BYTES).splitlines(), start=1)
+        if (words := line.partition("#")[0].split())
+    ]
+    if not 0 < len(views) <= MAX_VIEWS:
+        raise InputError(f"{path} has {len(views)} views, but 1 to {MAX_VIEWS} are needed")
+    return views
+
+
+def _view(words: list[str], place: str) -> View:
     try:
-        rows = np.loadtxt(path, ndmin=2)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from error
-    if rows.shape[1] != 6 or not 0 < len(rows) <= MAX_VIEWS or not np.isfinite(rows).all():
-        raise InputError(f"{path} has rows of {rows.shape[1]} numbers, but x y z of position and "
-                         "target are needed")  # fmt: skip
-    return [_parallel(row[:3], row[3:]) for row in rows]
+        numbers = np.array(words, dtype=np.float64)
+    except ValueError:
+        numbers = np.zeros(0)
+    if numbers.shape != (6,) or not np.isfinite(numbers).all():
+        raise InputError(
+            f"{place}: {' '.join(words)!r:.80}, but x y z of position and target are needed"
+        )
+    return _parallel(numbers[:3], numbers[3:])

@@ -129,6 +129,22 @@ def test_views_are_read_from_a_file(boxes, tmp_path, capsys):
     assert report["num_pairs"] == 2
 
 
+@pytest.mark.parametrize(
+    ("rows", "fault"),
+    [
+        ("1 2 3 4 5\n", ":1: '1 2 3 4 5', but x y z of position and target are needed"),
+        ("# x y z\n0 1 6 0 1 0\nnan 1 6 0 1 0\n", ":3: 'nan 1 6 0 1 0', but x y z of"),
+        ("0 1 6 0 1 here\n", ":1: '0 1 6 0 1 here', but x y z of position"),
+        ("# none\n", " has 0 views, but 1 to 10000 are needed"),
+    ],
+)
+def test_faulty_row_of_views_is_named(boxes, tmp_path, capsys, rows, fault):
+    (tmp_path / "views.txt").write_text(rows)
+    views = str(tmp_path / "views.txt")
+    assert main(["render", str(boxes), "--views", views, "-o", str(tmp_path / "out")]) == 2
+    assert f"{views}{fault}" in capsys.readouterr().err
+
+
 def test_surface_and_truth_must_be_given_together(tmp_path, capsys):
     assert main(["evaluate", "--surface", str(tmp_path)]) == 2
     assert "and nothing else" in capsys.readouterr().err

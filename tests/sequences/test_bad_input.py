@@ -83,14 +83,14 @@ def test_images_of_a_different_size_are_skipped(folder):
         cv2.imwrite(str(folder / side / "000002.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
     assert names == ["000000", "000001", "000003"]
-    assert skipped == {"000002": "its left image has 48 x 32 pixels, but 96 x 64 are needed"}
+    assert skipped == {"000002": "the left image has 48 x 32 pixels, but 96 x 64 are needed"}
 
 
 def test_pairs_of_different_sizes_are_skipped(folder):
     cv2.imwrite(str(folder / "right" / "000000.png"), np.zeros((32, 48), np.uint8))
     names, skipped = read(folder)
     assert len(names) == NUM_PAIRS - 1
-    assert "its right image has 48 x 32" in skipped["000000"]
+    assert "the right image has 48 x 32" in skipped["000000"]
 
 
 def test_truncated_png_is_skipped_without_library_output(folder, capfd):
@@ -239,7 +239,7 @@ def test_first_reason_is_given_if_no_pair_can_be_read(folder):
     shutil.copytree(folder / "left", folder / "right")
     for path in (folder / "right").iterdir():
         cv2.imwrite(str(path), cv2.imread(str(path))[:10])
-    with pytest.raises(InputError, match="the first is 000000: its right image has 96 x 10 pixels"):
+    with pytest.raises(InputError, match="the first is 000000: the right image has 96 x 10 pixels"):
         read(folder)
 
 

@@ -21,6 +21,7 @@ from tests.sequences.drawn_boards import (
     K,
     draw_boards,
 )
+from tests.sequences.recordings import middlebury_keys
 
 
 def chessboard(corners=BOARD, square=SQUARE):
@@ -221,3 +222,13 @@ def test_rectified_images_need_no_further_rectification(board_dirs, tmp_path):
     assert {file.name for file in (tmp_path / "one").iterdir()} == {
         "left.png", "right.png", "calib.txt",
     }  # fmt: skip
+
+
+def test_images_of_different_sizes_leave_no_folder(tmp_path):
+    for side, width in (("left", 96), ("right", 90)):
+        cv2.imwrite(str(tmp_path / f"{side}.png"), np.zeros((64, width), np.uint8))
+    (tmp_path / "calib.txt").write_text(middlebury_keys())
+    images = (tmp_path / "left.png", tmp_path / "right.png")
+    with pytest.raises(InputError, match=r"right\.png: the right image has 90 x 64 pixels"):
+        rectify_files(*images, tmp_path / "calib.txt", tmp_path / "out")
+    assert not (tmp_path / "out").exists()

@@ -43,7 +43,7 @@ class Rectifier:
         for side, image in (("left", left), ("right", right)):
             if image.shape[1::-1] != self.raw_size:
                 raise InputError(
-                    f"its {side} image has {image.shape[1]} x {image.shape[0]} pixels, but "
+                    f"the {side} image has {image.shape[1]} x {image.shape[0]} pixels, but "
                     f"{self.raw_size[0]} x {self.raw_size[1]} are needed"
                 )
         if self.maps is None:

@@ -38,7 +38,8 @@ def made_rigid(name: str, T: Array) -> tuple[Array, float]:
     with np.errstate(over="ignore", invalid="ignore"):
         error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
     if not error <= MAX_ROTATION_ERROR or np.linalg.det(rotation) < 0:
-        raise InputError(f"{name} is not a rotation and translation (R R^T is off by {error:.2g})")
+        fault = "it mirrors" if error <= MAX_ROTATION_ERROR else f"R R^T is off by {error:.2g}"
+        raise InputError(f"{name} is not a rotation and translation ({fault})")
     if error < EXACT:
         return pose(rotation, T[:3, 3]), error
     return pose(Rotation.from_matrix(rotation).as_matrix(), T[:3, 3]), error
