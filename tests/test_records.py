@@ -15,6 +15,7 @@ from recon.records import (
     PointCloud,
     Recognition,
     StereoPair,
+    Trajectory,
     TruncatedCone,
     View,
 )
@@ -105,3 +106,24 @@ def test_objects_round_trip_through_json():
 def test_unknown_shape_is_rejected():
     with pytest.raises(InputError, match="torus with"):
         from_parameters("torus", {"radius": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("row", "fault"),
+    [
+        ("1 0 0", "'1 0 0', but eight numbers are needed"),
+        ("1 0 0 0 0 0 0 one", "'1 0 0 0 0 0 0 one', but eight numbers are needed"),
+        ("1 0 0 0 0 0 0 1 9", "'1 0 0 0 0 0 0 1 9', but eight numbers are needed"),
+    ],
+)
+def test_faulty_row_of_a_trajectory_is_named(row, fault):
+    whole = "# stamp x y z qx qy qz qw\n0 0 0 0 0 0 0 1\n\n"
+    assert Trajectory.from_tum(whole).stamps_s.tolist() == [0]
+    with pytest.raises(InputError, match=f"way.txt, line 4: {fault}"):
+        Trajectory.from_tum(whole + row, "way.txt")
+
+
+@pytest.mark.parametrize("document", [{"objects": 3}, [], {"objects": [3]}])
+def test_objects_of_the_wrong_type_are_damaged_and_lack_no_key(document):
+    with pytest.raises(InputError, match=r"objects\.json is damaged"):
+        from_json(document)

@@ -59,8 +59,10 @@ def do(named: NamedJob, folder: Path) -> Outcome:
     try:
         numbers = _execute(named, folder)
         names = _names(named, folder)
-    except (ReconError, OSError) as error:
+    except ReconError as error:
         fault = " ".join(str(error).split())
+    except OSError as error:
+        fault = f"{error.filename}: {error.strerror}" if error.filename else str(error)
     # A plug-in or an unforeseen error: the batch continues.
     except Exception as error:
         fault = f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -45,6 +45,9 @@ def write(path: Path, columns: Columns) -> None:
         if path.exists():
             path.replace(old)
         new.replace(path)
+    except OSError as error:
+        # Zarr's own errors name no file.
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
     finally:
         if old.exists() and not path.exists():
             old.replace(path)

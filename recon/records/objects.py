@@ -193,9 +193,9 @@ def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
     """
     try:
         return tuple(_object_from_json(found) for found in document["objects"])
-    except (KeyError, TypeError) as error:
-        raise InputError(f"objects.json lacks {error}, which every object needs") from error
-    except (ValueError, AttributeError, IndexError) as error:
+    except KeyError as error:
+        raise InputError(f"objects.json lacks {error}, but every object needs it") from error
+    except (TypeError, ValueError, AttributeError, IndexError) as error:
         raise InputError(f"objects.json is damaged ({' '.join(str(error).split())})") from error
 
 

@@ -67,12 +67,12 @@ class Trajectory:
         """
         from scipy.spatial.transform import Rotation
 
-        try:
-            rows = np.loadtxt(text.splitlines(), ndmin=2) if text.strip() else np.empty((0, 8))
-        except ValueError as error:
-            raise InputError(f"{name}: {error}, but eight numbers per row are needed") from error
-        if rows.shape[1] != 8:
-            raise InputError(f"{name}: {rows.shape[1]} numbers per row, but eight are needed")
+        found = [
+            _numbers(words, f"{name}, line {number}")
+            for number, line in enumerate(text.splitlines(), start=1)
+            if (words := line.partition("#")[0].split())
+        ]
+        rows = np.array(found).reshape(-1, 8)
         if not (np.abs(rows) < MAX_NUMBER).all() or not _turns(rows[:, 4:]).all():
             raise InputError(
                 f"{name}: a row does not contain a pose, or has numbers of {MAX_NUMBER:g} or more"
@@ -80,6 +80,16 @@ class Trajectory:
         turns = Rotation.from_quat(rows[:, 4:]).as_matrix() if len(rows) else np.empty((0, 3, 3))
         poses = [pose(*row) for row in zip(turns, rows[:, 1:4], strict=True)]
         return cls(stamps_s=rows[:, 0], T_world_left=np.array(poses).reshape(-1, 4, 4))
+
+
+def _numbers(words: list[str], place: str) -> list[float]:
+    try:
+        numbers = [float(word) for word in words]
+    except ValueError:
+        numbers = []
+    if len(numbers) != 8:
+        raise InputError(f"{place}: {' '.join(words)!r:.80}, but eight numbers are needed")
+    return numbers
 
 
 def _turns(quaternions: NDArray[np.float64]) -> NDArray[np.bool_]:

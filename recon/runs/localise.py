@@ -83,7 +83,7 @@ def _shown(run: Path, job: Job) -> list[StereoPair]:
 def _inputs(job: Job) -> tuple[Path, Path]:
     run, taken = job.inputs
     if not (run / "map.npz").is_file() or not (run / "trajectory.txt").is_file():
-        raise InputError(f"{run} has no map.npz and trajectory.txt, but a run is needed")
+        raise InputError(f"{run} is not a run: a map.npz and a trajectory.txt are needed")
     return run, taken
 
 

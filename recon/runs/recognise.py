@@ -59,7 +59,7 @@ def read_scene(path: Path, settings: Settings) -> Scene:
         made = read_reconstruction(run)
         return Scene(data=made.voxels, T_world_left=made.trajectory.T_world_left)
     if path.is_dir() and not is_partitioned(path):
-        raise InputError(f"{path} has no map.npz and settings.toml, but a run is needed")
+        raise InputError(f"{path} is not a run: a map.npz and a settings.toml are needed")
     data = read(path)
     if isinstance(data, VoxelMap | PartitionedMap):
         data, _ = shown(data, settings.map)
