@@ -15,6 +15,7 @@ from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
 from recon.localisation.precision import information, shares
+from recon.records import PoseEstimate
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import Meeting, meet
 
@@ -63,6 +64,31 @@ def motion_covariance(met: Meeting, rig: StereoRig) -> Array:
     at = linearise(met.T_second_first, met.tracks, rig)
     known = information(at.residual, at.by_motion, shares(met.tracks))
     return np.asarray(np.linalg.pinv(known), np.float64)
+
+
+def measured_from(T_world_first: Array, met: Meeting, rig: StereoRig, own: Array) -> PoseEstimate:
+    """The pose of a pair from a known one, with the uncertainty of the points and of that pose.
+
+    Parameters
+    ----------
+    T_world_first : (4, 4) array
+    met : Meeting
+        Of the known pair with this one.
+    rig : StereoRig
+        Of this pair.
+    own : (6, 6) array
+        Covariance of the known pose.
+    """
+    T_world_left = T_world_first @ invert(met.T_second_first)
+    turn = np.kron(np.eye(2), T_world_left[:3, :3])
+    return PoseEstimate(
+        T_world_left=T_world_left,
+        covariance=turn @ motion_covariance(met, rig) @ turn.T + own,
+        probability=0.0,
+        residual=1.0,
+        inlier_share=met.share,
+        num_cells=0,
+    )
 
 
 def _compared(atlas: Atlas, row: int) -> tuple[Array, Array] | None:

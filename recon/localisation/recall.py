@@ -10,17 +10,18 @@ from scipy.special import logsumexp
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
-from recon.localisation.inspection import Inspection, measured_from
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
+from recon.localisation.look import Look
 from recon.localisation.outlook import Outlook
-from recon.localisation.place_errors import PlaceErrors
+from recon.localisation.place_errors import PlaceErrors, measured_from
+from recon.localisation.portrait import Portrait
+from recon.localisation.posterior import decide
 from recon.localisation.registration import Points, Prior
 from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
+from recon.localisation.standpoints import Standpoints
 from recon.localisation.surfels import Surfels
-from recon.localisation.texture import Texture
 from recon.localisation.trust import MIN_AGREEING, trust_in
-from recon.localisation.turns import Turns
 from recon.mapping.pair import match_points
 from recon.records import FitFailure, FoundObject, PointCloud, PoseEstimate, StereoPair, Voxels
 from recon.sequences.odometry.places import STRETCHES, Meeting, Place, meet, see
@@ -96,8 +97,8 @@ class KnownWorld:
     objects: tuple[FoundObject, ...]
     search: Search | None
     """The search of all positions; None if the run's cameras do not stand level."""
-    turns: Turns | None = None
-    """Textures of the map's objects; None if its pairs are not at hand."""
+    standpoints: Standpoints | None = None
+    """The search by a portrait of the map's objects; None if its pairs are not at hand."""
 
     @classmethod
     def of(
@@ -121,12 +122,13 @@ class KnownWorld:
             search=Search.of(voxels, objects, atlas),
         )
 
-    def textured(self, pairs: Sequence[StereoPair]) -> "KnownWorld":
-        """The same with the textures that pairs of the run, at its poses, show of its objects."""
-        texture = Texture.of(self.objects, pairs, self.voxels.cell_size)
-        if not len(texture):
+    def painted(self, pairs: Sequence[StereoPair]) -> "KnownWorld":
+        """The same with its objects as pairs of the run, at its poses, show them."""
+        portrait = Portrait.of(self.objects, pairs, self.voxels.cell_size)
+        if portrait is None or self.search is None:
             return self
-        return replace(self, turns=Turns(texture=texture, pairs=pairs))
+        standpoints = Standpoints(portrait=portrait, stance=self.search.stance)
+        return replace(self, standpoints=standpoints)
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
@@ -134,16 +136,16 @@ class KnownWorld:
             found = choose(self.hypotheses(pair), self.trust)
             if found or self.search is None:
                 return found
+        if self.standpoints is not None:
+            found = decide(self.standpoints, Look(pair=pair), self.own)
+            if found or self.standpoints.portrait.is_whole:
+                return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         known = [
             (self.search.upright(one), self.trust * number / TRUSTED_AGREEING)
             for one, number in self._by_places(pair)
         ]
-        points = all_points(cloud, pair.rig)
-        if self.turns is None:
-            return self.search.recall(points, pair.rig, known)
-        inspection = Inspection(search=self.search, turns=self.turns, own=self.own)
-        return inspection.recall(points, pair, known)
+        return self.search.recall(all_points(cloud, pair.rig), pair.rig, known)
 
     def hypotheses(self, pair: StereoPair) -> list[Hypothesis]:
         """The distinct possible poses of a pair, the most likely first."""

@@ -20,7 +20,7 @@ from recon.settings import SequenceSettings, given_tree
 
 PLACES = "places.npz"
 MAX_SHOWN = 200
-"""Maximum number of pairs, evenly chosen, that are kept for the textures of objects."""
+"""Maximum number of pairs, evenly chosen, that show the colours of objects."""
 
 
 def _localise(job: Job, work: Work) -> Numbers:
@@ -32,7 +32,7 @@ def _localise(job: Job, work: Work) -> Numbers:
     known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
     if known.search is not None and made.objects:
         with work.stage("places"):
-            known = known.textured(_shown(run, job))
+            known = known.painted(_shown(run, job))
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):

@@ -107,11 +107,11 @@ def _patches(solid: Solid) -> _Bands | _Faces:
     """The pieces of a surface to draw points on; an ellipsoid must be one of revolution."""
     if isinstance(solid, Box):
         return _Faces(box=solid)
-    origin, axis, outline = _outline(solid)
-    return _Bands(origin=origin, axis=axis, outline=outline)
+    origin, axis, circles = outline(solid)
+    return _Bands(origin=origin, axis=axis, outline=circles)
 
 
-def _outline(solid: Solid) -> tuple[Array, Array, Array]:
+def outline(solid: Solid) -> tuple[Array, Array, Array]:
     """Origin and axis of a solid of revolution, and corners (t, radius) of its outline."""
     arc = np.linspace(-np.pi / 2.0, np.pi / 2.0, 65)
     arc = np.column_stack([np.sin(arc), np.cos(arc)])

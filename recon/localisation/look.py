@@ -1,0 +1,72 @@
+"""Look: an image in several sizes, and how likely it is at poses in a portrait of the map."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.camera import StereoRig
+from recon.geometry import Array
+from recon.localisation.drawing import LOG_ANY, Paint, Solids, agreement, draw, values
+from recon.localisation.portrait import bands, camera_of, coloured
+from recon.records import StereoPair
+
+SKYLINE_PX = 2
+"""Side of the pixels in which a backdrop is compared."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Look:
+    """The left image of a pair."""
+
+    pair: StereoPair
+    _sizes: dict[int, Array] = field(default_factory=dict)
+
+    @property
+    def rig(self) -> StereoRig:
+        """The rig of the pair."""
+        return self.pair.rig
+
+    def image(self, block: int) -> Array:
+        """The image (R, C, 3), in means of blocks."""
+        if block not in self._sizes:
+            whole = coloured(self.pair.left)
+            size = (whole.shape[1] // block, whole.shape[0] // block)
+            cut = whole[: size[1] * block, : size[0] * block]
+            smaller = cv2.resize(cut, size, interpolation=cv2.INTER_AREA)
+            self._sizes[block] = smaller.astype(np.float64)
+        return self._sizes[block]
+
+    def values(self, solids: Solids, paint: Paint, poses: Sequence[Array], block: int) -> Array:
+        """Log likelihoods (N,) of the whole image if taken there, by blocks of its pixels."""
+        image, camera = self.image(block), camera_of(poses[0], self.rig)
+        found: Array = block**2 * values(image, solids, paint, camera, np.array(poses))
+        return found
+
+    def explained(self, solids: Solids, paint: Paint, T_world_left: Array) -> tuple[int, int]:
+        """Number of pixels that show a thing, at a pose, and of those that it explains."""
+        camera = camera_of(T_world_left, self.rig)
+        _, num_shown, num_explained = agreement(
+            self.image(1), draw(solids, camera, 1), paint, camera
+        )
+        return num_shown, num_explained
+
+    def against(self, paint: Paint, pitch: float) -> tuple[float, int]:
+        """Log likelihood if each pixel showed the backdrop or anything, and how many show that."""
+        likely = paint.backdrop[self._bands(pitch), *self._levels()]
+        num_other = SKYLINE_PX**2 * int((likely < LOG_ANY).sum())
+        return SKYLINE_PX**2 * float(np.maximum(likely, LOG_ANY).sum()), num_other
+
+    def _levels(self) -> NDArray[np.intp]:
+        found: NDArray[np.intp] = np.moveaxis(self.image(SKYLINE_PX).astype(np.intp) >> 4, 2, 0)
+        return found
+
+    def _bands(self, pitch: float) -> NDArray[np.intp]:
+        """Bands of elevation (R, C) of the pixels of a level camera that looks so far up."""
+        v, u = np.indices(self.image(SKYLINE_PX).shape[:2])
+        x = ((u + 0.5) * SKYLINE_PX - 0.5 - self.rig.cx_left_px) / self.rig.focal_px
+        y = ((v + 0.5) * SKYLINE_PX - 0.5 - self.rig.cy_px) / self.rig.focal_px
+        return bands(math.sin(pitch) - math.cos(pitch) * y, x, y)

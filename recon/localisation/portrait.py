@@ -1,0 +1,286 @@
+"""Portrait: the solids of a map with the colours that the pairs of its run show on them."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from recon.camera import StereoRig
+from recon.geometry import Array
+from recon.localisation.drawing import (
+    BAND,
+    LEVELS,
+    LOG_ANY,
+    NUM_BANDS,
+    Camera,
+    Drawn,
+    Paint,
+    Solids,
+    draw,
+)
+from recon.recognition.fitting.axes import across_axis
+from recon.recognition.fitting.surface_points import outline
+from recon.records import (
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    FoundObject,
+    Solid,
+    Sphere,
+    StereoPair,
+    TruncatedCone,
+)
+
+ROUND = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone
+PER_CELL = 3.5
+"""Texels along the side of a cell."""
+LEAST_COSINE = 0.2
+"""Of the angle between the line of sight and the normal: at outlines colours are mixed."""
+MARGIN_PX = 2
+HIDDEN_CELLS, HIDDEN_SHARE = 0.3, 0.02
+"""Tolerance of depths in what hides a texel: in cells, and as a share of its depth."""
+FINE_PX = 0.6
+"""Least width of a texel, foreshortened, in an image that shows its colour."""
+COLOUR_SIGMA = 14.0
+"""Standard deviation of a channel of the same texel seen twice."""
+BACKDROP_SHARE = 0.95
+"""Share of the pixels behind everything that have colours seen there before."""
+BLURS_PX = (1, 2, 3, 5, 9)
+"""Widths of the means that a texel's colour is read from, as wide as the texel."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Portrait:
+    """Solids with their colours, and the colours behind them."""
+
+    solids: Solids
+    thing: NDArray[np.intp]
+    """(S,) number of each solid's object."""
+    paint: Paint
+    plain: Paint
+    """The same with the mean colour of each solid: all sides look alike."""
+    cell_size: float
+    is_whole: bool
+    """True if all parts of all objects are drawn."""
+
+    @classmethod
+    def of(
+        cls, objects: Sequence[FoundObject], pairs: Sequence[StereoPair], cell_size: float
+    ) -> "Portrait | None":
+        """The portrait of objects by the pairs of a run; None if none of them is round."""
+        round_ones = [
+            (part.solid, number)
+            for number, one in enumerate(objects)
+            for part in one.parts
+            if isinstance(part.solid, ROUND)
+        ]
+        if not round_ones:
+            return None
+        solids = _solids([solid for solid, _ in round_ones], cell_size / PER_CELL)
+        drawn = {number for _, number in round_ones}
+        painted = _Painted.of(solids, pairs, cell_size)
+        return cls(
+            solids=solids,
+            thing=np.array([number for _, number in round_ones], np.intp),
+            paint=painted.paint,
+            plain=painted.plain,
+            cell_size=cell_size,
+            is_whole=len(drawn) == len(objects)
+            and len(round_ones) == sum(len(one.parts) for one in objects),
+        )
+
+    def of_thing(self, number: int) -> Solids:
+        """The solids of one object."""
+        rows = self.thing == number
+        return Solids(*(values[rows] for values in self.solids))
+
+    def centre(self, number: int) -> Array:
+        """(3,) Middle of an object's solids."""
+        middle: Array = self.solids.origin[self.thing == number].mean(axis=0)
+        return middle
+
+    def size(self, number: int) -> float:
+        """Radius of the largest solid of an object."""
+        return float(self.solids.reach[self.thing == number].max())
+
+
+def camera_of(T_world_left: Array, rig: StereoRig) -> Camera:
+    """The left camera of a rig at a pose."""
+    return Camera(
+        turn=np.ascontiguousarray(T_world_left[:3, :3]),
+        eye=np.ascontiguousarray(T_world_left[:3, 3]),
+        focal_px=rig.focal_px, cx_px=rig.cx_left_px, cy_px=rig.cy_px,
+        width=rig.width, height=rig.height,
+    )  # fmt: skip
+
+
+def coloured(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image (H, W, 3), grey or not."""
+    return image if image.ndim == 3 else np.repeat(image[:, :, None], 3, axis=2)
+
+
+def _solids(solids: Sequence[Solid], side: float) -> Solids:
+    """Solids with texels of a side."""
+    found = [_revolved(solid) for solid in solids]
+    origin, frame, radius_sq, ends = (np.array(values) for values in zip(*found, strict=True))
+    widest = np.array([_radii(*one, 100)[1].max() for one in zip(radius_sq, ends, strict=True)])
+    around = np.maximum(8, np.ceil(2.0 * np.pi * widest / side))
+    along = np.maximum(2, np.ceil(np.ptp(ends, axis=1) / side))
+    shape = np.column_stack([around, along]).astype(np.int64)
+    number = shape.prod(axis=1)
+    return Solids(
+        origin=origin, frame=frame, radius_sq=radius_sq, ends=ends,
+        reach=np.hypot(widest, np.abs(ends).max(axis=1)),
+        shape=shape, start=np.cumsum(number) - number,
+    )  # fmt: skip
+
+
+def _revolved(solid: Solid) -> tuple[Array, Array, Array, Array]:
+    """Origin, frame, squared radius and ends of a solid, as `Solids` has them."""
+    origin, axis, profile = outline(solid)
+    frame = np.vstack([across_axis(axis), axis])
+    if isinstance(solid, Sphere | Ellipsoid):
+        half, radius = profile[-1, 0], profile[:, 1].max()
+        polynomial = np.array([radius**2, 0.0, -((radius / half) ** 2)])
+    else:
+        (start, first), (end, last) = profile
+        slope = (last - first) / (end - start)
+        base = first - slope * start
+        polynomial = np.array([base**2, 2.0 * base * slope, slope**2])
+    return origin, frame, polynomial, profile[[0, -1], 0]
+
+
+def _radii(radius_sq: Array, ends: Array, number: int) -> tuple[Array, Array]:
+    """Middles of so many bands along an axis, and the radii there."""
+    share = (np.arange(number) + 0.5) / number
+    t = ends[0] + share * (ends[1] - ends[0])
+    return t, np.sqrt(np.maximum(radius_sq @ [np.ones(number), t, t**2], 1e-12))
+
+
+def _texels(solids: Solids) -> Iterator[tuple[Array, Array]]:
+    """Points and outward normals (K, 3) of the texels of each solid."""
+    for s, (around, along) in enumerate(solids.shape):
+        t, radius = _radii(solids.radius_sq[s], solids.ends[s], along)
+        turn = (np.arange(around) + 0.5) * 2.0 * np.pi / around
+        rise = solids.radius_sq[s, 1] / 2.0 + solids.radius_sq[s, 2] * t
+        across = np.stack([np.cos(turn), np.sin(turn)], axis=1)[:, None] * radius[:, None]
+        points = np.concatenate([across, np.broadcast_to(t[:, None], (around, along, 1))], axis=2)
+        normals = np.concatenate(
+            [across, np.broadcast_to(-rise[:, None], (around, along, 1))], axis=2
+        ).reshape(-1, 3)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        yield (
+            points.reshape(-1, 3) @ solids.frame[s] + solids.origin[s],
+            normals @ solids.frame[s],
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Painted:
+    """Colours of solids by the pairs that show them."""
+
+    paint: Paint
+    plain: Paint
+
+    @classmethod
+    def of(cls, solids: Solids, pairs: Sequence[StereoPair], cell_size: float) -> "_Painted":
+        points, normals = (np.concatenate(both) for both in zip(*_texels(solids), strict=True))
+        part = np.repeat(np.arange(len(solids.shape)), solids.shape.prod(axis=1))
+        width, colours = np.zeros(len(points)), np.zeros((len(points), 3))
+        backdrop = np.zeros((NUM_BANDS, LEVELS, LEVELS, LEVELS))
+        for one in pairs:
+            assert one.T_world_left is not None
+            camera, image = camera_of(one.T_world_left, one.rig), coloured(one.left)
+            drawn = draw(solids, camera, 1)
+            _count(backdrop, image, drawn, camera)
+            rows, here_px, wide = _shown(points, normals, drawn, camera, cell_size)
+            better = wide > width[rows]
+            rows = rows[better]
+            width[rows] = wide[better]
+            colours[rows] = _read(image, here_px[better], wide[better])
+        return cls._by(part, width, colours, _log_density(backdrop))
+
+    @classmethod
+    def _by(
+        cls, part: NDArray[np.intp], width: Array, colours: Array, backdrop: Array
+    ) -> "_Painted":
+        """Colours where pairs showed them finely enough, else those of the whole solid."""
+        seen = width > FINE_PX
+        usual, spread = np.full((len(part), 3), 128.0), np.full(len(part), 80.0)
+        for number in range(part.max() + 1):
+            rows, of = part == number, colours[(part == number) & seen]
+            if len(of):
+                usual[rows] = of.mean(axis=0)
+                spread[rows] = np.hypot(math.sqrt(of.var(axis=0).mean()), COLOUR_SIGMA)
+        # A texel about as wide as a pixel has some colour of those around it.
+        vague = spread * np.clip(1.5 - width, 0.0, 1.0)
+        return cls(
+            paint=Paint(
+                mean=np.where(seen[:, None], colours, usual),
+                sigma=np.where(seen, np.hypot(COLOUR_SIGMA, vague), spread),
+                backdrop=backdrop,
+            ),
+            plain=Paint(mean=usual, sigma=spread, backdrop=backdrop),
+        )
+
+
+def _shown(
+    points: Array, normals: Array, drawn: Drawn, camera: Camera, cell_size: float
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """Rows (M,) of the texels that a pair shows, where (M, 2), and how wide they are in pixels."""
+    offset = points - camera.eye
+    local = offset @ camera.turn
+    cosine = -np.einsum("ni,ni->n", offset, normals) / np.linalg.norm(offset, axis=1)
+    rows = np.flatnonzero((cosine > LEAST_COSINE) & (local[:, 2] > HIDDEN_CELLS * cell_size))
+    depth = local[rows, 2]
+    here_px = camera.focal_px * local[rows, :2] / depth[:, None] + [camera.cx_px, camera.cy_px]
+    last = np.array([camera.width, camera.height]) - 1 - MARGIN_PX
+    inside = ((here_px >= MARGIN_PX) & (here_px <= last)).all(axis=1)
+    rows, here_px, depth = rows[inside], here_px[inside], depth[inside]
+    column, row = np.rint(here_px).astype(np.intp).T
+    # Not beside an outline, where colours are mixed with those behind it.
+    inner = cv2.erode(np.isfinite(drawn.depth).astype(np.uint8), np.ones((3, 3), np.uint8))
+    slack = HIDDEN_CELLS * cell_size + HIDDEN_SHARE * depth
+    clear = (inner[row, column] > 0) & (np.abs(drawn.depth[row, column] - depth) < slack)
+    wide = camera.focal_px / depth * cosine[rows] * cell_size / PER_CELL
+    return rows[clear], here_px[clear], wide[clear]
+
+
+def _read(image: NDArray[np.uint8], points_px: Array, width: Array) -> Array:
+    """Colours (N, 3) at points (N, 2), means over about so many pixels (N,)."""
+    colours = np.zeros((len(points_px), 3))
+    nearest = np.abs(np.log(np.maximum(width, 1.0))[:, None] - np.log(BLURS_PX)).argmin(axis=1)
+    for number, blur_px in enumerate(BLURS_PX):
+        rows = np.flatnonzero(nearest == number)
+        if len(rows):
+            u, v = points_px[rows].astype(np.float32).T[:, None]
+            blurred = cv2.blur(image, (blur_px, blur_px))
+            colours[rows] = cv2.remap(blurred, u, v, cv2.INTER_LINEAR)[0]
+    return colours
+
+
+def _count(backdrop: Array, image: NDArray[np.uint8], drawn: Drawn, camera: Camera) -> None:
+    """Count the colours of an image where nothing is drawn, by their elevation."""
+    row, column = np.nonzero(drawn.texel < 0)
+    x, y = (column - camera.cx_px) / camera.focal_px, (row - camera.cy_px) / camera.focal_px
+    rise = bands(camera.turn[1, 0] * x + camera.turn[1, 1] * y + camera.turn[1, 2], x, y)
+    red, green, blue = (image[row, column] >> 4).astype(np.intp).T
+    np.add.at(backdrop, (rise, red, green, blue), 1.0)
+
+
+def bands(rise: ArrayLike, x: ArrayLike, y: ArrayLike) -> NDArray[np.intp]:
+    """Bands of elevation of rays (x, y, 1) that rise so much."""
+    length = np.sqrt(1.0 + np.square(x) + np.square(y))
+    number = np.floor(rise / length / BAND).astype(np.intp) + NUM_BANDS // 2
+    return np.asarray(np.clip(number, 0, NUM_BANDS - 1), np.intp)
+
+
+def _log_density(counts: Array) -> Array:
+    """Log density of colours by their numbers; any colour may occur."""
+    total = np.maximum(counts.sum(axis=(1, 2, 3), keepdims=True), 1.0)
+    seen = BACKDROP_SHARE * counts / total * (LEVELS / 256.0) ** 3
+    density: Array = np.log(seen + (1.0 - BACKDROP_SHARE) * math.exp(LOG_ANY))
+    return density

@@ -1,0 +1,137 @@
+"""Posterior: how sure the likeliest standpoint is, and how precise.
+
+A portrait is not perfect: its errors are those of whole surfaces, not of single pixels, so that the
+number of pixels makes nothing surer. Log likelihoods count as means over the pixels that show
+something.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+
+from recon.geometry import WORLD_UP, Array
+from recon.localisation.look import Look
+from recon.localisation.portrait import Portrait
+from recon.localisation.registration import moved
+from recon.localisation.standpoints import Standpoint, Standpoints
+from recon.records import FitFailure, PoseEstimate
+
+PER_E = 0.05
+"""Mean log likelihood of a pixel that makes a pose e times as likely."""
+MIN_SHOWN_PX = 60
+"""Fewer pixels that show a thing say nothing."""
+MIN_EXPLAINED, MIN_PROBABILITY, MAX_SIGMA_CELLS = 0.7, 0.99, 0.3
+"""Of an accepted pose: share of the pixels that the map explains, probability, and standard
+deviation of the position."""
+APART_CELLS, APART_RAD = 1.0, 0.1
+"""Distance or turn from which on another pose is another place; nearer ones are an uncertainty."""
+SOLID_CELLS = 0.06
+"""Standard deviation of the place and size of a solid that is fitted to cells: what is so many
+times its size away is off by as many times that."""
+FIRST_CELLS, FIRST_RAD = 0.05, 0.003
+"""First steps by which the precision is measured."""
+DROPS, MOST_STEPS = (0.5, 2.0), 12
+"""Loss of log probability after a step by which the precision is measured."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Posterior:
+    """The poses of a pair in a portrait."""
+
+    portrait: Portrait
+    look: Look
+    num_shown: int
+    num_explained: int
+
+    @classmethod
+    def of(cls, portrait: Portrait, look: Look, best: Standpoint) -> "Posterior":
+        """The posterior around the likeliest pose."""
+        shown, explained = look.explained(portrait.solids, portrait.paint, best.T_world_left)
+        return cls(portrait=portrait, look=look, num_shown=shown, num_explained=explained)
+
+    def covariance(self, best: Standpoint, own: Array) -> Array:
+        """Covariance (6, 6), in the order of `PoseEstimate`; `own` is that of the map."""
+        ways = self._ways(best)
+        sigmas = np.array([self._sigma(best.T_world_left, way) for way in ways])
+        scaled = ways * sigmas[:, None]
+        offset = best.T_world_left[:3, 3] - self.portrait.centre(best.thing)
+        sizes = math.hypot(offset[0], offset[2]) / self.portrait.size(best.thing)
+        place = (SOLID_CELLS * self.portrait.cell_size) ** 2 * (1.0 + sizes**2)
+        return np.asarray(scaled.T @ scaled + np.diag([0, 0, 0, place, 0, place]) + own, np.float64)
+
+    def _ways(self, best: Standpoint) -> Array:
+        """Small changes (4, 6): ahead, around itself, up, and around the thing.
+
+        Their effects on an image are about independent.
+        """
+        T, centre = best.T_world_left, self.portrait.centre(best.thing)
+        ahead, offset = T[:3, 2] * [1.0, 0.0, 1.0], T[:3, 3] - centre
+        ways = np.zeros((4, 6))
+        ways[0, 3:] = FIRST_CELLS * self.portrait.cell_size * ahead / np.linalg.norm(ahead)
+        ways[1, 1], ways[2, :3] = FIRST_RAD, FIRST_RAD * T[:3, 0]
+        ways[3, 1] = FIRST_RAD
+        ways[3, 3:] = FIRST_RAD * np.cross(WORLD_UP, offset)
+        return ways
+
+    def _sigma(self, T_world_left: Array, way: Array) -> float:
+        """Standard deviation along a change, as a multiple of it."""
+        factor = 1.0
+        for _ in range(MOST_STEPS):
+            drop = self._drop(T_world_left, factor * way)
+            if DROPS[0] <= drop <= DROPS[1]:
+                break
+            factor *= 1.5 if drop < DROPS[0] else 0.6
+        return factor / math.sqrt(2.0 * max(drop, DROPS[0]))
+
+    def _drop(self, T_world_left: Array, change: Array) -> float:
+        """Mean loss of log probability after a change either way."""
+        poses = [T_world_left, moved(T_world_left, change), moved(T_world_left, -change)]
+        value = self.look.values(self.portrait.solids, self.portrait.paint, poses, 1)
+        return float(value[0] - value[1:].mean()) / (PER_E * self.num_shown)
+
+
+def decide(standpoints: Standpoints, look: Look, own: Array) -> PoseEstimate | FitFailure:
+    """The pose of a pair by a portrait; a failure if it does not determine it.
+
+    Parameters
+    ----------
+    standpoints : Standpoints
+    look : Look
+    own : (6, 6) array
+        Covariance of the poses of the pairs that the portrait was made from.
+    """
+    portrait = standpoints.portrait
+    if look.against(portrait.paint, standpoints.pitch(look))[1] < MIN_SHOWN_PX:
+        return FitFailure("too little is seen")
+    found = standpoints.of(look)
+    best = found[0]
+    posterior = Posterior.of(portrait, look, best)
+    if posterior.num_shown < MIN_SHOWN_PX:
+        return FitFailure("too little is seen")
+    if posterior.num_explained < MIN_EXPLAINED * posterior.num_shown:
+        return FitFailure("the map shows other things there")
+    probability = _probability(found, posterior.num_shown, portrait.cell_size)
+    if probability < MIN_PROBABILITY:
+        return FitFailure("several places look like it")
+    estimate = PoseEstimate(
+        T_world_left=best.T_world_left,
+        covariance=posterior.covariance(best, own),
+        probability=probability,
+        residual=1.0,
+        inlier_share=posterior.num_explained / posterior.num_shown,
+        num_cells=posterior.num_shown,
+    )
+    if estimate.sigma > MAX_SIGMA_CELLS * portrait.cell_size:
+        return FitFailure("too little is seen to tell the exact place")
+    return estimate
+
+
+def _probability(found: list[Standpoint], num_shown: int, cell_size: float) -> float:
+    """Of the first pose, against those at other places."""
+    others = [
+        one for one in found[1:] if one.is_apart(found[0], APART_CELLS * cell_size, APART_RAD)
+    ]
+    evidence = np.array([one.value for one in (found[0], *others)]) / (PER_E * num_shown)
+    return float(math.exp(evidence[0] - logsumexp(evidence)))
