@@ -70,10 +70,13 @@ class Matches:
     """(M,) row of the right feature at the matched pixel; -1 if that is only a candidate."""
     probability: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     """(M,) probability that the disparity is correct to a pixel; NaN if unknown."""
+    is_whole: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    """(M,) after sub-pixel refinement, disparities that are known only to the pixel."""
 
     def __post_init__(self) -> None:
         check_shape("points_px", self.points_px, (None, 2))
-        for name, unknown in (("index_left", -1), ("index_right", -1), ("probability", np.nan)):
+        unknown_of = {"index_left": -1, "index_right": -1, "probability": np.nan, "is_whole": False}
+        for name, unknown in unknown_of.items():
             column = getattr(self, name)
             if len(self) and not len(column):
                 object.__setattr__(self, name, np.full(len(self), unknown, column.dtype))

@@ -63,8 +63,7 @@ def probability(prior: Array, noise_variance: Floats, trust: Floats) -> Array:
     prior : (N,)
         Probability by matching; NaN if unknown, which it then stays.
     noise_variance : (N,)
-        Variance of the disparity due to noise alone, squared pixels; where it is NaN, as no filter
-        is wide enough, the prior is kept.
+        Variance of the disparity due to noise alone, squared pixels.
     trust : (N,)
         From 0, if the edge is along the row, to 1.
     """
@@ -74,7 +73,7 @@ def probability(prior: Array, noise_variance: Floats, trust: Floats) -> Array:
     rows = rows[:: max(1, len(rows) // _NUM_SAMPLES)]
     share = _estimate(log_odds[rows], np.log(noise[rows] / _EVEN_NOISE))
     found = prior.copy()
-    rows = np.flatnonzero(np.isfinite(log_odds) & ~np.isnan(noise))
+    rows = np.flatnonzero(np.isfinite(log_odds))
     _update(rows, (log_odds, noise, trust), share, found)
     return found
 

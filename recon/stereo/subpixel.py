@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError
 from recon.records import Features, Matches, check_alike
-from recon.stereo import chance
 from recon.stereo.filters import WAVELENGTH_OF_WIDTH
 from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
@@ -88,10 +87,14 @@ def refine(
     disparity, sigma = matches.disparity_px.copy(), matches.sigma_px.copy()
     disparity[rows] = delta + tuning.change_px
     sigma[rows] = tuning.sigma_px
-    probability = matches.probability.copy()
-    probability[rows] = chance.probability(prior.probability, tuning.noise_variance, tuning.trust)
+    probability, is_whole = matches.probability.copy(), matches.is_whole.copy()
+    probability[rows], is_whole[rows] = tuning.probability, tuning.is_whole
     return dataclasses.replace(
-        matches, disparity_px=disparity, sigma_px=sigma, probability=probability
+        matches,
+        disparity_px=disparity,
+        sigma_px=sigma,
+        probability=probability,
+        is_whole=is_whole,
     )
 
 

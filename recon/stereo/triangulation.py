@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from recon.records import Matches, PointCloud, StereoPair
 from recon.settings import TriangulationSettings
 from recon.stereo.colours import point_colours
-from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,7 +51,7 @@ def triangulate(
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     sigma = pair.rig.depth_sigma(points[:, 2], matches.sigma_px)
     limit = np.inf if settings.max_sigma is None else settings.max_sigma
-    is_sure = (sigma <= limit) & (matches.sigma_px < UNTUNED_SIGMA_PX)
+    is_sure = (sigma <= limit) & ~matches.is_whole
     # Written so that an unknown probability passes.
     is_sure &= ~(matches.probability < settings.min_probability)
     is_seen = np.isfinite(points).all(axis=1)

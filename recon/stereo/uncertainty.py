@@ -1,4 +1,4 @@
-"""Uncertainty of a refined disparity: its sigma, and how far noise alone moves it."""
+"""Uncertainty of a refined disparity: its sigma, and the probability that the pair is correct."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.records import Features
+from recon.stereo import chance
 from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.simd import FAST, Floats, Integers
 from recon.stereo.kernels.sorting import median
@@ -14,8 +15,6 @@ from recon.stereo.noise import gain
 
 Array = NDArray[np.float64]
 
-UNTUNED_SIGMA_PX = 0.6
-"""Standard deviation of a disparity known only to the pixel."""
 _VAGUE_SHARE_SQ = 0.1**2
 """Squared share of a vertical edge's information at which half of the change is applied: an edge
 along the row is uninformative about the disparity, and must not spoil a good match."""
@@ -28,23 +27,26 @@ _COHERENCE = 1.5
 _SCATTER_FACTOR = 2.0
 """Noise energy relative to the median scatter of the channels of reliable pairs."""
 
-# Variance of a refined disparity that is correct to a pixel, beyond those due to noise and to the
-# rig. Fitted to the errors of rendered worlds, whose rig is exact, with noise of 0 to 10 grey
-# levels; other worlds confirm it.
-_SURFACE_VARIANCE = 0.0045
+# Variance of a disparity that is correct to a pixel, beyond those due to noise and to the rig.
+# Fitted to the errors of rendered worlds, whose rig is exact, and of recorded pairs without the
+# error that neighbouring pixels share, with noise of 0 to 10 grey levels; other worlds confirm it.
+_SURFACE_VARIANCE = 0.0028
 """Surfaces curve away within a filter, most of all at their silhouettes."""
-_DISCORD_WEIGHT = 1.7
+_DISCORD_WEIGHT = 2.2
 """Relative to the variance that the scatter of the channels implies, beyond that due to noise."""
-_WHOLE_PIXEL_VARIANCE = 1 / 12
-_DOUBT_WEIGHT = 11.0
-"""Squared pixels per squared odds of a mismatch: such pairs lie at edges of surfaces."""
-_NOISE_OF_HALF_DOUBT = 0.009
-"""Variance due to noise at which half of these odds are attributed to noise."""
-_LARGEST_VARIANCE = 0.115
+_ALONG_VARIANCE = 0.27
+"""Of a disparity whose edge is along the row."""
+_DOUBT_VARIANCE, _EVEN_DOUBT = 0.115, 0.075
+"""Of doubtful pairs, which lie at edges of surfaces; and the probability of a mismatch at which
+half of it is reached."""
+_LARGEST_VARIANCE = 0.25
+"""Larger errors are mismatches; approached smoothly."""
+_WHOLE_VARIANCE, _WRONG_VARIANCE = 0.19, 0.13
+"""Of a disparity known only to the pixel, and what is added if it is certainly wrong."""
 
-_WHOLE, _INFORMATION, _TRUST, _PROBABILITY = 0, 1, 2, 3
-"""Rows of the shift's estimate of each pair; the last is the probability by matching."""
-_LEAST_PROBABILITY = 1e-3
+_WHOLE, _INFORMATION, _TRUST, _NOISE, _DISCORD = 0, 1, 2, 3, 4
+"""Rows of the shift's estimate of each pair; the last two are its variances due to noise alone, and
+due to the scatter of the channels beyond that."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,12 +65,11 @@ class Tuning:
 
     change_px: Floats
     """Change to be added; 0 where unknown."""
+    is_whole: NDArray[np.bool_]
+    """Disparities that stay known only to the pixel."""
     sigma_px: Floats
-    noise_variance: Floats
-    """Variance of the change due to image noise alone, squared pixels; infinite where the phase is
-    uninformative, NaN where no filter is wide enough."""
-    trust: Floats
-    """Share of the change that is applied, from 0, if the edge is along the row, to 1."""
+    probability: Array
+    """That the pairs are correct; NaN if unknown."""
 
 
 def solve(
@@ -89,25 +90,20 @@ def solve(
     residual_px : float
         Root mean square error of the disparities due to the rig's calibration.
     """
-    if not len(white):
-        nothing = np.zeros(sums.shape[1], np.float32)
-        return Tuning(
-            change_px=nothing,
-            sigma_px=nothing + np.float32(UNTUNED_SIGMA_PX),
-            noise_variance=np.full_like(nothing, np.nan),
-            trust=nothing,
-        )
     num = sums.shape[1]
-    shifts, scatter = np.empty((4, num), np.float32), np.empty((len(white), num), np.float32)
-    scatter_of_sure = np.empty_like(scatter)
-    num_sure = _shift(sums, white, prior.is_sure, shifts, scatter, scatter_of_sure)
-    ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
+    shifts, scatter = np.zeros((5, num), np.float32), np.empty((len(white), num), np.float32)
+    probability = prior.probability
+    if len(white):
+        scatter_of_sure = np.empty_like(scatter)
+        num_sure = _shift(sums, white, prior.is_sure, shifts, scatter, scatter_of_sure)
+        ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
+        _split(sums, white, ratio, scatter, shifts)
+        probability = chance.probability(probability, shifts[_NOISE], shifts[_TRUST])
     # Unknown probabilities do not make a pair doubtful.
-    shifts[_PROBABILITY] = np.nan_to_num(prior.probability, nan=1.0)
-    tuned = np.empty((3, num), np.float32)
-    _weigh(sums, white, ratio, shifts, scatter, np.float32(residual_px**2), tuned)
-    change, sigma, noise = tuned
-    return Tuning(change_px=change, sigma_px=sigma, noise_variance=noise, trust=shifts[_TRUST])
+    wrong = np.nan_to_num(1.0 - probability).astype(np.float32)
+    change, sigma, is_whole = np.zeros_like(wrong), np.empty_like(wrong), np.ones(num, np.bool_)
+    _weigh(shifts, wrong, np.float32(residual_px**2), change, sigma, is_whole)
+    return Tuning(change_px=change, is_whole=is_whole, sigma_px=sigma, probability=probability)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
@@ -148,22 +144,11 @@ def _shift(
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
-def _weigh(
-    sums: Floats,
-    white: Floats,
-    ratio: Floats,
-    shifts: Floats,
-    scatter: Floats,
-    rig_variance: float,
-    tuned: Floats,
-) -> None:
-    """Write the change of each pair's disparity, its sigma, and its variance due to noise."""
+def _split(sums: Floats, white: Floats, ratio: Floats, scatter: Floats, shifts: Floats) -> None:
+    """Write each shift's variance due to noise, infinite if it is unknown, and due to discord."""
     num_scales = len(scatter)
-    floor = np.float32(_SURFACE_VARIANCE) + rig_variance
-    untuned = max(np.float32(UNTUNED_SIGMA_PX), np.sqrt(rig_variance))
     for i in range(scatter.shape[1]):
-        information, whole = shifts[_INFORMATION, i], shifts[_WHOLE, i]
-        trust, count = shifts[_TRUST, i], sums[3 * num_scales + 1, i]
+        information, count = shifts[_INFORMATION, i], sums[3 * num_scales + 1, i]
         noise = discord = np.float32(0)
         for s in range(num_scales):
             noise += ratio[s] * white[s, i] * sums[3 * s, i]
@@ -171,18 +156,40 @@ def _weigh(
         is_known = information > 0
         safe = information if is_known else np.float32(1)
         noise = np.float32(_COHERENCE) * noise / (safe * safe)
-        discord = max(discord / (safe * max(count - 1, np.float32(1))) - noise, np.float32(0))
-        variance = trust * trust * (noise + np.float32(_DISCORD_WEIGHT) * discord)
-        variance += (1 - trust) * (1 - trust) * np.float32(_WHOLE_PIXEL_VARIANCE)
-        odds = 1 / max(shifts[_PROBABILITY, i], np.float32(_LEAST_PROBABILITY)) - 1
-        odds = odds / (1 + noise / np.float32(_NOISE_OF_HALF_DOUBT))
-        variance += np.float32(_DOUBT_WEIGHT) * odds * odds
-        variance = floor + min(variance, np.float32(_LARGEST_VARIANCE))
-        is_tuned = is_known and trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
-        is_tuned = is_tuned and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
-        tuned[0, i] = trust * whole if is_tuned else np.float32(0)
-        tuned[1, i] = np.sqrt(variance) if is_tuned else untuned
-        tuned[2, i] = noise if is_known else np.float32(np.inf)
+        discord = discord / (safe * max(count - 1, np.float32(1)))
+        shifts[_NOISE, i] = noise if is_known else np.float32(np.inf)
+        shifts[_DISCORD, i] = max(discord - noise, np.float32(0))
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)
+def _weigh(
+    shifts: Floats,
+    wrong: Floats,
+    rig_variance: float,
+    change: Floats,
+    sigma: Floats,
+    is_whole: NDArray[np.bool_],
+) -> None:
+    """Write the change of each pair's disparity and its sigma; `wrong` are the pairs' doubts."""
+    floor = np.float32(_SURFACE_VARIANCE) + rig_variance
+    whole_floor = np.float32(_WHOLE_VARIANCE) + rig_variance
+    even_doubt = np.float32(_EVEN_DOUBT**1.5)
+    for i in range(wrong.size):
+        whole, trust, noise = shifts[_WHOLE, i], shifts[_TRUST, i], shifts[_NOISE, i]
+        is_near = trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
+        is_known = shifts[_INFORMATION, i] > 0
+        is_whole[i] = not (is_known and is_near and noise <= np.float32(_LARGEST_NOISE_VARIANCE))
+        if is_whole[i]:
+            variance = whole_floor + np.float32(_WRONG_VARIANCE) * wrong[i]
+        else:
+            change[i] = trust * whole
+            scatter = noise + np.float32(_DISCORD_WEIGHT) * shifts[_DISCORD, i]
+            variance = trust * trust * scatter
+            variance += (1 - trust) * (1 - trust) * np.float32(_ALONG_VARIANCE)
+            doubt = wrong[i] * np.sqrt(wrong[i])
+            variance += np.float32(_DOUBT_VARIANCE) * doubt / (doubt + even_doubt)
+            variance = floor + variance / (1 + variance / np.float32(_LARGEST_VARIANCE))
+        sigma[i] = np.sqrt(variance)
 
 
 def _noise_ratio(scatter: Floats, calm_ratio: Array) -> Array:

@@ -62,12 +62,13 @@ def beside(borders):
     return borders.start - 1, borders.start, borders.stop - 1, borders.stop
 
 
-def coloured(pair, points_px, sigma_px=0.1, **settings):
+def coloured(pair, points_px, is_whole=False, **settings):
     number = len(points_px)
     matches = Matches(
         points_px=points_px,
         disparity_px=np.full(number, float(DISPARITY_PX)),
-        sigma_px=np.full(number, sigma_px),
+        sigma_px=np.full(number, 0.1),
+        is_whole=np.full(number, is_whole),
         score=np.ones(number),
     )
     found = triangulate(matches, pair, TriangulationSettings(**settings))
@@ -93,7 +94,7 @@ def test_outline_has_the_colour_of_its_surface(background, behind, offset_right)
 def test_doubtful_points_keep_the_mean_of_their_square():
     """Their disparity may be wrong, so it cannot tell the surface from what is behind."""
     pair = pair_before(sky())
-    share = share_behind(coloured(pair, outline_points(), sigma_px=0.6), BLUE)
+    share = share_behind(coloured(pair, outline_points(), is_whole=True), BLUE)
     assert 0.4 < np.median(share) < 0.7
 
 

@@ -9,7 +9,6 @@ from recon.records import ImageNoise
 from recon.settings import FeatureSettings
 from recon.stereo.features import detect
 from recon.stereo.noise import floor_modulus, gain, step_modulus
-from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 
 SHAPE = (192, 256)
 
@@ -117,7 +116,7 @@ def test_sigma_and_probability_are_consistent_under_noise(quality, sigma, rng):
     assert 0.15 < spread < 1.1
     # Matches on such an easy wall are correct more often than others of equal score and noise.
     assert -0.35 < matches.probability.mean() - right_ones.mean() < 0.05
-    sure = (matches.probability >= 0.5) & (matches.sigma_px < UNTUNED_SIGMA_PX)
+    sure = (matches.probability >= 0.5) & ~matches.is_whole
     assert right_ones[sure].mean() > 0.97
     in_the_calm = matches.points_px[:, 1] < 60
     assert sure[in_the_calm].sum() <= 0.02 * sure.sum()

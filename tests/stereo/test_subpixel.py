@@ -10,7 +10,6 @@ from recon.settings import FeatureSettings, MatchingSettings
 from recon.stereo.features import detect
 from recon.stereo.matching import matching
 from recon.stereo.subpixel import refine
-from recon.stereo.uncertainty import UNTUNED_SIGMA_PX
 from scenes import textured_pair, truth_at
 
 
@@ -59,10 +58,7 @@ def test_sigma_of_an_exact_rig_matches_the_error(plane):
 def test_residual_of_the_rig_adds_to_the_variance(plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     exact, recorded = (refine(coarse, *plane_features, r) for r in (0.0, 0.2))
-    is_tuned = exact.sigma_px < np.float32(UNTUNED_SIGMA_PX)
-    added = recorded.sigma_px[is_tuned] ** 2 - exact.sigma_px[is_tuned] ** 2
-    np.testing.assert_allclose(added, 0.04, rtol=1e-4)
-    assert (recorded.sigma_px[~is_tuned] == np.float32(UNTUNED_SIGMA_PX)).all()
+    np.testing.assert_allclose(recorded.sigma_px**2 - exact.sigma_px**2, 0.04, rtol=1e-4)
     assert (exact.disparity_px == recorded.disparity_px).all()
 
 
@@ -91,7 +87,8 @@ def test_more_noise_gives_larger_error_and_sigma():
 def test_too_fine_filters_leave_whole_pixels(plane):
     coarse, fine = coarse_and_fine(*plane[:2], widths_px=(1.5,))
     np.testing.assert_array_equal(coarse.disparity_px, fine.disparity_px)
-    assert (fine.sigma_px == np.float32(UNTUNED_SIGMA_PX)).all()
+    assert fine.is_whole.all()
+    assert (fine.sigma_px > 0.3).all()
 
 
 def test_refined_matches_are_left_unchanged(plane, plane_features):
