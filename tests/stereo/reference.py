@@ -44,9 +44,10 @@ class Pair:
                 b = self.other[v + self.search.row_shift, u + self.search.first + k]
                 largest = np.maximum(np.abs(a) ** 2, np.abs(b) ** 2)
                 exact[k] = max(0.0, np.mean((a * b.conj()).real / largest))
+        exact = rounded(ONE * exact)
         around = np.pad(exact, 1)
-        slack = np.maximum(exact, SLACK * np.maximum(around[:-2], around[2:]))
-        return rounded(ONE * exact), rounded(ONE * slack)
+        beside = np.maximum(around[:-2], around[2:])
+        return exact, np.maximum(exact, rounded(rounded(SLACK * WHOLE) * beside / WHOLE))
 
     def is_member(self, v, u):
         if self.search.every == 2:

@@ -20,6 +20,9 @@ from recon.stereo.kernels.shorts import (
     lesser,
     load_shorts,
     part,
+    rounded,
+    short_earlier,
+    short_later,
     store_rounded,
     store_shorts,
 )
@@ -29,8 +32,6 @@ from recon.stereo.kernels.simd import (
     larger,
     largest,
     load,
-    one_earlier,
-    one_later,
     repeat,
     smaller,
     spread,
@@ -70,21 +71,6 @@ def test_reductions_use_every_number_once(a):
     highest, added = reduce(a)
     assert highest == a[1 : 1 + NUM_LANES].max()
     assert added == pytest.approx(a[1 : 1 + NUM_LANES].sum(dtype=float), abs=1e-3)
-
-
-@kernel
-def slide(a, out):
-    store(out, 0, one_earlier(load(a, 0), load(a, NUM_LANES)))
-    store(out, NUM_LANES, one_later(load(a, 0), load(a, NUM_LANES)))
-
-
-@settings(deadline=None, max_examples=20)
-@given(numbers)
-def test_neighbours_match_a_shifted_load(a):
-    out = np.zeros_like(a)
-    slide(a, out)
-    np.testing.assert_array_equal(out[:NUM_LANES], a[NUM_LANES - 1 : -1])
-    np.testing.assert_array_equal(out[NUM_LANES:], a[1 : NUM_LANES + 1])
 
 
 def test_store_writes_exactly_eight_numbers():
@@ -129,15 +115,17 @@ def test_arrays_are_aligned_to_cache_lines(size):
 @kernel
 def round_off(a, out):
     for i in range(0, a.size, NUM_LANES):
-        store_rounded(out, i, load(a, i))
+        store_rounded(out[0], i, load(a, i))
+    for i in range(0, a.size, NUM_SHORTS):
+        store_shorts(out[1], i, rounded(load(a, i), load(a, i + NUM_LANES)))
 
 
 @settings(deadline=None, max_examples=20)
-@given(arrays(np.float32, 2 * NUM_LANES, elements=st.floats(0, 32_000, width=32)))
-def test_lanes_are_stored_as_the_nearest_shorts(a):
-    out = np.zeros(a.size, np.int16)
+@given(arrays(np.float32, 2 * NUM_SHORTS, elements=st.floats(0, 32_000, width=32)))
+def test_lanes_become_the_nearest_shorts(a):
+    out = np.zeros((2, a.size), np.int16)
     round_off(a, out)
-    np.testing.assert_array_equal(out, np.floor(a + np.float32(0.5)))
+    np.testing.assert_array_equal(out, [np.floor(a + np.float32(0.5))] * 2)
 
 
 short_numbers = arrays(np.int16, NUM_SHORTS)
@@ -160,6 +148,21 @@ def test_parts_are_rounded_products(prepare, monkeypatch):
     out = np.zeros_like(a)
     multiply(a, b, out)
     np.testing.assert_array_equal(out, (a.astype(int) * b + WHOLE // 2) // WHOLE)
+
+
+@kernel
+def slide(a, out):
+    store_shorts(out, 0, short_earlier(load_shorts(a, 0), load_shorts(a, NUM_SHORTS)))
+    store_shorts(out, NUM_SHORTS, short_later(load_shorts(a, 0), load_shorts(a, NUM_SHORTS)))
+
+
+@settings(deadline=None, max_examples=20)
+@given(arrays(np.int16, 2 * NUM_SHORTS))
+def test_neighbours_match_a_shifted_load(a):
+    out = np.zeros_like(a)
+    slide(a, out)
+    np.testing.assert_array_equal(out[:NUM_SHORTS], a[NUM_SHORTS - 1 : -1])
+    np.testing.assert_array_equal(out[NUM_SHORTS:], a[1 : NUM_SHORTS + 1])
 
 
 @kernel

@@ -100,12 +100,27 @@ def store_rounded(typing_context: Any, array: Any, index: Any, value: Any) -> An
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array, index, lanes = arguments
         place = _place(context, builder, signature.args[0], array, index, _LANE_SHORTS)
-        half = ir.Constant(VECTOR, [0.5] * NUM_LANES)
-        whole = builder.fptosi(builder.fadd(lanes, half), _LANE_INTEGERS)
-        builder.store(builder.trunc(whole, _LANE_SHORTS), place, align=_BYTES)
+        builder.store(builder.trunc(_whole(builder, lanes), _LANE_SHORTS), place, align=_BYTES)
         return context.get_dummy_value()
 
     return types.void(array, types.intp, lanes_type), generate
+
+
+@intrinsic
+def rounded(typing_context: Any, first: Any, second: Any) -> Any:
+    """Shorts of the numbers, from 0 to 32767, of two lanes."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        both = (_whole(builder, lanes) for lanes in arguments)
+        every = ir.Constant(ir.VectorType(ir.IntType(32), NUM_SHORTS), list(range(NUM_SHORTS)))
+        return builder.trunc(builder.shuffle_vector(*both, every), _VECTOR)
+
+    return _shorts(lanes_type, lanes_type), generate
+
+
+def _whole(builder: Any, lanes: Any) -> Any:
+    half = ir.Constant(VECTOR, [0.5] * NUM_LANES)
+    return builder.fptosi(builder.fadd(lanes, half), _LANE_INTEGERS)
 
 
 @intrinsic
@@ -160,6 +175,17 @@ def _part(builder: Any, a: Any, b: Any) -> Any:
     return builder.trunc(builder.ashr(product, ir.Constant(wide, [15] * NUM_SHORTS)), _VECTOR)
 
 
+def _slide(first: int) -> Callable[..., Any]:
+    """Neighbours among the numbers of two vectors, from the number `first` on."""
+    numbers = ir.VectorType(ir.IntType(32), NUM_SHORTS)
+    mask = ir.Constant(numbers, [first + i for i in range(NUM_SHORTS)])
+    return _of_two(lambda builder, a, b: builder.shuffle_vector(a, b, mask))
+
+
+short_earlier = _slide(NUM_SHORTS - 1)
+"""From shorts and those that follow: the latter, each replaced by the number before it."""
+short_later = _slide(1)
+"""From shorts and those that follow: the former, each replaced by the number after it."""
 lesser = _of_two(_lesser)
 """The minimum of each two numbers."""
 greater = _of_two(_greater)

@@ -154,28 +154,6 @@ def prefetch(typing_context: Any, array: Any, index: Any) -> Any:
     return types.void(array, types.intp), generate
 
 
-def _slide(first: int) -> Callable[..., Any]:
-    """Eight neighbours among the sixteen numbers of two lanes, from the number `first` on."""
-    mask = ir.Constant(
-        ir.VectorType(ir.IntType(32), NUM_LANES), [first + i for i in range(NUM_LANES)]
-    )
-
-    def slide(typing_context: Any, lanes: Any, following: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            return builder.shuffle_vector(arguments[0], arguments[1], mask)
-
-        return lanes_type(lanes_type, lanes_type), generate
-
-    slid: Callable[..., Any] = intrinsic(slide)
-    return slid
-
-
-one_earlier = _slide(NUM_LANES - 1)
-"""From lanes and those that follow: the latter, each replaced by the number before it."""
-one_later = _slide(1)
-"""From lanes and those that follow: the former, each replaced by the number after it."""
-
-
 def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
     """Some of the numbers of a vector."""
     which = ir.Constant(ir.VectorType(ir.IntType(32), count), [first + i for i in range(count)])

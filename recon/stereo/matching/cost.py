@@ -8,7 +8,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.shorts import ShortArray, store_rounded
+from recon.stereo.kernels.shorts import (
+    NUM_SHORTS,
+    WHOLE,
+    ShortArray,
+    Shorts,
+    greater,
+    part,
+    rounded,
+    short_earlier,
+    short_later,
+    spread_short,
+    store_shorts,
+)
 from recon.stereo.kernels.simd import (
     NUM_LANES,
     Floats,
@@ -16,20 +28,18 @@ from recon.stereo.kernels.simd import (
     kernel,
     larger,
     load,
-    one_earlier,
-    one_later,
     prefetch,
     repeat,
     smaller,
     spread,
     store,
 )
-from recon.stereo.matching.ring import ONE, Ring, line_start, to_slack
+from recon.stereo.matching.ring import ONE, RIMS, Ring, line_start, to_slack
 from recon.stereo.matching.search import Search
 from recon.stereo.matching.windows import SIDE_RADIUS
 
-SLACK = np.float32(0.9)
-"""Weight of a member's score at the neighbouring shift."""
+SLACK = round(0.9 * WHOLE)
+"""Weight of a member's score at the neighbouring shift, as a share."""
 
 _TINY = np.float32(1e-12)
 _APART = NUM_LANES // 2
@@ -236,15 +246,22 @@ def _slacken(
 
     The neighbours are weighted by `SLACK`.
     """
-    before, here = load(line, 0), load(line, NUM_LANES)
-    for i in range(NUM_LANES, line.size - NUM_LANES, NUM_LANES):
+    before, here, lanes = spread_short(0), _clipped(line, NUM_LANES), line.size - RIMS
+    for i in range(0, lanes, NUM_SHORTS):
         # Scores that were just stored are slow to load from other positions.
-        after = load(line, i + NUM_LANES)
-        exact = larger(here, spread(0.0))
-        beside = larger(one_earlier(before, here), one_later(here, after))
+        after = _clipped(line, NUM_LANES + i + NUM_SHORTS)
+        beside = greater(short_earlier(before, here), short_later(here, after))
+        store_shorts(lines[0], start + i, here)
+        store_shorts(lines[1], start + i, greater(here, part(beside, spread_short(SLACK))))
         before, here = here, after
-        place = start + i - NUM_LANES
-        store_rounded(lines[0], place, ONE * exact)
-        store_rounded(lines[1], place, ONE * larger(exact, SLACK * beside))
-    for i in range(search.num_shifts, line.size - 2 * NUM_LANES):
+    for i in range(search.num_shifts, lanes):
         lines[1][start + i] = 0
+
+
+@kernel
+def _clipped(line: Floats, k: int) -> Shorts:
+    first, second = (
+        larger(load(line, k), spread(0.0)),
+        larger(load(line, k + NUM_LANES), spread(0.0)),
+    )
+    return rounded(ONE * first, ONE * second)

@@ -18,6 +18,8 @@ _RING_BYTES = 2 << 20
 _NARROWEST = 64
 """Minimum columns of a strip, as it is computed with a margin on both sides."""
 
+RIMS = NUM_LANES + NUM_SHORTS
+"""Number of zeros before and after a line of scores."""
 ONE = np.float32(32_000)
 """The score 1 in a ring: room is left in a short for what a sum of rounded parts may exceed it."""
 
@@ -46,7 +48,7 @@ class Ring(NamedTuple):
     """(C * 3 * reach,) the same for the row of the other image."""
     reach: int
     line: Floats
-    """(2, lanes + 2 * NUM_LANES) the scores of two pixels, between zeros."""
+    """(2, lanes + RIMS) the scores of two pixels, between zeros."""
 
 
 def make_ring(num_channels: int, search: Search, size: int) -> Ring:
@@ -70,7 +72,7 @@ def make_ring(num_channels: int, search: Search, size: int) -> Ring:
         reach_here=reach_here,
         there=aligned_zeros(num_channels * 3 * reach),
         reach=reach,
-        line=np.zeros((2, lanes + 2 * NUM_LANES), np.float32),
+        line=np.zeros((2, lanes + RIMS), np.float32),
     )
 
 
