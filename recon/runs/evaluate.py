@@ -20,7 +20,7 @@ from recon.runs.figures import leave_figure
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.outputs import as_document
 from recon.runs.work import Work
-from recon.sequences.calibration.files import find_calibration, read_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
 from recon.sequences.truth import DisparityTruth, read_right_truth, read_truth
@@ -117,7 +117,7 @@ def own_matching(pair_dir: Path, truth: DisparityTruth) -> Numbers:
 def stated_matching(pair_dir: Path) -> Numbers:
     """The settings of matching that follow from a pair's calibration; none if it has none."""
     try:
-        return matching_of(read_calibration(find_calibration(pair_dir)))
+        return matching_of(read_calibration(pair_dir))
     except InputError:
         return {}
 

@@ -9,13 +9,16 @@ import pytest
 
 from recon.camera import StereoRig
 from recon.geometry import invert, pose, transform
+from recon.notices import collected_notices
 from recon.records import StereoPair
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.contradictions.angles import angle_finding
 from recon.sequences.contradictions.motions import pose_finding
 from recon.sequences.contradictions.pairs import findings
 from recon.sequences.contradictions.steps import Step
 from recon.sequences.images import read_image
 from tests.sequences.drives import RIG, motion, tracks
+from tests.sequences.recordings import middlebury_keys
 
 KITTI = StereoRig(
     width=1226, height=370, focal_px=707.09, cx_left_px=601.89, cx_right_px=601.89, cy_px=183.11,
@@ -161,3 +164,36 @@ def test_remaining_distortion_is_reported(drive):
     for k in (-0.15, 0.1):
         assert codes(distorted(left, k), distorted(right, k)) == ["rows-differ"]
     assert codes(left, distorted(right, -0.1)) == ["rows-differ"]
+
+
+def notices_of(path):
+    with collected_notices() as notices:
+        read_calibration(path)
+    return [one for one in notices if one.code == "calibration-contradictory"]
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("calib.yaml", lambda text: text, None),
+        ("calib_old.txt", lambda text: text.replace("baseline=", "baseline=1"), "baselines"),
+        ("calib_old.txt", lambda text: text.replace("=[", "=[1"), "focal lengths"),
+        ("notes.txt", lambda text: text.replace("baseline=", "baseline=1"), None),
+    ],
+)
+def test_calibrations_of_a_folder_that_differ_are_reported(tmp_path, name, change, said):
+    text = middlebury_keys()
+    (tmp_path / "calib.txt").write_text(text)
+    (tmp_path / name).write_text(change(text))
+    notices = notices_of(tmp_path)
+    assert len(notices) == (said is not None)
+    if said:
+        assert f"state different {said} (" in notices[0].text
+        assert notices[0].text.endswith("calib.txt is used")
+
+
+@pytest.mark.parametrize(("doffs", "is_said"), [("0", False), ("0.6", False), ("31.1", True)])
+def test_offset_that_differs_from_the_principal_points_is_reported(tmp_path, doffs, is_said):
+    text = middlebury_keys().replace("doffs=0", f"doffs={doffs}")
+    (tmp_path / "calib.txt").write_text(text)
+    assert len(notices_of(tmp_path / "calib.txt")) == is_said

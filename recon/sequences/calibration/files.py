@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from recon.errors import InputError
+from recon.notices import notify
 from recon.sequences.calibration import chains
 from recon.sequences.calibration.cameras import RESIDUAL, Calibration
 from recon.sequences.calibration.documents import MAX_BYTES, Document, read_document
@@ -15,6 +16,8 @@ PARTNERS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("cam0", "c
             ("camera0", "camera1"), ("infra1", "infra2"))  # fmt: skip
 """Words by which the file names of one rig differ."""
 ENDINGS = (".txt", ".yaml", ".yml", ".xml", ".json")
+MAX_DIFFERENCE = 0.01
+"""Largest relative difference of two calibrations of one rig."""
 
 
 def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
@@ -28,7 +31,8 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     Parameters
     ----------
     path : Path
-        A file, one of a pair of files, or a folder that contains one calibration.
+        A file, one of a pair of files, or a folder that contains a calibration; others in it that
+        state another rig cause a notice.
     cameras : (left, right), optional
         Numbers of the KITTI cameras that took the images; by default the first two.
 
@@ -38,7 +42,7 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
         With the line or the key that is wrong or missing.
     """
     if path.is_dir():
-        path = find_calibration(path)
+        return _of_folder(path, cameras)
     lines = read_lines(path, MAX_BYTES)
     try:
         if is_middlebury(lines):
@@ -54,6 +58,40 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from error
     except (ValueError, TypeError) as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def _of_folder(path: Path, cameras: Cameras | None) -> Calibration:
+    chosen = find_calibration(path)
+    found = read_calibration(chosen, cameras)
+    for file in _candidates(path):
+        # Other text and JSON is mostly poses, which take long to parse.
+        is_likely = "calib" in file.name.lower() or file.suffix.lower() not in (".txt", ".json")
+        if file == chosen or not is_likely:
+            continue
+        try:
+            difference = _difference(found, read_calibration(file, cameras))
+        except InputError:
+            continue
+        if difference:
+            notify(
+                "calibration-contradictory",
+                f"{chosen} and {file.name} state different {difference}; {chosen.name} is used",
+            )
+    return found
+
+
+def _difference(one: Calibration, other: Calibration) -> str:
+    """What two calibrations state differently, in words; empty if they may be of one rig.
+
+    The focal length of a rectified rig may differ from that of its raw cameras.
+    """
+    if abs(other.baseline / one.baseline - 1) > MAX_DIFFERENCE:
+        return f"baselines ({one.baseline:g} and {other.baseline:g})"
+    focal, other_focal = (float(each.left.matrix[0, 0]) for each in (one, other))
+    if not (one.is_rectified and other.is_rectified):
+        return ""
+    is_other = abs(other_focal / focal - 1) > MAX_DIFFERENCE
+    return f"focal lengths ({focal:g} and {other_focal:g} px)" if is_other else ""
 
 
 def _of_document(path: Path, document: Document) -> Calibration:
@@ -114,14 +152,8 @@ def find_calibration(path: Path) -> Path:
     """
     if (usual := path / "calib.txt").is_file():
         return usual
-    files = [
-        file
-        for file in sorted(path.iterdir() if path.is_dir() else [])
-        if file.suffix.lower() in ENDINGS and file.is_file() and file.name[0] != "."
-    ]
-    files.sort(key=_likelihood)
     faults = []
-    for file in files:
+    for file in _candidates(path):
         try:
             read_calibration(file)
         except InputError as error:
@@ -131,9 +163,19 @@ def find_calibration(path: Path) -> Path:
     raise InputError(_none_found(path, faults))
 
 
+def _candidates(path: Path) -> list[Path]:
+    """The files of a folder that may be calibrations, the most likely first."""
+    files = [
+        file
+        for file in sorted(path.iterdir() if path.is_dir() else [])
+        if file.suffix.lower() in ENDINGS and file.is_file() and file.name[0] != "."
+    ]
+    return sorted(files, key=_likelihood, reverse=True)
+
+
 def _likelihood(file: Path) -> tuple[bool, bool]:
-    """A sorting key: names with "calib" first, then structured files before plain text."""
-    return "calib" not in file.name.lower(), file.suffix.lower() == ".txt"
+    """A sorting key: names with "calib" last, before them structured files, then plain text."""
+    return "calib" in file.name.lower(), file.suffix.lower() != ".txt"
 
 
 def _none_found(path: Path, faults: list[tuple[Path, str]]) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from recon.camera import TYPICAL_RESIDUAL_PX
 from recon.errors import InputError, check_finite
 from recon.geometry import pose
+from recon.notices import notify
 from recon.sequences.calibration.cameras import (
     RESIDUAL,
     Calibration,
@@ -26,6 +27,8 @@ Cameras = tuple[int, int]
 
 MAX_CAMERAS = 8
 """Maximum number of unlabelled projections; more are poses."""
+MAX_DOFFS_PX = 1.0
+"""Error of Middlebury's doffs that rounding explains."""
 MIN_FOCAL_PX = 2.0
 """A matrix with a smaller focal length is a pose."""
 
@@ -52,6 +55,7 @@ def middlebury(path: Path) -> Calibration:
     size = None
     if "width" in keys and "height" in keys:
         size = (_count(path, keys, "width"), _count(path, keys, "height"))
+    _check_doffs(path, keys, right[0, 2] - left[0, 2])
     step = pose(np.eye(3), [-_number(path, keys, "baseline") / 1000.0, 0.0, 0.0])
     return Calibration(
         left=Camera(matrix=left, distortion=np.zeros(0), size=size),
@@ -60,6 +64,16 @@ def middlebury(path: Path) -> Calibration:
         disparity_range=(0, _count(path, keys, "ndisp")) if "ndisp" in keys else None,
         residual_px=_number(path, keys, RESIDUAL) if RESIDUAL in keys else TYPICAL_RESIDUAL_PX,
     )
+
+
+def _check_doffs(path: Path, keys: dict[str, str], apart_px: float) -> None:
+    """Notify if the stated offset of the disparities is not that of the principal points."""
+    if "doffs" in keys and abs((doffs := _number(path, keys, "doffs")) - apart_px) > MAX_DOFFS_PX:
+        notify(
+            "calibration-contradictory",
+            f"{path}: doffs is {doffs:g}, but the principal points of cam0 and cam1 are "
+            f"{apart_px:g} px apart, as is used",
+        )
 
 
 def kitti(path: Path, cameras: Cameras | None = None) -> Calibration:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from recon.errors import InputError
 from recon.records import StereoPair
 from recon.sequences.calibration.cameras import Calibration
-from recon.sequences.calibration.files import find_calibration, read_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.depth import Pixels, Stretch, stretch_of
 from recon.sequences.frames import Frame, Recording, Skipped
@@ -69,7 +69,7 @@ def open_folder(path: Path, settings: SequenceSettings) -> Recording:
         given_poses(path, settings),
         needs_pose=settings.poses == "given",
     )
-    return file_recording(listed, poses, read_calibration(find_calibration(path)), settings)
+    return file_recording(listed, poses, read_calibration(path), settings)
 
 
 def find_times(path: Path) -> NDArray[np.float64] | None:

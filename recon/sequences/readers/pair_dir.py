@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from recon.errors import InputError
-from recon.sequences.calibration.files import find_calibration, read_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.frames import Recording
 from recon.sequences.images import ENDINGS
 from recon.sequences.listing import Listed
@@ -30,7 +30,7 @@ def open_pair_dir(path: Path, settings: SequenceSettings) -> Recording:
         name=path.resolve().name, left=find_image(path, "left"), right=find_image(path, "right")
     )
     at = FramePose(stamp_s=0.0, T_world_left=None)
-    calibration = read_calibration(find_calibration(path))
+    calibration = read_calibration(path)
     return file_recording([pair], [at], calibration, settings)
 
 

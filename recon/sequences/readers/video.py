@@ -11,7 +11,7 @@ import numpy as np
 from recon.errors import InputError
 from recon.libraries import silent
 from recon.records import StereoPair
-from recon.sequences.calibration.files import find_calibration, read_calibration
+from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier, rectifier
 from recon.sequences.depth import Image
 from recon.sequences.frames import Frame, Recording, Skipped
@@ -38,7 +38,7 @@ def open_video(path: Path, settings: SequenceSettings) -> Recording:
         raise InputError(f"{path} contains no left.* and right.* ({', '.join(sorted(ENDINGS))})")
     folder = files[0].parent
     clips = [_Clip.of(file) for file in files]
-    calibration = read_calibration(find_calibration(folder))
+    calibration = read_calibration(folder)
     width, height = clips[0].size
     size = (width // 2, height) if len(clips) == 1 else clips[0].size
     num_frames = min(clip.num_frames for clip in clips)
