@@ -17,6 +17,7 @@ from recon.sequences.contradictions.motions import pose_finding
 from recon.sequences.contradictions.pairs import findings
 from recon.sequences.contradictions.steps import Step
 from recon.sequences.images import read_image
+from tests.sequences import recordings
 from tests.sequences.drives import RIG, motion, tracks
 from tests.sequences.recordings import middlebury_keys
 
@@ -24,6 +25,8 @@ KITTI = StereoRig(
     width=1226, height=370, focal_px=707.09, cx_left_px=601.89, cx_right_px=601.89, cy_px=183.11,
     baseline=0.537,
 )  # fmt: skip
+
+FOCAL = str(recordings.RIG.focal_px)
 
 
 @pytest.fixture
@@ -177,7 +180,7 @@ def notices_of(path):
     [
         ("calib.yaml", lambda text: text, None),
         ("calib_old.txt", lambda text: text.replace("baseline=", "baseline=1"), "baselines"),
-        ("calib_old.txt", lambda text: text.replace("=[", "=[1"), "focal lengths"),
+        ("calib_old.txt", lambda text: text.replace(FOCAL, "150.0"), "focal lengths"),
         ("notes.txt", lambda text: text.replace("baseline=", "baseline=1"), None),
     ],
 )
