@@ -14,6 +14,7 @@ Part = TypeVar("Part")
 
 GROUPS = (
     "controllers", "matchers", "sequences", "formats", "figures", "recognisers", "renderers",
+    "jobs",
 )  # fmt: skip
 """Kinds of plug-ins; each is the entry-point group `recon.NAME`."""
 
@@ -27,7 +28,7 @@ def register(group: str, name: str, part: Any) -> None:
     Parameters
     ----------
     group : str
-        One of controllers, matchers, sequences, formats, figures, recognisers, renderers.
+        One of controllers, matchers, sequences, formats, figures, recognisers, renderers, jobs.
     name : str
         The name by which it is requested; recon's own names cannot be replaced.
     part : object

@@ -71,6 +71,16 @@ def test_format_of_the_plugin_round_trips(tmp_path):
     assert main(["info", str(tmp_path / "bad.jsonl")]) == 2
 
 
+def test_job_of_the_plugin_runs_in_a_batch(tmp_path, capsys):
+    argv = ["batch", str(PAIR), "--command", "sharpness", "-j", "1", "--json"]
+    assert main([*argv, "-o", str(tmp_path / "batch")]) == 0
+    (job,) = json.loads(capsys.readouterr().out)["jobs"]
+    assert job["state"] == "done"
+    assert job["num_pairs"] == 1
+    assert job["sharpness"] > 10
+    assert (tmp_path / "batch" / "motorcycle" / "manifest.json").is_file()
+
+
 def test_controller_renderer_and_recogniser_of_the_plugin_explore(tmp_path, capsys):
     argv = ["explore", "three_apples", "--controller", "carousel", "--renderer", "night", "--json"]
     argv += ["--recogniser", "height", "--max-pairs", "3", "-o", str(tmp_path / "run")]
