@@ -92,16 +92,29 @@ def test_a_board_is_free_below_and_a_slice_of_a_wall_is_not_even_near_the_ground
     assert free_below(slice_of(table, 3.0), table) > 0.9
 
 
-def test_walls_of_a_house_are_at_right_angles():
-    def explained(*planes):
-        found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE)
-        return max(one.explained for one in found)
+def explained(*planes):
+    """How well a house explains planes; 0 if it has not its parts among them."""
+    found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE)
+    return max((one.explained for one in found), default=0.0)
 
+
+def test_walls_of_a_house_are_at_right_angles():
     sides = [[10.0, 0.0, 0.0], [-5.0, 0.0, 8.66], [-5.0, 0.0, -8.66]]
     corners = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [5.0, 0.0, 8.66]]
     tent = [plane(at, side, [0.0, 6.0, 0.0]) for at, side in zip(corners, sides, strict=True)]
     assert explained(*walls(), slope(6.0)) > 0.9
     assert explained(*tent, slope(6.0)) < 0.1
+
+
+def test_two_sides_of_a_hedge_are_no_walls_of_a_house():
+    other = slope(6.0) * [1.0, 1.0, -1.0] + [0.0, 0.0, 8.0]
+    assert explained(*walls()[:2], slope(6.0), other) < 0.1
+    assert explained(*walls(), slope(6.0), other) > 0.9
+
+
+def test_a_few_slanted_cells_are_no_roof():
+    edge = plane([0.0, 6.0, 0.0], [4.0, 0.0, 0.0], [0.0, 1.5, 2.0])
+    assert explained(*walls(), edge) == 0.0
 
 
 def lump(seed) -> Voxels:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from recon.recognition.fitting.composite import fit_composite, solids
+from recon.recognition.fitting.surface_points import surface
 from recon.recognition.naming import flat_rival, hypotheses
 from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
@@ -15,7 +16,7 @@ from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Evidence, Logistic
 from recon.recognition.reliability import calibration_error
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
-from recon.records import Box, Cylinder, Sphere, Voxels
+from recon.records import Box, Cylinder, PointCloud, Sphere, Voxels
 
 KINDS = read_catalogues(["village"])[:3]
 NAMES = ("apple tree", "pine tree", "cottage")
@@ -146,6 +147,21 @@ def test_box_on_a_box_is_not_a_cottage(monkeypatch):
     voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
     monkeypatch.setattr(hypotheses, "FORMED", Logistic(middle=-99.0, steepness=1.0))
+    assert name_object(voxels, 0.0, KINDS).label == "cottage"
+
+
+@pytest.mark.parametrize(("radius", "height"), [(3.0, 10.0), (4.0, 12.0), (5.0, 16.0)])
+def test_front_of_a_post_with_a_ball_is_not_a_cottage(radius, height, monkeypatch):
+    rng = np.random.default_rng(0)
+    post = Cylinder(point=np.zeros(3), axis=UP, radius=radius, height=height)
+    ball = Sphere(centre=height * UP, radius=1.12 * radius)
+    whole = surface([post, ball], 40_000, rng)
+    front = whole.points[whole.normals[:, 2] > 0.2]
+    points = front + rng.normal(0.0, 0.25, front.shape)
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
+    voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+    monkeypatch.setattr(hypotheses, "OTHER_SHAPES", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "cottage"
 
 

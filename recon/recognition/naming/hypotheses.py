@@ -15,7 +15,7 @@ from recon.recognition.naming.curvature import bend
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.flat_rival import flat_rival
 from recon.recognition.naming.kinds import Kind
-from recon.recognition.naming.lead import lead_of_parts
+from recon.recognition.naming.lead import lead_of_parts, lead_over_shapes
 from recon.recognition.naming.limits import (
     RATIO_SPREAD,
     hue_chance,
@@ -32,18 +32,16 @@ from recon.recognition.naming.probability import (
     LEAD,
     NEARNESS,
     ORDERED,
+    OTHER_SHAPES,
     Evidence,
 )
-from recon.recognition.naming.visibility import coverage, is_hovering, unseen_parts
+from recon.recognition.naming.visibility import coverage, is_hovering, is_whole, unseen_parts
 from recon.records import Solid, Voxels
 
 Array = NDArray[np.float64]
 
 LOG_NO_KIND = -4.0
 """Log prior of a composite of no kind, relative to one of the catalogue."""
-LARGEST_TO_EXTENT = 1.4
-"""A fit larger than this multiple of the extent of its cells is rejected: even one view shows a
-quarter of a round object, whose chord is 0.7 of its width."""
 CLEAR = 0.9
 """Probability of a fit on one axis above which planes and bars are not tried."""
 LEAST_WHOLE = 0.1
@@ -113,10 +111,11 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
         fit_composite(shapes, cells.means, ground, cells.cell_size, case.weights)
         for shapes in combinations
     ]
-    fits = [fit for fit in fits if _is_whole(fit.state, cells)]
+    fits = [fit for fit in fits if is_whole(fit.state, cells)]
     opinions = colour_opinions([fit.state for fit in fits], cells)
+    criteria = {fit.state.shapes: case.criterion(fit.bic) for fit in fits}
     for fit, opinion in zip(fits, opinions, strict=True):
-        criterion = case.criterion(fit.bic)
+        criterion = criteria[fit.state.shapes]
         found = Hypothesis(
             kind=None,
             evidence=case.evidence(criterion) + opinion,
@@ -130,7 +129,9 @@ def _upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
         if np.isfinite(chances).any():
             evidence = _evidence(case, fit, criterion, coverage(found.solids, cells))
             for kind, chance in zip(own, chances, strict=True):
-                yield _rated(case, found, kind, chance, evidence)
+                rated = _rated(case, found, kind, chance, evidence)
+                lead = lead_over_shapes(fit.state.shapes, kind.composites, criteria)
+                yield replace(rated, whole=rated.whole * float(OTHER_SHAPES.chance(lead)))
 
 
 def _against_planes(case: Case, found: list[Hypothesis]) -> Iterator[Hypothesis]:
@@ -179,14 +180,6 @@ def _rated(
         whole=evidence.probability * looks * within if seen >= kind.min_seen else 0.0,
         seen=seen,
     )
-
-
-def _is_whole(composite: Composite, cells: Voxels) -> bool:
-    """True if the composite has the cells' size and all parts above the lowest are visible."""
-    extent = float(np.ptp(cells.means, axis=0).max())
-    within = max(2.0 * composite.widest.max(), composite.heights[-1] - cells.means[:, 1].min())
-    unseen = unseen_parts(composite, cells)[1:]
-    return bool(within < LARGEST_TO_EXTENT * extent and not unseen.any())
 
 
 def _log_chance(composite: Composite, kind: Kind, cells: Voxels) -> float:

@@ -1,6 +1,6 @@
-"""Lead of a composite fit over competing single solids."""
+"""Lead of a composite fit over competing single solids, and over parts of other shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 
 ENOUGH_CELLS = 10
 """Minimum number of cells of a part for a meaningful lead."""
+BLUR = 0.04
+"""Square of the noise, in that of a formless object, by which fits are blurred before they compete:
+finer differences come of cells, whose means are off by a tenth of a cell."""
 OF_ONE_PART = 0.25
 """Weight of the lead on one part, since it is the maximum of several."""
 
@@ -33,3 +36,20 @@ def lead_of_parts(fit: Estimate[Composite], cells: Voxels, rivals: Sequence[Cand
     # Of the median: a roof is not made by the few cells that are off the rim of a post.
     leads = [[np.median((other - own)[part == one]) for one in enough] for other in others]
     return OF_ONE_PART * float(np.min(leads, axis=0).max())
+
+
+def lead_over_shapes(
+    shapes: tuple[str, ...],
+    of_kind: Collection[tuple[str, ...]],
+    criteria: Mapping[tuple[str, ...], float],
+) -> float:
+    """Lead of the fit of some shapes over the best one of shapes that its kind does not have.
+
+    Parameters
+    ----------
+    criteria : mapping of tuple of str to float
+        BIC per cell of each fit, minus that of a formless object: twice the log of the noise.
+    """
+    others = [criterion for other, criterion in criteria.items() if other not in of_kind]
+    own, rival = np.exp(criteria[shapes]), np.exp(min(others, default=np.inf))
+    return float(np.log((rival + BLUR) / (own + BLUR)))

@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 
 UNSEEN = 0.1
 """A part is unseen if its cell density is below this share of that of the best seen part."""
+LARGEST_TO_EXTENT = 1.4
+"""A fit larger than this multiple of the extent of its cells is rejected: even one view shows a
+quarter of a round object, whose chord is 0.7 of its width."""
 HOVERING = 0.15
 """Height of an object's lowest cell above the ground, as a share of its height: an object that
 hovers higher is supported by something unseen."""
@@ -41,6 +44,14 @@ def unseen_parts(composite: Composite, cells: Voxels) -> NDArray[np.bool_]:
     density = counts / np.maximum(composite.areas, cells.cell_size**2)
     unseen: NDArray[np.bool_] = density < UNSEEN * density.max()
     return unseen
+
+
+def is_whole(composite: Composite, cells: Voxels) -> bool:
+    """True if the composite has the cells' size and all parts above the lowest are visible."""
+    extent = float(np.ptp(cells.means, axis=0).max())
+    within = max(2.0 * composite.widest.max(), composite.heights[-1] - cells.means[:, 1].min())
+    unseen = unseen_parts(composite, cells)[1:]
+    return bool(within < LARGEST_TO_EXTENT * extent and not unseen.any())
 
 
 def with_thin_body(composite: Composite, cells: Voxels) -> Composite:
