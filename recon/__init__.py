@@ -64,11 +64,11 @@ if TYPE_CHECKING:
     from recon.records import TruncatedCone as TruncatedCone
     from recon.records import View as View
     from recon.records import Voxels as Voxels
-    from recon.runs.door import explore as explore
-    from recon.runs.door import open_sequence as open_sequence
-    from recon.runs.door import recognise as recognise
-    from recon.runs.door import reconstruct as reconstruct
-    from recon.runs.door import rectifier as rectifier
+    from recon.runs.api import explore as explore
+    from recon.runs.api import open_sequence as open_sequence
+    from recon.runs.api import recognise as recognise
+    from recon.runs.api import reconstruct as reconstruct
+    from recon.runs.api import rectifier as rectifier
     from recon.runs.events import Cancelled as Cancelled
     from recon.runs.events import Events as Events
     from recon.runs.execute import execute as execute
@@ -108,7 +108,7 @@ _HOMES = {
     "records": "Box Cone Cylinder DisparityMap Ellipsoid Features FitFailure FoundObject Image "
     "Matches Mesh Part Plane PointCloud PoseEstimate Recognition Reconstruction Sphere StereoPair "
     "Trajectory TruncatedCone View Voxels",
-    "runs.door": "explore open_sequence recognise reconstruct rectifier",
+    "runs.api": "explore open_sequence recognise reconstruct rectifier",
     "runs.events": "Cancelled Events",
     "runs.execute": "execute",
     "runs.job": "Job",

@@ -5,7 +5,7 @@ import pytest
 
 from recon.exploration.focus import focusable, focusing, range_of
 from recon.records import View
-from recon.runs.door import explorers
+from recon.runs.api import explorers
 from recon.settings import Settings, updated
 from recon.world.world import World
 

@@ -8,7 +8,7 @@ import pytest
 from recon.exploration.outlines import outlines
 from recon.exploration.scales import Scales
 from recon.records import PointCloud
-from recon.runs.door import explorers
+from recon.runs.api import explorers
 from recon.settings import Settings
 
 SCALES = Scales.of(explorers(Settings()))
