@@ -68,7 +68,8 @@ class PartRule:
     """For a plane: limits of the angle between its normal and the vertical; 0 = horizontal, 90 =
     vertical."""
     square: bool = False
-    """For several upright planes: they are parallel or at right angles, with a corner, as walls are."""
+    """For several upright planes: they are parallel or at right angles, as walls are, with a
+    corner."""
     share: Range | None = None
     """Limits of its cells as a share of the object's cells."""
     size: Sizes = Sizes()
