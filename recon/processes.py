@@ -48,7 +48,7 @@ def collect_rarely() -> None:
 
     By default the collections take a fifth of the time of the imports.
     """
-    gc.set_threshold(10_000)
+    gc.set_threshold(50_000)
 
 
 def end_soon() -> None:

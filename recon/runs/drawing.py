@@ -21,9 +21,22 @@ def _load() -> None:
 
     for name in ALWAYS:
         KINDS.load(name)
-    # What floor plans need besides; each process would load it again when most figures wait.
-    importlib.import_module("recon.figures.free_ground")
     load_libraries()
+    _load_ground()
+
+
+def _load_ground() -> None:
+    """Load the compiled loops that floor plans need, by finding the ground of a flat square.
+
+    Each process would load them again when most figures wait.
+    """
+    importlib.import_module("recon.figures.free_ground")
+    import numpy as np
+
+    from recon.recognition.segments.ground import NUM_VOTERS, level_plane
+
+    x, z = np.divmod(np.arange(float(NUM_VOTERS)), 64.0)
+    level_plane(np.column_stack([x, np.zeros_like(x), z]))
 
 
 _load()
