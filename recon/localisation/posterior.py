@@ -12,9 +12,11 @@ import numpy as np
 from scipy.special import logsumexp
 
 from recon.geometry import WORLD_UP, Array
+from recon.localisation.corners import Corners
 from recon.localisation.look import Look
 from recon.localisation.portrait import Portrait
 from recon.localisation.registration import moved
+from recon.localisation.stance import HEIGHT_SIGMA_CELLS, ROLL_SIGMA_DEG
 from recon.localisation.standpoints import Standpoint, Standpoints
 from recon.records import FitFailure, PoseEstimate
 
@@ -22,7 +24,7 @@ PER_E = 0.05
 """Mean log likelihood of a pixel that makes a pose e times as likely."""
 MIN_SHOWN_PX = 60
 """Fewer pixels that show a thing say nothing."""
-MIN_EXPLAINED, MIN_PROBABILITY, MAX_SIGMA_CELLS = 0.7, 0.99, 0.3
+MIN_EXPLAINED, MIN_PROBABILITY, MAX_SIGMA_CELLS = 0.7, 0.99, 0.2
 """Of an accepted pose: share of the pixels that the map explains, probability, and standard
 deviation of the position."""
 APART_CELLS, APART_RAD = 1.0, 0.1
@@ -59,7 +61,10 @@ class Posterior:
         offset = best.T_world_left[:3, 3] - self.portrait.centre(best.thing)
         sizes = math.hypot(offset[0], offset[2]) / self.portrait.size(best.thing)
         place = (SOLID_CELLS * self.portrait.cell_size) ** 2 * (1.0 + sizes**2)
-        return np.asarray(scaled.T @ scaled + np.diag([0, 0, 0, place, 0, place]) + own, np.float64)
+        height = (HEIGHT_SIGMA_CELLS * self.portrait.cell_size) ** 2
+        roll = math.radians(ROLL_SIGMA_DEG) ** 2
+        still = np.diag([roll, 0.0, roll, place, height, place])
+        return np.asarray(scaled.T @ scaled + still + own, np.float64)
 
     def _ways(self, best: Standpoint) -> Array:
         """Small changes (4, 6): ahead, around itself, up, and around the thing.
@@ -92,16 +97,8 @@ class Posterior:
         return float(value[0] - value[1:].mean()) / (PER_E * self.num_shown)
 
 
-def decide(standpoints: Standpoints, look: Look, own: Array) -> PoseEstimate | FitFailure:
-    """The pose of a pair by a portrait; a failure if it does not determine it.
-
-    Parameters
-    ----------
-    standpoints : Standpoints
-    look : Look
-    own : (6, 6) array
-        Covariance of the poses of the pairs that the portrait was made from.
-    """
+def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstimate | FitFailure:
+    """The pose of a pair by a portrait; a failure if it does not determine it."""
     portrait = standpoints.portrait
     if look.against(portrait.paint, standpoints.pitch(look))[1] < MIN_SHOWN_PX:
         return FitFailure("too little is seen")
@@ -117,12 +114,13 @@ def decide(standpoints: Standpoints, look: Look, own: Array) -> PoseEstimate | F
         return FitFailure("several places look like it")
     estimate = PoseEstimate(
         T_world_left=best.T_world_left,
-        covariance=posterior.covariance(best, own),
+        covariance=posterior.covariance(best, corners.own),
         probability=probability,
         residual=1.0,
         inlier_share=posterior.num_explained / posterior.num_shown,
         num_cells=posterior.num_shown,
     )
+    estimate = corners.refined(look.pair, estimate)
     if estimate.sigma > MAX_SIGMA_CELLS * portrait.cell_size:
         return FitFailure("too little is seen to tell the exact place")
     return estimate

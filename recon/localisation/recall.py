@@ -10,6 +10,7 @@ from scipy.special import logsumexp
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
+from recon.localisation.corners import Corners
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.look import Look
 from recon.localisation.outlook import Outlook
@@ -98,7 +99,9 @@ class KnownWorld:
     search: Search | None
     """The search of all positions; None if the run's cameras do not stand level."""
     standpoints: Standpoints | None = None
-    """The search by a portrait of the map's objects; None if its pairs are not at hand."""
+    """The search by a portrait of the map's objects; None if its pairs are not at hand ..."""
+    corners: Corners | None = None
+    """... and the corners of those."""
 
     @classmethod
     def of(
@@ -127,8 +130,10 @@ class KnownWorld:
         portrait = Portrait.of(self.objects, pairs, self.voxels.cell_size)
         if portrait is None or self.search is None:
             return self
-        standpoints = Standpoints(portrait=portrait, stance=self.search.stance)
-        return replace(self, standpoints=standpoints)
+        stance = self.search.stance
+        corners = Corners(portrait=portrait, pairs=pairs, stance=stance, own=self.own)
+        standpoints = Standpoints(portrait=portrait, stance=stance)
+        return replace(self, standpoints=standpoints, corners=corners)
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
@@ -136,8 +141,8 @@ class KnownWorld:
             found = choose(self.hypotheses(pair), self.trust)
             if found or self.search is None:
                 return found
-        if self.standpoints is not None:
-            found = decide(self.standpoints, Look(pair=pair), self.own)
+        if self.standpoints is not None and self.corners is not None:
+            found = decide(self.standpoints, self.corners, Look(pair=pair))
             if found or self.standpoints.portrait.is_whole:
                 return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
