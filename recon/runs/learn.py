@@ -1,7 +1,6 @@
 """Kinds learned from clouds, maps and objects of runs, into a catalogue."""
 
 import re
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +9,12 @@ import tomli_w
 
 from recon.errors import InputError
 from recon.files import atomic_path
+from recon.files.documents import read_toml
 from recon.recognition.clouds import gathered
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.descriptors import Learned
 from recon.recognition.naming.kinds import Kind as Entry
+from recon.recognition.naming.kinds import may_be_named
 from recon.recognition.naming.learning import Lesson, learn
 from recon.recognition.recognition import recognise
 from recon.records import PointCloud, Voxels
@@ -40,6 +41,8 @@ def read_example(text: str, settings: Settings) -> Voxels:
     scene = read_scene(Path(text if whole else name), settings)
     if not whole and isinstance(scene.data, PointCloud):
         raise InputError(f"{text}: {name} is a cloud, but only a run has objects to refer to")
+    if not len(scene.data):
+        raise InputError(f"{text} has no points, but {LEAST_CELLS} cells are needed to learn")
     cells = gathered(scene.data) if isinstance(scene.data, PointCloud) else scene.data
     if not whole:
         found = recognise(cells, _settings_of(Path(name), settings), scene.T_world_left)
@@ -63,8 +66,10 @@ def _settings_of(run: Path, settings: Settings) -> RecognitionSettings:
 def _learn(job: Job, work: Work) -> Numbers:
     """Learn a kind and put it into a catalogue, replacing one of the same name."""
     name, target = str(job.arguments["name"]), Path(str(job.arguments["catalogue"]))
-    entries = _entries(target)
-    kinds = read_catalogue(target) if entries else ()
+    if not may_be_named(name):
+        raise InputError(f"name is {name!r}, but one of a known kind is needed")
+    kinds = read_catalogue(target) if target.exists() else ()
+    entries: list[dict[str, Any]] = read_toml(target)["object"] if kinds else []
     others: dict[str, Learned] = {
         kind.name: kind.learned for kind in kinds if kind.learned and kind.name != name
     }
@@ -79,14 +84,6 @@ def _learn(job: Job, work: Work) -> Numbers:
         document = {"object": [*kept, _as_toml(Entry(name=name, learned=lesson.learned))]}
         temporary.write_text(tomli_w.dumps(document), encoding="utf-8")
     return _report(name, target, lesson)
-
-
-def _entries(target: Path) -> list[dict[str, Any]]:
-    """The entries of a catalogue as written; empty if the file does not exist."""
-    if not target.exists():
-        return []
-    entries: list[dict[str, Any]] = tomllib.loads(target.read_text(encoding="utf-8"))["object"]
-    return entries
 
 
 def _as_toml(kind: Entry) -> dict[str, Any]:

@@ -32,7 +32,7 @@ META = {
 
 
 def fetch(name: str, folder: Path) -> list[Path]:
-    """Put a sample recording into a folder; existing files stay.
+    """Put a sample recording into a folder; files of its own that exist stay.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def fetch(name: str, folder: Path) -> list[Path]:
     Raises
     ------
     InputError
-        For an unknown name.
+        For an unknown name, and for a folder with images or a calibration of another recording.
     """
     if name not in SAMPLES:
         known = ", ".join(SAMPLES)
@@ -60,11 +60,10 @@ def fetch(name: str, folder: Path) -> list[Path]:
 
 
 def _motorcycle(folder: Path) -> list[Path]:
+    calib = folder / "calib.txt"
+    if calib.is_file() and calib.read_bytes() != CALIBRATION.encode():
+        raise _foreign(calib)
     texts = {"calib.txt": CALIBRATION, "meta.json": json.dumps(META, indent=1) + "\n"}
-    for name, text in texts.items():
-        if not (folder / name).is_file():
-            with atomic_path(folder / name) as part:
-                part.write_text(text, encoding="utf-8")
     images = ("left.png", "right.png", "disp_left.pfm")
     if not all((folder / name).is_file() for name in images):
         from skimage.data import stereo_motorcycle
@@ -72,8 +71,24 @@ def _motorcycle(folder: Path) -> list[Path]:
         left, right, disparity = stereo_motorcycle()
         found = (left[..., ::-1], right[..., ::-1], disparity.astype(np.float32))
         for name, image in zip(images, found, strict=True):
+            if (folder / name).exists() and not _shows(folder / name, image):
+                raise _foreign(folder / name)
+        for name, image in zip(images, found, strict=True):
             _write_image(folder / name, image)
+    for name, text in texts.items():
+        if not (folder / name).is_file():
+            with atomic_path(folder / name) as part:
+                part.write_text(text, encoding="utf-8")
     return [folder / name for name in (*images, *texts)]
+
+
+def _shows(path: Path, image: NDArray[np.generic]) -> bool:
+    stored = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    return stored is not None and np.array_equal(stored, image)
+
+
+def _foreign(path: Path) -> InputError:
+    return InputError(f"{path} is of another recording; give another -o")
 
 
 def _write_image(path: Path, image: NDArray[np.generic]) -> None:

@@ -67,6 +67,14 @@ def test_user_catalogue_adds_a_kind(tmp_path):
             "object.0.parts.0.shapes.0 is 'torus'",
         ),
         (
+            '[[object]]\nname = "unknown"\nparts = [{ role = "a", shapes = ["cone"] }]\n',
+            "object.0: its name is 'unknown', but one of a known kind",
+        ),
+        (
+            '[[object]]\nname = "a\\nb"\nparts = [{ role = "a", shapes = ["cone"] }]\n',
+            r"object.0: its name is 'a\\nb'",
+        ),
+        (
             '[[object]]\nname = "x"\nmin_seen = 1.5\nparts = [{ role = "a", shapes = ["cone"] }]\n',
             r"bad.toml:3: object.0.min_seen is 1.5, but a number <= 1 is needed",
         ),

@@ -32,6 +32,21 @@ def test_unknown_sample_is_rejected_with_the_nearest_name(tmp_path):
         fetch("motorbike", tmp_path)
 
 
+@pytest.mark.parametrize("name", ["left.png", "calib.txt"])
+def test_files_of_another_recording_are_refused_and_kept(tmp_path, name):
+    (tmp_path / name).write_bytes(b"mine")
+    with pytest.raises(InputError, match=rf"{name} is of another recording; give another -o"):
+        fetch("motorcycle", tmp_path)
+    assert (tmp_path / name).read_bytes() == b"mine"
+    assert [one.name for one in tmp_path.iterdir()] == [name]
+
+
+def test_interrupted_fetch_is_completed(motorcycle):
+    (motorcycle / "right.png").unlink()
+    fetch("motorcycle", motorcycle)
+    assert (motorcycle / "right.png").is_file()
+
+
 def test_truth_is_that_of_the_left_image(motorcycle):
     source = open_sequence(motorcycle, SequenceSettings())
     (pair,) = source

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field
 from pydantic.dataclasses import dataclass
 
 from recon.recognition.naming.descriptors import Learned
+from recon.records import UNKNOWN
 from recon.settings.stage import STRICT, NonNegative, Share
 
 Shape = Literal["cylinder", "sphere", "ellipsoid", "cone", "box", "plane"]
@@ -78,6 +79,11 @@ class PartRule:
     against the kind, and does not rule it out."""
 
 
+def may_be_named(name: str) -> bool:
+    """True of a name in one line that is not the label of what has none."""
+    return name.isprintable() and name != UNKNOWN
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Kind:
     """A name and the requirements for it."""
@@ -98,6 +104,8 @@ class Kind:
     def __post_init__(self) -> None:
         if bool(self.parts) == (self.learned is not None):
             raise ValueError("exactly one of parts and learned is needed")
+        if not may_be_named(self.name):
+            raise ValueError(f"its name is {self.name!r}, but one of a known kind is needed")
 
     @property
     def is_upright(self) -> bool:
