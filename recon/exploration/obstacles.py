@@ -19,7 +19,7 @@ MIN_POINTS_OF_VIEW = 30
 
 TOP_AT = 0.5
 """Distance of the top from the middle of an obstacle, as a share of its radius."""
-SURE, POSSIBLE = 0.9, 0.1
+SURE, POSSIBLE = 0.9, 0.05
 """Minimum probability of a trusted label, and of one that is worth another look."""
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from recon.recognition.fitting.composite import fit_composite, solids
+from recon.recognition.fitting.composite import fit_composites, solids
 from recon.recognition.fitting.surface_points import surface
-from recon.recognition.naming import flat_rival, hypotheses
+from recon.recognition.naming import flat_rival, hypotheses, upright
 from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.hypothesis import Hypothesis, rated
 from recon.recognition.naming.limits import log_within
 from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Evidence, Logistic
@@ -161,7 +162,7 @@ def test_front_of_a_post_with_a_ball_is_not_a_cottage(radius, height, monkeypatc
     voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
     voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
-    monkeypatch.setattr(hypotheses, "OTHER_SHAPES", Logistic(middle=-99.0, steepness=1.0))
+    monkeypatch.setattr(upright, "OTHER_SHAPES", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "cottage"
 
 
@@ -193,27 +194,25 @@ def post():
     voxels = voxelise(observe([solid], COLOURS, Orbit(), np.random.default_rng(0)))
     case = a_case(voxels.select(voxels.means[:, 1] > 1.0), 0.0, is_metric=False)
     shapes = ("cylinder", "truncated cone")
-    fit = fit_composite(shapes, case.cells.means, 0.0, case.cells.cell_size, case.weights)
+    fit, *_ = fit_composites(shapes, case.cells.means, 0.0, case.cells.cell_size, case.weights)
     return case, fit
 
 
 def test_lead_of_a_part_does_not_hide_that_the_rest_is_worse_explained(post, monkeypatch):
     case, fit = post
-    monkeypatch.setattr(hypotheses, "lead_of_parts", lambda *_: 0.4)
+    monkeypatch.setattr(upright, "lead_of_parts", lambda *_: 0.4)
     rival = case.lone_criterion(case.alone[0])
     for loss in (0.0, 0.3):
-        evidence = hypotheses._evidence(case, fit, rival + loss, np.ones(2))
+        evidence = upright._evidence(case, fit, rival + loss, np.ones(2))
         assert evidence.lead == pytest.approx(0.4 - loss)
 
 
 def test_only_ratios_beyond_their_bounds_lower_the_probability(post):
     case, fit = post
-    found = hypotheses.Hypothesis(
+    found = Hypothesis(
         kind=None, evidence=0.0, criterion=0.0, composite=fit.state, solids=solids(fit.state)
     )
     chances = [log_within(ratio, (0.3, 2.5), 0.05) for ratio in (1.0, 0.3, 0.22)]
-    inside, bound, beyond = (
-        hypotheses._rated(case, found, KINDS[2], chance, SURE).whole for chance in chances
-    )
+    inside, bound, beyond = (rated(case, found, KINDS[2], chance, SURE).whole for chance in chances)
     assert inside == bound
     assert beyond < 0.1 * bound

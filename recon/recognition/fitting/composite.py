@@ -5,7 +5,7 @@ segmentation is needed before the fit.
 """
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from numba import njit
@@ -19,12 +19,13 @@ from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCon
 
 Array = NDArray[np.float64]
 
-SPLITS = (0.2, 0.4, 0.6, 0.8)
+SPLITS = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
 """Initial heights of the boundary of two parts, as shares of the total height."""
-START_RADII: tuple[tuple[float, ...], ...] = ((), (1.0,), (1.3, 0.5))
-"""Radii of a part with none, one and two of them at first, over those of its points."""
-ROUGH_POINTS, ROUGH_STEPS = 150, 6
-"""Points and steps used to choose the most promising start."""
+WHOLE_CONE, ITS_RIM = np.array([1.3, 0.5]), np.array([1.1, 0.15])
+"""Radii of a cone at first, over the distance of its points from the axis: if its whole side is
+seen, and if little more than its rim is."""
+SAME_CELLS = 0.5
+"""Largest difference of a number of two fits, in cells, up to which they are the same."""
 BELOW_CELLS = 0.3
 """Average height of the mean of a part's lowest cell above its rim; at the narrow end, seen from
 below, it is nearly 0."""
@@ -126,10 +127,12 @@ class CompositeModel:
         )
 
 
-def fit_composite(
+def fit_composites(
     shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
-) -> Estimate[Composite]:
-    """The most likely composite of `shapes` on the ground.
+) -> list[Estimate[Composite]]:
+    """The most likely composites of `shapes` on the ground: all optima found, best first.
+
+    Of a wall of many cells and a roof of few, the best one may be a tapered wall.
 
     Parameters
     ----------
@@ -143,23 +146,16 @@ def fit_composite(
         Weight of each point.
     """
     model, floor = CompositeModel(points, shapes), NOISE_FLOOR * cell_size
-    starts = _starts(shapes, points, ground)
-    some = slice(None, None, -(-len(points) // ROUGH_POINTS))
-    few, layout = CompositeModel(points[some], shapes), _layout(shapes)
-    rough = [
-        minimise(
-            few,
-            start,
-            floor=floor,
-            weights=weights[some],
-            layout=layout,
-            max_steps=ROUGH_STEPS,
-        )
-        for start in starts
+    fits = [
+        minimise(model, start, floor=floor, weights=weights, layout=_layout(shapes))
+        for start in _starts(shapes, points, ground)
     ]
-    best = min(rough, key=lambda estimate: estimate.deviance)
-    fit = minimise(model, best.state, floor=floor, weights=weights, layout=layout)
-    return replace(fit, state=_trimmed(fit, points, cell_size))
+    optima: list[Estimate[Composite]] = []
+    for fit in sorted(fits, key=lambda estimate: estimate.deviance):
+        numbers, least = model.packed(fit.state), SAME_CELLS * cell_size
+        if all(np.abs(model.packed(one.state) - numbers).max() > least for one in optima):
+            optima.append(fit)
+    return [replace(one, state=_trimmed(one, points, cell_size)) for one in optima]
 
 
 def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:
@@ -213,12 +209,23 @@ def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Compo
         heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
         ends = pairwise(heights)
         middles = [_middle(rho, y, low, high) for low, high in ends]
-        radii = tuple(
-            middle * np.array(START_RADII[NUM_RADII[shape]])
-            for shape, middle in zip(shapes, middles, strict=True)
-        )
-        found.append(Composite(shapes=shapes, axis=axis, heights=heights, radii=radii))
+        of_parts = zip(shapes, middles, strict=True)
+        ways = [_first_radii(NUM_RADII[shape], middle, max(middles)) for shape, middle in of_parts]
+        found += [
+            Composite(shapes=shapes, axis=axis, heights=heights, radii=radii)
+            for radii in product(*ways)
+        ]
     return found
+
+
+def _first_radii(number: int, middle: float, widest: float) -> list[Array]:
+    """Ways to begin with a number of radii of a part, by the median distance of its points.
+
+    A roof of which few points are seen is as wide as the widest part.
+    """
+    if number < len(WHOLE_CONE):
+        return [np.full(number, middle)]
+    return [middle * WHOLE_CONE, middle * ITS_RIM, widest * ITS_RIM]
 
 
 @njit(cache=True)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from recon.recognition.colour import mean_hue_deg
 from recon.recognition.fitting.composite import solids
 from recon.recognition.naming.case import a_case
-from recon.recognition.naming.hypotheses import Hypothesis, hypotheses
+from recon.recognition.naming.hypotheses import hypotheses
+from recon.recognition.naming.hypothesis import Hypothesis
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.visibility import is_hovering, unseen_parts, with_thin_body
 from recon.records import UNKNOWN, FoundObject, Part, Solid, Voxels

@@ -1,0 +1,112 @@
+"""Hypotheses about upright parts on one axis: the fits of all kinds' shapes, named and unnamed."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.recognition.fitting.composite import Composite, fit_composites, solids
+from recon.recognition.fitting.least_squares import Estimate
+from recon.recognition.naming.case import Case
+from recon.recognition.naming.colour_consistency import colour_opinions
+from recon.recognition.naming.hypothesis import Hypothesis, rated
+from recon.recognition.naming.kinds import Kind
+from recon.recognition.naming.lead import lead_of_parts, lead_over_shapes
+from recon.recognition.naming.limits import RATIO_SPREAD, log_within
+from recon.recognition.naming.probability import OTHER_SHAPES, Evidence
+from recon.recognition.naming.visibility import coverage, is_whole, unseen_parts
+from recon.records import Voxels
+
+Array = NDArray[np.float64]
+
+LOG_NO_KIND = -4.0
+"""Log prior of a composite of no kind, relative to one of the catalogue."""
+
+
+def upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
+    """Fits of every combination of shapes in the kinds, named and unnamed."""
+    cells, ground = case.cells, case.ground
+    combinations = sorted({shapes for kind in kinds for shapes in kind.composites})
+    optima = [
+        fit_composites(shapes, cells.means, ground, cells.cell_size, case.weights)
+        for shapes in combinations
+    ]
+    best = _by_colour(case, [fits[0] for fits in optima if is_whole(fits[0].state, cells)])
+    yield from (replace(one, evidence=one.evidence + LOG_NO_KIND) for _, one in best)
+    criteria = {fit.state.shapes: one.criterion for fit, one in best}
+    whole = [fit for fits in optima for fit in fits if is_whole(fit.state, cells)]
+    found = _by_colour(case, whole)
+    for fit, one in found:
+        shapes = fit.state.shapes
+        same = [other.evidence for rival, other in found if rival.state.shapes == shapes]
+        # The same shapes may fit better in a way that is of no kind.
+        chance = min(1.0, float(np.exp(one.evidence - LOG_NO_KIND - max(same))))
+        own = [kind for kind in kinds if shapes in kind.composites]
+        for named, kind in zip(_named(case, fit, one, own), own, strict=False):
+            lead = lead_over_shapes(shapes, kind.composites, {**criteria, shapes: one.criterion})
+            shape_chance = float(OTHER_SHAPES.chance(lead))
+            yield replace(named, whole=named.whole * chance * shape_chance)
+
+
+def _by_colour(
+    case: Case, fits: list[Estimate[Composite]]
+) -> list[tuple[Estimate[Composite], Hypothesis]]:
+    """Fits, with the opinions of the colours."""
+    opinions = colour_opinions([fit.state for fit in fits], case.cells)
+    return [(fit, _found(case, fit, o)) for fit, o in zip(fits, opinions, strict=True)]
+
+
+def _found(case: Case, fit: Estimate[Composite], opinion: float) -> Hypothesis:
+    """A fit, with the opinion of the colours."""
+    criterion = case.criterion(fit.bic)
+    return Hypothesis(
+        kind=None,
+        evidence=case.evidence(criterion) + opinion,
+        criterion=criterion,
+        composite=fit.state,
+        solids=tuple(solids(fit.state)),
+    )
+
+
+def _named(
+    case: Case, fit: Estimate[Composite], found: Hypothesis, kinds: list[Kind]
+) -> Iterator[Hypothesis]:
+    """A fit as one of each of some kinds."""
+    chances = [_log_chance(fit.state, kind, case.cells) for kind in kinds]
+    if np.isfinite(chances).any():
+        evidence = _evidence(case, fit, found.criterion, coverage(found.solids, case.cells))
+        for kind, chance in zip(kinds, chances, strict=True):
+            yield rated(case, found, kind, chance, evidence)
+
+
+def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
+    """Evidence for a fit of upright parts."""
+    rival = case.lone_criterion(case.alone[0]) if case.alone else 0.0
+    overall, composite = rival - criterion, fit.state
+    counts = np.bincount(composite.nearest(case.cells.means)[1], minlength=len(composite.shapes))
+    # The two radii of a cone differ only if there is a layer of cells for each.
+    layers = [max(1, len(radii)) for radii in composite.radii]
+    narrowest = np.minimum(2.0 * composite.widest, np.diff(composite.heights) / layers)
+    return Evidence(
+        criterion=criterion,
+        # A part makes up for no more than its lead: the rest must not be worse explained.
+        lead=max(overall, lead_of_parts(fit, case.cells, case.alone) + min(overall, 0.0)),
+        seen=seen,
+        widths=narrowest / case.cells.cell_size,
+        num_cells=len(case.cells),
+        num_cells_above=int(counts[1:].min()),
+    )
+
+
+def _log_chance(composite: Composite, kind: Kind, cells: Voxels) -> float:
+    """Log probability that the size ratios are within the kind's bounds."""
+    widths = np.maximum(composite.widest, 1e-9)
+    bounds = [part.slenderness for part in kind.parts]
+    ratios = list(composite.slenderness)
+    if len(widths) > 1:
+        # An unseen part under a crown is thin.
+        ratios.append(0.0 if unseen_parts(composite, cells)[0] else widths[0] / widths[1])
+        bounds.append(kind.ratio)
+    pairs = zip(ratios, bounds, strict=True)
+    return sum(log_within(ratio, limits, RATIO_SPREAD) for ratio, limits in pairs if limits)
