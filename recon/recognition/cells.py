@@ -13,6 +13,8 @@ Numbers = NDArray[np.int64]
 
 LARGEST_KEY = 2**62
 """Cells of a box that one number tells apart."""
+ROOM = 8
+"""Most places for each number from which a list of all places is faster than sorting."""
 BLOCK = 1_000_000
 """Points that are gathered at a time: their temporaries are many times as large as they."""
 
@@ -42,9 +44,18 @@ def distinct(index: Numbers) -> tuple[Numbers, NDArray[np.intp]]:
         return rows, row.ravel()
     # One number a row: sorting rows as such is many times slower.
     x, y, z = (index - low).T
-    keys, row = np.unique((x * shape[1] + y) * shape[2] + z, return_inverse=True)
+    keys, row = _distinct_keys((x * shape[1] + y) * shape[2] + z, math.prod(shape))
     rest, z = np.divmod(keys, shape[2])
     return np.column_stack([*np.divmod(rest, shape[1]), z]) + low, row
+
+
+def _distinct_keys(keys: Numbers, size: int) -> tuple[Numbers, NDArray[np.intp]]:
+    """The distinct numbers (K,) from 0 to `size`, sorted, and the one (N,) of each."""
+    if size > ROOM * len(keys):
+        return np.unique(keys, return_inverse=True)
+    is_there = np.zeros(size, dtype=np.bool_)
+    is_there[keys] = True
+    return np.flatnonzero(is_there), (np.cumsum(is_there) - 1)[keys]
 
 
 def gather(cloud: PointCloud, cell_size: float, min_count: int = 1) -> Voxels:
