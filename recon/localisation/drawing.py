@@ -25,6 +25,8 @@ BAND, NUM_BANDS = 0.015, 60
 LOG_ANY = -3.0 * math.log(256.0)
 LOG_KNOWN = math.log(1.0 - OUTLIERS) - 1.5 * math.log(2.0 * math.pi) - LOG_ANY
 LOG_OUTLIER = math.log(OUTLIERS)
+HOPED = 4.0
+"""Log density, less that of any colour, of the colours on a known side, about."""
 
 
 class Camera(NamedTuple):
@@ -75,7 +77,7 @@ class Paint(NamedTuple):
     mean: Array
     """(K, 3) RGB."""
     sigma: Array
-    """(K,) standard deviation of each channel."""
+    """(K,) standard deviation of each channel; 0 for texels that may be just as seen."""
     backdrop: Array
     """(B, L, L, L) log density of the colours in each band of elevations."""
 
@@ -207,7 +209,7 @@ def agreement(image: Array, drawn: Drawn, paint: Paint, camera: Camera) -> tuple
             k = texel[row, column]
             if k >= 0:
                 off_sq = (r - mean[k, 0]) ** 2 + (g - mean[k, 1]) ** 2 + (b - mean[k, 2]) ** 2
-                here = _log_density(off_sq, sigma[k])
+                here = _log_density(off_sq, sigma[k]) if sigma[k] > 0.0 else HOPED
             else:
                 x = ((column + 0.5) * block - 0.5 - camera.cx_px) * unit
                 rise = (up[0] * x + up[1] * y + up[2]) / math.sqrt(1.0 + x * x + y * y)

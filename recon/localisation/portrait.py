@@ -21,6 +21,7 @@ from recon.localisation.drawing import (
     Solids,
     draw,
 )
+from recon.localisation.repeats import completed
 from recon.recognition.fitting.axes import across_axis
 from recon.recognition.fitting.surface_points import outline
 from recon.records import (
@@ -44,6 +45,8 @@ HIDDEN_CELLS, HIDDEN_SHARE = 0.3, 0.02
 """Tolerance of depths in what hides a texel: in cells, and as a share of its depth."""
 FINE_PX = 0.6
 """Least width of a texel, foreshortened, in an image that shows its colour."""
+CLEAR_PX = 2.0
+"""Least width of a texel in an image that shows the texture as it is."""
 COLOUR_SIGMA = 14.0
 """Standard deviation of a channel of the same texel seen twice."""
 BACKDROP_SHARE = 0.95
@@ -62,6 +65,8 @@ class Portrait:
     paint: Paint
     plain: Paint
     """The same with the mean colour of each solid: all sides look alike."""
+    hoped: Paint
+    """The same if sides that no pair has shown clearly agree as well as others."""
     cell_size: float
     is_whole: bool
     """True if all parts of all objects are drawn."""
@@ -87,6 +92,7 @@ class Portrait:
             thing=np.array([number for _, number in round_ones], np.intp),
             paint=painted.paint,
             plain=painted.plain,
+            hoped=painted.hoped,
             cell_size=cell_size,
             is_whole=len(drawn) == len(objects)
             and len(round_ones) == sum(len(one.parts) for one in objects),
@@ -184,11 +190,11 @@ class _Painted:
 
     paint: Paint
     plain: Paint
+    hoped: Paint
 
     @classmethod
     def of(cls, solids: Solids, pairs: Sequence[StereoPair], cell_size: float) -> "_Painted":
         points, normals = (np.concatenate(both) for both in zip(*_texels(solids), strict=True))
-        part = np.repeat(np.arange(len(solids.shape)), solids.shape.prod(axis=1))
         width, colours = np.zeros(len(points)), np.zeros((len(points), 3))
         backdrop = np.zeros((NUM_BANDS, LEVELS, LEVELS, LEVELS))
         for one in pairs:
@@ -201,29 +207,30 @@ class _Painted:
             rows = rows[better]
             width[rows] = wide[better]
             colours[rows] = _read(image, here_px[better], wide[better])
-        return cls._by(part, width, colours, _log_density(backdrop))
+        return cls._by(solids, width, colours, _log_density(backdrop))
 
     @classmethod
-    def _by(
-        cls, part: NDArray[np.intp], width: Array, colours: Array, backdrop: Array
-    ) -> "_Painted":
+    def _by(cls, solids: Solids, width: Array, colours: Array, backdrop: Array) -> "_Painted":
         """Colours where pairs showed them finely enough, else those of the whole solid."""
-        seen = width > FINE_PX
-        usual, spread = np.full((len(part), 3), 128.0), np.full(len(part), 80.0)
-        for number in range(part.max() + 1):
-            rows, of = part == number, colours[(part == number) & seen]
+        usual, spread = np.full(colours.shape, 128.0), np.full(len(colours), 80.0)
+        mean, known = colours.copy(), width > FINE_PX
+        for start, (around, along) in zip(solids.start, solids.shape, strict=True):
+            rows = slice(start, start + around * along)
+            of = colours[rows][known[rows]]
             if len(of):
                 usual[rows] = of.mean(axis=0)
                 spread[rows] = np.hypot(math.sqrt(of.var(axis=0).mean()), COLOUR_SIGMA)
+            grid, is_known = completed(
+                colours[rows].reshape(around, along, 3), known[rows].reshape(around, along)
+            )
+            mean[rows], known[rows] = grid.reshape(-1, 3), is_known.ravel()
         # A texel about as wide as a pixel has some colour of those around it.
-        vague = spread * np.clip(1.5 - width, 0.0, 1.0)
+        vague = spread * np.clip(1.5 - np.where(width > FINE_PX, width, 1.0), 0.0, 1.0)
+        mean, sigma = np.where(known[:, None], mean, usual), np.hypot(COLOUR_SIGMA, vague)
         return cls(
-            paint=Paint(
-                mean=np.where(seen[:, None], colours, usual),
-                sigma=np.where(seen, np.hypot(COLOUR_SIGMA, vague), spread),
-                backdrop=backdrop,
-            ),
+            paint=Paint(mean=mean, sigma=np.where(known, sigma, spread), backdrop=backdrop),
             plain=Paint(mean=usual, sigma=spread, backdrop=backdrop),
+            hoped=Paint(mean=mean, sigma=np.where(width > CLEAR_PX, sigma, 0.0), backdrop=backdrop),
         )
 
 

@@ -17,7 +17,7 @@ from recon.localisation.look import Look
 from recon.localisation.portrait import Portrait
 from recon.localisation.registration import moved
 from recon.localisation.stance import HEIGHT_SIGMA_CELLS, ROLL_SIGMA_DEG
-from recon.localisation.standpoints import Standpoint, Standpoints
+from recon.localisation.standpoints import Standpoint, Standpoints, orbited
 from recon.records import FitFailure, PoseEstimate
 
 PER_E = 0.05
@@ -34,6 +34,11 @@ SOLID_CELLS = 0.06
 times its size away is off by as many times that."""
 FIRST_CELLS, FIRST_RAD = 0.05, 0.003
 """First steps by which the precision is measured."""
+REPEATS_DEG, NEARBY_DEG = (180.0, 120.0, 240.0, 90.0, 270.0), (-4.0, -2.0, 0.0, 2.0, 4.0)
+"""Turns after which a texture that goes two to four times around looks the same, and turns near
+them that are tried."""
+REPEATS_PX = 2
+"""Side of the pixels in which they are compared."""
 DROPS, MOST_STEPS = (0.5, 2.0), 12
 """Loss of log probability after a step by which the precision is measured."""
 
@@ -96,6 +101,18 @@ class Posterior:
         value = self.look.values(self.portrait.solids, self.portrait.paint, poses, 1)
         return float(value[0] - value[1:].mean()) / (PER_E * self.num_shown)
 
+    def may_repeat(self, best: Standpoint) -> bool:
+        """True if a texture that goes several times around may show the same elsewhere.
+
+        A side that no pair has shown may be the one that is seen.
+        """
+        centre = self.portrait.centre(best.thing)
+        turns = np.radians(np.add.outer(REPEATS_DEG, NEARBY_DEG)).ravel().tolist()
+        poses = [orbited(best.T_world_left, centre, turn) for turn in (0.0, *turns)]
+        value = self.look.values(self.portrait.solids, self.portrait.hoped, poses, REPEATS_PX)
+        lost = (value[0] - value[1:].max()) / (PER_E * self.num_shown)
+        return bool(lost < -math.log(1.0 - MIN_PROBABILITY))
+
 
 def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstimate | FitFailure:
     """The pose of a pair by a portrait; a failure if it does not determine it."""
@@ -110,7 +127,7 @@ def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstima
     if posterior.num_explained < MIN_EXPLAINED * posterior.num_shown:
         return FitFailure("the map shows other things there")
     probability = _probability(found, posterior.num_shown, portrait.cell_size)
-    if probability < MIN_PROBABILITY:
+    if probability < MIN_PROBABILITY or posterior.may_repeat(best):
         return FitFailure("several places look like it")
     estimate = PoseEstimate(
         T_world_left=best.T_world_left,
