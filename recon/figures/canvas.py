@@ -171,14 +171,17 @@ def load_libraries() -> None:
 
 
 @contextmanager
-def any_characters() -> Iterator[None]:
-    """Do not warn of characters that the font lacks: they are drawn as boxes."""
+def unwarned() -> Iterator[None]:
+    """No warnings of matplotlib: characters that the font lacks are drawn as boxes, and text too
+    large for its sheet covers what is beside it.
+    """
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from font")
+        warnings.filterwarnings("ignore", "constrained_layout not applied")
         yield
 
 
-@any_characters()
+@unwarned()
 def pixels(figure: Any) -> Image:
     """The pixels (H, W, 3) of a figure, over white."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -191,7 +194,7 @@ def pixels(figure: Any) -> Image:
     return flat
 
 
-@any_characters()
+@unwarned()
 def save(figure: Any, path: Path) -> None:
     """Write a figure atomically, in the format of the suffix, without date or program name.
 
@@ -223,7 +226,7 @@ def save(figure: Any, path: Path) -> None:
             figure.savefig(part, format=kind, metadata=nameless)
 
 
-@any_characters()
+@unwarned()
 def _lay_out(figure: Any) -> None:
     """Run the layout of a figure, unless its axes are placed."""
     engine = figure.get_layout_engine()

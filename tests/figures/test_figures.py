@@ -104,6 +104,11 @@ def test_names_in_any_script_are_drawn_without_a_warning(voxels, ball, tmp_path,
     pixels(labels(voxels, [named], sheet=small()))
 
 
+def test_text_too_large_for_its_sheet_is_drawn_without_a_warning(voxels, ball, tmp_path):
+    sheet = small(300, 200, font_size=72.0, dpi=600)
+    save(labels(voxels, [ball], sheet=sheet), tmp_path / "labels.png")
+
+
 def test_unknown_extension_is_rejected(voxels, tmp_path):
     with pytest.raises(InputError, match="'bmp' is not a format, but png, pdf, svg are"):
         save(occupancy(voxels, sheet=small()), tmp_path / "a.bmp")
