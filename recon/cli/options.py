@@ -49,7 +49,7 @@ class MemorySize(click.ParamType[Any]):
         try:
             return int(float(match[1] if match else "") * self._units.get(unit, 1))
         except (ValueError, OverflowError):
-            self.fail(f"{value!r}, but a size as 4GB is needed.", param, ctx)
+            self.fail(f"{value!r}, but a size such as 4GB is needed.", param, ctx)
 
 
 def _allow_memory(ctx: click.Context, _: click.Parameter, num_bytes: int | None) -> None:

@@ -198,6 +198,8 @@ def _reader_of(path: Path) -> Reader | None:
         try:
             if reader.fits(path):
                 return reader
+        except PermissionError:  # no reader can see more
+            raise
         # A third-party package may fail in any way.
         except Exception as error:
             say_once(f"format {name!r} fails ({error}); it is skipped")

@@ -195,3 +195,13 @@ BROKEN = Reader(fits=_fail, open=_fail)
 
 def _grey(image):
     return image if image.ndim == 2 else image[..., 0]
+
+
+def test_folder_that_may_not_be_read_is_named_once(tmp_path, monkeypatch, caplog):
+    def refused(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("recon.sequences.readers.folder._sides", refused)
+    with pytest.raises(PermissionError, match=str(tmp_path)):
+        open_sequence(tmp_path, SequenceSettings())
+    assert not caplog.records
