@@ -77,7 +77,7 @@ class TriangulationSettings:
     max_sigma: Positive | None = None
     """Largest sigma of a point, world units; points above it are set aside as doubtful; none = no
     limit."""
-    min_probability: Share = 0.5
+    min_probability: Share = 0.7
     """Smallest probability that a match is right; points below it are set aside as doubtful."""
 
 

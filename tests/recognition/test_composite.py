@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from recon.recognition.fitting.composite import Composite, fit_composites
+from recon.recognition.fitting.composite import Composite
+from recon.recognition.fitting.composite_fits import fit_composites
 from recon.recognition.synthetic import Orbit, observe, voxelise
 
 COTTAGE = Composite(

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from recon.recognition.fitting.composite import fit_composites, solids
+from recon.recognition.fitting.composite import solids
+from recon.recognition.fitting.composite_fits import fit_composites
 from recon.recognition.fitting.surface_points import surface
 from recon.recognition.naming import flat_rival, hypotheses, upright
 from recon.recognition.naming.case import a_case

@@ -4,39 +4,19 @@ Each point belongs to the part whose outline is nearest in the (rho, y) profile,
 segmentation is needed before the fit.
 """
 
-from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
-from recon.recognition.fitting.algebra import column_quantiles, quantiles
-from recon.recognition.fitting.least_squares import Estimate, minimise
 from recon.recognition.fitting.profiles import NUM_RADII, OUTLINES, to_parts
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
 
 Array = NDArray[np.float64]
 
-SPLITS = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
-"""Initial heights of the boundary of two parts, as shares of the total height."""
-WHOLE_CONE, ITS_RIM = np.array([1.3, 0.5]), np.array([1.1, 0.15])
-"""Radii of a cone at first, over the distance of its points from the axis: if its whole side is
-seen, and if little more than its rim is."""
-SAME_CELLS = 0.5
-"""Largest difference of a number of two fits, in cells, up to which they are the same."""
-BELOW_CELLS = 0.3
-"""Average height of the mean of a part's lowest cell above its rim; at the narrow end, seen from
-below, it is nearly 0."""
 NOISE_FLOOR = 0.05
 """Minimum noise assumed for a cell's mean, in cells."""
-BULK = np.array([0.1, 0.9])
-"""Quantiles that bound the bulk of the points, in whose middle the axis starts."""
-INLIER_SIGMAS = 3.0
-"""Points within this number of scales are on the fit."""
-ENDS = np.array([0.005, 0.99])
-"""Quantiles of a part's points at which it ends; its narrow end has few points."""
 POINTED = 0.05
 """A truncated cone whose top is narrower than this share of its bottom is a cone."""
 
@@ -125,115 +105,6 @@ class CompositeModel:
             heights=numbers[2:ends],
             radii=tuple(np.split(numbers[ends:], borders[:-1] - ends)),
         )
-
-
-def fit_composites(
-    shapes: tuple[str, ...], points: Array, ground: float, cell_size: float, weights: Array
-) -> list[Estimate[Composite]]:
-    """The most likely composites of `shapes` on the ground: all optima found, best first.
-
-    Of a wall of many cells and a roof of few, the best one may be a tapered wall.
-
-    Parameters
-    ----------
-    points : (N, 3) float64
-        World, y up.
-    ground : float
-        Height of the ground.
-    cell_size : float
-        Side of the cells whose means the points are, world units.
-    weights : (N,) float64
-        Weight of each point.
-    """
-    model, floor = CompositeModel(points, shapes), NOISE_FLOOR * cell_size
-    fits = [
-        minimise(model, start, floor=floor, weights=weights, layout=_layout(shapes))
-        for start in _starts(shapes, points, ground)
-    ]
-    optima: list[Estimate[Composite]] = []
-    for fit in sorted(fits, key=lambda estimate: estimate.deviance):
-        numbers, least = model.packed(fit.state), SAME_CELLS * cell_size
-        if all(np.abs(model.packed(one.state) - numbers).max() > least for one in optima):
-            optima.append(fit)
-    return [replace(one, state=_trimmed(one, points, cell_size)) for one in optima]
-
-
-def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:
-    """Cut the last part where its points end: excess length costs a fit nothing."""
-    composite = fit.state
-    if composite.shapes[-1] in ("sphere", "ellipsoid"):
-        return composite
-    _, nearest = composite.nearest(points)
-    own = (nearest == len(composite.shapes) - 1) & (
-        np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma
-    )
-    if not own.any():
-        return composite
-    ends = quantiles(points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
-    ends = np.clip(ends, *composite.heights[-2:])
-    if len(composite.shapes) == 1:
-        ends[0] = composite.heights[0]
-    slope = float(composite.radii[-1][-1] - composite.radii[-1][0]) / max(
-        np.diff(composite.heights)[-1], 1e-9
-    )
-    rim = composite.radii[-1][0] + slope * (ends - composite.heights[-2])
-    if slope < 0:
-        # Cameras below hardly see the tip. The end lies between the last cell and the tip, so the
-        # midpoint is off by at most half of that distance.
-        rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
-        ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
-    radii = rim[-len(composite.radii[-1]) :]
-    return replace(
-        composite,
-        heights=np.append(composite.heights[:-2], ends),
-        radii=(*composite.radii[:-1], radii),
-    )
-
-
-def _splits(num_parts: int) -> list[tuple[float, ...]]:
-    if num_parts == 1:
-        return [()]
-    if num_parts == 2:
-        return [(share,) for share in SPLITS]
-    return [tuple(np.linspace(0.0, 1.0, num_parts + 1)[1:-1])]
-
-
-def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Composite]:
-    """Composites round the middle of the bulk, their boundaries at several heights."""
-    low, high = column_quantiles(points, BULK)
-    axis = (low + high)[::2] / 2.0
-    rho, y = np.hypot(*(points[:, ::2] - axis).T), points[:, 1].copy()
-    top = float(y.max())
-    found = []
-    for splits in _splits(len(shapes)):
-        heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
-        ends = pairwise(heights)
-        middles = [_middle(rho, y, low, high) for low, high in ends]
-        of_parts = zip(shapes, middles, strict=True)
-        ways = [_first_radii(NUM_RADII[shape], middle, max(middles)) for shape, middle in of_parts]
-        found += [
-            Composite(shapes=shapes, axis=axis, heights=heights, radii=radii)
-            for radii in product(*ways)
-        ]
-    return found
-
-
-def _first_radii(number: int, middle: float, widest: float) -> list[Array]:
-    """Ways to begin with a number of radii of a part, by the median distance of its points.
-
-    A roof of which few points are seen is as wide as the widest part.
-    """
-    if number < len(WHOLE_CONE):
-        return [np.full(number, middle)]
-    return [middle * WHOLE_CONE, middle * ITS_RIM, widest * ITS_RIM]
-
-
-@njit(cache=True)
-def _middle(rho: Array, y: Array, low: float, high: float) -> float:
-    """Median distance from the axis of the points between two heights, else of all."""
-    inside = rho[(y >= low) & (y <= high)]
-    median: float = np.median(inside if len(inside) else rho)
-    return median
 
 
 def solids(composite: Composite) -> list[Solid]:

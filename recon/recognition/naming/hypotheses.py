@@ -28,13 +28,11 @@ from recon.recognition.naming.probability import (
     ORDERED,
     Evidence,
 )
-from recon.recognition.naming.upright import upright
+from recon.recognition.naming.upright import CLEAR, upright
 from recon.recognition.naming.visibility import coverage, is_hovering
 
 Array = NDArray[np.float64]
 
-CLEAR = 0.9
-"""Probability of a fit on one axis above which planes and bars are not tried."""
 LEAST_WHOLE = 0.1
 """Probability below which a fit gives no name anyway."""
 ALSO_FITS = {"sphere": {"ellipsoid"}, "cylinder": {"cone", "truncated cone"}}

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.composite import Composite, fit_composites, solids
+from recon.recognition.fitting.composite import Composite, solids
+from recon.recognition.fitting.composite_fits import fit_composite, fit_composites
 from recon.recognition.fitting.least_squares import Estimate
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
@@ -22,20 +23,37 @@ Array = NDArray[np.float64]
 
 LOG_NO_KIND = -4.0
 """Log prior of a composite of no kind, relative to one of the catalogue."""
+POSSIBLE, CLEAR = 0.05, 0.9
+"""Probabilities between which a first fit leaves the name of its kind in doubt."""
 
 
-def upright(case: Case, kinds: tuple[Kind, ...]) -> Iterator[Hypothesis]:
-    """Fits of every combination of shapes in the kinds, named and unnamed."""
-    cells, ground = case.cells, case.ground
+def upright(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
+    """Fits of every combination of shapes in the kinds, named and unnamed.
+
+    All optima of the shapes of a kind compete only where one fit leaves its name in doubt.
+    """
+    points, size = case.cells.means, case.cells.cell_size
     combinations = sorted({shapes for kind in kinds for shapes in kind.composites})
-    optima = [
-        fit_composites(shapes, cells.means, ground, cells.cell_size, case.weights)
+    fits = {
+        shapes: [fit_composite(shapes, points, case.ground, size, case.weights)]
         for shapes in combinations
-    ]
-    best = _by_colour(case, [fits[0] for fits in optima if is_whole(fits[0].state, cells)])
+    }
+    found = list(_competing(case, kinds, fits))
+    in_doubt = [one.kind for one in found if one.kind and POSSIBLE < one.whole < CLEAR]
+    for shapes in {shapes for kind in in_doubt for shapes in kind.composites}:
+        fits[shapes] = fit_composites(shapes, points, case.ground, size, case.weights)
+    return list(_competing(case, kinds, fits)) if in_doubt else found
+
+
+def _competing(
+    case: Case, kinds: tuple[Kind, ...], fits: dict[tuple[str, ...], list[Estimate[Composite]]]
+) -> Iterator[Hypothesis]:
+    """The fits of every combination of shapes, best first, as one of no kind and of each kind."""
+    cells, optima = case.cells, list(fits.values())
+    best = _by_colour(case, [each[0] for each in optima if is_whole(each[0].state, cells)])
     yield from (replace(one, evidence=one.evidence + LOG_NO_KIND) for _, one in best)
     criteria = {fit.state.shapes: one.criterion for fit, one in best}
-    whole = [fit for fits in optima for fit in fits if is_whole(fit.state, cells)]
+    whole = [fit for each in optima for fit in each if is_whole(fit.state, cells)]
     found = _by_colour(case, whole)
     for fit, one in found:
         shapes = fit.state.shapes
