@@ -116,6 +116,11 @@ def decide(
         return FitFailure("the map shows other things there")
     if probability < MIN_PROBABILITY:
         return FitFailure("several places look like it" if len(found) > 1 else "too little is seen")
-    if best.sigma > MAX_SIGMA_CELLS * cell_size:
+    return exact(replace(best, probability=probability), MAX_SIGMA_CELLS * cell_size)
+
+
+def exact(found: PoseEstimate | FitFailure, max_sigma: float) -> PoseEstimate | FitFailure:
+    """A pose, if the standard deviation of its position is at most `max_sigma`, world units."""
+    if isinstance(found, PoseEstimate) and found.sigma > max_sigma:
         return FitFailure("too little is seen to tell the exact place")
-    return replace(best, probability=probability)
+    return found

@@ -6,12 +6,13 @@ something.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp
 
 from recon.geometry import WORLD_UP, Array
+from recon.localisation.candidates import exact
 from recon.localisation.corners import Corners
 from recon.localisation.look import Look
 from recon.localisation.portrait import Portrait
@@ -27,6 +28,9 @@ MIN_SHOWN_PX = 60
 MIN_EXPLAINED, MIN_PROBABILITY, MAX_SIGMA_CELLS = 0.7, 0.99, 0.2
 """Of an accepted pose: share of the pixels that the map explains, probability, and standard
 deviation of the position."""
+SHARED = 2.0
+"""Errors over their standard deviations, were those of neighbouring pixels and corners independent:
+rms .9 to 2.3 in five explorations."""
 APART_CELLS, APART_RAD = 1.0, 0.1
 """Distance or turn from which on another pose is another place; nearer ones are an uncertainty."""
 SOLID_CELLS = 0.06
@@ -138,9 +142,8 @@ def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstima
         num_cells=posterior.num_shown,
     )
     estimate = corners.refined(look.pair, estimate)
-    if estimate.sigma > MAX_SIGMA_CELLS * portrait.cell_size:
-        return FitFailure("too little is seen to tell the exact place")
-    return estimate
+    estimate = replace(estimate, covariance=SHARED**2 * estimate.covariance)
+    return exact(estimate, MAX_SIGMA_CELLS * portrait.cell_size)
 
 
 def _probability(found: list[Standpoint], num_shown: int, cell_size: float) -> float:

@@ -9,7 +9,13 @@ from scipy.special import logsumexp
 
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
-from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE, merged
+from recon.localisation.candidates import (
+    COVERED_COSINE,
+    COVERED_SHARE,
+    MAX_SIGMA_CELLS,
+    exact,
+    merged,
+)
 from recon.localisation.corners import Corners
 from recon.localisation.locate import all_points, locate_points, points_of, prior_of
 from recon.localisation.look import Look
@@ -139,6 +145,7 @@ class KnownWorld:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
         if self.search is None or self.trust > MIN_TRUST:
             found = choose(self.hypotheses(pair), self.trust)
+            found = exact(found, MAX_SIGMA_CELLS * self.voxels.cell_size)
             if found or self.search is None:
                 return found
         if self.standpoints is not None and self.corners is not None:
