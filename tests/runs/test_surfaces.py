@@ -143,7 +143,7 @@ def test_exploration_writes_a_surface(walk):
     world = World.from_file("three_apples")
     assert np.median(world.surface_distance(cloud.points)) < 0.5
     assert np.median(world.surface_distance(mesh.vertices)) < 0.3
-    assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 0.6
+    assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 1.5
     assert {path.name for path in (walk / "depth").glob("*.pfm")} == {
         "000000.pfm", "000001.pfm", "000002.pfm"
     }  # fmt: skip
@@ -155,8 +155,8 @@ def test_mesh_of_an_exploration_renders_its_world_again(walk, tmp_path, capsys):
     report = json.loads(capsys.readouterr().out)
     assert report["num_pairs"] == 3
     world, mesh = World.from_file("three_apples"), read_mesh(run / "mesh.ply")
-    assert np.median(world.surface_distance(mesh.vertices)) < 0.5
-    assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 0.6
+    assert np.median(world.surface_distance(mesh.vertices)) < 0.7
+    assert np.median(world.surface_distance(mesh.vertices + np.array([0, 0, 2]))) > 1.5
 
 
 def test_mesh_needs_a_run_with_images(walk, tmp_path, capsys):

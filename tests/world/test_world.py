@@ -180,8 +180,8 @@ def test_view_overrides_the_camera_settings(village):
         ({"target": [0, np.inf, 0]}, "view target holds inf"),
         ({"target": [0, 5, 0]}, "gives no horizontal direction"),
         ({"target": [0, 50, 0]}, "gives no horizontal direction"),
-        ({"baseline": -1.0}, r"view with \{'baseline': -1.0\}.*greater than 0"),
-        ({"fov_deg": 180.0}, r"view with \{'fov_deg': 180.0\}.*less than 180"),
+        ({"baseline": -1.0}, r"view with \{'baseline': -1.0\}.*a number > 0 is needed"),
+        ({"fov_deg": 180.0}, r"view with \{'fov_deg': 180.0\}.*a number < 180 is needed"),
         ({"near": 200.0}, "near 200.0 is not nearer than far 100.0"),
     ],
 )
