@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from recon.geometry import Array, invert, transform
-from recon.localisation.drawing import draw
+from recon.localisation.drawing import Indices, draw
 from recon.localisation.place_errors import measured_from
 from recon.localisation.portrait import Portrait, camera_of
 from recon.localisation.registration import Prior, inverse, moved
@@ -61,17 +61,17 @@ class Corners:
 
     def _sources(self, pair: StereoPair, T_world_left: Array) -> list[int]:
         """Numbers of the pairs that show most of what is in view."""
-        number = np.array([self._shared(pair, T_world_left, one) for one in self.pairs])
+        here = draw(self.portrait.solids, camera_of(T_world_left, pair.rig), SOURCE_PX)
+        number = np.array([self._shared(here.texel, one) for one in self.pairs])
         best = np.argsort(-number, kind="stable")[:NUM_SOURCES]
         return [int(one) for one in best if number[one]]
 
-    def _shared(self, pair: StereoPair, T_world_left: Array, known: StereoPair) -> int:
-        """Number of large pixels of a known pair that show what another one shows."""
+    def _shared(self, texel: Indices, known: StereoPair) -> int:
+        """Number of large pixels of a known pair that show some of the texels."""
         assert known.T_world_left is not None
-        solids = self.portrait.solids
-        here = draw(solids, camera_of(T_world_left, pair.rig), SOURCE_PX)
-        there = draw(solids, camera_of(known.T_world_left, known.rig), SOURCE_PX)
-        return int(np.isin(there.texel[there.texel >= 0], here.texel).sum())
+        camera = camera_of(known.T_world_left, known.rig)
+        there = draw(self.portrait.solids, camera, SOURCE_PX).texel
+        return int(np.isin(there[there >= 0], texel).sum())
 
     def _met(
         self, known: StereoPair, pair: StereoPair, T_world_left: Array

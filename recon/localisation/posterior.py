@@ -65,7 +65,7 @@ class Posterior:
     def covariance(self, best: Standpoint, own: Array) -> Array:
         """Covariance (6, 6), in the order of `PoseEstimate`; `own` is that of the map."""
         ways = self._ways(best)
-        sigmas = np.array([self._sigma(best.T_world_left, way) for way in ways])
+        sigmas = np.array([self._sigma(best, way) for way in ways])
         scaled = ways * sigmas[:, None]
         offset = best.T_world_left[:3, 3] - self.portrait.centre(best.thing)
         sizes = math.hypot(offset[0], offset[2]) / self.portrait.size(best.thing)
@@ -89,21 +89,21 @@ class Posterior:
         ways[3, 3:] = FIRST_RAD * np.cross(WORLD_UP, offset)
         return ways
 
-    def _sigma(self, T_world_left: Array, way: Array) -> float:
+    def _sigma(self, best: Standpoint, way: Array) -> float:
         """Standard deviation along a change, as a multiple of it."""
         factor = 1.0
         for _ in range(MOST_STEPS):
-            drop = self._drop(T_world_left, factor * way)
+            drop = self._drop(best, factor * way)
             if DROPS[0] <= drop <= DROPS[1]:
                 break
             factor *= 1.5 if drop < DROPS[0] else 0.6
         return factor / math.sqrt(2.0 * max(drop, DROPS[0]))
 
-    def _drop(self, T_world_left: Array, change: Array) -> float:
+    def _drop(self, best: Standpoint, change: Array) -> float:
         """Mean loss of log probability after a change either way."""
-        poses = [T_world_left, moved(T_world_left, change), moved(T_world_left, -change)]
+        poses = [moved(best.T_world_left, way) for way in (change, -change)]
         value = self.look.values(self.portrait.solids, self.portrait.paint, poses, 1)
-        return float(value[0] - value[1:].mean()) / (PER_E * self.num_shown)
+        return float(best.value - value.mean()) / (PER_E * self.num_shown)
 
     def may_repeat(self, best: Standpoint) -> bool:
         """True if a texture that goes several times around may show the same elsewhere.
@@ -121,9 +121,10 @@ class Posterior:
 def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstimate | FitFailure:
     """The pose of a pair by a portrait; a failure if it does not determine it."""
     portrait = standpoints.portrait
-    if look.against(portrait.paint, standpoints.pitch(look))[1] < MIN_SHOWN_PX:
+    pitch = standpoints.pitch(look)
+    if look.against(portrait.paint, pitch)[1] < MIN_SHOWN_PX:
         return FitFailure("too little is seen")
-    found = standpoints.of(look)
+    found = standpoints.of(look, pitch)
     best = found[0]
     posterior = Posterior.of(portrait, look, best)
     if posterior.num_shown < MIN_SHOWN_PX:

@@ -68,10 +68,13 @@ class Standpoints:
     portrait: Portrait
     stance: Stance
 
-    def of(self, look: Look) -> list[Standpoint]:
-        """The distinct poses that may be true, the likeliest first."""
+    def of(self, look: Look, pitch: float) -> list[Standpoint]:
+        """The distinct poses that may be true, near a pitch, the likeliest first.
+
+        Their values are those in the pixels of the image.
+        """
         solids, paint = self.portrait.solids, self.portrait.paint
-        found = self._sides(look, self._sighted(look, self.pitch(look)))[:NUM_CLIMBED]
+        found = self._sides(look, self._sighted(look, pitch))[:NUM_CLIMBED]
         found = self._distinct(
             self._climbed(look, one, solids, paint, self._coarse_px(look, one)) for one in found
         )[:NUM_REFINED]

@@ -29,8 +29,8 @@ Columns = Mapping[str, NDArray[Any]]
 
 _COPIES = 3.0
 _MOST_ARRAYS = 2000
-_MAX_HEADER_BYTES = 1 << 16
 """Maximum number of arrays in a file."""
+_MAX_HEADER_BYTES = 1 << 16
 
 # Errors of the zip and npy readers for a truncated or modified file.
 _BROKEN = (

@@ -1,6 +1,7 @@
 """Planes of one object: the right ones are found, independent of small changes."""
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 import pytest
@@ -8,11 +9,15 @@ import pytest
 from recon.recognition.naming.assembly import assemblies
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.underside import free_below
-from recon.recognition.segments.flat_pieces import LEAST_PLANE, flat_pieces, piece_of
+from recon.recognition.segments.flat_pieces import LEAST_PLANE, FlatPieces, piece_of, unsplit
 from recon.recognition.synthetic import voxelise
 from recon.records import Plane, PointCloud, Voxels
 
 HOUSE = next(kind for kind in read_catalogues(["village"]) if kind.name == "house")
+
+
+def flat_pieces(cells, way=("any",)) -> FlatPieces:
+    return reduce(FlatPieces.then, way, unsplit(cells))
 
 
 def plane(corner, first, second, spacing=0.25):

@@ -1,6 +1,5 @@
 """Fits of composites: the most promising one, or all optima."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise, product
 
@@ -55,7 +54,7 @@ def fit_composite(
             layout=start.layout,
             max_steps=ROUGH_STEPS,
         )
-        for start in _starts(shapes, points, ground)
+        for start in _starts(shapes, points, ground, SPLITS, num_ways=1)
     ]
     best = min(rough, key=lambda estimate: estimate.deviance)
     fit = minimise(model, best.state, floor=floor, weights=weights, layout=best.state.layout)
@@ -83,7 +82,7 @@ def fit_composites(
     model, floor = CompositeModel(points, shapes), NOISE_FLOOR * cell_size
     fits = [
         minimise(model, start, floor=floor, weights=weights, layout=start.layout)
-        for start in _all_starts(shapes, points, ground)
+        for start in _starts(shapes, points, ground, CLOSE_SPLITS)
     ]
     optima: list[Estimate[Composite]] = []
     for fit in sorted(fits, key=lambda estimate: estimate.deviance):
@@ -133,46 +132,39 @@ def _splits(num_parts: int, of_two: tuple[float, ...]) -> list[tuple[float, ...]
     return [tuple(np.linspace(0.0, 1.0, num_parts + 1)[1:-1])]
 
 
-def _starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Composite]:
-    """Composites round the middle of the bulk, their boundaries at several heights."""
-    return [
-        Composite(
-            shapes=shapes,
-            axis=axis,
-            heights=heights,
-            radii=tuple(
-                _first_radii(NUM_RADII[shape], middle, middle)[0]
-                for shape, middle in zip(shapes, middles, strict=True)
-            ),
-        )
-        for axis, heights, middles in _divisions(len(shapes), points, ground, SPLITS)
-    ]
+def _starts(
+    shapes: tuple[str, ...],
+    points: Array,
+    ground: float,
+    of_two: tuple[float, ...],
+    num_ways: int | None = None,
+) -> list[Composite]:
+    """Composites round the middle of the bulk, their boundaries at several heights.
 
-
-def _all_starts(shapes: tuple[str, ...], points: Array, ground: float) -> list[Composite]:
-    """Composites round the middle of the bulk, of more heights and of roofs hardly seen."""
+    Parameters
+    ----------
+    of_two : tuple of float
+        Heights of the boundary of two parts, as shares of the total height.
+    num_ways : int, optional
+        Most ways to begin with the radii of a part; by default all.
+    """
+    low, high = column_quantiles(points, BULK)
+    axis = (low + high)[::2] / 2.0
+    rho, y = np.hypot(*(points[:, ::2] - axis).T), points[:, 1].copy()
+    top = float(y.max())
     found = []
-    for axis, heights, middles in _divisions(len(shapes), points, ground, CLOSE_SPLITS):
-        of_parts = zip(shapes, middles, strict=True)
-        ways = [_first_radii(NUM_RADII[shape], middle, max(middles)) for shape, middle in of_parts]
+    for splits in _splits(len(shapes), of_two):
+        heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
+        middles = [_middle(rho, y, low, high) for low, high in pairwise(heights)]
+        ways = [
+            _first_radii(NUM_RADII[shape], middle, max(middles))[:num_ways]
+            for shape, middle in zip(shapes, middles, strict=True)
+        ]
         found += [
             Composite(shapes=shapes, axis=axis, heights=heights, radii=radii)
             for radii in product(*ways)
         ]
     return found
-
-
-def _divisions(
-    num_parts: int, points: Array, ground: float, of_two: tuple[float, ...]
-) -> Iterator[tuple[Array, Array, list[float]]]:
-    """Axis, boundaries and median distances of the parts of points."""
-    low, high = column_quantiles(points, BULK)
-    axis = (low + high)[::2] / 2.0
-    rho, y = np.hypot(*(points[:, ::2] - axis).T), points[:, 1].copy()
-    top = float(y.max())
-    for splits in _splits(num_parts, of_two):
-        heights = ground + (top - ground) * np.array([0.0, *splits, 1.0])
-        yield axis, heights, [_middle(rho, y, low, high) for low, high in pairwise(heights)]
 
 
 def _first_radii(number: int, middle: float, widest: float) -> list[Array]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -80,7 +80,11 @@ class FlatPieces:
         return tuple(_bars(self.cells, self.rest))
 
     def then(self, step: Step) -> "FlatPieces":
-        """The same with the planes of one step among the rest."""
+        """The same with the planes of one step among the rest, by descending size.
+
+        Stereo errors are along the rays, which are nearly level, so heights are the most accurate,
+        and the tilt of a low board the least.
+        """
         planes, is_left = list(self.planes), np.ones(len(self.rest), np.bool_)
         for plane, own in _found(self, step, max(LEAST_PLANE, int(LEAST_SHARE * len(self.cells)))):
             planes.append(piece_of(self.cells, self.rest[own], plane))
@@ -97,18 +101,6 @@ def unsplit(cells: Voxels) -> FlatPieces:
     """An object before planes are taken from it."""
     around = surroundings(cells.means, NEIGHBOUR_CELLS * cells.cell_size)
     return FlatPieces(cells=cells, around=around, rest=np.arange(len(cells)))
-
-
-def flat_pieces(cells: Voxels, way: Sequence[Step] = ("any",)) -> FlatPieces:
-    """Planes of an object, those of each step by descending size, and the bars between them.
-
-    Parameters
-    ----------
-    way : sequence of str
-        Planes to extract, one step after the other. Stereo errors are along the rays, which are
-        nearly level, so heights are the most accurate, and the tilt of a low board the least.
-    """
-    return reduce(FlatPieces.then, way, unsplit(cells))
 
 
 def _found(pieces: FlatPieces, step: Step, least: int) -> Iterator[tuple[Plane, Rows]]:

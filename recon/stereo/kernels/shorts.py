@@ -16,7 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, models, register_model
 from numpy.typing import NDArray
 
-from recon.stereo.kernels.simd import NUM_LANES, VECTOR, lanes_type
+from recon.stereo.kernels.simd import NUM_LANES, VECTOR, lanes_type, reduction
 
 ShortArray = NDArray[np.int16]
 
@@ -194,31 +194,9 @@ part = _of_two(_part)
 """Numbers times shares of `WHOLE`, rounded."""
 
 
-def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
-    which = ir.Constant(ir.VectorType(ir.IntType(32), count), [first + i for i in range(count)])
-    return builder.shuffle_vector(value, ir.Constant(value.type, ir.Undefined), which)
-
-
-def _of_all(combine: Callable[..., Any]) -> Callable[..., Any]:
-    """One number of a vector, found by halves."""
-
-    def one(typing_context: Any, values: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            value, count = arguments[0], NUM_SHORTS // 2
-            while count:
-                halves = (_picked(builder, value, first, count) for first in (0, count))
-                value, count = combine(builder, *halves), count // 2
-            return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
-
-        return types.int16(_shorts), generate
-
-    operation: Callable[..., Any] = intrinsic(one)
-    return operation
-
-
-least = _of_all(_lesser)
+least = reduction(_lesser, _shorts, types.int16, NUM_SHORTS)
 """The smallest of the numbers."""
-greatest = _of_all(_greater)
+greatest = reduction(_greater, _shorts, types.int16, NUM_SHORTS)
 """The largest of the numbers."""
 
 

@@ -160,18 +160,20 @@ def _picked(builder: Any, value: Any, first: int, count: int) -> Any:
     return builder.shuffle_vector(value, ir.Constant(value.type, ir.Undefined), which)
 
 
-def _reduction(combine: Callable[..., Any]) -> Callable[..., Any]:
-    """Reduction of all lanes to one number, by halves."""
+def reduction(
+    combine: Callable[..., Any], vector: Any, number: Any, size: int
+) -> Callable[..., Any]:
+    """Reduction of all numbers of a vector to one, by halves."""
 
-    def reduce(typing_context: Any, lanes: Any) -> Any:
+    def reduce(typing_context: Any, values: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            value, count = arguments[0], NUM_LANES // 2
+            value, count = arguments[0], size // 2
             while count:
                 halves = (_picked(builder, value, first, count) for first in (0, count))
                 value, count = combine(builder, *halves), count // 2
             return builder.extract_element(value, ir.Constant(ir.IntType(32), 0))
 
-        return types.float32(lanes_type), generate
+        return number(vector), generate
 
     reduced: Callable[..., Any] = intrinsic(reduce)
     return reduced
@@ -196,8 +198,10 @@ def _select(comparison: str, builder: Any, a: Any, b: Any) -> Any:
 
 smaller = _choice("<")
 larger = _choice(">")
-largest = _reduction(lambda builder, a, b: _select(">", builder, a, b))
-total = _reduction(lambda builder, a, b: builder.fadd(a, b))
+largest = reduction(
+    lambda builder, a, b: _select(">", builder, a, b), lanes_type, types.float32, NUM_LANES
+)
+total = reduction(lambda builder, a, b: builder.fadd(a, b), lanes_type, types.float32, NUM_LANES)
 
 
 def _compile_operator(symbol: Callable[..., Any], instruction: str) -> None:
