@@ -63,7 +63,7 @@ class Solids(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """What a camera sees of solids."""
+    """An image of solids: the texel and the depth at each pixel."""
 
     texel: Indices
     """(R, C) number of the texel at each pixel; -1 where there is none."""
@@ -159,7 +159,7 @@ def _draw(solids: Solids, s: int, camera: Camera, block: int, drawn: Drawn) -> N
 
 @njit(cache=True, nogil=True)
 def draw(solids: Solids, camera: Camera, block: int) -> Drawn:
-    """What a camera sees, in pixels as large as `block` of its own."""
+    """Draw the solids that a camera sees, with a pixel for each `block` x `block` of its own."""
     shape = (camera.height // block, camera.width // block)
     drawn = Drawn(np.full(shape, -1), np.full(shape, np.inf))
     for s in range(len(solids.origin)):

@@ -106,7 +106,7 @@ def _plain(stage: str, name: str, value: Any) -> Any:
 
 
 def _unknown_stage(name: str, source: str) -> str:
-    """The message about a name that is no stage, but may be a setting without its stage."""
+    """The message about an unknown stage, which may be a setting without its stage."""
     settings = {
         one.name: f"{stage}.{one.name}" for stage in STAGES for one in fields(STAGES[stage])
     }

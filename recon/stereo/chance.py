@@ -41,7 +41,7 @@ _EVEN_TRUST = 0.02
 _NUM_SAMPLES = 1024
 _NUM_ITERATIONS = 15
 _TYPICAL_MEAN, _TYPICAL_SPREAD, _TYPICAL_COUNT = 2.0, 1.5, 10.0
-"""What is assumed of the other pairs, and with the weight of how many samples."""
+"""Prior for the scores of the other pairs, and its weight as a number of samples."""
 _LARGEST_BIAS = 8.0
 
 

@@ -81,7 +81,7 @@ def _of_folder(path: Path, cameras: Cameras | None) -> Calibration:
 
 
 def _difference(one: Calibration, other: Calibration) -> str:
-    """What two calibrations state differently, in words; empty if they may be of one rig.
+    """The quantity on which two calibrations differ, in words; empty if they may be of one rig.
 
     The focal length of a rectified rig may differ from that of its raw cameras.
     """
