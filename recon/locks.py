@@ -24,6 +24,8 @@ def locked(path: Path, busy: str) -> Iterator[None]:
     ------
     InputError
         If another live process holds it.
+    OSError
+        With the name of the folder if the file cannot be created in it.
     """
     descriptor = _acquired(path)
     if descriptor is None:
@@ -38,7 +40,11 @@ def locked(path: Path, busy: str) -> Iterator[None]:
 def _acquired(path: Path) -> int | None:
     """An open descriptor that holds the lock; None if another process does."""
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        except OSError as error:
+            # Nobody asked for the lock file; the folder is what cannot be written.
+            raise OSError(error.errno, error.strerror, str(path.parent)) from error
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:

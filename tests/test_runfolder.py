@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -220,3 +221,10 @@ def test_temporary_files_of_a_killed_process_are_removed(tmp_path, plan):
     finish(tmp_path / "run", plan, resume=True)
     assert not (tmp_path / "run" / ".4711-0123abcd-map.npz").exists()
     assert (tmp_path / "run" / ".mine").exists()
+
+
+def test_folder_that_cannot_hold_a_run_is_named_in_the_error(plan):
+    folder = prepare(Path("/proc/run"), plan)
+    with pytest.raises(OSError, match="No such file") as error, folder.opened():
+        pass
+    assert error.value.filename == "/proc"

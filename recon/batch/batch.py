@@ -115,6 +115,8 @@ def _done(
 
 
 def _prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:
+    if overwrite and resume:
+        raise InputError("overwrite and resume exclude each other: give one of them")
     if folder.exists() and not (folder.is_dir() and (overwrite or resume)):
         raise InputError(f"{folder} exists; give --overwrite, --resume, or another -o")
     is_filled = folder.exists() and any(folder.iterdir())

@@ -10,6 +10,7 @@ from typing import Any
 
 from recon.errors import InputError
 from recon.files.documents import read_toml
+from recon.runs.arguments import checked
 from recon.runs.job import KINDS, Job
 from recon.settings import PRESETS, QUALITIES, Settings, merged, updated
 
@@ -99,7 +100,7 @@ def _jobs_of(
         for point in sweep or ({},):
             yield NamedJob(
                 name="-".join([name, *(_word(key, value) for key, value in point.items())]),
-                job=_job(table, command, group, point, source),
+                job=_job(table, command, group, point, folder, source),
                 swept=tuple(point.items()),
             )
 
@@ -114,15 +115,32 @@ def _job(
     command: str,
     inputs: tuple[Path, ...],
     point: Mapping[str, Any],
+    folder: Path,
     source: str,
 ) -> Job:
     return Job(
         kind=command,
         inputs=inputs,
-        arguments=_table(table, "arguments", source),
+        arguments=_arguments(table, command, folder, source),
         settings=_settings(table, point, source),
         seed=_seed(table, source),
     )
+
+
+def _arguments(
+    table: Mapping[str, Any], command: str, folder: Path, source: str
+) -> dict[str, Any]:
+    """The arguments of a command; paths are relative to the folder of the job file."""
+    given = _table(table, "arguments", source)
+    if not given:  # loading the command takes a second
+        return given
+    try:
+        found = checked(command, given, KINDS.load(command).takes)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
+    return {
+        name: folder / value if isinstance(value, Path) else value for name, value in found.items()
+    }
 
 
 def _settings(table: Mapping[str, Any], point: Mapping[str, Any], source: str) -> Settings:

@@ -34,6 +34,8 @@ CAMERA_ANGLE_DEG = 60.0
 FRAME = 1.08
 """Margin around the box, for names and numbers."""
 FLAT_FRAME = 1.18
+LARGEST = float(np.sqrt(np.finfo(np.float32).max))
+"""Largest coordinate whose square VTK can represent."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,7 +112,8 @@ def _numbers(view: str) -> Array | None:
         numbers = np.array([float(number) for number in view.split(",")])
     except ValueError:
         return None
-    return numbers if len(numbers) in (3, 6) and np.isfinite(numbers).all() else None
+    is_place = len(numbers) in (3, 6) and bool((np.abs(numbers) <= LARGEST).all())
+    return numbers if is_place else None
 
 
 def _placed(view: str, box: Box) -> Viewpoint:

@@ -3,6 +3,7 @@
 from recon.files.atomic import PathLike, atomic_path, remove_temporaries
 from recon.files.limits import (
     Limits,
+    check_absent,
     check_memory,
     check_name,
     check_regular,
@@ -15,6 +16,7 @@ __all__ = [
     "Limits",
     "PathLike",
     "atomic_path",
+    "check_absent",
     "check_memory",
     "check_name",
     "check_regular",

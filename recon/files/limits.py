@@ -46,6 +46,13 @@ def check_name(path: PathLike) -> None:
         raise InputError(f"{shown}: its name is not UTF-8; rename it") from error
 
 
+def check_absent(path: PathLike, *, overwrite: bool) -> None:
+    """Raise `InputError` if a file or folder to be written exists, unless it may be replaced."""
+    check_path(path)
+    if not overwrite and Path(path).exists():
+        raise InputError(f"{path} exists; give --overwrite or another name")
+
+
 @contextmanager
 def memory_limit(num_bytes: int) -> Iterator[None]:
     """Limit files read in this context to `num_bytes` of unpacked data."""

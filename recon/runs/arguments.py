@@ -1,7 +1,8 @@
 """Arguments of a kind of job besides its inputs and settings, by name and type."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -109,3 +110,10 @@ def checked(kind: str, given: Mapping[str, Any], takes: Mapping[str, Argument]) 
         except ValueError as error:
             raise InputError(f"{kind}: {name} is {value!r}, but {error} is needed") from error
     return found
+
+
+def check_distinct(inputs: Iterable[Path]) -> None:
+    """Raise `InputError` if a file or folder is given twice, by whatever names."""
+    for place, times in Counter(one.resolve() for one in inputs).items():
+        if times > 1:
+            raise InputError(f"{place} is given {times} times, but must count once")

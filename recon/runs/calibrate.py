@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from recon.errors import InputError
+from recon.files import check_absent
 from recon.notices import collected_notices
 from recon.sequences.calibration.boards import calibrate, write_calibration
 from recon.sequences.calibration.targets import parse_target
@@ -27,7 +27,7 @@ def calibrate_run(
     dict
         The document of `recon calibrate --json`.
     """
-    _check_absent(output, overwrite)
+    check_absent(output, overwrite=overwrite)
     with collected_notices() as notices:
         found = calibrate(left_dir, right_dir, parse_target(board, square), force=force)
     write_calibration(found.calibration, output, found.rms_px)
@@ -52,7 +52,7 @@ def rectify_run(
     dict
         The document of `recon rectify --json`.
     """
-    _check_absent(output, overwrite)
+    check_absent(output, overwrite=overwrite)
     with collected_notices() as notices:
         done = rectify_files(left, right, calib, output)
     rig = done.rig
@@ -67,7 +67,3 @@ def rectify_run(
         "warnings": [notice.as_json() for notice in notices],
     }
 
-
-def _check_absent(output: Path, overwrite: bool) -> None:
-    if output.exists() and not overwrite:
-        raise InputError(f"{output} exists; give --overwrite or another -o")

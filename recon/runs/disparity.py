@@ -32,7 +32,9 @@ from recon.stereo.dense.dense import match_every_pixel
 from recon.stereo.evaluation import evaluate, evaluate_map
 from recon.stereo.features import detect
 
-MISMATCHED = {"left-right-swapped", "not-simultaneous", "images-unrelated", "same-image"}
+MISMATCHED = {
+    "left-right-swapped", "not-simultaneous", "images-unrelated", "image-blank", "same-image",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,23 +97,26 @@ def matching_of(calibration: Calibration) -> Numbers:
 def _match(job: Job, work: Work) -> Numbers:
     """Match two images, and compare them with the truth if it is known."""
     left, right = job.inputs
-    _check_truth(job)
+    truth = _truth(job)
     with work.stage("stereo"):
         pair = match_files(left, right, job.settings, calib=job.arguments.get("calib"))
-    truth_path, truth_scale = job.arguments.get("truth"), job.arguments.get("truth_scale")
-    truth = None if truth_path is None else read_truth_file(truth_path, truth_scale)
     if work.folder:
         _write(work.folder, pair, work)
     return measure(pair, truth)
 
 
-def _check_truth(job: Job) -> None:
-    """Refuse truth of the raw images if a calibration rectifies them."""
-    calib, truth = job.arguments.get("calib"), job.arguments.get("truth")
-    if calib is not None and truth is not None and not read_calibration(calib).is_rectified:
+def _truth(job: Job) -> DisparityTruth | None:
+    """The truth of the left image, refused if a calibration rectifies the images."""
+    calib, file, scale = (job.arguments.get(name) for name in ("calib", "truth", "truth_scale"))
+    if file is None:
+        if scale is not None:
+            raise InputError(f"truth_scale is {scale:g}, but there is no truth: give --truth")
+        return None
+    if calib is not None and not read_calibration(calib).is_rectified:
         raise InputError(
-            f"{truth} belongs to the raw images, but {calib} rectifies them: give one of them"
+            f"{file} belongs to the raw images, but {calib} rectifies them: give one of them"
         )
+    return read_truth_file(file, scale)
 
 
 def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:

@@ -3,7 +3,7 @@
 from contextlib import closing
 from pathlib import Path
 
-from recon.errors import check_type
+from recon.errors import InputError, check_type
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder
 from recon.runs.artist import Artist
@@ -52,7 +52,8 @@ def execute(
     Raises
     ------
     InputError
-        If an input is unusable, or the folder contains another run.
+        If an input is unusable, the folder contains another run, or the flags contradict each other
+        or have no folder to act on.
     """
     check_type("job", job, Job)
     events = events or Events()
@@ -65,6 +66,7 @@ def execute(
         job = job.resolved()
         kind = KINDS.load(job.kind)
         path = folder or kind.folder(job)
+        _check_flags(path, overwrite=overwrite, resume=resume)
         if path is None:
             work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
             return _reported(job, kind.run(job, work), notices)
@@ -80,6 +82,15 @@ def execute(
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)
                 run.write_json("metrics.json", report.as_json())
     return read_report(job.kind, run.path)
+
+
+def _check_flags(path: str | Path | None, *, overwrite: bool, resume: bool) -> None:
+    """Raise `InputError` for flags that exclude each other, or have no run folder to act on."""
+    if overwrite and resume:
+        raise InputError("overwrite and resume exclude each other: give one of them")
+    if path is None and (overwrite or resume):
+        flag = "overwrite" if overwrite else "resume"
+        raise InputError(f"{flag} needs a run folder: give -o")
 
 
 def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:

@@ -1,6 +1,5 @@
 """Merging of runs of one world: their maps are added, as if from one recording."""
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import accumulate
@@ -16,6 +15,7 @@ from recon.manifest import is_finished, read_manifest
 from recon.mapping.views import with_views
 from recon.recognition.recognition import recognise
 from recon.records import Reconstruction, Trajectory
+from recon.runs.arguments import check_distinct
 from recon.runs.cameras import CAMERAS, cameras_text, read_cameras
 from recon.runs.figures import draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
@@ -34,9 +34,7 @@ MATTERING = ("cell_size", "occupancy", "partition_size", "ray_margin")
 
 def _base(job: Job) -> Tree:
     """The settings of the first run, which those of the others have to match."""
-    for run, times in Counter(run.resolve() for run in job.inputs).items():
-        if times > 1:
-            raise InputError(f"{run} is given {times} times, but its points must count once")
+    check_distinct(job.inputs)
     found = [_settings(run) for run in job.inputs]
     for run, settings in zip(job.inputs, found, strict=True):
         for name in MATTERING:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
+from recon.files import check_absent
 from recon.files.documents import read_text
 from recon.geometry import Array
 from recon.manifest import MANIFEST
@@ -31,8 +32,7 @@ def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict
     dict
         The document of `recon export --json`.
     """
-    if target.exists() and not overwrite:
-        raise InputError(f"{target} exists; give --overwrite or another name")
+    check_absent(target, overwrite=overwrite)
     with collected_notices() as notices:
         is_run = (source / MANIFEST).is_file()
         seen, poses = _of_run(source) if is_run else _of_recording(source)

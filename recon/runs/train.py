@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError, ReconError
-from recon.files import atomic_path
+from recon.files import atomic_path, check_absent
 from recon.mapping.sparse import match_features
 from recon.records import Features, Matches
+from recon.runs.arguments import check_distinct
 from recon.runs.evaluate import searching, stated_matching
 from recon.sequences.pair_images import read_pair
 from recon.sequences.readers.pair_dir import find_image
@@ -33,8 +34,9 @@ def train_run(
     dict
         The document of `recon train --json`.
     """
-    if output.exists() and not overwrite:
-        raise InputError(f"{output} exists; give --overwrite or another -o")
+    check_absent(output, overwrite=overwrite)
+    pair_dirs = tuple(pair_dirs)
+    check_distinct(pair_dirs)
     examples = list(_examples(pair_dirs, settings))
     if not any(len(matches) for _, _, matches in examples):
         raise ReconError("nothing was matched in any pair, so there is nothing to learn from")

@@ -11,11 +11,12 @@ from typing import Any, cast
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.libraries import silent
 from recon.notices import notify
-from recon.sequences.depth import Image, Pixels, stretch_of
+from recon.sequences.depth import FULL, Image, Pixels, stretch_of
 from recon.sequences.jpeg import has_all_parts, may_be_cut, probed
 from recon.sequences.text import read_bytes
 
@@ -179,16 +180,23 @@ def _array(image: Any, data: bytes, name: str) -> Pixels:
         grey: Pixels = np.asarray(image).astype(np.uint16)
         return grey
     if image.mode == "I":
-        clipped: Pixels = np.clip(np.asarray(image), 0, 65535).astype(np.uint16)
-        return clipped
+        return _sixteen_bits(np.asarray(image), name)
+    if image.mode == "F":
+        raise InputError(f"{name} contains floating-point numbers, but 8 or 16 bits are needed")
     if data.startswith(_TIFF_STARTS) and image.mode not in ("1", "L", "LA", "P", "RGB", "RGBA"):
         return masked(_opencv(data, name))
-    if image.mode == "F":
-        raise InputError(f"{name} contains floating-point numbers, but an image is needed")
     has_alpha = "transparency" in image.info or image.mode in ("PA", "La", "RGBa")
     wanted = {"1": "L", "L": "L", "LA": "LA", "RGB": "RGB", "RGBA": "RGBA"}.get(image.mode)
     mode = "RGBA" if has_alpha and image.mode in ("P", "PA") else (wanted or "RGB")
     return masked(np.asarray(image.convert(mode)))
+
+
+def _sixteen_bits(levels: NDArray[np.int32], name: str) -> Pixels:
+    """Levels (H, W) stored in 32 bits."""
+    low, high = levels.min(), levels.max()
+    if low < 0 or high > FULL:
+        raise InputError(f"{name} has levels {low} to {high}, but 0 to {FULL} are needed")
+    return levels.astype(np.uint16)
 
 
 def _png_fault(data: bytes) -> str | None:

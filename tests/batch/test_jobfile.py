@@ -1,6 +1,7 @@
 """Job files, globs and sweeps become named jobs, or are rejected in one line."""
 
 import pickle
+from pathlib import Path
 
 import pytest
 
@@ -30,6 +31,19 @@ def test_inputs_are_relative_to_the_folder_of_the_job_file(tmp_path):
     (one,) = read_jobs(written(tmp_path, text))
     assert one.job.inputs == (tmp_path / "pair",)
     assert one.name == "pair"
+
+
+def test_paths_among_the_arguments_are_relative_to_the_folder_of_the_job_file(tmp_path):
+    text = (
+        '[[job]]\ncommand = "disparity"\ninput = ["l.png", "r.png"]\n'
+        'arguments = { calib = "calib.txt", truth = "/data/truth.pfm", truth_scale = 4 }\n'
+    )
+    (named,) = read_jobs(written(tmp_path, text))
+    assert named.job.arguments == {
+        "calib": tmp_path / "calib.txt",
+        "truth": Path("/data/truth.pfm"),
+        "truth_scale": 4.0,
+    }
 
 
 def test_shipped_scene_is_found_by_name(tmp_path):
@@ -97,6 +111,7 @@ def test_jobs_survive_pickling(tmp_path):
         (JOB + 'settings = { "map.cell_size" = -1 }\n', "map.cell_size is -1"),
         (JOB + "settings = 3\n", "settings is 3, but a table"),
         (JOB + "arguments = [1]\n", r"arguments is \[1\], but a table"),
+        (JOB + "arguments = { view = 1 }\n", "job 1: argument view is unknown to explore"),
         (JOB + "[sweep]\nmap = [1]\n", r"sweep: map is \[1\], but a table is needed"),
         (JOB + JOB, "2 jobs are named 'a'"),
         (JOB.replace('"a"', '"../a"'), r"jobs.toml: name is '../a'"),

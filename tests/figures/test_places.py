@@ -63,7 +63,7 @@ def test_six_numbers_are_position_and_target():
     np.testing.assert_allclose(at[0, :2], [400.0, 300.0], atol=1e-9)
     down = viewpoint("3,40,5,3,0,5", BOX, SIZE).project([[3.0, 0.0, 5.0]], SIZE)
     np.testing.assert_allclose(down[0, :2], [400.0, 300.0], atol=0.1)
-    for view in ("1,2", "1,2,x", "nan,1,2", "1,2,3,4"):
+    for view in ("1,2", "1,2,x", "nan,1,2", "inf,1,2", "1e300,0,0", "1,2,3,4"):
         with pytest.raises(InputError, match="or x,y,z or x,y,z,x,y,z is needed"):
             viewpoint(view, BOX, SIZE)
 

@@ -46,9 +46,8 @@ def test_correct_pair_gives_no_findings(images):
 
 
 def test_untextured_pair_gives_no_findings():
-    plain = np.full((120, 200), 90, np.uint8)
-    other = plain.copy()
-    other[0, 0] = 91
+    plain, other = np.full((2, 120, 200), 90, np.uint8)
+    plain[0, 0], other[0, 0] = 92, 91
     assert codes(plain, other, search=(0, 5)) == []
 
 
@@ -199,6 +198,19 @@ def test_sides_swapped_from_the_middle_on_are_reported():
 
 def test_same_image_on_both_sides_is_reported(images):
     assert codes(images[0], images[0].copy()) == ["same-image"]
+
+
+@pytest.mark.parametrize("level", [0, 90])
+def test_blank_images_are_reported_as_such(images, level):
+    blank = np.full_like(images[0], level)
+    for pair, sides in (
+        ((blank, blank), "left and right images are blank"),
+        ((images[0], blank), "right image is blank"),
+        ((blank, images[1]), "left image is blank"),
+    ):
+        (finding,) = findings(*pair)
+        assert finding.code == "image-blank"
+        assert sides in finding.text
 
 
 @pytest.mark.data

@@ -118,3 +118,23 @@ def test_impossible_image_sizes_are_rejected_without_library_output(tmp_path, ca
             read_image(tmp_path / name)
         assert "\n" not in str(caught.value)
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("levels", "fault"),
+    [
+        (np.full((4, 6), 0.5, np.float32), "contains floating-point numbers, but 8 or 16 bits"),
+        (np.full((4, 6), 70_000, np.int32), "levels 70000 to 70000, but 0 to 65535 are needed"),
+        (np.full((4, 6), -1, np.int32), "levels -1 to -1, but 0 to 65535 are needed"),
+    ],
+)
+def test_levels_that_are_not_16_bits_are_rejected(tmp_path, levels, fault):
+    PIL.Image.fromarray(levels).save(tmp_path / "deep.tif")
+    with pytest.raises(InputError, match=fault):
+        read_pixels(tmp_path / "deep.tif")
+
+
+def test_16_bit_levels_stored_in_32_bits_are_read(tmp_path):
+    levels = gradient(0, 65_535).astype(np.int32)
+    PIL.Image.fromarray(levels).save(tmp_path / "deep.tif")
+    np.testing.assert_array_equal(read_pixels(tmp_path / "deep.tif"), levels)

@@ -65,6 +65,8 @@ def findings(
     rig : StereoRig, optional
         By default of a usual field of view, with parallel cameras.
     """
+    if blank := _blank(left, right):
+        return [blank]
     if left.shape == right.shape and np.array_equal(left, right):
         return [Finding(code="same-image", text="left and right are the same image")]
     made, tracked = survey(left, right), tracked_corners(left, right)
@@ -87,6 +89,22 @@ def findings(
     if sides is None and rows is None and search is not None:
         found.append(_range(seen, search))
     return [finding for finding in found if finding is not None]
+
+
+def _blank(left: Image, right: Image) -> Finding | None:
+    """Images of a single colour."""
+    sides = [
+        side
+        for side, image in (("left", left), ("right", right))
+        if (image == image[:1, :1]).all()
+    ]
+    if not sides:
+        return None
+    what = "images are" if len(sides) == 2 else "image is"
+    return Finding(
+        code="image-blank",
+        text=f"the {' and '.join(sides)} {what} blank: all pixels have the same value",
+    )
 
 
 def _usual_rig(image: Image) -> StereoRig:
