@@ -127,9 +127,7 @@ def _job(
     )
 
 
-def _arguments(
-    table: Mapping[str, Any], command: str, folder: Path, source: str
-) -> dict[str, Any]:
+def _arguments(table: Mapping[str, Any], command: str, folder: Path, source: str) -> dict[str, Any]:
     """The arguments of a command; paths are relative to the folder of the job file."""
     given = _table(table, "arguments", source)
     if not given:  # loading the command takes a second

@@ -66,4 +66,3 @@ def rectify_run(
         "baseline": rig.baseline,
         "warnings": [notice.as_json() for notice in notices],
     }
-

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError
 from recon.exports.format import Data, Up
 from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
 from recon.exports.partitions.partitioned import PartitionedMap

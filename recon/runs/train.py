@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError, ReconError
+from recon.errors import ReconError
 from recon.files import atomic_path, check_absent
 from recon.mapping.sparse import match_features
 from recon.records import Features, Matches

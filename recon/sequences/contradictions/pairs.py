@@ -94,9 +94,7 @@ def findings(
 def _blank(left: Image, right: Image) -> Finding | None:
     """Images of a single colour."""
     sides = [
-        side
-        for side, image in (("left", left), ("right", right))
-        if (image == image[:1, :1]).all()
+        side for side, image in (("left", left), ("right", right)) if (image == image[:1, :1]).all()
     ]
     if not sides:
         return None
