@@ -67,15 +67,18 @@ def oracle_path(
     room = np.full(free.shape, np.inf) if free.all() else distance_transform_edt(free)
     walkable = room >= scales.cells(scales.walk_clearance)
     walkable[tuple(floor.cells(start_xz))] = True
+    # Ground that obstacles close in is walkable, but no way leads there.
+    walkable &= np.isfinite(paths_over(floor, walkable, start_xz).distance)
     sides = [Sides.of(one, walkable, floor, scales.viewing_distance) for one in objects]
+    if not all(one.turns[0] for one in sides):
+        return None
     stops = [start_xz, *(side[0] for one in sides for side in one.turns[0])]
     order = nearest_first(_legs(stops))
     for _ in range(NUM_ROUNDS):
         stops = _moved(stops, order, sides)
         order = improved(order, _legs(stops))
     tour = [stops[number] for number in order]
-    length = sum(_walked(a, b, walkable, floor) for a, b in itertools.pairwise(tour))
-    return length if math.isfinite(length) else None
+    return sum(_walked(a, b, walkable, floor) for a, b in itertools.pairwise(tour))
 
 
 def _places(
@@ -128,8 +131,6 @@ def _walked(start: Array, end: Array, walkable: Mask, floor: Floor) -> float:
     if is_clear(floor, walkable, start, end):
         return float(np.hypot(*(end - start)))
     paths = paths_over(floor, walkable, start)
-    if not paths.reaches(end[None])[0]:
-        return math.inf
     return length_of(np.vstack([start, paths.corners(end), end]))
 
 

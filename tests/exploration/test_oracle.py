@@ -57,6 +57,15 @@ def test_enclosed_object_has_no_tour():
     assert length((40.0, 0.0), walls=closed) is None
 
 
+def test_ground_closed_in_behind_an_object_is_no_stop():
+    pocket = [
+        (slice(121, 124), slice(68, 93)), (slice(138, 141), slice(68, 93)),
+        (slice(121, 141), slice(68, 71)), (slice(121, 141), slice(90, 93)),
+    ]  # fmt: skip
+    around = length((40.0, 0.0), walls=[(slice(121, 141), slice(68, 93))])
+    assert length((40.0, 0.0), walls=pocket) == pytest.approx(around)
+
+
 @settings(deadline=None, max_examples=30)
 @given(st.integers(1, 9), st.integers(0, 1000))
 def test_two_opt_keeps_the_stops_and_never_lengthens_the_tour(number, seed):

@@ -103,8 +103,10 @@ class Row:
     ended: int
     clearance: float
     until_objects: float
-    """Path until the objects had their final names, of the oracle's."""
+    """Path until the objects had their final names, of the oracle's, where that has one."""
     path_share: float
+    without_oracle: int
+    """Worlds of which the oracle found no tour."""
 
 
 def measure(quick: bool) -> list[Measurement]:
@@ -199,6 +201,7 @@ def row_of(runs: list[Run]) -> Row:
     """Count what was found in some worlds."""
     named = [labels_of(run) for run in runs]
     metrics = [run.done.metrics for run in runs]
+    toured = [one for one in metrics if one["oracle_path"] is not None]
     return Row(
         right=sum(right for right, _ in named),
         false=sum(false for _, false in named),
@@ -206,9 +209,15 @@ def row_of(runs: list[Run]) -> Row:
         pairs=sum(one["num_pairs"] for one in metrics),
         ended=sum(run.done.stop_reason == "all known" for run in runs),
         clearance=min(one["min_clearance"] for one in metrics),
-        until_objects=float(np.mean([path_until_objects(one) for one in metrics])),
-        path_share=float(np.mean([one["path_length"] / one["oracle_path"] for one in metrics])),
+        until_objects=mean([path_until_objects(one) for one in toured]),
+        path_share=mean([one["path_length"] / one["oracle_path"] for one in toured]),
+        without_oracle=len(metrics) - len(toured),
     )
+
+
+def mean(shares: Sequence[float]) -> float:
+    """Average some shares; NaN for none."""
+    return float(np.mean(shares)) if shares else float("nan")
 
 
 def path_until_objects(metrics: dict[str, Any]) -> float:
@@ -242,6 +251,7 @@ def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
     yield number(f"{condition}.clearance", row.clearance, "units", "higher")
     yield number(f"{condition}.path_until_objects", row.until_objects, "of the oracle's")
     yield number(f"{condition}.path", row.path_share, "of the oracle's")
+    yield number(f"{condition}.without_oracle", row.without_oracle, "worlds")
 
 
 def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
