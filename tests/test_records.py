@@ -113,6 +113,7 @@ def test_unknown_shape_is_rejected():
     [
         ("1 0 0", "'1 0 0', but eight numbers are needed"),
         ("1 0 0 0 0 0 0 one", "'1 0 0 0 0 0 0 one', but eight numbers are needed"),
+        ("1 0 0 nan 0 0 0 1", "'1 0 0 nan 0 0 0 1', but eight numbers are needed"),
         ("1 0 0 0 0 0 0 1 9", "'1 0 0 0 0 0 0 1 9', but eight numbers are needed"),
     ],
 )

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, check_shape
+from recon.files.rows import rows_of_numbers
 from recon.geometry import pose
 
 Array = NDArray[np.float64]
@@ -63,16 +64,11 @@ class Trajectory:
         Raises
         ------
         InputError
-            For a row without eight numbers; the message calls the text `name`.
+            For a row without eight finite numbers; the message calls the text `name`.
         """
         from scipy.spatial.transform import Rotation
 
-        found = [
-            _numbers(words, f"{name}, line {number}")
-            for number, line in enumerate(text.splitlines(), start=1)
-            if (words := line.partition("#")[0].split())
-        ]
-        rows = np.array(found).reshape(-1, 8)
+        rows = rows_of_numbers(text, 8, name, "eight numbers")
         if not (np.abs(rows) < MAX_NUMBER).all() or not _turns(rows[:, 4:]).all():
             raise InputError(
                 f"{name}: a row does not contain a pose, or has numbers of {MAX_NUMBER:g} or more"
@@ -80,16 +76,6 @@ class Trajectory:
         turns = Rotation.from_quat(rows[:, 4:]).as_matrix() if len(rows) else np.empty((0, 3, 3))
         poses = [pose(*row) for row in zip(turns, rows[:, 1:4], strict=True)]
         return cls(stamps_s=rows[:, 0], T_world_left=np.array(poses).reshape(-1, 4, 4))
-
-
-def _numbers(words: list[str], place: str) -> list[float]:
-    try:
-        numbers = [float(word) for word in words]
-    except ValueError:
-        numbers = []
-    if len(numbers) != 8:
-        raise InputError(f"{place}: {' '.join(words)!r:.80}, but eight numbers are needed")
-    return numbers
 
 
 def _turns(quaternions: NDArray[np.float64]) -> NDArray[np.bool_]:

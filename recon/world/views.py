@@ -6,6 +6,7 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.files.documents import read_text
+from recon.files.rows import rows_of_numbers
 from recon.geometry import Array
 from recon.records import View
 
@@ -76,23 +77,8 @@ def _parallel(position: Array, target: Array) -> View:
 def _read(path: Path) -> list[View]:
     if not path.is_file():
         raise InputError(f"views are {str(path)!r}, but ring:N, drive:N or a file is needed")
-    views = [
-        _view(words, f"{path}:{number}")
-        for number, line in enumerate(read_text(path, _MAX_BYTES).splitlines(), start=1)
-        if (words := line.partition("#")[0].split())
-    ]
+    rows = rows_of_numbers(read_text(path, _MAX_BYTES), 6, path, "x y z of position and target")
+    views = [_parallel(row[:3], row[3:]) for row in rows]
     if not 0 < len(views) <= MAX_VIEWS:
         raise InputError(f"{path} has {len(views)} views, but 1 to {MAX_VIEWS} are needed")
     return views
-
-
-def _view(words: list[str], place: str) -> View:
-    try:
-        numbers = np.array(words, dtype=np.float64)
-    except ValueError:
-        numbers = np.zeros(0)
-    if numbers.shape != (6,) or not np.isfinite(numbers).all():
-        raise InputError(
-            f"{place}: {' '.join(words)!r:.80}, but x y z of position and target are needed"
-        )
-    return _parallel(numbers[:3], numbers[3:])

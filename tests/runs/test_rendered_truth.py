@@ -132,9 +132,9 @@ def test_views_are_read_from_a_file(boxes, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("rows", "fault"),
     [
-        ("1 2 3 4 5\n", ":1: '1 2 3 4 5', but x y z of position and target are needed"),
-        ("# x y z\n0 1 6 0 1 0\nnan 1 6 0 1 0\n", ":3: 'nan 1 6 0 1 0', but x y z of"),
-        ("0 1 6 0 1 here\n", ":1: '0 1 6 0 1 here', but x y z of position"),
+        ("1 2 3 4 5\n", ", line 1: '1 2 3 4 5', but x y z of position and target are needed"),
+        ("# x y z\n0 1 6 0 1 0\nnan 1 6 0 1 0\n", ", line 3: 'nan 1 6 0 1 0', but x y z of"),
+        ("0 1 6 0 1 here\n", ", line 1: '0 1 6 0 1 here', but x y z of position"),
         ("# none\n", " has 0 views, but 1 to 10000 are needed"),
     ],
 )
