@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, POSITIVE, print_json, start_logging, with_options
 
 
 @click.command(epilog="Example: recon calibrate left right --board 9x6 --square 0.025")
@@ -17,7 +17,7 @@ from recon.cli.options import OUTPUT, PATH, PositiveNumber, print_json, start_lo
     metavar="CxR",
     help="Inner corners, such as 9x6, or charuco:CxR[:DICTIONARY][:MARKER], counted in squares.",
 )
-@click.option("--square", required=True, type=PositiveNumber(), help="Side of a square in metres.")
+@click.option("--square", required=True, type=POSITIVE, help="Side of a square in metres.")
 @click.option(
     "-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True,
     help="File to write.",

@@ -9,9 +9,9 @@ from recon.cli.jobs import do_job
 from recon.cli.options import (
     OUTPUT,
     PATH,
+    POSITIVE,
     QUALITY,
     SETTINGS,
-    PositiveNumber,
     run_folder,
     with_options,
 )
@@ -51,7 +51,7 @@ DENSE_COLUMNS = {
 @click.option(
     "--distance",
     "distances",
-    type=PositiveNumber(),
+    type=POSITIVE,
     multiple=True,
     help="Distance at which to evaluate a surface; repeatable.",
 )
@@ -65,9 +65,7 @@ DENSE_COLUMNS = {
     metavar="K",
     help="Keep the K most confident matches.",
 )
-@click.option(
-    "--truth-scale", type=PositiveNumber(), help="Grey levels of truth per pixel of disparity."
-)
+@click.option("--truth-scale", type=POSITIVE, help="Grey levels of truth per pixel of disparity.")
 @click.option("--trajectory", type=PATH, help="Evaluate the trajectory of a run or of a pose file.")
 @click.option(
     "--truth",

@@ -8,11 +8,33 @@ import click
 from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
 
 
+def parse_box(
+    _context: click.Context, _option: click.Parameter, text: str | None
+) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Low and high corner of "x0,y0,z0,x1,y1,z1"."""
+    if text is None:
+        return None
+    try:
+        numbers = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        numbers = ()
+    low, high = numbers[:3], numbers[3:]
+    if len(numbers) != 6 or not all(a < b for a, b in zip(low, high, strict=True)):
+        raise click.BadParameter(
+            f"{text!r} is not a box, but x0,y0,z0,x1,y1,z1 are needed, "
+            "with x0 < x1, y0 < y1 and z0 < z1"
+        )
+    return low, high
+
+
 @click.command(epilog="Example: recon export runs/village/map.npz village.glb")
 @click.argument("source", metavar="IN", type=PATH)
 @click.argument("target", metavar="OUT", type=PATH)
 @click.option(
-    "--box", metavar="X0,Y0,Z0,X1,Y1,Z1", help="Keep only what lies inside, in the axes of IN."
+    "--box",
+    metavar="X0,Y0,Z0,X1,Y1,Z1",
+    callback=parse_box,
+    help="Keep only what lies inside, in the axes of IN.",
 )
 @click.option("--up", type=click.Choice(["y", "z"]), help="Axis that points up in OUT.")
 @click.option(
@@ -28,7 +50,7 @@ from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_opti
 )
 @click.option("--overwrite", is_flag=True, help="Replace an existing file.")
 @with_options(OUTPUT)
-def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
+def export(source: Path, target: Path, **given: Any) -> None:
     """Convert a map, a cloud or a mesh to the format that the suffix of OUT names."""
     start_logging(given)
     from recon.runs.export import Selection, export_run
@@ -37,7 +59,7 @@ def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
         source,
         target,
         selection=Selection(
-            box=parse_box(given["box"]),
+            box=given["box"],
             columns=given["columns"] and given["columns"].split(","),
             sample=given["sample"],
         ),
@@ -48,17 +70,3 @@ def export(source: Path, target: Path, **given: Any) -> None:  # fmt: skip
         print_json(report)
     elif not given["quiet"]:
         click.echo(f"{report['output']}, {report['up']} up, {report['bytes']} bytes")
-
-
-def parse_box(text: str | None) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-    """Low and high corner of "x0,y0,z0,x1,y1,z1"."""
-    if text is None:
-        return None
-    try:
-        numbers = tuple(float(word) for word in text.split(","))
-    except ValueError:
-        numbers = ()
-    low, high = numbers[:3], numbers[3:]
-    if len(numbers) != 6 or not all(a < b for a, b in zip(low, high, strict=True)):
-        raise click.BadParameter(f"--box is {text!r}, but x0,y0,z0,x1,y1,z1 are needed")
-    return low, high

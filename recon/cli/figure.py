@@ -5,11 +5,25 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, FiniteRange, print_json, start_logging, with_options
 from recon.figures.table import KINDS
 
 MIN_SIDE, MAX_SIDE = 100, 8192
 VIEWS = "default, front, back, side, top, ego (behind the first camera), camera (the camera's)"
+
+
+def parse_size(
+    _context: click.Context, _option: click.Parameter, text: str | None
+) -> tuple[int, int] | None:
+    """Width and height of "WxH", pixels."""
+    if text is None:
+        return None
+    width, _, height = text.partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise click.BadParameter(f"{text!r} is not a size, but WxH such as 1200x900 is needed")
+    if not all(MIN_SIDE <= int(side) <= MAX_SIDE for side in (width, height)):
+        raise click.BadParameter(f"{text} is out of range: {MIN_SIDE} to {MAX_SIDE} pixels a side")
+    return int(width), int(height)
 
 
 @click.command(epilog="Example: recon figure runs/village --kind map3d --view top --format pdf")
@@ -22,6 +36,7 @@ VIEWS = "default, front, back, side, top, ego (behind the first camera), camera 
 @click.option(
     "--size",
     metavar="WxH",
+    callback=parse_size,
     help="Size in pixels, such as 1200x900; depends on the kind by default.",
 )
 @click.option(
@@ -36,7 +51,7 @@ VIEWS = "default, front, back, side, top, ego (behind the first camera), camera 
               help="Resolution of the printed figure, dots per inch.")  # fmt: skip
 @click.option(
     "--font-size",
-    type=click.FloatRange(3, 72),
+    type=FiniteRange(3, 72),
     help="Font size in points; follows --size by default.",
 )
 @click.option("--no-title", is_flag=True, help="Draw no title.")
@@ -61,7 +76,7 @@ def figure(run: Path, **given: Any) -> None:
         background=given["background"],
     )  # fmt: skip
     request = FigureRequest(
-        kind=given["kind"], view=given["view"], size=_parse_size(given["size"]), style=style,
+        kind=given["kind"], view=given["view"], size=given["size"], style=style,
         ending=given["ending"], with_data=given["with_data"],
     )  # fmt: skip
     paths = figure_run(run, request)
@@ -70,14 +85,3 @@ def figure(run: Path, **given: Any) -> None:
     elif not given["quiet"]:
         for path in paths:
             click.echo(path)
-
-
-def _parse_size(text: str | None) -> tuple[int, int] | None:
-    if text is None:
-        return None
-    width, _, height = text.partition("x")
-    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
-        raise click.BadParameter(f"{text!r} is not a size, but WxH such as 1200x900 is needed")
-    if not all(MIN_SIDE <= int(side) <= MAX_SIDE for side in (width, height)):
-        raise click.BadParameter(f"{text} is out of range: {MIN_SIDE} to {MAX_SIDE} pixels a side")
-    return int(width), int(height)

@@ -17,14 +17,23 @@ if TYPE_CHECKING:
     from recon.settings import Settings
 
 Command = TypeVar("Command", bound=Callable[..., Any])
-PATH = click.Path(path_type=Path)
 
 
-class PositiveNumber(click.FloatRange):
-    """A finite number > 0."""
+class NamedPath(click.Path):
+    """A path; an empty one, as of a shell variable that is not set, would be the current folder."""
 
-    def __init__(self) -> None:
-        super().__init__(min=0, min_open=True)
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path stated by `value`."""
+        if not str(value):
+            self.fail("it is empty, but a path is needed", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+PATH = NamedPath(path_type=Path)
+
+
+class FiniteRange(click.FloatRange):
+    """A finite number in a range; click's own accepts NaN."""
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -34,6 +43,9 @@ class PositiveNumber(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value!r} is not a finite number.", param, ctx)
         return number
+
+
+POSITIVE = FiniteRange(min=0, min_open=True)
 
 
 class MemorySize(click.ParamType[Any]):
@@ -154,7 +166,7 @@ SURFACE = [
         help="Fuse all pixels into a mesh, mesh.ply.",
     ),
     click.option(
-        "--voxel", "surface__voxel", type=PositiveNumber(), metavar="S",
+        "--voxel", "surface__voxel", type=POSITIVE, metavar="S",
         help="Voxel size of the mesh, world units.",
     ),
     click.option(

@@ -64,8 +64,8 @@ def gaps(listed: Sequence[Listed]) -> list[str]:
     is_count = step > 0 and not any(size % step for size in steps)
     if not is_count or steps.count(step) * 2 < len(steps) or sum(steps) > 2 * step * len(numbers):
         return []
-    wanted = range(numbers[0], numbers[-1], step)
-    return [str(n).zfill(len(listed[0].name)) for n in wanted if n not in set(numbers)]
+    missing = sorted({*range(numbers[0], numbers[-1], step)} - {*numbers})
+    return [str(number).zfill(len(listed[0].name)) for number in missing]
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:

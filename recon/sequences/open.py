@@ -1,6 +1,7 @@
 """Opening of recordings of any format."""
 
-from collections.abc import Hashable, Iterator
+import os
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -169,9 +170,10 @@ def find_recording(path: Path) -> tuple[Reader, Path] | None:
     InputError
         If there is more than one recording.
     """
+    readers = [*READERS.parts()]  # once: looking for plug-ins takes longer than all tests
     places = [path]
     for _ in range(NESTED_LEVELS + 1):
-        found = [(one, place) for place in places if (one := _reader_of(place)) is not None]
+        found = [(one, place) for place in places if (one := _reader_of(place, readers))]
         if len(found) > 1:
             names = ", ".join(place.name for _, place in found[:3])
             raise InputError(f"{path} contains {len(found)} recordings ({names}, ...): name one")
@@ -187,14 +189,20 @@ def name_of(reader: Reader) -> str | None:
 
 
 def _inside(place: Path) -> list[Path]:
-    """The folders and regular files in a folder: reading others may never end."""
+    """The readable folders and regular files in a folder: reading others may never end."""
     inner = sorted(place.iterdir()) if place.is_dir() else []
-    return [one for one in inner if one.name[0] != "." and (one.is_dir() or one.is_file())]
+    return [
+        one
+        for one in inner
+        if one.name[0] != "."
+        and (Path(one).is_dir() or Path(one).is_file())
+        and os.access(one, os.R_OK)
+    ]
 
 
-def _reader_of(path: Path) -> Reader | None:
+def _reader_of(path: Path, readers: Sequence[tuple[str, Reader]]) -> Reader | None:
     """The first reader that recognises a path; failing plug-ins are skipped."""
-    for name, reader in READERS.parts():
+    for name, reader in readers:
         try:
             if reader.fits(path):
                 return reader

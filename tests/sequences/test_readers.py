@@ -205,3 +205,21 @@ def test_folder_that_may_not_be_read_is_named_once(tmp_path, monkeypatch, caplog
     with pytest.raises(PermissionError, match=str(tmp_path)):
         open_sequence(tmp_path, SequenceSettings())
     assert not caplog.records
+
+
+def test_nested_folder_that_may_not_be_read_does_not_hide_the_recording(tmp_path, monkeypatch):
+    write_folder(tmp_path / "disk" / "recording")
+    (tmp_path / "disk" / "lost+found").mkdir()
+    monkeypatch.setattr("os.access", lambda path, mode: path.name != "lost+found")
+    opened = open_sequence(tmp_path / "disk", SequenceSettings())
+    assert len(opened) == NUM_PAIRS
+
+
+def test_plug_ins_are_looked_for_once_however_many_folders_are_searched(tmp_path, monkeypatch):
+    for number in range(20):
+        (tmp_path / f"{number}" / "inner").mkdir(parents=True)
+    calls = []
+    monkeypatch.setattr("recon.plugins.entry_points", lambda group: calls.append(group) or [])
+    with pytest.raises(InputError, match="is not a known recording"):
+        open_sequence(tmp_path, SequenceSettings())
+    assert calls.count("recon.sequences") <= 2

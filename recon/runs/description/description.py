@@ -73,7 +73,8 @@ def _place(path: Path) -> str:
         return _POINTS
     if _is_recording(path):
         return _RECORDING
-    raise InputError(f"{path}: recon neither reads nor writes the ending {ending!r}")
+    what = f"has the ending {ending}, which recon neither reads nor writes"
+    raise InputError(f"{path} {what if ending else 'has no ending, by which formats are told'}")
 
 
 def _is_recording(path: Path) -> bool:

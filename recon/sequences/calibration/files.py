@@ -61,8 +61,7 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
 
 
 def _of_folder(path: Path, cameras: Cameras | None) -> Calibration:
-    chosen = find_calibration(path)
-    found = read_calibration(chosen, cameras)
+    chosen, found = _first(path, cameras)
     for file in _candidates(path):
         # Other text and JSON is mostly poses, which take long to parse.
         is_likely = "calib" in file.name.lower() or file.suffix.lower() not in (".txt", ".json")
@@ -142,8 +141,8 @@ def _with_partner(path: Path, document: Document) -> Document:
     return document
 
 
-def find_calibration(path: Path) -> Path:
-    """The calibration file of a folder: calib.txt, or the first with a calibration.
+def _first(path: Path, cameras: Cameras | None) -> tuple[Path, Calibration]:
+    """The calibration of a folder and its file: calib.txt, or the first that is one.
 
     Raises
     ------
@@ -151,15 +150,13 @@ def find_calibration(path: Path) -> Path:
         If there is none.
     """
     if (usual := path / "calib.txt").is_file():
-        return usual
+        return usual, read_calibration(usual, cameras)
     faults = []
     for file in _candidates(path):
         try:
-            read_calibration(file)
+            return file, read_calibration(file, cameras)
         except InputError as error:
             faults.append((file, str(error)))
-        else:
-            return file
     raise InputError(_none_found(path, faults))
 
 
