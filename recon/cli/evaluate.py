@@ -32,6 +32,23 @@ COLUMNS = {
     "seconds": ".2f",
 }
 
+TAKES: dict[str, set[str]] = {
+    "surface": {"truth", "distances"},
+    "trajectory": {"truth"},
+    "worlds": set(),
+    "dense": {"truth_scale"},
+    "pairs": {"truth_scale", "matchers", "matching__keep"},
+}
+"""Options of each evaluation, besides those that all have."""
+NOUNS = {
+    "surface": "a surface", "trajectory": "a trajectory", "worlds": "worlds",
+    "dense": "every pixel", "pairs": "pairs",
+}  # fmt: skip
+OPTIONS = {
+    "truth": "--truth", "distances": "--distance", "truth_scale": "--truth-scale",
+    "matchers": "--matcher", "matching__keep": "--keep",
+}  # fmt: skip
+
 DENSE_COLUMNS = {
     "covered": ".2f",
     "right": ".2f",
@@ -80,32 +97,39 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     than that of its truth. -o leaves figures. ATE is the root mean square distance of positions
     after rigid alignment (Umeyama, no scale), RPE that of the steps from frame to frame.
     """
-    _check_one(pair_dirs, given)
-    if given["surface"]:
+    kind = _kind(pair_dirs, given)
+    if kind == "surface":
         asked: dict[str, Any] = {n: given[n] or None for n in ("surface", "truth", "distances")}
         do_job("surface", (), given, say=_say_surface, **asked)
-    elif given["trajectory"]:
+    elif kind == "trajectory":
         path = (given["trajectory"],)
         do_job("trajectory", path, given, say=_say_numbers, truth=given["truth"])
-    elif given["worlds"]:
+    elif kind == "worlds":
         do_job("worlds", (), given, say=_say_worlds, unit="worlds", worlds=given["worlds"])
-    elif given["dense"]:
+    elif kind == "dense":
         do_job("dense", pair_dirs, given, say=_say_dense, truth_scale=given["truth_scale"])
     else:
         named = {name: given[name] for name in ("matchers", "truth_scale")}
         do_job("evaluate", pair_dirs, given, say=_say_pairs, **named)
 
 
-def _check_one(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> None:
-    """Raise unless exactly one evaluation is requested, with its truth if that is a file."""
-    with_truth = [name for name in ("trajectory", "surface") if given[name]]
-    if with_truth or given["truth"]:
-        others = bool(pair_dirs) or bool(given["worlds"])
-        if len(with_truth) != 1 or not given["truth"] or others:
-            name = "surface" if "surface" in with_truth else "trajectory"
-            raise click.UsageError(f"--{name} RUN and --truth FILE are needed, and nothing else")
-    elif bool(pair_dirs) == bool(given["worlds"]):
-        raise click.UsageError("PAIR_DIRS or --worlds N is needed, and not both")
+def _kind(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> str:
+    """The one evaluation requested; an option that belongs to another one is refused."""
+    asked = [name for name in TAKES if given.get(name)] or ["pairs"]
+    kind, takes = asked[0], TAKES[asked[0]]
+    if len(asked) > 1:
+        raise click.UsageError(f"--{asked[0]} and --{asked[1]} exclude each other")
+    for name, option in OPTIONS.items():
+        if given[name] and name not in takes:
+            raise click.UsageError(f"{option} does not belong to the evaluation of {NOUNS[kind]}")
+    if "truth" in takes and not given["truth"]:
+        raise click.UsageError(f"--{kind} needs --truth FILE")
+    if pair_dirs and "truth_scale" not in takes:
+        raise click.UsageError(f"--{kind} and PAIR_DIRS exclude each other")
+    if not pair_dirs and "truth_scale" in takes:
+        others = "" if kind == "dense" else ", --worlds, --trajectory or --surface"
+        raise click.UsageError(f"PAIR_DIRS{others} is needed")
+    return kind
 
 
 def _say_numbers(report: "Report") -> None:

@@ -15,7 +15,7 @@ class Settings(Stages):
     def wants_surface(self) -> bool:
         """True if a run writes more than its sparse cloud."""
         asked = self.surface
-        return self.dense.enabled or asked.mesh or asked.watertight or asked.depth_maps
+        return self.dense.enabled or asked.wants_mesh or asked.depth_maps
 
     @classmethod
     def of(cls, settings: "Settings | None" = None, **values: Any) -> "Settings":

@@ -12,6 +12,11 @@ class SurfaceSettings:
     mesh: bool = False
     """Save a mesh besides the dense cloud."""
     watertight: bool = False
-    """Close the mesh, extrapolating where nothing was seen."""
+    """Save a mesh that is closed, extrapolated where nothing was seen."""
     depth_maps: bool = False
     """Save the depth map of each pair."""
+
+    @property
+    def wants_mesh(self) -> bool:
+        """True if a mesh is saved, closed or not."""
+        return self.mesh or self.watertight

@@ -21,7 +21,7 @@ from recon.surface.closing import thickness, watertight
 from recon.surface.confirmation import Confirmation
 from recon.surface.depth import DepthMap, depth_map
 from recon.surface.triangles import mesh_of_pixels, without_floaters
-from recon.surface.volume import Volume
+from recon.surface.volume import Volume, check_voxel
 
 CELLS, BLOCKS, MESH, COUNTS = "cells", "blocks", "mesh", "counts.json"
 _PIXELS_TO_VOXEL = 2.0
@@ -119,7 +119,15 @@ class Fusion:
         return depth_map(pair, found)
 
     def add_view(self, view: DepthMap, *, counts: bool = True) -> None:
-        """Add the next view; one that does not count only confirms others."""
+        """Add the next view; one that does not count only confirms others.
+
+        Raises
+        ------
+        InputError
+            If the voxels are too small for its depths or for memory.
+        """
+        if self._first is None and self.settings.wants_mesh and self.voxel is not None:
+            check_voxel(self.voxel, view)  # now: views are fused only after their neighbours
         self._num_taken += 1
         self._first = self._first or view
         self.voxel = self.voxel or suggested_voxel(view)
@@ -134,7 +142,7 @@ class Fusion:
             return self._of_one(self._first)
         self._settle()
         cells = self._cells or CellCloud(1.0)
-        mesh = self._assembled(cells) if self.settings.mesh else None
+        mesh = self._assembled(cells) if self.settings.wants_mesh else None
         share = self.counts.num_confirmed / max(self.counts.num_known, 1)
         return self._surface(cells, len(cells), mesh, share)
 
@@ -183,7 +191,7 @@ class Fusion:
                 continue
             self.counts.num_confirmed += int(view.valid_mask.sum())
             self._begun_cells(self.voxel).add(view)
-            if self.settings.mesh:
+            if self.settings.wants_mesh:
                 self._begun_volume(self.voxel).add(view)
 
     def _begun_cells(self, voxel: float) -> CellCloud:
@@ -203,7 +211,7 @@ class Fusion:
             attributes={"views": np.ones(int(mask.sum()), np.uint8)},
         )
         mesh = None
-        if self.settings.mesh:
+        if self.settings.wants_mesh:
             found = without_floaters(mesh_of_pixels(view), smallest_share=1e-4)
             mesh = MeshParts.of(self._closed(found))
         return self._surface([cloud], len(cloud), mesh, None)

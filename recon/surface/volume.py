@@ -41,6 +41,8 @@ _MIN_WEIGHT = 0.04
 """Minimum weight of a surface voxel; one view with a sigma of one voxel yields 0.8."""
 _MAX_BLOCKS = 2_000_000
 """Maximum number of blocks of one view, for memory."""
+_HOPELESS = 10.0
+"""Multiple of the maximum sigma by which no later view, however close, is expected to be surer."""
 _BLOCK = np.dtype([("index", np.int32, (3,))])
 _REGION = 16
 """Blocks along each side of a region."""
@@ -93,11 +95,7 @@ class Volume:
         points, start = view.points(view.valid_mask) / side, view.position / side
         while done < len(points):
             done, blocks.num_rows = touch(*blocks.arrays, points, start, done)
-            if blocks.num_rows > _MAX_BLOCKS:
-                raise InputError(
-                    f"voxels of {self.voxel:g} make more than {_MAX_BLOCKS} blocks, which do not "
-                    "fit into memory: give a larger --voxel"
-                )
+            _check_blocks(self.voxel, blocks.num_rows)
             if len(blocks.rows) - blocks.num_rows < NUM_STEPS:
                 blocks.grow()
         index: Keys = blocks.used["index"]
@@ -137,6 +135,30 @@ class Volume:
             normals=mesh.normals[used].astype(np.float32),
             triangles=renumbered.reshape(-1, 3).astype(np.int32),
             shared=others[used],
+        )
+
+
+def check_voxel(voxel: float, view: DepthMap) -> None:
+    """Raise `InputError` for voxels that the depths of a view cannot fill, or memory not hold."""
+    if not view.valid_mask.any():
+        return
+    smallest = float(np.nanmin(view.sigma[view.valid_mask]))
+    if smallest > _HOPELESS * MAX_SIGMA * voxel:
+        raise InputError(
+            f"voxels of {voxel:g} would stay empty, as the depths of the first pair have a sigma "
+            f"of {smallest:.2g} or more: give --voxel {smallest:.2g} or more"
+        )
+    sure = view.depth[view.sigma <= MAX_SIGMA * voxel].astype(np.float64)
+    area = float((sure**2).sum()) / view.rig.focal_px**2
+    # No projection of a cube is larger than its side squared times this root.
+    _check_blocks(voxel, area / (np.sqrt(3.0) * (BLOCK * voxel) ** 2))
+
+
+def _check_blocks(voxel: float, number: float) -> None:
+    if number > _MAX_BLOCKS:
+        raise InputError(
+            f"voxels of {voxel:g} make more than {_MAX_BLOCKS} blocks, which do not fit into "
+            "memory: give a larger --voxel"
         )
 
 

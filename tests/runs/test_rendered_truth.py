@@ -147,7 +147,7 @@ def test_faulty_row_of_views_is_named(boxes, tmp_path, capsys, rows, fault):
 
 def test_surface_and_truth_must_be_given_together(tmp_path, capsys):
     assert main(["evaluate", "--surface", str(tmp_path)]) == 2
-    assert "and nothing else" in capsys.readouterr().err
+    assert "--surface needs --truth FILE" in capsys.readouterr().err
     assert main(["evaluate", "--surface", str(tmp_path), "--truth", str(tmp_path)]) == 2
     assert "neither mesh.ply nor dense.ply" in capsys.readouterr().err
 

@@ -78,6 +78,33 @@ def test_too_small_voxels_are_rejected(monkeypatch):
         Volume(0.02).add(wall_view())
 
 
+@pytest.mark.parametrize(
+    ("sigma", "fault"),
+    [
+        (0.02, "would stay empty, as the depths of the first pair have a sigma of 0.02 or more"),
+        (0.001, "more than 2000000 blocks"),
+    ],
+)
+def test_hopeless_voxels_are_rejected_at_the_first_view(sigma, fault):
+    fusion = Fusion(SurfaceSettings(mesh=True, voxel=2e-4))
+    with pytest.raises(InputError, match=fault):
+        fusion.add_view(wall_view(sigma=sigma))
+
+
+def test_small_voxels_need_not_fit_the_first_view():
+    fusion = Fusion(SurfaceSettings(mesh=True, voxel=VOXEL))
+    for view in (wall_view(sigma=7 * VOXEL), wall_view(x=0.1), wall_view(x=0.2)):
+        fusion.add_view(view)
+    assert len(fusion.finish().mesh)
+
+
+def test_watertight_alone_makes_a_mesh():
+    fusion = Fusion(SurfaceSettings(watertight=True, voxel=VOXEL))
+    for angle in range(0, 360, 30):
+        fusion.add_view(ball_view(angle))
+    assert len(fusion.finish().mesh)
+
+
 def test_depths_that_neighbours_see_are_confirmed():
     views = [ball_view(angle, noise=0.01, sigma=0.01) for angle in (0, 10, 20)]
     found = confirmed(views[1], [views[0], views[2]])
