@@ -28,7 +28,7 @@ from recon.runs.outputs import cells_hit, write_outputs, write_places
 from recon.runs.parts import part_of, refined_of, without_poses
 from recon.runs.surfaces import SurfaceWork
 from recon.runs.work import Work
-from recon.sequences.contradictions.pairs import check_images
+from recon.sequences.contradictions.pairs import check_range
 from recon.sequences.contradictions.truth import check_truth, check_truth_size
 from recon.sequences.open import open_sequence
 from recon.sequences.readers.ring import is_ring
@@ -161,7 +161,7 @@ def _check_search(source: PairSource, settings: Settings) -> None:
     """Notify if the first pair has disparities outside the search range."""
     search = settings.matching.min_disparity, settings.matching.max_disparity
     pair = next(iter(source))
-    check_images(pair.left, pair.right, search, only="search-range-too-small")
+    check_range(pair.left, pair.right, search)
 
 
 def _note(steps: list[Step], cloud: CloudWriter, work: Work) -> None:

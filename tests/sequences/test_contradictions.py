@@ -15,7 +15,7 @@ from recon.runs.job import Job
 from recon.sequences import open_sequence
 from recon.sequences.contradictions.checked import CheckedPairs
 from recon.sequences.contradictions.moments import moment_finding
-from recon.sequences.contradictions.pairs import findings
+from recon.sequences.contradictions.pairs import check_range, findings
 from recon.sequences.images import read_image
 from recon.settings import SequenceSettings
 from recon.world.library import find_scene
@@ -68,6 +68,15 @@ def test_swapped_or_mirrored_sides_are_reported(images):
 def test_too_small_search_range_is_reported(images):
     assert codes(*images, search=(0, 8)) == ["search-range-too-small"]
     assert codes(*images, search=(8, 20)) == ["search-range-too-small"]
+
+
+def test_search_range_alone_is_reported_unless_something_else_explains_it(images):
+    left, right = images
+    with collected_notices():
+        assert check_range(left, right, (0, 8)) == {"search-range-too-small"}
+        assert check_range(left, right, (0, 20)) == frozenset()
+        assert check_range(right, left, (0, 20)) == frozenset()
+        assert check_range(left, left, (8, 20)) == frozenset()
 
 
 def test_unrelated_images_are_reported(images):

@@ -7,6 +7,7 @@ of a point do not fit a common motion.
 
 import dataclasses
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,13 +58,19 @@ class Residual:
         """(u, v) of the source of each pixel of the corrected right image."""
         if not self.disparity.coefficients.any() and not self.row.coefficients.any():
             return None
-        v, u = np.mgrid[: rig.height, : rig.width].astype(np.float64)
-        points = np.column_stack([u.ravel(), v.ravel()])
-        source_u, source_v = (
-            (grid + field.at(points, rig).reshape(grid.shape)).astype(np.float32)
-            for grid, field in ((u, self.disparity), (v, self.row))
-        )
-        return source_u, source_v
+        return _maps(self, rig)
+
+
+@lru_cache(maxsize=1)
+def _maps(residual: Residual, rig: StereoRig) -> Maps:
+    """The maps of a recording, kept: it is read several times, and they take longer than a pair."""
+    v, u = np.mgrid[: rig.height, : rig.width].astype(np.float64)
+    points = np.column_stack([u.ravel(), v.ravel()])
+    source_u, source_v = (
+        (grid + field.at(points, rig).reshape(grid.shape)).astype(np.float32)
+        for grid, field in ((u, residual.disparity), (v, residual.row))
+    )
+    return source_u, source_v
 
 
 def terms(points_px: Array, rig: StereoRig) -> Array:

@@ -27,11 +27,10 @@ ALIKE_SHARE = 0.3
 SLACK_PX = 1.5
 """Tolerance for noise beyond both ends of a range."""
 SWAPPED_SHARE, OUTSIDE_SHARE = 0.7, 0.1
+RANGE = "search-range-too-small"
 
 
-def check_images(
-    left: Image, right: Image, search: tuple[int, int], *, only: str | None = None
-) -> frozenset[str]:
+def check_images(left: Image, right: Image, search: tuple[int, int]) -> frozenset[str]:
     """Notify of contradictions in two images to be matched, and return their codes.
 
     Parameters
@@ -39,10 +38,20 @@ def check_images(
     left, right : (H, W) or (H, W, 3) uint8
     search : (min, max)
         Search range of disparities in pixels, both included.
-    only : str, optional
-        The only code to report; by default all.
     """
-    found = [one for one in findings(left, right, search=search) if only in (None, one.code)]
+    return _notified(findings(left, right, search=search))
+
+
+def check_range(left: Image, right: Image, search: tuple[int, int]) -> frozenset[str]:
+    """Notify only of disparities outside the search range that no other contradiction explains."""
+    # What explains them takes much longer to find than that there are none.
+    if _range(survey(left, right).seen, search) is None:
+        return frozenset()
+    found = findings(left, right, search=search)
+    return _notified([finding for finding in found if finding.code == RANGE])
+
+
+def _notified(found: list[Finding]) -> frozenset[str]:
     for finding in found:
         notify(finding.code, finding.text)
     return frozenset(finding.code for finding in found)
@@ -171,13 +180,15 @@ def _turned(seen: Sightings, turn: Turn, lowest: float, *, is_calibrated: bool) 
 
 def _range(seen: Sightings, search: tuple[int, int]) -> Finding | None:
     low, high = search
+    if len(seen) < MIN_SIGHTINGS:
+        return None
     above = seen.disparity_px > high + SLACK_PX
     below = seen.disparity_px < low - SLACK_PX
     if max(above.mean(), below.mean()) < OUTSIDE_SHARE:
         return None
     found_low, found_high = np.percentile(seen.disparity_px, [2, 98])
     return Finding(
-        code="search-range-too-small",
+        code=RANGE,
         text=f"{(above | below).mean():.0%} of the points that both cameras see lie outside the "
         f"searched disparities {low} to {high} px: they range from {found_low:.0f} to "
         f"{found_high:.0f} px",
