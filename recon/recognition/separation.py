@@ -27,8 +27,9 @@ Namer = Callable[[Rows], Naming]
 Reliefs = Callable[[Rows], Relief]
 """The surface of the object in some rows of the map."""
 
-EXPLAINED = 1.0
-"""Deviance per cell below that of a formless object from which one object is enough."""
+EXPLAINED, CLOSELY_EXPLAINED = 1.0, 2.0
+"""Deviance per cell below that of a formless object from which one object is enough, unless it is
+long; and from which it is in any case: two objects are not on one solid to a fifth of a cell."""
 STRAYS, STRAY_CELLS = 0.1, 1.5
 """Share of an object's cells that are farther than so many cells from its solids, above which there
 may be another object."""
@@ -150,8 +151,8 @@ def _halves(
     cells = voxels.select(rows)
     across, along = _spread(cells.means[:, ::2])
     has_strays = stray_share(naming, cells) > STRAYS
-    is_explained = naming.deviance < -EXPLAINED * len(rows)
-    if is_explained and along < LONG * across and not has_strays:
+    enough = EXPLAINED if along < LONG * across else CLOSELY_EXPLAINED
+    if naming.deviance < -enough * len(rows) and not has_strays:
         return []
     waist = 0.0 if across < SHEET * voxels.cell_size else WAIST
     best: list[Piece] = []

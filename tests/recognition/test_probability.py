@@ -12,7 +12,7 @@ from recon.recognition.fitting.surface_points import surface
 from recon.recognition.naming import flat_rival, hypotheses, upright
 from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
-from recon.recognition.naming.hypothesis import Hypothesis, rated
+from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
 from recon.recognition.naming.limits import log_within
 from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Evidence, Logistic
@@ -214,6 +214,7 @@ def test_only_ratios_beyond_their_bounds_lower_the_probability(post):
         kind=None, evidence=0.0, criterion=0.0, composite=fit.state, solids=solids(fit.state)
     )
     chances = [log_within(ratio, (0.3, 2.5), 0.05) for ratio in (1.0, 0.3, 0.22)]
-    inside, bound, beyond = (rated(case, found, KINDS[2], chance, SURE).whole for chance in chances)
+    kinds = (as_kind(case, found, KINDS[2], chance) for chance in chances)
+    inside, bound, beyond = (rated(one, SURE).whole for one in kinds)
     assert inside == bound
     assert beyond < 0.1 * bound

@@ -102,7 +102,22 @@ def test_fence_is_not_split(monkeypatch):
     voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
     assert [one.label for one in recognise(voxels, SETTINGS).objects] == ["unknown"]
     monkeypatch.setattr(separation, "SHEET", 0.0)
+    monkeypatch.setattr(separation, "CLOSELY_EXPLAINED", np.inf)
     assert len(recognise(voxels, SETTINGS).objects) == 2
+
+
+def test_no_second_object_is_looked_for_in_a_long_corner_of_walls(monkeypatch):
+    rng = np.random.default_rng(0)
+    walls = [rng.uniform(0.0, size, (9000, 3)) for size in ((30.0, 12.0, 0.0), (0.0, 12.0, 9.0))]
+    points = np.concatenate(walls) + rng.normal([0.0, 1.0, 0.0], 0.15, (18000, 3))
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
+    tried: list[int] = []
+    monkeypatch.setattr(separation, "_cuts", lambda cells, *_, **__: tried.append(len(cells)) or [])
+    assert len(recognise(voxels, SETTINGS).objects) == 1
+    assert not tried
+    monkeypatch.setattr(separation, "CLOSELY_EXPLAINED", np.inf)
+    recognise(voxels, SETTINGS)
+    assert tried
 
 
 @pytest.mark.parametrize("seed", [2, 8])

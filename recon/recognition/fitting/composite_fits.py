@@ -1,6 +1,7 @@
 """Fits of composites: the most promising one, or all optima."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise, product
 
 import numpy as np
@@ -79,17 +80,26 @@ def fit_composites(
     weights : (N,) float64
         Weight of each point.
     """
-    model, floor = CompositeModel(points, shapes), NOISE_FLOOR * cell_size
-    fits = [
-        minimise(model, start, floor=floor, weights=weights, layout=start.layout)
-        for start in _starts(shapes, points, ground, CLOSE_SPLITS)
-    ]
-    optima: list[Estimate[Composite]] = []
+    some = slice(None, None, -(-len(points) // ROUGH_POINTS))
+    few, model = CompositeModel(points[some], shapes), CompositeModel(points, shapes)
+    starts = _starts(shapes, points, ground, CLOSE_SPLITS)
+    search = partial(minimise, floor=NOISE_FLOOR * cell_size, layout=starts[0].layout)
+    rough = [search(few, start, weights=weights[some]) for start in starts]
+    fits = [search(model, one.state, weights=weights) for one in _distinct(rough, few, cell_size)]
+    optima = _distinct(fits, model, cell_size)
+    return [replace(one, state=_trimmed(one, points, cell_size)) for one in optima]
+
+
+def _distinct(
+    fits: list[Estimate[Composite]], model: CompositeModel, cell_size: float
+) -> list[Estimate[Composite]]:
+    """The fits that differ from every better one, best first."""
+    distinct: list[Estimate[Composite]] = []
     for fit in sorted(fits, key=lambda estimate: estimate.deviance):
         numbers, least = model.packed(fit.state), SAME_CELLS * cell_size
-        if all(np.abs(model.packed(one.state) - numbers).max() > least for one in optima):
-            optima.append(fit)
-    return [replace(one, state=_trimmed(one, points, cell_size)) for one in optima]
+        if all(np.abs(model.packed(one.state) - numbers).max() > least for one in distinct):
+            distinct.append(fit)
+    return distinct
 
 
 def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:

@@ -16,8 +16,9 @@ from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import box_sizes
 from recon.recognition.naming.visibility import NEAR_CELLS, coverage, filled_faces
 from recon.recognition.segments.flat_pieces import FlatPieces, unsplit
+from recon.recognition.segments.segmentation import split_colours
 from recon.recognition.segments.solid_pieces import Pieces, solid_pieces
-from recon.records import Box, FitFailure, Plane, Solid, Voxels
+from recon.records import Box, FitFailure, Plane, Segments, Solid, Voxels
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,11 @@ class Case:
     def weights(self) -> Array:
         """Weights (N,): cells with few points are more often off the surface than on it."""
         return trust_by_points(self.cells, TRUSTS)
+
+    @cached_property
+    def colours(self) -> Segments | FitFailure:
+        """Two parts by colour, if there are two."""
+        return split_colours(self.cells)
 
     @cached_property
     def overall_slenderness(self) -> float:

@@ -11,7 +11,7 @@ from recon.recognition.naming.case import Case
 from recon.recognition.naming.curvature import bend
 from recon.recognition.naming.descriptors import describe
 from recon.recognition.naming.flat_rival import flat_rival
-from recon.recognition.naming.hypothesis import Hypothesis, rated
+from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import (
     hue_chance,
@@ -106,7 +106,7 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
                 criterion=criterion,
                 solids=(one.solid,),
             )
-            named = rated(case, found, kind, 0.0, evidence)
+            named = rated(as_kind(case, found, kind, 0.0), evidence)
             yield replace(named, whole=named.whole * float(FILLED.chance(filled)))
 
 

@@ -40,22 +40,32 @@ class Hypothesis:
     """Roles of the solids, if these are not one per part of the kind."""
 
 
-def rated(
-    case: Case, found: Hypothesis, kind: Kind, chance: float, evidence: Evidence
-) -> Hypothesis:
-    """A fit as one of a kind: as likely as its sizes, its hues and what is seen allow."""
+def as_kind(case: Case, found: Hypothesis, kind: Kind, chance: float) -> Hypothesis:
+    """A fit as one of a kind: as likely as its sizes and its hues allow.
+
+    Parameters
+    ----------
+    chance : float
+        Log probability of its ratios.
+    """
     looks = hue_chance(kind.parts, found.solids, case.cells)
     shape = found.composite or case
     looks *= slenderness_chance(kind, shape.overall_slenderness)
     if case.is_metric:
         looks *= size_chance(kind, kind.parts, list(map(solid_sizes, found.solids)), case.cells)
-    seen = float(evidence.seen.mean())
     # Only ratios beyond their bounds speak against a kind: on a bound the chance is a half.
     within = min(1.0, 2.0 * float(np.exp(chance)))
     return replace(
         found,
         kind=kind,
         evidence=found.evidence + chance + float(np.log(max(looks, 1e-9))),
-        whole=evidence.probability * looks * within if seen >= kind.min_seen else 0.0,
-        seen=seen,
+        whole=looks * within,
     )
+
+
+def rated(found: Hypothesis, evidence: Evidence) -> Hypothesis:
+    """A fit as one of its kind, as likely as what is seen of it also allows."""
+    assert found.kind is not None
+    seen = float(evidence.seen.mean())
+    is_enough = seen >= found.kind.min_seen
+    return replace(found, whole=found.whole * evidence.probability if is_enough else 0.0, seen=seen)

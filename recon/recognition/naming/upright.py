@@ -11,15 +11,17 @@ from recon.recognition.fitting.composite_fits import fit_composite, fit_composit
 from recon.recognition.fitting.least_squares import Estimate
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
-from recon.recognition.naming.hypothesis import Hypothesis, rated
+from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.lead import lead_of_parts, lead_over_shapes
 from recon.recognition.naming.limits import RATIO_SPREAD, log_within
 from recon.recognition.naming.probability import OTHER_SHAPES, Evidence
 from recon.recognition.naming.visibility import coverage, is_whole, unseen_parts
-from recon.records import Voxels
+from recon.records import FitFailure, Voxels
 
 Array = NDArray[np.float64]
+Pair = tuple[Estimate[Composite], Hypothesis]
+"""A fit, and what it says of the cells."""
 
 LOG_NO_KIND = -4.0
 """Log prior of a composite of no kind, relative to one of the catalogue."""
@@ -48,30 +50,45 @@ def upright(case: Case, kinds: tuple[Kind, ...]) -> list[Hypothesis]:
 def _competing(
     case: Case, kinds: tuple[Kind, ...], fits: dict[tuple[str, ...], list[Estimate[Composite]]]
 ) -> Iterator[Hypothesis]:
-    """The fits of every combination of shapes, best first, as one of no kind and of each kind."""
-    cells, optima = case.cells, list(fits.values())
-    best = _by_colour(case, [each[0] for each in optima if is_whole(each[0].state, cells)])
-    yield from (replace(one, evidence=one.evidence + LOG_NO_KIND) for _, one in best)
-    criteria = {fit.state.shapes: one.criterion for fit, one in best}
-    whole = [fit for each in optima for fit in each if is_whole(fit.state, cells)]
+    """The best fit of every combination of shapes as of no kind, and the likeliest of each kind."""
+    whole = [fit for each in fits.values() for fit in each if is_whole(fit.state, case.cells)]
     found = _by_colour(case, whole)
-    for fit, one in found:
-        shapes = fit.state.shapes
-        same = [other.evidence for rival, other in found if rival.state.shapes == shapes]
-        # The same shapes may fit better in a way that is of no kind.
-        chance = min(1.0, float(np.exp(one.evidence - LOG_NO_KIND - max(same))))
-        own = [kind for kind in kinds if shapes in kind.composites]
-        for named, kind in zip(_named(case, fit, one, own), own, strict=False):
-            lead = lead_over_shapes(shapes, kind.composites, {**criteria, shapes: one.criterion})
-            shape_chance = float(OTHER_SHAPES.chance(lead))
-            yield replace(named, whole=named.whole * chance * shape_chance)
+    best = {fit.state.shapes: one for fit, one in reversed(found)}
+    yield from (replace(one, evidence=one.evidence + LOG_NO_KIND) for one in best.values())
+    criteria = {shapes: one.criterion for shapes, one in best.items()}
+    for kind in kinds:
+        own = [pair for pair in found if pair[0].state.shapes in kind.composites]
+        yield from _likeliest(case, kind, own, criteria)
 
 
-def _by_colour(
-    case: Case, fits: list[Estimate[Composite]]
-) -> list[tuple[Estimate[Composite], Hypothesis]]:
+def _likeliest(
+    case: Case, kind: Kind, found: list[Pair], criteria: dict[tuple[str, ...], float]
+) -> Iterator[Hypothesis]:
+    """The fit that is most likely one of a kind, if any may be one."""
+    named = [
+        (as_kind(case, one, kind, _log_chance(fit.state, kind, case.cells)), fit, one)
+        for fit, one in found
+    ]
+    named = [each for each in named if np.isfinite(each[0].evidence)]
+    if not named:
+        return
+    # The surface is looked at last, as that takes most of the time.
+    likely, fit, plain = max(named, key=lambda each: each[0].evidence)
+    shapes = fit.state.shapes
+    # The same shapes may fit better in a way that is of no kind.
+    same = max(one.evidence for rival, one in found if rival.state.shapes == shapes)
+    chance = min(1.0, float(np.exp(plain.evidence - LOG_NO_KIND - same)))
+    lead = lead_over_shapes(shapes, kind.composites, {**criteria, shapes: plain.criterion})
+    chance *= float(OTHER_SHAPES.chance(lead))
+    seen = coverage(likely.solids, case.cells)
+    one = rated(likely, _evidence(case, fit, likely.criterion, seen))
+    yield replace(one, whole=one.whole * chance)
+
+
+def _by_colour(case: Case, fits: list[Estimate[Composite]]) -> list[Pair]:
     """Fits, with the opinions of the colours."""
-    opinions = colour_opinions([fit.state for fit in fits], case.cells)
+    split = case.colours if len(fits) > 1 else FitFailure("no rival")
+    opinions = colour_opinions([fit.state for fit in fits], case.cells, split)
     return [(fit, _found(case, fit, o)) for fit, o in zip(fits, opinions, strict=True)]
 
 
@@ -85,17 +102,6 @@ def _found(case: Case, fit: Estimate[Composite], opinion: float) -> Hypothesis:
         composite=fit.state,
         solids=tuple(solids(fit.state)),
     )
-
-
-def _named(
-    case: Case, fit: Estimate[Composite], found: Hypothesis, kinds: list[Kind]
-) -> Iterator[Hypothesis]:
-    """A fit as one of each of some kinds."""
-    chances = [_log_chance(fit.state, kind, case.cells) for kind in kinds]
-    if np.isfinite(chances).any():
-        evidence = _evidence(case, fit, found.criterion, coverage(found.solids, case.cells))
-        for kind, chance in zip(kinds, chances, strict=True):
-            yield rated(case, found, kind, chance, evidence)
 
 
 def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Array) -> Evidence:
