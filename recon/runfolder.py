@@ -79,8 +79,8 @@ class RunFolder:
             If `path` exists and neither flag was given, or if the run to resume has different
             settings, seed or inputs.
         """
-        if path.exists() and not (overwrite or resume):
-            raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
+        if not (overwrite or resume):
+            check_no_run(path)
         run = cls(path=path, plan=plan, identity=plan.identity())
         if resume and path.exists():
             _check_same(path, run.identity)
@@ -179,6 +179,12 @@ class RunFolder:
             "seconds": {stage: round(s, 3) for stage, s in self.seconds.items()},
         }
         self.write_json(MANIFEST, document)
+
+
+def check_no_run(path: Path) -> None:
+    """Raise `InputError` if a new run would need a flag, as its folder exists."""
+    if path.exists():
+        raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
 
 
 def _check_same(path: Path, identity: dict[str, Any]) -> None:

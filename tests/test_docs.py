@@ -2,6 +2,7 @@
 
 import ast
 import re
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import recon
@@ -116,3 +117,24 @@ def test_pages_use_standard_terms():
     pages = [*DOCS.rglob("*.md"), DOCS.parent / "README.md", DOCS.parent / "CONTRIBUTING.md"]
     found = {page.name: wrong for page in pages if (wrong := wrong_terms(page.read_text()))}
     assert found == {}
+
+
+def pages():
+    """Every page of the site."""
+    found = [page for page in DOCS.rglob("*.md") if "src" not in page.parts]
+    assert len(found) > 30
+    return found
+
+
+def test_every_page_is_in_the_table_of_contents():
+    blocks = re.findall(r"```{toctree}\n(.*?)```", (DOCS / "index.md").read_text(), re.S)
+    entries = [line for block in blocks for line in block.splitlines() if line[:1] not in ("", ":")]
+    names = {page.relative_to(DOCS).with_suffix("").as_posix() for page in pages()} - {"index"}
+    listed = {name for name in names for entry in entries if fnmatchcase(name, entry)}
+    assert names - listed == set()
+
+
+def test_links_between_pages_lead_to_files():
+    for page in (*pages(), DOCS.parent / "README.md", DOCS.parent / "CONTRIBUTING.md"):
+        for target in re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text()):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"

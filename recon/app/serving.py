@@ -62,9 +62,8 @@ def listen(host: str, port: int | None) -> Address:
             continue
         token = None if is_loopback(host) else secrets.token_urlsafe(24)
         return Address(host=host, listener=listener, token=token)
-    raise InputError(
-        f"--host {host} --port {port}: {fault.strerror if fault else 'in use'}; give another one"
-    )
+    where = f"--host {host}" if port is None else f"--host {host} --port {port}"
+    raise InputError(f"{where}: {fault.strerror if fault else 'in use'}; give another one")
 
 
 def serve(

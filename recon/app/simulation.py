@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from recon.app.channels import Points, points_of
 from recon.errors import InputError
 from recon.records import FoundObject, StereoPair, View
-from recon.settings import EXPLORER_BASE, Settings, updated
+from recon.settings import Settings, explorers, updated
 from recon.world.start import first_view
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Simulation:
 
     def __init__(self, scene: Path, settings: Settings | None = None) -> None:
         self.scene = scene
-        self.settings = settings or updated(Settings(), EXPLORER_BASE)
+        self.settings = settings or explorers(Settings())
         start = first_view(self.settings.eyes)
         self.position, self.target = start.position, start.target
         self.objects: tuple[FoundObject, ...] = ()

@@ -10,8 +10,8 @@ from recon.cli.options import (
     MATCHING,
     OUTPUT,
     PATH,
-    POSITIVE,
     SETTINGS,
+    TRUTH_SCALE,
     run_folder,
     with_options,
 )
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     "--max-disparity", "matching__max_disparity", type=int, help="Largest disparity, pixels."
 )
 @click.option("--truth", type=PATH, help="True disparity of the left image; 0 or NaN = unknown.")
-@click.option("--truth-scale", type=POSITIVE, help="Grey levels of truth per pixel of disparity.")
+@TRUTH_SCALE
 @click.option("--calib", type=PATH, help="Calibration; gives the default search range.")
 @click.option(
     "--dense",

@@ -7,11 +7,13 @@ import click
 
 from recon.cli.jobs import do_job
 from recon.cli.options import (
+    KEEP,
     OUTPUT,
     PATH,
     POSITIVE,
     QUALITY,
     SETTINGS,
+    TRUTH_SCALE,
     run_folder,
     with_options,
 )
@@ -75,14 +77,8 @@ DENSE_COLUMNS = {
 @click.option("--worlds", type=click.IntRange(min=1), help="Evaluate labels in N random worlds.")
 @click.option("--matcher", "matchers", multiple=True, help="Matcher to evaluate; repeatable.")
 @QUALITY
-@click.option(
-    "--keep",
-    "matching__keep",
-    type=click.IntRange(min=1),
-    metavar="K",
-    help="Keep the K most confident matches.",
-)
-@click.option("--truth-scale", type=POSITIVE, help="Grey levels of truth per pixel of disparity.")
+@KEEP
+@TRUTH_SCALE
 @click.option("--trajectory", type=PATH, help="Evaluate the trajectory of a run or of a pose file.")
 @click.option(
     "--truth",

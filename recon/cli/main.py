@@ -1,10 +1,7 @@
 """The program: a group of commands, and the reporting of their errors."""
 
-import signal
 import sys
-import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import click
 
@@ -23,6 +20,7 @@ from recon.cli.figure import figure
 from recon.cli.fit import fit
 from recon.cli.info import info
 from recon.cli.inspect import inspect
+from recon.cli.interrupts import ending_as_ctrl_c
 from recon.cli.learn import learn
 from recon.cli.localise import localise
 from recon.cli.merge import merge
@@ -38,7 +36,6 @@ from recon.cli.train import train
 from recon.errors import InputError, ReconError
 from recon.processes import collect_rarely, end_soon
 
-ENDING_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
 
@@ -76,7 +73,7 @@ def main(argv: Sequence[str] | None = None, *, is_alone: bool = False) -> int:
         click.echo(error.format_message(), err=True)
         return WRONG_USE
     except click.ClickException as error:
-        return _say(f"{error.format_message()}", WRONG_USE)
+        return _say(error.format_message(), WRONG_USE)
     except (click.Abort, KeyboardInterrupt):
         return _say("interrupted", INTERRUPTED)
     except InputError as error:
@@ -88,20 +85,6 @@ def main(argv: Sequence[str] | None = None, *, is_alone: bool = False) -> int:
     finally:
         stop_logging()
     return code if isinstance(code, int) else DONE
-
-
-@contextmanager
-def ending_as_ctrl_c() -> Iterator[None]:
-    """Treat signals that end the process like Ctrl-C, so that a run is closed properly."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {one: signal.signal(one, signal.default_int_handler) for one in ENDING_SIGNALS}
-    try:
-        yield
-    finally:
-        for one, handler in before.items():
-            signal.signal(one, handler)
 
 
 def _say(message: str, code: int) -> int:

@@ -146,15 +146,18 @@ def run_folder(default: str = "runs/NAME") -> list[Callable[[Command], Command]]
 QUALITY = click.option("--quality", type=click.Choice(["best", "fast"]), help="Accuracy or speed.")
 
 # An option whose name in Python is STAGE__NAME sets that value.
+KEEP = click.option(
+    "--keep", "matching__keep", type=click.IntRange(min=1), metavar="K",
+    help="Keep the K most confident matches.",
+)  # fmt: skip
 MATCHING = [
     click.option("--matcher", "matching__matcher", help="phase, vonmises, sgbm, or a plug-in."),
     QUALITY,
-    click.option(
-        "--keep", "matching__keep", type=click.IntRange(min=1),
-        metavar="K",
-        help="Keep the K most confident matches.",
-    ),
-]  # fmt: skip
+    KEEP,
+]
+TRUTH_SCALE = click.option(
+    "--truth-scale", type=POSITIVE, help="Grey levels of truth per pixel of disparity."
+)
 
 SURFACE = [
     click.option(

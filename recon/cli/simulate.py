@@ -25,9 +25,8 @@ def simulate(scene: Path, **given: Any) -> None:
     start_logging(given)
     from recon.app.serving import listen
     from recon.app.simulator import simulate as show
-    from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
+    from recon.settings import explorers
 
-    chosen = merged(EXPLORER_BASE, given_tree(build_settings(given)))
-    settings = updated(Settings(), chosen)
+    settings = explorers(build_settings(given))
     address = listen(given["host"], given["port"])
     show(scene, settings, address, announced(address.url, given))

@@ -23,7 +23,7 @@ from recon.sequences.calibration.files import read_calibration
 from recon.sequences.calibration.rectification import Rectifier
 from recon.sequences.calibration.rectification import rectifier as rectifier_of
 from recon.sequences.frames import DerivedSource
-from recon.settings import EXPLORER_BASE, Settings, given_tree, merged, updated
+from recon.settings import Settings, explorers, updated
 from recon.voxelmap import VoxelMap
 
 
@@ -130,11 +130,6 @@ def explore(
     if own is not None and not callable(getattr(own, "next_view", None)):
         raise InputError(f"controller is {own!r}, but a name or an object with next_view is needed")
     return lead(source, explorers(chosen), observe, controller=own)
-
-
-def explorers(settings: Settings) -> Settings:
-    """The settings with the explorer's defaults for values not given."""
-    return updated(Settings(), merged(EXPLORER_BASE, given_tree(settings)))
 
 
 def recognise(

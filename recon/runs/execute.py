@@ -5,7 +5,7 @@ from pathlib import Path
 
 from recon.errors import InputError, check_type
 from recon.notices import Notice, collected_notices
-from recon.runfolder import RunFolder
+from recon.runfolder import RunFolder, check_no_run
 from recon.runs.artist import Artist
 from recon.runs.events import Events
 from recon.runs.job import KINDS, Job, Numbers
@@ -63,10 +63,10 @@ def execute(
         stopwatch.counting_compilation(),
         shared_estimates(),
     ):
-        job = job.resolved()
         kind = KINDS.load(job.kind)
-        path = folder or kind.folder(job)
-        _check_flags(path, overwrite=overwrite, resume=resume)
+        path = folder or kind.folder(job.located())
+        _check_folder(path, overwrite=overwrite, resume=resume)
+        job = job.resolved()
         if path is None:
             work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
             return _reported(job, kind.run(job, work), notices)
@@ -84,13 +84,17 @@ def execute(
     return read_report(job.kind, run.path)
 
 
-def _check_flags(path: str | Path | None, *, overwrite: bool, resume: bool) -> None:
-    """Raise `InputError` for flags that exclude each other, or have no run folder to act on."""
+def _check_folder(path: str | Path | None, *, overwrite: bool, resume: bool) -> None:
+    """Refuse a run that exists, and flags without a run folder or contrary to each other.
+
+    Before the job is resolved, as that may take long.
+    """
     if overwrite and resume:
         raise InputError("overwrite and resume exclude each other: give one of them")
     if path is None and (overwrite or resume):
-        flag = "overwrite" if overwrite else "resume"
-        raise InputError(f"{flag} needs a run folder: give -o")
+        raise InputError(f"{'overwrite' if overwrite else 'resume'} needs a run folder: give -o")
+    if path is not None and not (overwrite or resume):
+        check_no_run(Path(path))
 
 
 def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:

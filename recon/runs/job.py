@@ -50,15 +50,19 @@ class Job:
         check_type("inputs", inputs, tuple, list)
         object.__setattr__(self, "inputs", tuple(Path(path) for path in inputs))
 
-    def resolved(self) -> Self:
-        """The same job with every default filled in."""
+    def located(self) -> Self:
+        """The same job with its inputs found and its arguments checked; none is read."""
         kind = KINDS.load(self.kind)
         kind.check_inputs(self)
-        found = replace(
+        return replace(
             self,
             inputs=tuple(kind.find(path) for path in self.inputs),
             arguments=checked(self.kind, self.arguments, kind.takes),
         )
+
+    def resolved(self) -> Self:
+        """The same job with every default filled in, for which inputs may be read."""
+        found = self.located()
         return replace(found, settings=resolve(found))
 
     def files(self) -> tuple[Path, ...]:

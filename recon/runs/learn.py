@@ -13,12 +13,12 @@ from recon.files.documents import read_toml
 from recon.recognition.clouds import gathered
 from recon.recognition.naming.catalogue import read_catalogue
 from recon.recognition.naming.descriptors import Learned
+from recon.recognition.naming.kinds import NAME_NEED, may_be_named
 from recon.recognition.naming.kinds import Kind as Entry
-from recon.recognition.naming.kinds import may_be_named
 from recon.recognition.naming.learning import Lesson, learn
 from recon.recognition.recognition import recognise
 from recon.records import PointCloud, Voxels
-from recon.runs.arguments import text, texts, word
+from recon.runs.arguments import check_distinct, text, texts, word
 from recon.runs.job import Job, Kind, Numbers
 from recon.runs.recognise import read_scene
 from recon.runs.work import Work
@@ -66,8 +66,10 @@ def _settings_of(run: Path, settings: Settings) -> RecognitionSettings:
 def _learn(job: Job, work: Work) -> Numbers:
     """Learn a kind and put it into a catalogue, replacing one of the same name."""
     name, target = str(job.arguments["name"]), Path(str(job.arguments["catalogue"]))
+    texts: tuple[str, ...] = job.arguments["examples"]
+    check_distinct(map(Path, texts))
     if not may_be_named(name):
-        raise InputError(f"name is {name!r}, but one of a known kind is needed")
+        raise InputError(f"name is {name!r}, but {NAME_NEED}")
     kinds = read_catalogue(target) if target.exists() else ()
     entries: list[dict[str, Any]] = read_toml(target)["object"] if kinds else []
     others: dict[str, Learned] = {
@@ -76,7 +78,6 @@ def _learn(job: Job, work: Work) -> Numbers:
     if any(kind.name == name and not kind.learned for kind in kinds):
         raise InputError(f"{target}: {name!r} already exists with parts; another name is needed")
     with work.stage("learn"):
-        texts: tuple[str, ...] = job.arguments["examples"]
         examples = [read_example(text, job.settings) for text in texts]
         lesson = learn(name, examples, others, job.settings.recognition.unit)
     kept = [entry for entry in entries if entry.get("name") != name]

@@ -92,10 +92,12 @@ def _base(job: Job) -> Tree:
 def _recognise(job: Job, work: Work) -> Numbers:
     """Name the objects of a cloud, a map or a run; the document of `objects.json`."""
     (path,) = job.inputs
-    target = _target(job.arguments)
+    target, up = _target(job.arguments), job.arguments.get("up", "y")
+    if up != "y" and run_of(path) is not None:
+        raise InputError(f"up is {up!r}, but {path} belongs to a run, whose world has y up")
     scene = read_scene(path, job.settings)
     with work.stage("recognise"):
-        found = recognise_scene(scene, job.settings, job.arguments.get("up", "y"))
+        found = recognise_scene(scene, job.settings, up)
     if target is not None:
         ply.write(target, columns_of(scene.data) | {"object": found.label})
     return dict(as_json(found))

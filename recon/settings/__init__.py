@@ -15,6 +15,7 @@ from recon.settings.presets import (
     PRESETS,
     QUALITIES,
     Quality,
+    explorers,
     with_preset,
     with_quality,
 )
@@ -48,6 +49,7 @@ __all__ = [
     "SurfaceSettings",
     "TriangulationSettings",
     "WorldSettings",
+    "explorers",
     "given_tree",
     "merged",
     "parse_overrides",

@@ -2,7 +2,7 @@
 
 from typing import Any, Literal
 
-from recon.settings.files import merged, updated
+from recon.settings.files import given_tree, merged, updated
 from recon.settings.stages import S
 
 Quality = Literal["best", "fast"]
@@ -56,3 +56,8 @@ EXPLORER_BASE = merged(
 """Default values of an explorer. With both cameras on the target, disparities lie around zero
 (thesis, table of parameters). Pairs are matched fast, but each is checked against its whole row: a
 phantom in front of the cameras would wall the agent in."""
+
+
+def explorers(settings: S) -> S:
+    """`settings` with the explorer's defaults for values not given."""
+    return updated(type(settings)(), merged(EXPLORER_BASE, given_tree(settings)))

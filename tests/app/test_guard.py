@@ -102,3 +102,5 @@ def test_port_in_use_is_named_in_the_error():
     first.listener.close()
     with pytest.raises(InputError, match=r"--host 203\.0\.113\.7"):
         listen("203.0.113.7", 0)
+    with pytest.raises(InputError, match=r"--host 203\.0\.113\.7: "):
+        listen("203.0.113.7", None)

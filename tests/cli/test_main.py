@@ -1,10 +1,12 @@
 """The command line: help, version, and one line for every known error."""
 
+import ctypes
 import json
 import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -194,3 +196,30 @@ def test_object_sizes_are_readable_in_any_unit(size, said):
     box = {"sizes": [size, size / 2], "unit": None}
     found = {"label": "unknown", "centre": [-1e-9], "box": box, "probability": None}
     assert object_line(found) == f"unknown        {said}"
+
+
+def test_existing_run_is_refused_before_the_recording_is_read(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("recon.runs.job.resolve", lambda job: pytest.fail("read"))
+    for name in ("pair", "run"):
+        (tmp_path / name).mkdir()
+    code, _, err = run(capsys, "reconstruct", str(tmp_path / "pair"), "-o", str(tmp_path / "run"))
+    assert code == 2
+    assert "run exists; give --overwrite, --resume, or another -o" in err
+
+
+def dropped_interrupt():
+    """Interrupt this process inside a callback of machine code, which drops the exception."""
+    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
+
+
+@pytest.mark.parametrize("fails", [True, False])
+def test_interrupt_that_compiled_code_drops_ends_the_command(monkeypatch, capsys, fails):
+    def compiled(job):
+        dropped_interrupt()
+        if fails:
+            raise RuntimeError("no compiled object yet")
+        time.sleep(30)
+
+    monkeypatch.setattr("recon.runs.job.resolve", compiled)
+    code, out, err = run(capsys, "explore", "village")
+    assert (code, out, err.strip()) == (130, "", "recon: interrupted")

@@ -12,9 +12,8 @@ from recon.exploration.belief import Belief, belief_of
 from recon.exports.ply import CloudWriter, read_cloud_chunks
 from recon.localisation.graph import Graph, planar
 from recon.records import PointCloud, Trajectory, View
-from recon.runs.api import explorers
 from recon.runs.outputs import move_cloud
-from recon.settings import Settings, updated, with_quality
+from recon.settings import Settings, explorers, updated, with_quality
 from recon.world.world import World
 from tests.exploration.flatland import Flatland, nothing
 

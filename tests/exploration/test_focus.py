@@ -5,8 +5,7 @@ import pytest
 
 from recon.exploration.focus import focusable, focusing, range_of
 from recon.records import View
-from recon.runs.api import explorers
-from recon.settings import Settings, updated
+from recon.settings import Settings, explorers, updated
 from recon.world.world import World
 
 FOCUSED = updated(explorers(Settings()), {"eyes": {"auto_focus": True}})

@@ -8,8 +8,7 @@ import pytest
 from recon.exploration.outlines import outlines
 from recon.exploration.scales import Scales
 from recon.records import PointCloud
-from recon.runs.api import explorers
-from recon.settings import Settings
+from recon.settings import Settings, explorers
 
 SCALES = Scales.of(explorers(Settings()))
 POSE = np.array([3.0, -2.0, 0.7])

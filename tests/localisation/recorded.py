@@ -9,8 +9,7 @@ from recon.localisation.atlas import Atlas
 from recon.localisation.keeper import PlaceKeeper
 from recon.mapping.mapper import Mapper
 from recon.records import StereoPair, View, Voxels
-from recon.runs.api import explorers
-from recon.settings import Settings, updated
+from recon.settings import Settings, explorers, updated
 from recon.world.world import World
 
 SETTINGS = updated(

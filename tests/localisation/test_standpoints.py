@@ -12,8 +12,7 @@ from recon.localisation.portrait import Portrait, camera_of
 from recon.localisation.recall import KnownWorld
 from recon.mapping.mapper import Mapper
 from recon.records import Box, Cone, Cylinder, Ellipsoid, Part, Sphere, StereoPair, TruncatedCone
-from recon.runs.api import explorers
-from recon.settings import Settings, updated
+from recon.settings import Settings, explorers, updated
 from tests.localisation.trees import off, taken, tree, turned
 
 SETTINGS = updated(explorers(Settings()), {"map": {"min_count": 3}})

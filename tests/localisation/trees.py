@@ -6,8 +6,7 @@ import numpy as np
 
 from recon.geometry import pose, rotation_about_y
 from recon.records import Cylinder, FoundObject, Part, Sphere, View
-from recon.runs.api import explorers
-from recon.settings import Settings
+from recon.settings import Settings, explorers
 from recon.world.world import World
 
 AWAY = 14.0

@@ -68,7 +68,7 @@ def test_user_catalogue_adds_a_kind(tmp_path):
         ),
         (
             '[[object]]\nname = "unknown"\nparts = [{ role = "a", shapes = ["cone"] }]\n',
-            "object.0: its name is 'unknown', but one of a known kind",
+            "object.0: its name is 'unknown', but one line other than 'unknown' is needed",
         ),
         (
             '[[object]]\nname = "a\\nb"\nparts = [{ role = "a", shapes = ["cone"] }]\n',

@@ -39,7 +39,15 @@ def test_file_that_is_no_catalogue_is_refused_and_kept(ball, tmp_path, capsys, c
 
 def test_unknown_is_no_name(ball, tmp_path, capsys):
     assert learned(ball, tmp_path / "kinds.toml", "unknown") == 2
-    assert "name is 'unknown', but one of a known kind" in capsys.readouterr().err
+    assert (
+        "name is 'unknown', but one line other than 'unknown' is needed" in capsys.readouterr().err
+    )
+
+
+def test_example_given_twice_is_refused(ball, tmp_path, capsys):
+    argv = ["learn", str(ball), str(ball), "--name", "ball", "-o", str(tmp_path / "kinds.toml")]
+    assert main(argv) == 2
+    assert "ball.ply is given 2 times, but must count once" in capsys.readouterr().err
 
 
 def test_kinds_are_added_to_a_catalogue(ball, tmp_path, capsys):

@@ -69,6 +69,16 @@ def test_colourless_cloud_gives_objects_of_unknown_colour(tmp_path, capsys):
             assert_described(found, has_views=False, has_colours=False)
 
 
+def test_run_has_y_up(tmp_path, capsys):
+    (tmp_path / "settings.toml").touch()
+    voxel_map = VoxelMap(cell_size=0.1)
+    voxel_map.insert(as_cloud(np.zeros((5, 3))))
+    voxel_map.save(tmp_path / "map.npz")
+    for path in (tmp_path, tmp_path / "map.npz"):
+        assert main(["recognise", str(path), "--up", "z"]) == 2
+        assert "up is 'z', but" in capsys.readouterr().err
+
+
 def test_names_with_sizes_need_a_scale(desk, capsys):
     named = run_json(capsys, "recognise", desk, "--catalogue", "household", "--unit", "m")
     assert sorted(one["label"] for one in named["objects"]) == ["ball", "mug"]

@@ -79,6 +79,9 @@ class PartRule:
     against the kind, and does not rule it out."""
 
 
+NAME_NEED = f"one line other than {UNKNOWN!r} is needed"
+
+
 def may_be_named(name: str) -> bool:
     """True of a name in one line that is not the label of what has none."""
     return name.isprintable() and name != UNKNOWN
@@ -105,7 +108,7 @@ class Kind:
         if bool(self.parts) == (self.learned is not None):
             raise ValueError("exactly one of parts and learned is needed")
         if not may_be_named(self.name):
-            raise ValueError(f"its name is {self.name!r}, but one of a known kind is needed")
+            raise ValueError(f"its name is {self.name!r}, but {NAME_NEED}")
 
     @property
     def is_upright(self) -> bool:
