@@ -73,16 +73,27 @@ def test_reference_of_python_lists_every_public_name():
 
 
 def notified(source):
-    """The codes of the warnings that a source reports."""
-    for node in ast.walk(ast.parse(source)):
+    """The codes of the warnings that a source reports, as texts or constants of its own."""
+    nodes = [*ast.walk(ast.parse(source))]
+    texts = {
+        node.targets[0].id: node.value.value
+        for node in nodes
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and isinstance(node.value, ast.Constant)
+    }
+    for node in nodes:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             named = [word.value for word in node.keywords if word.arg == "code"]
             given = {"notify": node.args[:1], "Finding": named}.get(node.func.id, [])
             yield from (code.value for code in given if isinstance(code, ast.Constant))
+            codes = [code.id for code in given if isinstance(code, ast.Name)]
+            yield from (texts[code] for code in codes if code in texts)
 
 
 def test_troubleshooting_page_lists_exactly_the_warnings_of_the_code():
-    assert list(notified("notify('a-b', text)\nFinding(code='c-d', text=text)")) == ["a-b", "c-d"]
+    source = "C = 'c-d'\nnotify('a-b', text)\nFinding(code=C, text=text)\nnotify(one.code, text)"
+    assert list(notified(source)) == ["a-b", "c-d"]
     sources = (path.read_text() for path in (DOCS.parent / "recon").rglob("*.py"))
     known = {code for source in sources for code in notified(source)}
     page = (DOCS / "troubleshooting.md").read_text()

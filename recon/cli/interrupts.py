@@ -6,56 +6,65 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from types import FrameType
+from typing import Any, NoReturn
 
-ENDING_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
+ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 REPEAT_S = 0.5
-"""Time after which a lost interrupt is repeated."""
+"""Time after which a dropped interrupt is repeated."""
 
 
 @contextmanager
 def ending_as_ctrl_c() -> Iterator[None]:
     """Raise KeyboardInterrupt for signals that end the process, so that a run is closed properly.
 
-    The compiler of kernels calls back from machine code, where Python drops an interrupt: the
-    compiler then fails in its own words, or goes on. The one becomes a KeyboardInterrupt, for the
-    other the interrupt is repeated.
+    Signals that the caller ignores stay ignored, as with nohup. Libraries in machine code turn an
+    interrupt into an error of their own, or drop it; the former becomes a KeyboardInterrupt again,
+    the latter is repeated.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = {one: signal.signal(one, signal.default_int_handler) for one in ENDING_SIGNALS}
-    lost = _LostInterrupts()
-    hook, sys.unraisablehook = sys.unraisablehook, lost
+    interrupts = _Interrupts()
+    heeded = [one for one in ENDING_SIGNALS if signal.getsignal(one) is not signal.SIG_IGN]
+    before = {one: signal.signal(one, interrupts.receive) for one in heeded}
+    hook, sys.unraisablehook = sys.unraisablehook, interrupts.drop
     try:
         yield
     except Exception as error:
-        if lost.repeats:
+        if interrupts.num_received:
             raise KeyboardInterrupt from error
         raise
     finally:
-        lost.end()
+        interrupts.end()
         sys.unraisablehook = hook
         for one, handler in before.items():
             signal.signal(one, handler)
 
 
-class _LostInterrupts:
-    """Repeats every interrupt that Python dropped; other dropped errors are printed as usual."""
+class _Interrupts:
+    """The interrupts of a command."""
 
     def __init__(self) -> None:
-        self.repeats: list[threading.Timer] = []
+        self.num_received = 0
+        self._repeats: list[threading.Timer] = []
 
-    def __call__(self, dropped: Any) -> None:
+    def receive(self, _number: int, _frame: FrameType | None) -> NoReturn:
+        """Handle a signal."""
+        self.num_received += 1
+        raise KeyboardInterrupt
+
+    def drop(self, dropped: Any) -> None:
+        """Repeat an interrupt that Python dropped; other dropped errors are printed as usual."""
         if not issubclass(dropped.exc_type, KeyboardInterrupt):
             sys.__unraisablehook__(dropped)
             return
         repeat = threading.Timer(REPEAT_S, _thread.interrupt_main)
         repeat.daemon = True
         repeat.start()
-        self.repeats.append(repeat)
+        self._repeats.append(repeat)
 
     def end(self) -> None:
         """Repeat no more."""
-        for repeat in self.repeats:
+        for repeat in self._repeats:
             repeat.cancel()

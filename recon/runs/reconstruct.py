@@ -15,6 +15,7 @@ from recon.localisation.keeper import PlaceKeeper
 from recon.manifest import read_manifest
 from recon.mapping.mapper import Mapper, Step
 from recon.mapping.sparse import match_sparse
+from recon.notices import notify
 from recon.records import PairSource, Reconstruction, StereoPair
 from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
@@ -128,6 +129,8 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     if job.settings.map.places:
         write_places(work, recorder.places, mapper.trajectory)
     mapper.reached.say()
+    if not mapper.reached.num_triangulated:
+        notify("no-points", "no pair gave a point: the images show no edges that match")
     return (
         mapper.metrics
         | {"num_voxels": num_voxels, "num_skipped": len(source.skipped)}

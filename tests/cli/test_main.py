@@ -16,6 +16,7 @@ import recon
 from recon.cli import main
 from recon.cli.objects import object_line
 from recon.cli.options import build_settings
+from recon.errors import InputError, ReconError
 from recon.exports.formats import write
 from recon.records import PointCloud
 
@@ -207,19 +208,45 @@ def test_existing_run_is_refused_before_the_recording_is_read(capsys, tmp_path, 
     assert "run exists; give --overwrite, --resume, or another -o" in err
 
 
-def dropped_interrupt():
+def drop_interrupt():
     """Interrupt this process inside a callback of machine code, which drops the exception."""
     ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
 
 
-@pytest.mark.parametrize("fails", [True, False])
-def test_interrupt_that_compiled_code_drops_ends_the_command(monkeypatch, capsys, fails):
-    def compiled(job):
-        dropped_interrupt()
-        if fails:
-            raise RuntimeError("no compiled object yet")
-        time.sleep(30)
+def drop_and_fail(_job):
+    drop_interrupt()
+    raise RuntimeError("no compiled object yet")
 
-    monkeypatch.setattr("recon.runs.job.resolve", compiled)
+
+def drop_and_go_on(_job):
+    drop_interrupt()
+    time.sleep(30)
+
+
+def convert_interrupt(_job):
+    try:
+        signal.raise_signal(signal.SIGTERM)
+    except KeyboardInterrupt as error:
+        raise ReconError("Open3D does not load (initialization failed)") from error
+
+
+@pytest.mark.parametrize("work", [drop_and_fail, drop_and_go_on, convert_interrupt])
+def test_interrupt_that_machine_code_hides_ends_the_command(monkeypatch, capsys, work):
+    monkeypatch.setattr("recon.runs.job.resolve", work)
     code, out, err = run(capsys, "explore", "village")
     assert (code, out, err.strip()) == (130, "", "recon: interrupted")
+
+
+def test_signal_that_the_caller_ignores_stays_ignored(monkeypatch, capsys):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        monkeypatch.setattr("recon.runs.job.resolve", lambda job: hung_up())
+        assert run(capsys, "explore", "village")[0] == 2
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def hung_up():
+    signal.raise_signal(signal.SIGHUP)
+    raise InputError("went on")

@@ -181,6 +181,7 @@ def test_residual_of_a_middlebury_file_is_read(tmp_path, residual):
         (kalibr().replace("pinhole", "omni"), "omni with .*: calibrate again as pinhole"),
         (kalibr().replace("cam1:", "cam7:"), "lacks cam1"),
         ("focal length: seven\n", "lacks K1 or M1"),
+        ("P0: nan 0 40\nP1: 1 2 3\n", "'nan 0 40' is given, but numbers of shape"),
         ("just words", "holds no keys"),
         ("a: [1, 2\nb: 3", r"line 2: this is not a calibration in YAML"),
         (opencv(OPENCV_4).replace("458.654", "-458.654"), "focal lengths are -458.654"),

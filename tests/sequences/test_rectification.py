@@ -142,6 +142,18 @@ def test_cameras_without_a_common_view_are_rejected():
 
 
 @pytest.mark.parametrize(
+    ("turn", "step", "fault"),
+    [
+        ([0, 0, 0], [0, 0, -0.2], "look along their baseline"),
+        ([0, np.pi / 2, 0], [-0.2, 0, 0], "look too far apart to be rectified"),
+    ],
+)
+def test_cameras_that_cannot_be_rectified_are_rejected(turn, step, fault):
+    with pytest.raises(InputError, match=fault):
+        rectifier(calibration(turn, step), SIZE)
+
+
+@pytest.mark.parametrize(
     ("size", "is_said"), [(SIZE, False), ((480, 360), True), ((200, 160), True)]
 )
 def test_image_size_is_checked_against_the_principal_point(size, is_said):

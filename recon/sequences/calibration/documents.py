@@ -140,7 +140,7 @@ def numbers(value: Any, shape: tuple[int, ...]) -> Array:
     try:
         return np.array(data, dtype=np.float64).reshape(shape)
     except (ValueError, TypeError, OverflowError) as error:
-        shown = "an array" if isinstance(data, np.ndarray) else f"a {type(data).__name__}"
+        shown = "an array" if isinstance(data, np.ndarray) else f"{data!r:.60}"
         raise ValueError(f"{shown} is given, but numbers of shape {shape} are needed") from error
 
 

@@ -21,6 +21,8 @@ MAX_OFF_CENTRE = 0.14
 
 Published rigs are below 0.1; images enlarged by half have 0.17, halved ones are at the edge.
 """
+LEAST_ASIDE = 1e-6
+"""Smallest sine of the angle between the direction of view and the baseline."""
 Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
 
 
@@ -99,12 +101,19 @@ def common_axes(T_right_left: Array) -> Array:
 
     x points along the baseline, z is as close to both optical axes as possible. A rig with a
     vertical baseline is thereby rotated by a quarter turn, without a special case.
+
+    Raises
+    ------
+    InputError
+        If the cameras look along the baseline.
     """
     R = T_right_left[:3, :3]
     x = -R.T @ T_right_left[:3, 3]
     x /= np.linalg.norm(x)
     forward = np.array([0.0, 0.0, 1.0]) + R[2]
     y = np.cross(forward, x)
+    if np.linalg.norm(y) < LEAST_ASIDE * np.linalg.norm(forward):
+        raise InputError("according to the calibration the cameras look along their baseline")
     y /= np.linalg.norm(y)
     return np.stack([x, y, np.cross(x, y)])
 
@@ -169,12 +178,13 @@ def _inner_rectangle(camera: Camera, size: tuple[int, int], rotation: Array) -> 
     relative = (border - middle) / np.ptp(border, axis=0)
     is_side = np.abs(relative[:, 0]) > np.abs(relative[:, 1])
     sides, ends = border[is_side, 0], border[~is_side, 1]
-    return np.array(
-        [
-            [sides[sides < middle[0]].max(), ends[ends < middle[1]].max()],
-            [sides[sides > middle[0]].min(), ends[ends > middle[1]].min()],
-        ]
-    )
+    low = sides[sides < middle[0]], ends[ends < middle[1]]
+    high = sides[sides > middle[0]], ends[ends > middle[1]]
+    if not all(map(len, (*low, *high))):
+        raise InputError(
+            "according to the calibration the cameras look too far apart to be rectified"
+        )
+    return np.array([[part.max() for part in low], [part.min() for part in high]])
 
 
 def _border_rays(camera: Camera, size: tuple[int, int], rotation: Array) -> Array:
