@@ -69,7 +69,8 @@ def figure(run: Path, **given: Any) -> None:
     """Redraw the figures of a run."""
     start_logging(given)
     from recon.figures.canvas import Style
-    from recon.runs.figures import FigureRequest, figure_run
+    from recon.runs.figure_file import FigureRequest
+    from recon.runs.figures import figure_run
 
     style = Style(
         dpi=given["dpi"], font_size=given["font_size"], with_title=not given["no_title"],

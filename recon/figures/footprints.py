@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from recon.figures.partition import cells_of
 from recon.records import (
@@ -109,12 +108,32 @@ def _ends(point: Array, axis: Array, height: float, radii: tuple[float, float]) 
 
 def _hull(points: Array) -> Array:
     """Corners of the convex hull of points (N, 2), in map order; all points if it has no area."""
-    try:
-        ring = points[ConvexHull(points).vertices] if len(points) > 2 else points
-    except QhullError:
+    rising = points[np.lexsort(points.T[::-1])]
+    ring = np.vstack([_lower(rising)[:-1], _lower(rising[::-1])[:-1]])
+    if len(ring) < 3:
         return points
     # Counter-clockwise in (x, z) is clockwise in (x, -z), which maps draw.
     return _from_first(ring[::-1])
+
+
+def _lower(points: Array) -> Array:
+    """The part of the hull of points (N, 2), sorted by x, z, that turns left from first to last.
+
+    Andrew's monotone chain; what turns by less than the rounding is straight.
+    """
+    straight = TINY * float(np.ptp(points, axis=0).max(initial=0.0)) ** 2 if len(points) else 0.0
+    corners: list[list[float]] = []
+    for point in points.tolist():
+        while len(corners) > 1 and _turn(corners[-2], corners[-1], point) <= straight:
+            corners.pop()
+        corners.append(point)
+    return np.array(corners).reshape(-1, 2)
+
+
+def _turn(first: list[float], second: list[float], third: list[float]) -> float:
+    """Twice the area of a triangle, positive if its corners turn left."""
+    along, across = second[0] - first[0], second[1] - first[1]
+    return along * (third[1] - first[1]) - across * (third[0] - first[0])
 
 
 def _from_first(ring: Array) -> Array:

@@ -32,6 +32,8 @@ class Subject:
     is_recorded: bool = False
     """True if the run is a real recording; the default view is then from behind the camera."""
     asked_view: str = "default"
+    floor: GroundGrid | None = None
+    """States of the floor cells, if they were found before."""
 
     @property
     def mapped(self) -> Reconstruction[Any]:
@@ -79,12 +81,17 @@ class Subject:
     @property
     def states(self) -> GroundGrid | None:
         """Free, occupied and unknown floor cells, by rays or visible ground; None without both."""
-        from recon.figures.free_ground import states_by_ground
-        from recon.voxelmap.ground import navigation
-
+        if self.floor is not None:
+            return self.floor
         if self.has_rays:
+            from recon.voxelmap.ground import navigation
+
             return navigation(self.mapped.voxels, self.mapped.map.sightings())
-        return states_by_ground(self.mapped.voxels) if self.is_recorded else None
+        if not self.is_recorded:
+            return None
+        from recon.figures.free_ground import states_by_ground
+
+        return states_by_ground(self.mapped.voxels)
 
 
 def _drawable(subject: Subject) -> str | None:

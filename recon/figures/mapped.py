@@ -12,7 +12,6 @@ from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.map3d import Standpoint
 from recon.records import Voxels
 from recon.voxelmap.ground import height_sum
-from recon.voxelmap.weights import Weights
 
 
 def _cells(subject: Subject) -> Arrays:
@@ -46,6 +45,8 @@ def _way(subject: Subject) -> Arrays:
 
 def sigma_cells(voxels: Voxels) -> NDArray[np.float64]:
     """(K,) the sigma, in cells, that corresponds to a cell's mean weight."""
+    from recon.voxelmap.weights import Weights
+
     assert voxels.weights is not None
     mean = np.clip(voxels.weights / voxels.counts, 1e-9, 1.0)
     sigma: NDArray[np.float64] = Weights.SIGMA_OF_HALF * np.sqrt(1.0 / mean - 1.0)

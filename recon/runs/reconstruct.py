@@ -21,7 +21,8 @@ from recon.runs.ahead import match_ahead
 from recon.runs.arguments import count, span
 from recon.runs.arguments import path as file
 from recon.runs.cameras import CAMERAS, SeenCamera, cameras_text
-from recon.runs.figures import ALWAYS, NAMELESS, PAIRED, draw_run_figures
+from recon.runs.figure_file import ALWAYS
+from recon.runs.figures import NAMELESS, PAIRED, draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown

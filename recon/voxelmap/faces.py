@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.records import Voxels
-from recon.voxelmap.table import CellTable
+
+Cells = NDArray[np.int64]
 
 # Corners of the six faces of a unit cell, counter-clockwise seen from outside.
-_DIRECTIONS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]])
 _CORNERS = np.array(
     [
         [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]],
@@ -39,13 +39,21 @@ class Faces:
 
 def covered_faces(voxels: Voxels) -> NDArray[np.uint8]:
     """(K,) six bits: bit f is set where face f (-x, +x, -y, +y, -z, +z) has a neighbour cell."""
-    rows = np.zeros(len(voxels), [("index", "i4", 3)])
-    rows["index"] = voxels.index
-    table = CellTable.of(rows)
     bits = np.zeros(len(voxels), np.uint8)
-    for face, direction in enumerate(_DIRECTIONS):
-        bits |= (table.find(voxels.index + direction) >= 0).astype(np.uint8) << np.uint8(face)
+    for axis in range(3):
+        before, after = _neighbours(voxels.index, axis)
+        bits[after] |= np.uint8(1 << 2 * axis)
+        bits[before] |= np.uint8(2 << 2 * axis)
     return bits
+
+
+def _neighbours(index: Cells, axis: int) -> tuple[Cells, Cells]:
+    """Rows of the cells that touch along an axis: of the lower ones, and of the upper ones."""
+    columns = np.roll(index, -axis, axis=1).T
+    order = np.lexsort(columns)
+    step = np.diff(columns[:, order], axis=1)
+    touch = np.flatnonzero((step[0] == 1) & (step[1] == 0) & (step[2] == 0))
+    return order[touch], order[touch + 1]
 
 
 def exposed_faces(voxels: Voxels) -> Faces:

@@ -1,11 +1,15 @@
 """The floor seen from above: obstacles and free space."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
 from recon.records import GroundGrid, Voxels
-from recon.voxelmap.rays import Sightings
+
+if TYPE_CHECKING:
+    from recon.voxelmap.rays import Sightings
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 1
 """States of a floor cell."""
@@ -24,7 +28,7 @@ def height_sum(voxels: Voxels) -> GroundGrid:
 
 
 def navigation(
-    voxels: Voxels, sightings: Sightings, band: tuple[float, float] = (0.5, 6.0)
+    voxels: Voxels, sightings: "Sightings", band: tuple[float, float] = (0.5, 6.0)
 ) -> GroundGrid:
     """Free, occupied and unknown floor cells (NX, NZ) int8: FREE, OCCUPIED or UNKNOWN.
 
