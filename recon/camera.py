@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import check_number, check_shape
+from recon.errors import InputError, check_number, check_shape
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,11 @@ class StereoRig:
     def __post_init__(self) -> None:
         for name in ("width", "height", "focal_px", "baseline"):
             check_number(f"rig {name}", getattr(self, name), above=0)
+        for name in ("width", "height"):
+            if getattr(self, name) % 1:
+                raise InputError(
+                    f"rig {name} is {getattr(self, name)}, but a whole number is needed"
+                )
         for name in ("cx_left_px", "cx_right_px", "cy_px"):
             check_number(f"rig {name}", getattr(self, name))
         check_number("rig residual_px", self.residual_px, low=0)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar
 
-from recon.errors import InputError, nearest
+from recon.errors import InputError, check_type, nearest
 
 log = logging.getLogger(__name__)
 
@@ -37,8 +37,9 @@ def register(group: str, name: str, part: Any) -> None:
     Raises
     ------
     InputError
-        For an unknown group.
+        For an unknown group, or a name that is not text.
     """
+    check_type("name", name, str)
     if group not in GROUPS:
         raise InputError(f"group is {group!r}, but one of {', '.join(GROUPS)} is needed")
     _registered.setdefault(f"recon.{group}", {})[name] = part

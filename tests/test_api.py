@@ -1,5 +1,6 @@
 """`import recon`: the functions for Python callers, their results, and rejected arguments."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -83,6 +84,15 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: recon.recognise("map.npz"), "data is a str"),
         (lambda: recon.recognise(CLOUD, up="x"), "up is 'x'"),
         (lambda: recon.fit("points"), "points"),
+        (lambda: recon.PointCloud(points=CLOUD.points, attributes=None), "attributes is of type"),
+        (lambda: CLOUD.transformed("pose"), "T_target_source is 'pose', but numbers"),
+        (lambda: CLOUD.transformed(None), r"T_target_source has shape \(\)"),
+        (lambda: recon.open_sequence(PAIR)[0], "part is of type int, but slice is needed"),
+        (lambda: replace(RIG, width=7.5), "rig width is 7.5, but a whole number is needed"),
+        (lambda: recon.register("matchers", 3, None), "name is of type int, but str"),
+        (lambda: recon.execute(recon.Job(kind="explore"), 3), "path is 3, but a path"),
+        (lambda: recon.rectifier(PAIR, "big"), "size is 'big', but .width, height. in pixels"),
+        (lambda: recon.rectifier(PAIR, (741, 500)).pair([1], IMAGE), "left image is of type list"),
     ],
 )
 def test_invalid_argument_is_named(call, message):

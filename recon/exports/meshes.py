@@ -93,8 +93,10 @@ def _check_stl(content: bytes) -> None:
         return
     count = int.from_bytes(content[80:84], "little")
     held = len(content) - _STL_HEADER_BYTES
+    if held < 0:
+        raise InputError(f"not a whole STL file (it has {len(content)} bytes and no facet)")
     if held < count * _STL_TRIANGLE_BYTES:
-        raise InputError(f"{count} triangles are claimed, but {max(held, 0)} bytes follow")
+        raise InputError(f"{count} triangles are claimed, but {held} bytes follow")
 
 
 def _check_glb(content: bytes) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.errors import InputError, check_shape
+from recon.errors import InputError, as_numbers, check_shape, check_type
 from recon.geometry import transform
 
 GREY = 128
@@ -58,6 +58,7 @@ class PointCloud:
             check_shape("sigma", self.sigma, (len(self.points),))
             if (self.sigma < 0).any():
                 raise InputError(f"sigma is {self.sigma.min()}, but 0 or more is needed")
+        check_type("attributes", self.attributes, Mapping)
         for name, values in self.attributes.items():
             check_shape(name, values, (len(self.points),))
 
@@ -75,13 +76,14 @@ class PointCloud:
     def transformed(self, T_target_source: ArrayLike) -> "PointCloud":
         """The same points and normals in the target frame; distances and sigmas stay."""
         attributes = dict(self.attributes)
-        rotation = np.asarray(T_target_source, dtype=np.float64)[:3, :3]
+        T = as_numbers("T_target_source", T_target_source)
+        check_shape("T_target_source", T, (4, 4))
         for names in NORMALS:
             if set(names) <= attributes.keys():
-                normals = np.column_stack([attributes[name] for name in names]) @ rotation.T
+                normals = np.column_stack([attributes[name] for name in names]) @ T[:3, :3].T
                 attributes |= zip(names, normals.T, strict=True)
         return PointCloud(
-            points=transform(T_target_source, self.points),
+            points=transform(T, self.points),
             colours=self.colours,
             sigma=self.sigma,
             attributes=attributes,

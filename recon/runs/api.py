@@ -5,6 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from recon.errors import InputError, check_path
 from recon.exploration.agent import explore as lead
 from recon.exploration.controllers import Controller
@@ -60,6 +62,8 @@ def rectifier(calibration: str | Path, size: tuple[int, int]) -> Rectifier:
     Rectifier
         Its ``pair(left, right)`` gives a `StereoPair`.
     """
+    if np.shape(size) != (2,) or not all(isinstance(one, int | np.integer) for one in size):
+        raise InputError(f"size is {size!r}, but (width, height) in pixels is needed")
     read = read_calibration(checked_path(calibration))
     return replace(rectifier_of(read, size), disparity_range=read.disparity_range)
 

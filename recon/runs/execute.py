@@ -3,7 +3,7 @@
 from contextlib import closing
 from pathlib import Path
 
-from recon.errors import InputError, check_type
+from recon.errors import InputError, check_path, check_type
 from recon.notices import Notice, collected_notices
 from recon.runfolder import RunFolder, check_no_run
 from recon.runs.artist import Artist
@@ -56,6 +56,8 @@ def execute(
         or have no folder to act on.
     """
     check_type("job", job, Job)
+    if folder is not None:
+        check_path(folder)
     events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
     with (

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple, Protocol
 
-from recon.errors import InputError
+from recon.errors import InputError, check_type
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
 
@@ -67,6 +67,7 @@ class Recording:
 
     def __getitem__(self, part: slice) -> "Recording":
         """A part of the frames; earlier frames are not read."""
+        check_type("part", part, slice)
         return Recording(self._frames[part], disparity_range=self.disparity_range)
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -130,6 +131,7 @@ class DerivedSource:
 
     def __getitem__(self, part: slice) -> "DerivedSource":
         """A part of the pairs, modified like the whole."""
+        check_type("part", part, slice)
         return self.over(self.source[part])
 
     def __iter__(self) -> Iterator[StereoPair]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.camera import StereoRig
-from recon.errors import InputError
+from recon.errors import InputError, check_type
 from recon.geometry import pose
 from recon.notices import notify
 from recon.records import StereoPair
@@ -65,6 +65,8 @@ class Rectifier:
         name: str = "pair",
     ) -> StereoPair:
         """The rectified pair from raw images, with the left camera at `T_world_raw`."""
+        check_type("left image", left, np.ndarray)
+        check_type("right image", right, np.ndarray)
         left, right = self(*alike(left, right))
         return StereoPair(
             left=left,
