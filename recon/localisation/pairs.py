@@ -130,7 +130,18 @@ def _by_features(
     if best is None:
         return None
     least = _least(first, FEATURES_CELLS, FEATURES_DEG)
-    return told(best.place, best.information, (step, spread), least)
+    place, information = told(best.place, best.information, (step, spread), least)
+    return place, without(information, best.feigned)
+
+
+def without(information: Array, feigned: Array) -> Array:
+    """The information (3, 3) that remains without what is feigned; next to none if all may be."""
+    root = np.linalg.cholesky(information)
+    back = np.linalg.inv(root)
+    share, axes = np.linalg.eigh(back @ feigned @ back.T)
+    along = root @ axes
+    left: Array = (along * np.maximum(1.0 - share, NO_GAIN)) @ along.T
+    return left
 
 
 def _turn_of_sight(second: Shown, step: Array) -> float:

@@ -2,6 +2,9 @@
 
 All disparities of a pair share an error, which turns far points into a wrong distance. It is
 estimated together with the motion, so that the covariance states how little far points determine.
+The error of a far point's own disparity is the same in both pairs. It does not show in the
+residuals, but feigns depth: points that seem to be at several distances and yet move alike tell,
+falsely, that the camera has not moved sideways.
 What is already known of the motion is known to the estimate: few and far points, which alone
 determine no motion, correct what is known. False matches are left out step by step as the motion
 gets more precise (graduated non-convexity, Yang et al. 2020).
@@ -27,6 +30,9 @@ Array = NDArray[np.float64]
 
 COMMON_PX = 0.03
 """Standard deviation of the common error of all disparities of a pair."""
+OWN_PX = 0.15
+"""Standard deviation of the error of a far disparity that is the same in both pairs; 0.13 to
+0.15 against the truth of rendered worlds."""
 FAR_PX = 0.15
 """Disparity relative to infinity below which a point may be anywhere."""
 GATE = 4.0
@@ -50,6 +56,8 @@ class PlanarMotion:
     """(3,) x, z and azimuth, with what was known before."""
     information: Array
     """(3, 3) from the points alone."""
+    feigned: Array
+    """(3, 3) part of it that errors of the points' own depths feign."""
     num_agreeing: float
     """Number of agreeing points; points whose errors are shared count as one."""
 
@@ -87,8 +95,8 @@ def planar_motion(
     others = system.select(~agrees)
     if others.number(others.agrees(others.solved(known))) > RIVAL_SHARE * number:
         return None
-    told = system.select(agrees).of_place(unknown)
-    return PlanarMotion(place=unknown[:3], information=told, num_agreeing=number)
+    told, feigned = system.select(agrees).of_place(unknown)
+    return PlanarMotion(place=unknown[:3], information=told, feigned=feigned, num_agreeing=number)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -134,8 +142,7 @@ class _System:
         """The tracks with the first disparities that agree best with the second pair."""
         first = self.tracks.first
         off_px = TRACK_SIGMA_PX**2 * (at.by_shift[:, :, 0] * residual).sum(axis=1)
-        least = self.rig.disparity_offset_px + FAR_PX
-        better = replace(first, disparity_px=np.maximum(first.disparity_px - off_px, least))
+        better = replace(first, disparity_px=np.maximum(first.disparity_px - off_px, self.least_px))
         return replace(self.tracks, first=better)
 
     def may_be_right(self, known: _Known) -> NDArray[np.bool_]:
@@ -176,14 +183,29 @@ class _System:
         """Number of agreeing tracks that do not share their errors."""
         return float(self.select(agrees).shares().sum()) if agrees.any() else 0.0
 
-    def of_place(self, unknown: Array) -> Array:
-        """Information (3, 3) of the place from agreeing tracks, whatever the common errors are."""
+    def of_place(self, unknown: Array) -> tuple[Array, Array]:
+        """Information (3, 3) of the place from agreeing tracks, and the feigned part of it."""
         residual, derivative = self.at(unknown)
         normal = information(residual, derivative, self.shares())
         normal[[3, 4], [3, 4]] += COMMON_PX**-2.0
+        # Whatever the common errors are.
         by_common = np.linalg.solve(normal[3:, 3:], normal[3:, :3])
         alone: Array = normal[:3, :3] - normal[:3, 3:] @ by_common
-        return alone
+        nearer, farther = (self.changed(px).at(unknown)[1] for px in (OWN_PX, -OWN_PX))
+        return alone, information(residual, (nearer - farther)[..., :3] / 2.0, self.shares())
+
+    def changed(self, by_px: float) -> "_System":
+        """The system with all disparities of both pairs changed."""
+        first, second = (
+            replace(one, disparity_px=np.maximum(one.disparity_px + by_px, self.least_px))
+            for one in (self.tracks.first, self.tracks.second)
+        )
+        return _System(Tracks(first=first, second=second), self.rig, self.tilts)
+
+    @property
+    def least_px(self) -> float:
+        """Disparity of the farthest points."""
+        return self.rig.disparity_offset_px + FAR_PX
 
 
 def _by_place(place: Array, T_level_left: Array) -> Array:

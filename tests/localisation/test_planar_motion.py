@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.geometry import invert, pose, transform
-from recon.localisation.pairs import told
+from recon.localisation.pairs import told, without
 from recon.localisation.planar_motion import planar_motion, standing
 from recon.localisation.stance import tilt_by
 from recon.sequences.odometry.tracking import Sightings, Tracks
@@ -17,6 +17,8 @@ STEP = np.array([0.4, -0.3, 0.04])
 T_FIRST_SECOND = invert(TILTS[0]) @ standing(STEP, TILTS[1])
 GUESS = STEP + np.array([0.2, 0.1, 0.02])
 SPREAD = np.diag([0.3, 0.3, 0.03]) ** 2
+MEDIAN_SQUARE = 2.37
+"""Of the norm of three independent standard normal errors."""
 
 
 def found_in(seen, guess=GUESS, spread=SPREAD):
@@ -118,3 +120,45 @@ def test_prior_is_removed_from_an_estimate():
     weak = np.diag([1e3, 1e-3, 1e-3])
     step, _ = told(both, weak, (known, np.eye(3)), np.zeros((3, 3)))
     np.testing.assert_allclose(step[1:], both[1:])
+
+
+def far_thing(rng, step, own_px):
+    """Points of a far thing, each with an error of its disparity that both pairs share."""
+    T_first_second = invert(TILTS[0]) @ standing(step, TILTS[1])
+    pixels = rng.uniform([550, 140], [650, 240], (40, 2))
+    first = RIG.rays(pixels) * RIG.focal_px * RIG.baseline / 0.75
+    own = rng.normal(0.0, own_px, 40)
+    one, two = (
+        sighted(rng, points, 0.02) for points in (first, transform(invert(T_first_second), first))
+    )
+    return Tracks(
+        first=replace(one, disparity_px=one.disparity_px + own),
+        second=replace(two, disparity_px=two.disparity_px + own),
+    )
+
+
+def errors_over_sigma(own_px):
+    """Median errors of steps over their sigma: of all that is told, and of what is left of it."""
+    rng, ratios = np.random.default_rng(5), []
+    spread, least = np.diag([1.0, 1.0, 0.02]) ** 2, np.diag([0.02, 0.02, 0.001]) ** 2
+    for _ in range(25):
+        step = rng.multivariate_normal(np.zeros(3), spread)
+        found = found_in(far_thing(rng, step, own_px), np.zeros(3), spread)
+        place, information = told(found.place, found.information, (np.zeros(3), spread), least)
+        off, left = place - step, without(information, found.feigned)
+        ratios.append([off @ information @ off, off @ left @ off])
+    return np.sqrt(np.median(ratios, axis=0) / MEDIAN_SQUARE)
+
+
+def test_errors_of_depths_that_both_pairs_share_feign_no_information():
+    """Points of a far thing seem to be at several distances, and yet move alike."""
+    before, after = errors_over_sigma(0.15)
+    assert before > 4.0
+    assert 0.5 < after < 1.5
+
+
+def test_depths_of_near_points_are_not_feigned():
+    found = found_in(tracks(np.random.default_rng(6), T_FIRST_SECOND, number=60))
+    left = without(found.information, found.feigned)
+    share = np.linalg.eigvals(np.linalg.solve(found.information, left)).real
+    assert 0.9 < share.min() <= share.max() < 1.0
