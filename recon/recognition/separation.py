@@ -1,27 +1,29 @@
 """Objects in one component of the map."""
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from recon.recognition.adjacency import neighbours
-from recon.recognition.connectivity import linked, overhanging
-from recon.recognition.fitting.ransac import find_solids, same_solid
+from recon.recognition.connectivity import overhanging
+from recon.recognition.cuts import narrow_cuts
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.naming import Naming
 from recon.recognition.segments.convexity import Relief, fewest_pieces
-from recon.records import UNKNOWN, FitFailure, Solid, Voxels
+from recon.records import (
+    UNKNOWN,
+    Cone,
+    Ellipsoid,
+    FitFailure,
+    Sphere,
+    TruncatedCone,
+    Voxels,
+)
 from recon.settings import RecognitionSettings
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 Piece = tuple[Naming, Rows]
-Cut = tuple[Mask, float]
-"""Which cells are on its second side, and how much the two touch."""
 Namer = Callable[[Rows], Naming]
 """Names the object in some rows of the map."""
 Reliefs = Callable[[Rows], Relief]
@@ -53,15 +55,10 @@ BETTER = 0.1
 walls."""
 MOST_FITTED = 300
 """Approximate maximum number of cells that a solid is fitted to."""
-MOST_DRAWN = 600
-"""Approximate maximum number of cells among which cuts are searched."""
-SAME_CUT = 0.99
-"""Minimum share of the cells on the same side of two cuts that count as one."""
-TOUCHING = 1.5
-"""Cells of one side of a cut that are closer than this, in cells, are in one piece."""
-MOST_ROUNDS = 20
 APART = 0.5
 """Minimum decrease of the deviance per cell for two objects instead of one."""
+TIPS = (Cone, TruncatedCone, Sphere, Ellipsoid)
+"""Solids that nothing stands on."""
 MOST_OBJECTS = 8
 """Maximum objects of one component, which limits the work for a street or a wall."""
 
@@ -80,8 +77,7 @@ def separate(
     while waiting:
         piece = waiting.pop()
         room = len(waiting) + len(done) + 2 <= MOST_OBJECTS
-        cuts = partial(_cuts, relief_of=relief_of, min_voxels=settings.min_voxels)
-        halves = _halves(piece, voxels, cuts, name) if room else []
+        halves = _halves(piece, voxels, settings.min_voxels, relief_of, name) if room else []
         waiting.extend(halves)
         if not halves:
             done.append(piece)
@@ -118,7 +114,8 @@ def cut_at_creases(
     explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
     if not explained or explained < (_explained(cells) + BETTER) * len(rows):
         return [whole]
-    return [(name(rows[part]), rows[part]) for part in parts]
+    pieces = [(name(rows[part]), rows[part]) for part in parts]
+    return [whole] if _is_topped(pieces, voxels) else pieces
 
 
 def _by_solids(cells: Voxels, parts: list[Rows]) -> float:
@@ -144,7 +141,7 @@ def _explained(cells: Voxels) -> float:
 
 
 def _halves(
-    whole: Piece, voxels: Voxels, cuts: Callable[[Voxels, Rows], list[Cut]], name: Namer
+    whole: Piece, voxels: Voxels, min_voxels: int, relief_of: Reliefs, name: Namer
 ) -> list[Piece]:
     """Two objects that explain the cells better than one; empty if there are none."""
     naming, rows = whole
@@ -158,11 +155,14 @@ def _halves(
     best: list[Piece] = []
     least = naming.deviance - APART * len(rows)
     num_names = 0 if naming.label == UNKNOWN else 1 if has_strays else 2
-    for second, touch in cuts(cells, rows):
+    # Two names are better than one only if both are surer.
+    least_sure = (naming.probability or 0.0) if num_names == 2 else 0.0
+    for second, touch in narrow_cuts(cells, relief_of(rows), min_voxels, WIDE_WAIST):
         sides = (rows[~second], rows[second])
         halves = _objects(sides, 2 if touch >= waist else num_names, name)
         deviance = sum(half.deviance for half, _ in halves)
-        if halves and deviance < least:
+        is_sure = all((half.probability or 0.0) >= least_sure for half, _ in halves)
+        if halves and is_sure and deviance < least and not _is_topped(halves, voxels):
             best, least = halves, deviance
     return best
 
@@ -195,101 +195,29 @@ def _objects(sides: tuple[Rows, Rows], num_names: int, name: Namer) -> list[Piec
     return halves
 
 
+def _is_topped(pieces: list[Piece], voxels: Voxels) -> bool:
+    """True if a piece stands on the crown or the roof of a named one: it is a part of that.
+
+    Nothing stands on a tip: the lower half of an hourglass is no cottage.
+    """
+    tips = [
+        voxels.means[rows]
+        for naming, rows in pieces
+        if naming.label != UNKNOWN and naming.parts and isinstance(naming.parts[-1].solid, TIPS)
+    ]
+    others = [voxels.means[rows] for _, rows in pieces]
+    return any(_stands_on(other, tip) for tip in tips for other in others)
+
+
+def _stands_on(other: Array, tip: Array) -> bool:
+    """True if cells (N, 3) are all in the upper half of others, or above, and in their middle."""
+    low, high = np.quantile(tip[:, ::2], [0.25, 0.75], axis=0)
+    middle = other[:, ::2].mean(axis=0)
+    is_above = other[:, 1].min() > np.median(tip[:, 1])
+    return bool(is_above and (low <= middle).all() and (middle <= high).all())
+
+
 def _spread(floor: Array) -> tuple[float, float]:
     """Standard deviations of a footprint (N, 2) across and along."""
     across, along = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(floor.T)), 1e-12))
     return float(across), float(along)
-
-
-def _cuts(cells: Voxels, rows: Rows, *, relief_of: Reliefs, min_voxels: int) -> list[Cut]:
-    """Splits of the cells with little contact: at the waist, and between the main solids.
-
-    They are searched among coarser cells where there are many.
-    """
-    relief = relief_of(rows)
-    coarse = relief.cells
-    floor = coarse.means[:, ::2]
-    cuts = [_two_means(floor, axis) for axis in np.linalg.eigh(np.cov(floor.T))[1].T[::-1]]
-    found = _main_solids(coarse.means, min_voxels)
-    if len(found) == 2:
-        first, second = (solid.distances(coarse.means) for solid in found)
-        cuts.append(_gathered(second < first, coarse))
-    fine = [cut[relief.cell] for cut in _distinct(cuts)]
-    whole = [cut for cut in fine if min(cut.sum(), (~cut).sum()) >= min_voxels]
-    pairs = neighbours(cells.index)
-    touches = [_touch(cut, pairs) for cut in whole]
-    return [(cut, touch) for cut, touch in zip(whole, touches, strict=True) if touch < WIDE_WAIST]
-
-
-def _gathered(second: Mask, cells: Voxels) -> Mask:
-    """A cut whose islands, apart from the rest of their side, join the side they are nearer to.
-
-    A solid goes on behind the other object: cells beyond it, such as a trunk, are not its own.
-    """
-    mains = []
-    for side in (~second, second):
-        rows = np.flatnonzero(side)
-        if not len(rows):
-            return second
-        label = linked(cells.means[rows], TOUCHING * cells.cell_size)
-        mains.append(rows[label == np.argmax(np.bincount(label))])
-    islands = np.setdiff1d(np.arange(len(cells)), np.concatenate(mains), assume_unique=True)
-    away = [cKDTree(cells.means[own]).query(cells.means[islands])[0] for own in mains]
-    gathered = second.copy()
-    gathered[islands] = away[1] < away[0]
-    return gathered
-
-
-def _main_solids(points: Array, min_points: int) -> list[Solid]:
-    """At most two solids with the most points on them."""
-    rng = np.random.default_rng(0)
-    if len(points) > MOST_DRAWN:
-        points = points[np.sort(rng.choice(len(points), MOST_DRAWN, replace=False))]
-    found = find_solids(points, min_points, rng, most=2, refit=same_solid)
-    return [one.solid for one in found]
-
-
-def _distinct(cuts: list[Mask]) -> list[Mask]:
-    """Cuts that differ in more than a few cells, whichever side is the second."""
-    kept: list[Mask] = []
-    for cut in cuts:
-        alike = [float((cut == other).mean()) for other in kept]
-        if all(1.0 - SAME_CUT < share < SAME_CUT for share in alike):
-            kept.append(cut)
-    return kept
-
-
-def _touch(second: Mask, pairs: NDArray[np.intp]) -> float:
-    """Touching cells of the two sides over the root of the smaller side's cells.
-
-    Parameters
-    ----------
-    pairs : (E, 2)
-        Rows of neighbouring cells.
-    """
-    is_touching = np.zeros(len(second), dtype=bool)
-    is_touching[pairs[second[pairs[:, 0]] != second[pairs[:, 1]]]] = True
-    smaller = min(second.sum(), (~second).sum())
-    return float(is_touching.sum() / 2.0 / np.sqrt(smaller))
-
-
-def _two_means(floor: Array, axis: Array) -> Mask:
-    """Two clusters, started at the two ends of an axis."""
-    some = floor[:: -(-len(floor) // MOST_DRAWN)]
-    along = some @ axis
-    low, high = np.quantile(along, [0.1, 0.9])
-    centres = np.stack([some[rows].mean(axis=0) for rows in (along <= low, along >= high)])
-    second = np.zeros(len(some), dtype=bool)
-    for _ in range(MOST_ROUNDS):
-        before, second = second, _is_nearer_second(some, centres)
-        if (second == before).all() or second.all() or not second.any():
-            break
-        centres = np.stack([some[~second].mean(axis=0), some[second].mean(axis=0)])
-    return _is_nearer_second(floor, centres)
-
-
-def _is_nearer_second(floor: Array, centres: Array) -> Mask:
-    """Mask (N,) of the positions nearer to the second of two centres."""
-    away = np.linalg.norm(floor[:, None] - centres, axis=2)
-    nearer: Mask = away[:, 1] < away[:, 0]
-    return nearer

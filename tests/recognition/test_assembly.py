@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.recognition.fitting.composite import Composite
-from recon.recognition.naming import assembly
+from recon.recognition.naming import assembly, hypotheses
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.probability import Logistic
@@ -106,6 +106,8 @@ def test_a_slice_of_a_noisy_wall_is_no_seat(seed, monkeypatch):
         wall = box([0, height / 2, 0], [rng.uniform(16, 24), height, 0.6])
         return label_of([wall], rng, Orbit(sigma_px=0.15))
 
+    assert label() == "unknown"
+    monkeypatch.setattr(hypotheses, "proportion_chance", lambda *_: 1.0)
     assert label() == "unknown"
     monkeypatch.setattr(assembly, "FREE", Logistic(middle=-99.0, steepness=1.0))
     assert label() == "bench"

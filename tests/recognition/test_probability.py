@@ -9,7 +9,7 @@ import pytest
 from recon.recognition.fitting.composite import solids
 from recon.recognition.fitting.composite_fits import fit_composites
 from recon.recognition.fitting.surface_points import surface
-from recon.recognition.naming import flat_rival, hypotheses, upright
+from recon.recognition.naming import flat_rival, hypotheses, probability, upright
 from recon.recognition.naming.case import a_case
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
@@ -32,6 +32,7 @@ SURE = Evidence(
     widths=np.array([4.0, 9.0]),
     num_cells=200,
     num_cells_above=90,
+    num_cells_lowest=90,
 )
 
 
@@ -162,6 +163,9 @@ def test_front_of_a_post_with_a_ball_is_not_a_cottage(radius, height, monkeypatc
     points = front + rng.normal(0.0, 0.25, front.shape)
     voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
     voxels = voxels.select(voxels.centres[:, 1] >= 1.0)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+    # Its outline bulges as well.
+    monkeypatch.setattr(probability, "STRAIGHT", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
     monkeypatch.setattr(upright, "OTHER_SHAPES", Logistic(middle=-99.0, steepness=1.0))
     assert name_object(voxels, 0.0, KINDS).label == "cottage"

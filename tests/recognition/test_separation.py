@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from recon.recognition import separation
+from recon.recognition import cuts, separation
 from recon.recognition.recognition import components, recognise
 from recon.recognition.synthetic import Orbit, observe, random_composite, voxelise
 from recon.records import PointCloud
@@ -112,7 +112,9 @@ def test_no_second_object_is_looked_for_in_a_long_corner_of_walls(monkeypatch):
     points = np.concatenate(walls) + rng.normal([0.0, 1.0, 0.0], 0.15, (18000, 3))
     voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
     tried: list[int] = []
-    monkeypatch.setattr(separation, "_cuts", lambda cells, *_, **__: tried.append(len(cells)) or [])
+    monkeypatch.setattr(
+        separation, "narrow_cuts", lambda cells, *_, **__: tried.append(len(cells)) or []
+    )
     assert len(recognise(voxels, SETTINGS).objects) == 1
     assert not tried
     monkeypatch.setattr(separation, "CLOSELY_EXPLAINED", np.inf)
@@ -145,5 +147,5 @@ def test_cells_beyond_the_other_object_do_not_belong_to_a_solid():
     reaching = second ^ (
         cells.means[:, 0] > 10.0
     )  # belongs to the first solid again, at the far end
-    assert np.array_equal(separation._gathered(reaching, cells), second)
-    assert np.array_equal(separation._gathered(second, cells), second)
+    assert np.array_equal(cuts._gathered(reaching, cells), second)
+    assert np.array_equal(cuts._gathered(second, cells), second)

@@ -21,6 +21,8 @@ def _lines(kind: Kind) -> Iterator[str]:
         yield f"radius of the lowest part over that of the next {_range(kind.ratio)}"
     if kind.slenderness is not None:
         yield f"height over its largest radius {_range(kind.slenderness)}"
+    if kind.elongation is not None:
+        yield f"longer side of its footprint over the shorter one {_range(kind.elongation)}"
     sizes = _sizes(kind.size)
     if sizes:
         yield f"in all {sizes}"

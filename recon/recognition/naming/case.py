@@ -67,10 +67,20 @@ class Case:
         return split_colours(self.cells)
 
     @cached_property
+    def box(self) -> dict[str, float]:
+        """Sizes of the upright box around the cells."""
+        return box_sizes(self.cells.means)
+
+    @property
     def overall_slenderness(self) -> float:
         """Height over half the width of the box around the cells."""
         height = float(self.cells.means[:, 1].max()) - self.ground
-        return height / max(box_sizes(self.cells.means)["radius"], 1e-9)
+        return height / max(self.box["radius"], 1e-9)
+
+    @property
+    def elongation(self) -> float:
+        """Width over depth of the box around the cells."""
+        return self.box["width"] / max(self.box["depth"], 1e-9)
 
     @cached_property
     def unsplit(self) -> FlatPieces:

@@ -15,8 +15,8 @@ from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import (
     hue_chance,
+    proportion_chance,
     size_chance,
-    slenderness_chance,
 )
 from recon.recognition.naming.probability import (
     FILLED,
@@ -98,6 +98,7 @@ def _lone(case: Case, kinds: list[Kind]) -> Iterator[Hypothesis]:
                 widths=np.array([width]),
                 num_cells=len(case.cells),
                 num_cells_above=len(case.cells),
+                num_cells_lowest=len(case.cells),
             )
             filled = case.filled(one.solid)
             found = Hypothesis(
@@ -139,7 +140,7 @@ def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
     if one.is_outer:
         chance *= float(FORMED.chance(case.flat_criterion - criterion))
     looks = hue_chance(one.rules, one.solids, case.dense)
-    looks *= slenderness_chance(one.kind, case.overall_slenderness)
+    looks *= proportion_chance(one.kind, case.overall_slenderness, case.elongation)
     if case.is_metric:
         looks *= size_chance(one.kind, one.rules, one.sizes(case.dense), case.dense)
     return Hypothesis(

@@ -9,8 +9,8 @@ from recon.recognition.naming.case import Case
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.limits import (
     hue_chance,
+    proportion_chance,
     size_chance,
-    slenderness_chance,
     solid_sizes,
 )
 from recon.recognition.naming.probability import Evidence
@@ -50,7 +50,7 @@ def as_kind(case: Case, found: Hypothesis, kind: Kind, chance: float) -> Hypothe
     """
     looks = hue_chance(kind.parts, found.solids, case.cells)
     shape = found.composite or case
-    looks *= slenderness_chance(kind, shape.overall_slenderness)
+    looks *= proportion_chance(kind, shape.overall_slenderness, case.elongation)
     if case.is_metric:
         looks *= size_chance(kind, kind.parts, list(map(solid_sizes, found.solids)), case.cells)
     # Only ratios beyond their bounds speak against a kind: on a bound the chance is a half.

@@ -98,6 +98,8 @@ class Kind:
     """Limits of the lowest part's largest radius over that of the part on it."""
     slenderness: Range | None = None
     """Limits of its height over its largest radius, whatever its scale."""
+    elongation: Range | None = None
+    """Limits of the longer side of its footprint over the shorter one."""
     size: Sizes = Sizes()
     min_seen: Share = 0.0
     """Minimum visible share of its surface."""

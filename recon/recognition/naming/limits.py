@@ -28,11 +28,10 @@ def log_within(value: float, limits: tuple[float, float], spread: float) -> floa
     return -np.inf if excess > 2.0 else -float(np.logaddexp(0.0, 2.0 * excess))
 
 
-def slenderness_chance(kind: Kind, slenderness: float) -> float:
-    """Chance (0 to 1) that an object of a height over radius has its kind's slenderness."""
-    if kind.slenderness is None:
-        return 1.0
-    return float(np.exp(_log_ratio_within(slenderness, kind.slenderness)))
+def proportion_chance(kind: Kind, slenderness: float, elongation: float) -> float:
+    """Chance (0 to 1) that an object has its kind's slenderness and elongation."""
+    pairs = (slenderness, kind.slenderness), (elongation, kind.elongation)
+    return float(np.exp(sum(_log_ratio_within(at, limits) for at, limits in pairs if limits)))
 
 
 def size_chance(

@@ -11,6 +11,7 @@ from recon.recognition.fitting.composite_fits import fit_composite, fit_composit
 from recon.recognition.fitting.least_squares import Estimate
 from recon.recognition.naming.case import Case
 from recon.recognition.naming.colour_consistency import colour_opinions
+from recon.recognition.naming.curvature import bend_of_outlines
 from recon.recognition.naming.hypothesis import Hypothesis, as_kind, rated
 from recon.recognition.naming.kinds import Kind
 from recon.recognition.naming.lead import lead_of_parts, lead_over_shapes
@@ -120,6 +121,8 @@ def _evidence(case: Case, fit: Estimate[Composite], criterion: float, seen: Arra
         widths=narrowest / case.cells.cell_size,
         num_cells=len(case.cells),
         num_cells_above=int(counts[1:].min()),
+        num_cells_lowest=int(counts[0]),
+        bend=bend_of_outlines(fit, case.cells),
     )
 
 

@@ -1,0 +1,94 @@
+"""Strange shapes that resemble a kind of the village are not given its name."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from recon.recognition import separation
+from recon.recognition.naming import probability
+from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.naming import name_object
+from recon.recognition.naming.probability import Logistic
+from recon.recognition.recognition import recognise
+from recon.recognition.synthetic import voxelise
+from recon.records import PointCloud
+from recon.settings import RecognitionSettings
+
+KINDS = read_catalogues(["village"])
+ALWAYS = Logistic(middle=-1e9, steepness=1.0)
+URN = [(4.0, 0.0), (2.0, 2.0), (2.0, 4.0), (7.5, 11.0), (5.0, 16.0), (7.0, 18.0)]
+HOURGLASS = [(8.0, 0.0), (8.0, 2.0), (1.5, 12.0), (8.0, 22.0), (8.0, 24.0)]
+
+
+def turned(frustum, outline, rng):
+    """Sample the surface of revolution of an outline of radii and heights."""
+    pieces = []
+    for (bottom, low), (top, high) in pairwise(outline):
+        points = frustum(rng, bottom, top, high - low, int(200 * (high - low)))
+        pieces.append(points[:, [0, 2, 1]] + [0.0, low, 0.0])
+    return np.concatenate(pieces)
+
+
+def cells_of(points, rng, noise=0.25):
+    """The cells above the ground of points with noise."""
+    points = points + rng.normal(0.0, noise, points.shape)
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 120, np.uint8)))
+    return voxels.select(voxels.centres[:, 1] >= 1.0)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.2])
+def test_bulging_urn_is_no_apple_tree(scale, surfaces, monkeypatch):
+    rng = np.random.default_rng(0)
+    voxels = cells_of(scale * turned(surfaces.frustum, URN, rng), rng)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+    monkeypatch.setattr(probability, "STRAIGHT", ALWAYS)
+    assert name_object(voxels, 0.0, KINDS).label == "apple tree"
+
+
+def test_front_of_a_ball_on_the_ground_has_no_trunk(surfaces, monkeypatch):
+    rng = np.random.default_rng(0)
+    points = np.array([0.0, 11.8, 0.0]) + surfaces.ball(rng, [8.0, 11.0, 8.0], 6000)
+    voxels = cells_of(points[points[:, 2] > 2.0], rng)
+    chances = dict(name_object(voxels, 0.0, KINDS).nearest)
+    monkeypatch.setattr(probability, "LOWEST", ALWAYS)
+    rivals = dict(name_object(voxels, 0.0, KINDS).nearest)
+    assert chances.get("apple tree", 0.0) < 0.05 * rivals["apple tree"]
+
+
+def test_lower_half_of_an_hourglass_is_no_cottage(surfaces, monkeypatch):
+    rng = np.random.default_rng(0)
+    points = turned(surfaces.frustum, HOURGLASS, rng)
+    voxels = cells_of(points[points[:, 2] > 0.0], rng)
+    assert "cottage" not in [one.label for one in recognise(voxels, RecognitionSettings()).objects]
+    monkeypatch.setattr(separation, "TIPS", ())
+    assert "cottage" in [one.label for one in recognise(voxels, RecognitionSettings()).objects]
+
+
+def stool(surfaces, rng):
+    """A round seat on three legs, as high as wide."""
+    legs = [
+        surfaces.frustum(rng, 0.6, 0.6, 8.0, 400)[:, [0, 2, 1]]
+        + [3.5 * np.cos(turn), 0.0, 3.5 * np.sin(turn)]
+        for turn in np.radians([90.0, 210.0, 330.0])
+    ]
+    seat = rng.uniform(-5.0, 5.0, (4000, 3)) * [1.0, 0.05, 1.0] + [0.0, 8.2, 0.0]
+    return np.concatenate([*legs, seat[np.hypot(*seat[:, ::2].T) < 5.0]])
+
+
+def front_of_a_bench(surfaces, rng):
+    """The side of a bench that one level view shows."""
+    back = rng.uniform([-12.0, 6.0, 0.0], [12.0, 12.0, 0.0], (2500, 3))
+    seat = rng.uniform([-12.0, 5.0, 0.0], [12.0, 5.6, 2.0], (2500, 3))
+    legs = [np.array([x, 2.5, 1.5]) + surfaces.box(rng, [1.0, 5.0, 1.0], 400) for x in (-9.0, 9.0)]
+    return np.concatenate([back, seat, *legs])
+
+
+@pytest.mark.parametrize(("make", "name"), [(stool, "table"), (front_of_a_bench, "bench")])
+def test_proportions_tell_a_stool_from_a_table_and_a_front_from_a_bench(make, name, surfaces):
+    rng = np.random.default_rng(0)
+    voxels = cells_of(make(surfaces, rng), rng, noise=0.1)
+    assert name_object(voxels, 0.0, KINDS).label == "unknown"
+    any_proportion = tuple(replace(kind, slenderness=None, elongation=None) for kind in KINDS)
+    assert name_object(voxels, 0.0, any_proportion).label == name
