@@ -206,9 +206,17 @@ def make_scheduler(
     progress: Progress = ignore_progress,
     start: BaseContext = SPAWN,
 ) -> Scheduler:
-    """Local processes if no address is given, else a Dask cluster."""
+    """Local processes if no address is given, else a Dask cluster.
+
+    Raises
+    ------
+    InputError
+        If the address is not one.
+    """
     if address is None:
         return Processes(num_workers, progress, start)
+    if address != "local" and ":" not in address:
+        raise InputError(f"scheduler is {address!r}, but local or tcp://HOST:PORT is needed")
     return Dask(address, num_workers, progress, start)
 
 

@@ -1,13 +1,14 @@
 """`recon batch`."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from recon.cli.info import table
-from recon.cli.options import OUTPUT, PATH, SCENE, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, with_options
+from recon.cli.output import print_document, start_logging
 from recon.cli.progress import shown_jobs
 
 if TYPE_CHECKING:
@@ -58,6 +59,20 @@ def batch(jobs: str, **given: Any) -> int:
     """
     start_logging(given)
     start = _way_to_start(given)  # first: it loads while this process does
+    named = _named_jobs(jobs, given["command"])
+    if given["dry_run"]:
+        _list(named, given)
+        return 0
+    folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
+    document = _run(named, folder, given, start)
+    print_document(given, document, _lines(document, folder))
+    return SOME_FAILED if document["num_failed"] else 0
+
+
+def _run(
+    named: "list[NamedJob]", folder: Path, given: dict[str, Any], start: "BaseContext"
+) -> dict[str, Any]:
+    """Run all jobs and write the summary, whose document is returned."""
     from recon.batch.batch import run_batch
     from recon.batch.schedulers import make_scheduler
     from recon.batch.sheets import load_ahead, print_of
@@ -66,13 +81,8 @@ def batch(jobs: str, **given: Any) -> int:
     from recon.figures.contact import MAX_SHOWN
     from recon.threads import num_processors
 
-    named = _named_jobs(jobs, given["command"])
-    if given["dry_run"]:
-        _list(named, given)
-        return 0
     load_ahead()
     prints: dict[str, Print] = {}
-    folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
     with shown_jobs(given["quiet"]) as shown:
         scheduler = make_scheduler(
             given["scheduler"], given["num_workers"] or num_processors(), shown.progress, start
@@ -90,12 +100,7 @@ def batch(jobs: str, **given: Any) -> int:
             overwrite=given["overwrite"], resume=given["resume"], chunk=given["chunk"],
             heard=heard,
         )  # fmt: skip
-    document = write_summary(report, given["metrics"] or USUAL, prints)
-    if given["as_json"]:
-        print_json(document)
-    elif not given["quiet"]:
-        _say(document, folder)
-    return SOME_FAILED if report.num_failed else 0
+    return write_summary(report, given["metrics"] or USUAL, prints)
 
 
 def _way_to_start(given: dict[str, Any]) -> "BaseContext":
@@ -124,19 +129,16 @@ def _list(named: "Sequence[NamedJob]", given: dict[str, Any]) -> None:
         {"name": one.name, "command": one.job.kind, "input": [str(p) for p in one.job.inputs]}
         for one in named
     ]
-    if given["as_json"]:
-        print_json({"jobs": rows})
-    elif not given["quiet"]:
-        for row in rows:
-            click.echo(f"{row['name']:24} {row['command']:12} {' '.join(row['input'])}")
+    lines = (f"{row['name']:24} {row['command']:12} {' '.join(row['input'])}" for row in rows)
+    print_document(given, {"jobs": rows}, lines)
 
 
-def _say(document: dict[str, Any], folder: Path) -> None:
+def _lines(document: dict[str, Any], folder: Path) -> Iterator[object]:
     for row in document["jobs"]:
-        click.echo(f"{row['name']:24} {row['state']:8} {row['seconds']:8.1f} s")
+        yield f"{row['name']:24} {row['state']:8} {row['seconds']:8.1f} s"
     if "sweep" in document:
-        click.echo("\n".join(table(document["sweep"])))
+        yield from table(document["sweep"])
     if "num_right" in document:
-        click.echo(f"{document['num_right']} of {document['num_objects']} objects named correctly")
-    click.echo(f"{len(document['jobs']) - document['num_failed']} of {len(document['jobs'])} done")
-    click.echo(folder)
+        yield f"{document['num_right']} of {document['num_objects']} objects named correctly"
+    yield f"{len(document['jobs']) - document['num_failed']} of {len(document['jobs'])} done"
+    yield folder

@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, POSITIVE, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, POSITIVE, with_options
+from recon.cli.output import print_document, start_logging
 
 
 @click.command(epilog="Example: recon calibrate left right --board 9x6 --square 0.025")
@@ -17,7 +18,12 @@ from recon.cli.options import OUTPUT, PATH, POSITIVE, print_json, start_logging,
     metavar="CxR",
     help="Inner corners, such as 9x6, or charuco:CxR[:DICTIONARY][:MARKER], counted in squares.",
 )
-@click.option("--square", required=True, type=POSITIVE, help="Side of a square in metres.")
+@click.option(
+    "--square",
+    required=True,
+    type=POSITIVE,
+    help="Side of a square in metres, which sets the unit of the baseline.",
+)
 @click.option(
     "-o", "--output", type=PATH, default=Path("calib.yaml"), show_default=True,
     help="File to write.",
@@ -28,10 +34,7 @@ from recon.cli.options import OUTPUT, PATH, POSITIVE, print_json, start_logging,
 )
 @with_options(OUTPUT)
 def calibrate(left_dir: Path, right_dir: Path, **given: Any) -> None:
-    """Calibrate a rig from image pairs of a chessboard or a ChArUco board.
-
-    SQUARE is the side of a square in metres; it sets the unit of the baseline.
-    """
+    """Calibrate a rig from image pairs of a chessboard or a ChArUco board."""
     start_logging(given)
     from recon.runs.calibrate import calibrate_run
 
@@ -39,10 +42,8 @@ def calibrate(left_dir: Path, right_dir: Path, **given: Any) -> None:
         left_dir, right_dir, given["board"], given["square"], given["output"],
         overwrite=given["overwrite"], force=given["force"],
     )  # fmt: skip
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        click.echo(
-            f"{report['num_pairs']} pairs, rms {report['rms_px']:.3f} px, "
-            f"baseline {report['baseline']:.4f}: {report['output']}"
-        )
+    line = (
+        f"{report['num_pairs']} pairs, rms {report['rms_px']:.3f} px, "
+        f"baseline {report['baseline']:.4f}: {report['output']}"
+    )
+    print_document(given, report, [line])

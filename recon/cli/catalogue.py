@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, with_options
+from recon.cli.output import print_document, start_logging
 
 
 @click.group()
@@ -23,13 +24,11 @@ def check(file: str, **given: Any) -> None:
     from recon.recognition.naming.catalogue import read_catalogues
 
     kinds = read_catalogues([file])
-    if given["as_json"]:
-        entries = [{"name": kind.name, "accepts": accepted(kind)} for kind in kinds]
-        print_json({"catalogue": str(Path(file)), "objects": entries})
-    elif not given["quiet"]:
-        if not kinds:
-            click.echo("no kinds: nothing is named")
-        for kind in kinds:
-            click.echo(kind.name)
-            for line in accepted(kind):
-                click.echo(f"    {line}")
+    entries = [{"name": kind.name, "accepts": accepted(kind)} for kind in kinds]
+    lines = [
+        line
+        for entry in entries
+        for line in (entry["name"], *(f"    {one}" for one in entry["accepts"]))
+    ]
+    document = {"catalogue": str(Path(file)), "objects": entries}
+    print_document(given, document, lines or ["no kinds: nothing is named"])

@@ -1,10 +1,12 @@
 """`recon doctor`."""
 
 import time
+from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, print_json, start_logging, with_options
+from recon.cli.options import REPORT, with_options
+from recon.cli.output import print_document, start_logging
 from recon.cli.progress import shown_progress
 from recon.errors import ReconError
 
@@ -13,20 +15,20 @@ from recon.errors import ReconError
 @click.option(
     "--compile", "compiles", is_flag=True, help="Compile now what the first run would compile."
 )
-@with_options(OUTPUT)
-def doctor(compiles: bool, as_json: bool, quiet: bool, verbose: bool) -> None:
+@with_options(REPORT)
+def doctor(compiles: bool, **given: Any) -> None:
     """Check that this machine has what recon needs, and how to install what is missing."""
-    start_logging({"quiet": quiet, "verbose": verbose})
+    start_logging(given)
     if compiles:
-        _compile(quiet)
+        _compile(given["quiet"])
     from recon.runs.doctor import examine
 
     checks = examine()
-    if as_json:
-        print_json({"checks": [check.as_json() for check in checks]})
-    elif not quiet:
-        for check in checks:
-            click.echo(f"{_state(check.is_ok, check.is_needed):8} {check.name:12} {check.message}")
+    lines = (
+        f"{_state(check.is_ok, check.is_needed):8} {check.name:12} {check.message}"
+        for check in checks
+    )
+    print_document(given, {"checks": [check.as_json() for check in checks]}, lines)
     faults = [check.message for check in checks if not check.is_ok and check.is_needed]
     if faults:
         raise ReconError(faults[0])

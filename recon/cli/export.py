@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, with_options
+from recon.cli.output import print_document, start_logging
 
 
 def parse_box(
@@ -66,7 +67,5 @@ def export(source: Path, target: Path, **given: Any) -> None:
         up=given["up"],
         overwrite=given["overwrite"],
     )
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        click.echo(f"{report['output']}, {report['up']} up, {report['bytes']} bytes")
+    line = f"{report['output']}, {report['up']} up, {report['bytes']} bytes"
+    print_document(given, report, [line])

@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, FiniteRange, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, FiniteRange, with_options
+from recon.cli.output import print_document, start_logging
 from recon.figures.table import KINDS
 
 MIN_SIDE, MAX_SIDE = 100, 8192
@@ -81,8 +82,4 @@ def figure(run: Path, **given: Any) -> None:
         ending=given["ending"], with_data=given["with_data"],
     )  # fmt: skip
     paths = figure_run(run, request)
-    if given["as_json"]:
-        print_json({"figures": [str(path) for path in paths]})
-    elif not given["quiet"]:
-        for path in paths:
-            click.echo(path)
+    print_document(given, {"figures": [str(path) for path in paths]}, paths)

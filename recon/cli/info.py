@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, SCENE, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, with_options
+from recon.cli.output import print_document, start_logging
 
 _INDENT = "  "
 
@@ -14,18 +15,15 @@ _INDENT = "  "
 @click.command(epilog="Example: recon info runs/village")
 @click.argument("file", type=PATH)
 @with_options(SCENE, OUTPUT)
-def info(file: Path, as_json: bool, quiet: bool, verbose: bool) -> None:
+def info(file: Path, **given: Any) -> None:
     """Describe anything that recon reads or writes: a run, recording, cloud, map, mesh, ..."""
-    start_logging({"quiet": quiet, "verbose": verbose})
+    start_logging(given)
     from recon.runs.description import describe
     from recon.runs.outputs import as_document
 
     facts = as_document(describe(file))
-    if as_json:
-        print_json(facts)
-    elif not quiet:
-        facts.pop("warnings")
-        click.echo("\n".join(lines(facts)))
+    shown_facts = {name: value for name, value in facts.items() if name != "warnings"}
+    print_document(given, facts, lines(shown_facts))
 
 
 def lines(facts: Mapping[str, Any], indent: str = "") -> Iterator[str]:

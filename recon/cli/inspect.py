@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import OUTPUT, PATH, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, with_options
+from recon.cli.output import start_logging
 from recon.cli.pages import SERVER, announced
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from recon.cli.options import build_settings, print_json, start_logging
+from recon.cli.options import build_settings
+from recon.cli.output import print_document, start_logging
 from recon.cli.progress import shown_progress
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def do_job(
             num_workers=given.get("num_workers") or 1, artist=artist,
         )  # fmt: skip
     if given["as_json"]:
-        print_json(report.as_json())
+        print_document(given, report.as_json(), ())
     elif not given["quiet"]:
         say(report)
     if report.is_interrupted:

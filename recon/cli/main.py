@@ -25,7 +25,7 @@ from recon.cli.learn import learn
 from recon.cli.localise import localise
 from recon.cli.merge import merge
 from recon.cli.mesh import mesh
-from recon.cli.options import stop_logging
+from recon.cli.output import stop_logging
 from recon.cli.recognise import recognise
 from recon.cli.reconstruct import reconstruct
 from recon.cli.rectify import rectify

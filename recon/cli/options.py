@@ -1,7 +1,5 @@
 """Options shared by several commands, and the settings they define."""
 
-import json
-import logging
 import math
 import re
 from collections.abc import Callable
@@ -84,6 +82,13 @@ SCENE = [
     ),
 ]
 
+REPORT = [
+    click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
+    click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
+    click.option("-v", "--verbose", is_flag=True, help="Print what is being done."),
+    click.version_option(recon.__version__, prog_name="recon"),
+]
+"""Options of every command."""
 OUTPUT = [
     click.option(
         "--max-memory",
@@ -92,11 +97,9 @@ OUTPUT = [
         expose_value=False,
         help="Largest size a file may unpack to, 4GB by default.",
     ),
-    click.option("--json", "as_json", is_flag=True, help="Print one JSON document on stdout."),
-    click.option("-q", "--quiet", is_flag=True, help="Print errors only."),
-    click.option("-v", "--verbose", is_flag=True, help="Print what is being done."),
-    click.version_option(recon.__version__, prog_name="recon"),
+    *REPORT,
 ]
+"""Options of every command that reads files of others."""
 
 
 def _given(
@@ -170,11 +173,11 @@ SURFACE = [
     ),
     click.option(
         "--voxel", "surface__voxel", type=POSITIVE, metavar="S",
-        help="Voxel size of the mesh, world units.",
+        help="Voxel size of the surface, world units.",
     ),
     click.option(
         "--watertight", "surface__watertight", is_flag=True, default=None,
-        help="Close the mesh, extrapolating where nothing was seen.",
+        help="Save a closed mesh, extrapolated where nothing was seen.",
     ),
     click.option(
         "--depth", "surface__depth_maps", is_flag=True, default=None,
@@ -221,31 +224,3 @@ def build_settings(given: dict[str, Any]) -> "Settings":
     }
     settings = updated(settings, options, "options")
     return updated(settings, parse_overrides(given["overrides"]), "--set")
-
-
-def start_logging(given: dict[str, Any]) -> None:
-    """Logs go to stderr: warnings, or everything with -v, or errors with -q."""
-    loudest = logging.INFO if given["verbose"] else logging.WARNING
-    logger = logging.getLogger("recon")
-    logger.setLevel(logging.ERROR if given["quiet"] else loudest)
-    logger.handlers[:] = [StderrHandler()]
-
-
-def stop_logging() -> None:
-    """Leave logging to the importing program, as a library should."""
-    logger = logging.getLogger("recon")
-    logger.setLevel(logging.NOTSET)
-    logger.handlers.clear()
-
-
-def print_json(document: object) -> None:
-    """The one document of --json."""
-    click.echo(json.dumps(document, indent=2, allow_nan=False))
-
-
-class StderrHandler(logging.Handler):
-    """Logs as lines on stderr."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Print one record."""
-        click.echo(f"recon: {record.getMessage()}", err=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from recon.cli.options import print_json
+from recon.cli.output import print_document
 
 SERVER: list[Any] = [
     click.option("--host", default="127.0.0.1", show_default=True,
@@ -23,10 +23,7 @@ def announced(url: str, given: dict[str, Any]) -> Callable[[], None]:
     def announce() -> None:
         from recon.app.serving import open_browser
 
-        if given["as_json"]:
-            print_json({"url": url})
-        else:
-            click.echo(url)
+        print_document({**given, "quiet": False}, {"url": url}, [url])
         sys.stdout.flush()
         if not given["no_browser"]:
             open_browser(url)

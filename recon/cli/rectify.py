@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from recon.cli.jobs import counted
-from recon.cli.options import OUTPUT, PATH, print_json, start_logging, with_options
+from recon.cli.options import OUTPUT, PATH, with_options
+from recon.cli.output import print_document, start_logging
 
 
 @click.command(epilog="Example: recon rectify left right --calib calib.yaml -o rectified")
@@ -24,10 +25,8 @@ def rectify(left: Path, right: Path, **given: Any) -> None:
     from recon.runs.calibrate import rectify_run
 
     report = rectify_run(left, right, given["calib"], given["output"], overwrite=given["overwrite"])
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        click.echo(
-            f"{counted(report['num_pairs'], 'pair')}, focal length {report['focal_px']:.2f} px, "
-            f"baseline {report['baseline']:.4f}: {report['output']}"
-        )
+    line = (
+        f"{counted(report['num_pairs'], 'pair')}, focal length {report['focal_px']:.2f} px, "
+        f"baseline {report['baseline']:.4f}: {report['output']}"
+    )
+    print_document(given, report, [line])

@@ -1,36 +1,43 @@
 """`recon settings`."""
 
 import json
-from typing import Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from recon.cli.options import OUTPUT, print_json, start_logging, with_options
+from recon.cli.options import REPORT, with_options
+from recon.cli.output import print_document, start_logging
 from recon.errors import InputError, unknown
+
+if TYPE_CHECKING:
+    from recon.settings.reference import Setting
 
 
 @click.command(epilog="Example: recon settings map.cell_size")
 @click.argument("name", required=False)
-@with_options(OUTPUT)
-def settings(name: str | None, as_json: bool, quiet: bool, verbose: bool) -> None:
+@with_options(REPORT)
+def settings(name: str | None, **given: Any) -> None:
     """List all settings, or describe those of NAME, a setting or a stage."""
-    start_logging({"quiet": quiet, "verbose": verbose})
-    from recon.settings.reference import Setting, reference
+    start_logging(given)
+    from recon.settings.reference import reference
 
-    def is_meant(one: Setting) -> bool:
+    def is_meant(one: "Setting") -> bool:
         return name is None or one.name == name or one.name.startswith(f"{name}.")
 
     chosen = [one for one in reference() if is_meant(one)]
     if not chosen:
         names = [one.name for one in reference()]
         raise InputError(unknown(f"setting {name!r}", str(name), names))
-    if as_json:
-        print_json({"settings": [one.as_json() for one in chosen]})
-    elif not quiet:
-        for one in chosen:
-            differs = "" if one.thesis == one.default else f"   thesis: {_as_set(one.thesis)}"
-            click.echo(f"{one.name} = {_as_set(one.default)}   ({one.type}){differs}")
-            click.echo(f"    {one.meaning}")
+    lines = (line for one in chosen for line in _lines(one))
+    print_document(given, {"settings": [one.as_json() for one in chosen]}, lines)
+
+
+def _lines(one: "Setting") -> Iterator[str]:
+    """One setting for people."""
+    differs = "" if one.thesis == one.default else f"   thesis: {_as_set(one.thesis)}"
+    yield f"{one.name} = {_as_set(one.default)}   ({one.type}){differs}"
+    yield f"    {one.meaning}"
 
 
 def _as_set(value: Any) -> str:

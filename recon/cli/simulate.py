@@ -5,15 +5,8 @@ from typing import Any
 
 import click
 
-from recon.cli.options import (
-    OUTPUT,
-    PATH,
-    SCENE,
-    SETTINGS,
-    build_settings,
-    start_logging,
-    with_options,
-)
+from recon.cli.options import OUTPUT, PATH, SCENE, SETTINGS, build_settings, with_options
+from recon.cli.output import start_logging
 from recon.cli.pages import SERVER, announced
 
 

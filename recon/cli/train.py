@@ -6,15 +6,8 @@ from typing import Any
 import click
 
 from recon.cli.jobs import counted
-from recon.cli.options import (
-    OUTPUT,
-    PATH,
-    SETTINGS,
-    build_settings,
-    print_json,
-    start_logging,
-    with_options,
-)
+from recon.cli.options import OUTPUT, PATH, SETTINGS, build_settings, with_options
+from recon.cli.output import print_document, start_logging
 
 
 @click.command(epilog="Example: recon train data/motorcycle -o model.json")
@@ -38,8 +31,6 @@ def train(pair_dirs: tuple[Path, ...], **given: Any) -> None:
     report = train_run(
         pair_dirs, settings, given["output"], seed=given["seed"], overwrite=given["overwrite"]
     )
-    if given["as_json"]:
-        print_json(report)
-    elif not given["quiet"]:
-        pairs = counted(report["num_pairs"], "pair")
-        click.echo(f"{report['num_matches']} matches of {pairs}: {report['output']}")
+    pairs = counted(report["num_pairs"], "pair")
+    line = f"{report['num_matches']} matches of {pairs}: {report['output']}"
+    print_document(given, report, [line])

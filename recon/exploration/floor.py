@@ -20,6 +20,8 @@ NEIGHBOURS: Mask = np.ones((3, 3), dtype=bool)
 """A cell and its eight neighbours."""
 MAX_CELLS = 16_000_000
 """Maximum number of floor cells: planning needs some hundred bytes per cell."""
+MAX_REACH_CELLS = 1000.0
+"""Range of sight that a smaller floor may have: a view takes memory by the square of it."""
 MIN_HITS = 2
 """Number of points of one view on a cell that show an obstacle: a lone one may be noise."""
 MUCH_NEARER = 2.0
@@ -31,8 +33,14 @@ length."""
 
 
 def check_floor(settings: Settings) -> None:
-    """Raise `InputError` if the floor of the settings has too many cells to be explored."""
-    _shape(settings.world.size_x, settings.world.size_z, settings.map.cell_size)
+    """Raise `InputError` if the floor, or what a view may show of it, has too many cells."""
+    shape = _shape(settings.world.size_x, settings.world.size_z, settings.map.cell_size)
+    longest = max(MAX_REACH_CELLS, math.hypot(*shape)) * settings.map.cell_size
+    if settings.exploration.sight_range > longest:
+        raise InputError(
+            f"exploration.sight_range is {settings.exploration.sight_range:g}, but at most "
+            f"{longest:g} is possible with this floor and map.cell_size"
+        )
 
 
 def _shape(size_x: float, size_z: float, cell_size: float) -> tuple[int, int]:

@@ -15,7 +15,7 @@ import pytest
 
 from recon.batch.batch import run_batch
 from recon.batch.jobfile import read_jobs
-from recon.batch.schedulers import MAX_TRIES, Processes, bound, lost
+from recon.batch.schedulers import MAX_TRIES, Processes, bound, lost, make_scheduler
 from recon.batch.summary import as_csv
 from recon.batch.worker import Outcome, do
 from recon.cli import main
@@ -113,6 +113,11 @@ def test_folder_that_is_not_a_batch_is_not_overwritten(tmp_path):
     with pytest.raises(InputError, match="is not the folder of a batch"):
         run_batch([], tmp_path, InProcess(), overwrite=True)
     assert (tmp_path / "thesis.txt").exists()
+
+
+def test_word_that_is_no_address_of_a_scheduler_is_rejected_at_once():
+    with pytest.raises(InputError, match="scheduler is 'foo', but local or tcp://HOST:PORT"):
+        make_scheduler("foo", 1)
 
 
 def test_unexpected_exception_becomes_a_failed_outcome(tmp_path, monkeypatch):

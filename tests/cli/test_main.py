@@ -18,6 +18,7 @@ from recon.cli.objects import object_line
 from recon.cli.options import build_settings
 from recon.errors import InputError, ReconError
 from recon.exports.formats import write
+from recon.notices import notify
 from recon.records import PointCloud
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -109,6 +110,29 @@ def test_wrong_use_is_reported_in_one_line(capsys, tmp_path, monkeypatch, argv, 
     assert err.startswith("recon: ")
     assert message in err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "argv", [["settings", "map"], ["catalogue", "check", "village"], ["info", "a.ply"]]
+)
+def test_every_document_has_warnings(capsys, tmp_path, monkeypatch, argv):
+    monkeypatch.chdir(tmp_path)
+    write(PointCloud(points=np.zeros((1, 3))), tmp_path / "a.ply")
+    code, out, err = run(capsys, *argv, "--json")
+    assert (code, err) == (0, "")
+    assert json.loads(out)["warnings"] == []
+
+
+def test_notices_of_a_command_without_a_job_are_its_warnings(capsys, monkeypatch, tmp_path):
+    def unpack(name, folder):
+        for _ in range(2):
+            notify("rows-differ", "by 3 px")
+        return [folder / "left.png"]
+
+    monkeypatch.setattr("recon.sequences.samples.fetch", unpack)
+    code, out, err = run(capsys, "fetch", "motorcycle", "-o", str(tmp_path), "--json")
+    assert (code, err) == (0, "recon: rows-differ: by 3 px\n")
+    assert json.loads(out)["warnings"] == [{"code": "rows-differ", "text": "by 3 px"}]
 
 
 def test_doctor_prints_one_json_document(capsys):

@@ -107,6 +107,16 @@ def test_too_large_floor_is_rejected_before_allocation(size, cell_size):
         check_floor(updated(Settings(), changes))
 
 
+@pytest.mark.parametrize(("sight_range", "cell_size"), [(1e9, 1.0), (1001.0, 1.0), (101.0, 0.05)])
+def test_too_long_range_of_sight_is_rejected_before_allocation(sight_range, cell_size):
+    changes = {"exploration": {"sight_range": sight_range}, "map": {"cell_size": cell_size}}
+    changes["world"] = {"size_x": 100.0, "size_z": 10.0}
+    with pytest.raises(InputError, match=r"exploration\.sight_range is .* but at most"):
+        check_floor(updated(Settings(), changes))
+    wide = {"world": {"size_x": 2e9, "size_z": 0.001}, "map": {"cell_size": 1000.0}}
+    check_floor(updated(Settings(), changes | wide))
+
+
 def test_window_shares_its_cells_with_the_floor():
     floor = Floor(size_x=60, size_z=40, cell_size=0.5)
     part = floor.window(np.array([28.0, 3.2]), 4.0)
