@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 
 from recon.geometry import Array, invert, transform
+from recon.localisation.cameras import camera_of
 from recon.localisation.drawing import Indices, draw
 from recon.localisation.place_errors import measured_from
-from recon.localisation.portrait import Portrait, camera_of
+from recon.localisation.portrait import Portrait
 from recon.localisation.registration import Prior, inverse, moved
 from recon.localisation.stance import Stance
 from recon.records import PoseEstimate, StereoPair

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.geometry import Array
+from recon.localisation.cameras import camera_of, coloured
 from recon.localisation.drawing import LOG_ANY, Paint, Solids, agreement, draw, values
-from recon.localisation.portrait import bands, camera_of, coloured
+from recon.localisation.portrait import bands
 from recon.records import StereoPair
 
 SKYLINE_PX = 2

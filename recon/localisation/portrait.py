@@ -1,15 +1,16 @@
 """Portrait: the solids of a map with the colours that the pairs of its run show on them."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from recon.camera import StereoRig
 from recon.geometry import Array
+from recon.localisation.cameras import camera_of, coloured
+from recon.localisation.contours import fitted
 from recon.localisation.drawing import (
     BAND,
     LEVELS,
@@ -22,20 +23,9 @@ from recon.localisation.drawing import (
     draw,
 )
 from recon.localisation.repeats import completed
-from recon.recognition.fitting.axes import across_axis
-from recon.recognition.fitting.surface_points import outline
-from recon.records import (
-    Cone,
-    Cylinder,
-    Ellipsoid,
-    FoundObject,
-    Solid,
-    Sphere,
-    StereoPair,
-    TruncatedCone,
-)
+from recon.localisation.revolved import ROUND, revolved, texels
+from recon.records import FoundObject, StereoPair
 
-ROUND = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone
 PER_CELL = 3.5
 """Texels along the side of a cell."""
 LEAST_COSINE = 0.2
@@ -84,17 +74,19 @@ class Portrait:
         ]
         if not round_ones:
             return None
-        solids = _solids([solid for solid, _ in round_ones], cell_size / PER_CELL)
-        drawn = {number for _, number in round_ones}
+        thing = np.array([number for _, number in round_ones], np.intp)
+        rough = revolved([solid for solid, _ in round_ones], cell_size / PER_CELL)
+        plain = _Painted.of(rough, pairs, cell_size).plain
+        solids = fitted(rough, thing, plain, pairs, cell_size)
         painted = _Painted.of(solids, pairs, cell_size)
         return cls(
             solids=solids,
-            thing=np.array([number for _, number in round_ones], np.intp),
+            thing=thing,
             paint=painted.paint,
             plain=painted.plain,
             hoped=painted.hoped,
             cell_size=cell_size,
-            is_whole=len(drawn) == len(objects)
+            is_whole=len(np.unique(thing)) == len(objects)
             and len(round_ones) == sum(len(one.parts) for one in objects),
         )
 
@@ -113,77 +105,6 @@ class Portrait:
         return float(self.solids.reach[self.thing == number].max())
 
 
-def camera_of(T_world_left: Array, rig: StereoRig) -> Camera:
-    """The left camera of a rig at a pose."""
-    return Camera(
-        turn=np.ascontiguousarray(T_world_left[:3, :3]),
-        eye=np.ascontiguousarray(T_world_left[:3, 3]),
-        focal_px=rig.focal_px, cx_px=rig.cx_left_px, cy_px=rig.cy_px,
-        width=rig.width, height=rig.height,
-    )  # fmt: skip
-
-
-def coloured(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """An image (H, W, 3), grey or not."""
-    return image if image.ndim == 3 else np.repeat(image[:, :, None], 3, axis=2)
-
-
-def _solids(solids: Sequence[Solid], side: float) -> Solids:
-    """Solids with texels of a side."""
-    found = [_revolved(solid) for solid in solids]
-    origin, frame, radius_sq, ends = (np.array(values) for values in zip(*found, strict=True))
-    widest = np.array([_radii(*one, 100)[1].max() for one in zip(radius_sq, ends, strict=True)])
-    around = np.maximum(8, np.ceil(2.0 * np.pi * widest / side))
-    along = np.maximum(2, np.ceil(np.ptp(ends, axis=1) / side))
-    shape = np.column_stack([around, along]).astype(np.int64)
-    number = shape.prod(axis=1)
-    return Solids(
-        origin=origin, frame=frame, radius_sq=radius_sq, ends=ends,
-        reach=np.hypot(widest, np.abs(ends).max(axis=1)),
-        shape=shape, start=np.cumsum(number) - number,
-    )  # fmt: skip
-
-
-def _revolved(solid: Solid) -> tuple[Array, Array, Array, Array]:
-    """Origin, frame, squared radius and ends of a solid, as `Solids` has them."""
-    origin, axis, profile = outline(solid)
-    frame = np.vstack([across_axis(axis), axis])
-    if isinstance(solid, Sphere | Ellipsoid):
-        half, radius = profile[-1, 0], profile[:, 1].max()
-        polynomial = np.array([radius**2, 0.0, -((radius / half) ** 2)])
-    else:
-        (start, first), (end, last) = profile
-        slope = (last - first) / (end - start)
-        base = first - slope * start
-        polynomial = np.array([base**2, 2.0 * base * slope, slope**2])
-    return origin, frame, polynomial, profile[[0, -1], 0]
-
-
-def _radii(radius_sq: Array, ends: Array, number: int) -> tuple[Array, Array]:
-    """Middles of so many bands along an axis, and the radii there."""
-    share = (np.arange(number) + 0.5) / number
-    t = ends[0] + share * (ends[1] - ends[0])
-    return t, np.sqrt(np.maximum(radius_sq @ [np.ones(number), t, t**2], 1e-12))
-
-
-def _texels(solids: Solids) -> Iterator[tuple[Array, Array]]:
-    """Points and outward normals (K, 3) of the texels of each solid."""
-    for s, (around, along) in enumerate(solids.shape):
-        t, radius = _radii(solids.radius_sq[s], solids.ends[s], along)
-        turn = (np.arange(around) + 0.5) * 2.0 * np.pi / around
-        rise = solids.radius_sq[s, 1] / 2.0 + solids.radius_sq[s, 2] * t
-        across = np.stack([np.cos(turn), np.sin(turn)], axis=1)[:, None] * radius[:, None]
-        points = np.concatenate([across, np.broadcast_to(t[:, None], (around, along, 1))], axis=2)
-        normals = np.concatenate(
-            [across, np.broadcast_to(-rise[:, None], (around, along, 1))], axis=2
-        ).reshape(-1, 3)
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        yield (
-            points.reshape(-1, 3) @ solids.frame[s] + solids.origin[s],
-            normals @ solids.frame[s],
-        )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Painted:
     """Colours of solids by the pairs that show them."""
@@ -194,7 +115,7 @@ class _Painted:
 
     @classmethod
     def of(cls, solids: Solids, pairs: Sequence[StereoPair], cell_size: float) -> "_Painted":
-        points, normals = (np.concatenate(both) for both in zip(*_texels(solids), strict=True))
+        points, normals = (np.concatenate(both) for both in zip(*texels(solids), strict=True))
         width, colours = np.zeros(len(points)), np.zeros((len(points), 3))
         backdrop = np.zeros((NUM_BANDS, LEVELS, LEVELS, LEVELS))
         for one in pairs:

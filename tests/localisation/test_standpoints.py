@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from recon.localisation.cameras import camera_of
 from recon.localisation.drawing import draw
 from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.look import Look
-from recon.localisation.portrait import Portrait, camera_of
+from recon.localisation.portrait import Portrait
 from recon.localisation.recall import KnownWorld
 from recon.mapping.mapper import Mapper
 from recon.records import Box, Cone, Cylinder, Ellipsoid, Part, Sphere, StereoPair, TruncatedCone

@@ -1,0 +1,253 @@
+"""Contours: solids at the places and of the sizes that their outlines in images show.
+
+Solids that are fitted to the cells of a map are off by a tenth of a cell and more. The poses of a
+run are known far better, and so is where in its images a thing ends.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from recon.geometry import Array
+from recon.localisation.cameras import camera_of, coloured
+from recon.localisation.drawing import Camera, Drawn, Indices, Paint, Solids, draw, values
+from recon.records import StereoPair
+
+NUM_SIGHTS, MIN_PX = 8, 60
+"""Maximum number of images a thing is fitted to, and fewest pixels that show it in one."""
+LARGE_PX = 16_000
+"""Number of pixels from which on an image is halved."""
+AROUND_CELLS, AROUND_PX = 0.5, 2
+"""Width of the surroundings of a thing that are compared."""
+STEPS_CELLS = (0.3, 0.2, 0.1, 0.05, 0.025)
+"""Steps of the fit."""
+MOST_STEPS = 1.5
+"""Maximum number of steps at a time."""
+SIGMA_CELLS = 0.15
+"""Standard deviation of a measure of a solid before its outlines are known."""
+JOINT_CELLS = 0.1
+"""Distance of the ends of two solids that are one joint."""
+
+
+class Changes(NamedTuple):
+    """Independent changes of solids, by an amount of 1."""
+
+    shift: Array
+    """(K, S, 3) of the origin."""
+    ends: Array
+    """(K, S, 2) along the axis."""
+    radii: Array
+    """(K, S, 2) at the ends."""
+
+
+class _Sight(NamedTuple):
+    """The part of an image around a thing."""
+
+    image: Array
+    camera: Camera
+    poses: Array
+    """(1, 4, 4)"""
+    block: int
+
+
+def fitted(
+    solids: Solids,
+    thing: NDArray[np.intp],
+    paint: Paint,
+    pairs: Sequence[StereoPair],
+    cell_size: float,
+) -> Solids:
+    """The solids at which the images of pairs, at their poses, are likeliest.
+
+    Parameters
+    ----------
+    solids : Solids
+    thing : (S,) array
+        Number of each solid's object; those of an object move and join together.
+    paint : Paint
+        With the same colour on all sides: outlines count, not textures.
+    pairs : sequence of StereoPair
+    cell_size : float
+        World units.
+    """
+    owner = np.repeat(thing, solids.shape.prod(axis=1))
+    drawn = [_drawn(owner, solids, pair) for pair in pairs]
+    for number in np.unique(thing).tolist():
+        sights = _sights(number, pairs, drawn, cell_size)
+        if sights:
+            changes = _changes(solids, np.flatnonzero(thing == number), cell_size)
+            solids = _likeliest(solids, changes, sights, paint, cell_size)
+    return solids
+
+
+def changed(solids: Solids, changes: Changes, amounts: Array) -> Solids:
+    """Solids after so much (K,) of changes."""
+    shift, ends, radii = (np.tensordot(amounts, one, 1) for one in changes)
+    origin, ends = solids.origin + shift, solids.ends + ends
+    radii = np.maximum(_radii(solids) + radii, 0.0)
+    is_ball = solids.radius_sq[:, 2] < 0.0
+    origin += np.where(is_ball, ends.mean(axis=1), 0.0)[:, None] * solids.frame[:, 2]
+    length = np.maximum(ends[:, 1] - ends[:, 0], 1e-9)
+    ends = np.where(is_ball[:, None], np.multiply.outer(length / 2.0, [-1.0, 1.0]), ends)
+    base, slope = radii[:, 0], (radii[:, 1] - radii[:, 0]) / length
+    start = base - slope * ends[:, 0]
+    straight = np.column_stack([start**2, 2.0 * start * slope, slope**2])
+    ball = np.column_stack([base**2, 0.0 * base, -((2.0 * base / length) ** 2)])
+    return solids._replace(
+        origin=origin,
+        ends=ends,
+        radius_sq=np.where(is_ball[:, None], ball, straight),
+        reach=np.hypot(radii.max(axis=1), np.abs(ends).max(axis=1)),
+    )
+
+
+def _radii(solids: Solids) -> Array:
+    """Radii (S, 2) at the ends; those of balls are their widest."""
+    at = np.where(solids.radius_sq[:, 2:] < 0.0, 0.0, solids.ends)
+    k0, k1, k2 = solids.radius_sq.T[:, :, None]
+    return np.asarray(np.sqrt(np.maximum(k0 + k1 * at + k2 * at**2, 0.0)), np.float64)
+
+
+def _drawn(owner: Indices, solids: Solids, pair: StereoPair) -> Drawn:
+    """What a pair shows, with numbers of objects in place of texels."""
+    assert pair.T_world_left is not None
+    drawn = draw(solids, camera_of(pair.T_world_left, pair.rig), 1)
+    return Drawn(np.where(drawn.texel >= 0, owner[drawn.texel], -1), drawn.depth)
+
+
+def _sights(
+    number: int, pairs: Sequence[StereoPair], drawn: Sequence[Drawn], cell_size: float
+) -> list[_Sight]:
+    """The images that show most of an object."""
+    num_px = np.array([np.count_nonzero(one.texel == number) for one in drawn])
+    best = np.argsort(-num_px, kind="stable")[:NUM_SIGHTS]
+    return [
+        _cut(pairs[row], drawn[row].texel == number, drawn[row].depth, cell_size)
+        for row in best
+        if num_px[row] >= MIN_PX
+    ]
+
+
+def _cut(pair: StereoPair, mask: NDArray[np.bool_], depth: Array, cell_size: float) -> _Sight:
+    """The part of an image around what a mask (H, W) shows."""
+    assert pair.T_world_left is not None
+    cells_px = cell_size * pair.rig.focal_px / float(np.median(depth[mask]))
+    margin = AROUND_PX + math.ceil(AROUND_CELLS * cells_px)
+    row, column = np.nonzero(mask)
+    top, left = max(row.min() - margin, 0), max(column.min() - margin, 0)
+    image = coloured(pair.left)[top : row.max() + margin + 1, left : column.max() + margin + 1]
+    block = 1 if image.shape[0] * image.shape[1] < LARGE_PX else 2
+    height, width = image.shape[0] // block, image.shape[1] // block
+    image = image[: height * block, : width * block]
+    smaller = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
+    camera = camera_of(pair.T_world_left, pair.rig)
+    return _Sight(
+        image=smaller.astype(np.float64),
+        camera=camera._replace(
+            cx_px=camera.cx_px - left, cy_px=camera.cy_px - top,
+            width=width * block, height=height * block,
+        ),
+        poses=pair.T_world_left[None],
+        block=block,
+    )  # fmt: skip
+
+
+def _changes(solids: Solids, rows: NDArray[np.intp], cell_size: float) -> Changes:
+    """What may be different of an object: its place, its joints along outlines, and its radii."""
+    found = [_moved(solids, rows, across) for across in (0, 1)]
+    found += [_lengthened(solids, joint) for joint in _joints(solids, rows, cell_size)]
+    for row in rows:
+        is_cone = solids.radius_sq[row, 2] > 0.0
+        found += (
+            [_widened(solids, row, [end]) for end in (0, 1)]
+            if is_cone
+            else [_widened(solids, row, [0, 1])]
+        )
+    return Changes(*(np.array(one) for one in zip(*found, strict=True)))
+
+
+def _none(solids: Solids) -> Changes:
+    return Changes(*(np.zeros((len(solids.origin), number)) for number in (3, 2, 2)))
+
+
+def _moved(solids: Solids, rows: NDArray[np.intp], across: int) -> Changes:
+    change = _none(solids)
+    change.shift[rows] = solids.frame[rows[0], across]
+    return change
+
+
+def _lengthened(solids: Solids, joint: list[tuple[int, int]]) -> Changes:
+    """A joint of ends is moved along the axis of the first; cones widen as they go on."""
+    change, radii = _none(solids), _radii(solids)
+    first, _ = joint[0]
+    for row, end in joint:
+        along = float(solids.frame[row, 2] @ solids.frame[first, 2])
+        slope = (radii[row, 1] - radii[row, 0]) / np.ptp(solids.ends[row])
+        change.ends[row, end], change.radii[row, end] = along, along * slope
+    return change
+
+
+def _widened(solids: Solids, row: int, ends: list[int]) -> Changes:
+    change = _none(solids)
+    change.radii[row, ends] = 1.0
+    return change
+
+
+def _joints(
+    solids: Solids, rows: NDArray[np.intp], cell_size: float
+) -> list[list[tuple[int, int]]]:
+    """Solid and end of all ends that are in one place."""
+    joints: list[tuple[Array, list[tuple[int, int]]]] = []
+    for row in rows.tolist():
+        for end in (0, 1):
+            at = solids.origin[row] + solids.ends[row, end] * solids.frame[row, 2]
+            near = [
+                who for there, who in joints if np.linalg.norm(at - there) < JOINT_CELLS * cell_size
+            ]
+            if near:
+                near[0].append((row, end))
+            else:
+                joints.append((at, [(row, end)]))
+    return [who for _, who in joints]
+
+
+def _likeliest(
+    solids: Solids, changes: Changes, sights: list[_Sight], paint: Paint, cell_size: float
+) -> Solids:
+    def value(amounts: Array) -> float:
+        there = changed(solids, changes, amounts)
+        likely = sum(
+            one.block**2 * values(one.image, there, paint, one.camera, one.poses)[0]
+            for one in sights
+        )
+        return float(likely - 0.5 * np.square(amounts / (SIGMA_CELLS * cell_size)).sum())
+
+    steps = cell_size * np.array(STEPS_CELLS)
+    return changed(solids, changes, _summit(value, len(changes.shift), steps))
+
+
+def _summit(value: Callable[[Array], float], number: int, steps: Array) -> Array:
+    """Amounts (K,), from 0 on, at which a value is highest, by parabolas through ever less."""
+    at = np.zeros(number)
+    best = value(at)
+    for step in steps:
+        for way in step * np.eye(number):
+            tried = at + way * _top(value(at - way), best, value(at + way))
+            reached = value(tried)
+            if reached > best:
+                at, best = tried, reached
+    return at
+
+
+def _top(before: float, here: float, after: float) -> float:
+    """Where a parabola through values at -1, 0 and 1 is highest, not far outside."""
+    curve = 2.0 * here - before - after
+    if not math.isfinite(curve):
+        return 0.0
+    if curve <= 0.0:
+        return math.copysign(1.0, after - before)
+    return min(max(0.5 * (after - before) / curve, -MOST_STEPS), MOST_STEPS)
