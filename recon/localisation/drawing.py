@@ -179,9 +179,18 @@ def is_inside(solids: Solids, place: Array) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def band(rise: float) -> int:
-    """Number of the band of directions with this sine of their elevation."""
-    return min(max(math.floor(rise / BAND) + NUM_BANDS // 2, 0), NUM_BANDS - 1)
+def _band(rise: float, x: float, y: float) -> int:
+    sine = rise / math.sqrt(1.0 + x * x + y * y)
+    return min(max(math.floor(sine / BAND) + NUM_BANDS // 2, 0), NUM_BANDS - 1)
+
+
+@njit(cache=True, nogil=True)
+def bands(rise: Array, x: Array, y: Array) -> Indices:
+    """Numbers (N,) of the bands of elevation of rays (x, y, 1) that rise so much (N,)."""
+    found = np.empty(len(rise), np.int64)
+    for n in range(len(rise)):
+        found[n] = _band(rise[n], x[n], y[n])
+    return found
 
 
 @njit(cache=True, nogil=True)
@@ -212,8 +221,8 @@ def agreement(image: Array, drawn: Drawn, paint: Paint, camera: Camera) -> tuple
                 here = _log_density(off_sq, sigma[k]) if sigma[k] > 0.0 else HOPED
             else:
                 x = ((column + 0.5) * block - 0.5 - camera.cx_px) * unit
-                rise = (up[0] * x + up[1] * y + up[2]) / math.sqrt(1.0 + x * x + y * y)
-                here = backdrop[band(rise), int(r) >> 4, int(g) >> 4, int(b) >> 4] - LOG_ANY
+                height = _band(up[0] * x + up[1] * y + up[2], x, y)
+                here = backdrop[height, int(r) >> 4, int(g) >> 4, int(b) >> 4] - LOG_ANY
             value += here
             if k >= 0 or here < 0.0:
                 num_shown += 1

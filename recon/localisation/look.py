@@ -11,8 +11,15 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.geometry import Array
 from recon.localisation.cameras import camera_of, coloured
-from recon.localisation.drawing import LOG_ANY, Paint, Solids, agreement, draw, values
-from recon.localisation.portrait import bands
+from recon.localisation.drawing import (
+    LOG_ANY,
+    Paint,
+    Solids,
+    agreement,
+    bands,
+    draw,
+    values,
+)
 from recon.records import StereoPair
 
 SKYLINE_PX = 2
@@ -70,4 +77,6 @@ class Look:
         v, u = np.indices(self.image(SKYLINE_PX).shape[:2])
         x = ((u + 0.5) * SKYLINE_PX - 0.5 - self.rig.cx_left_px) / self.rig.focal_px
         y = ((v + 0.5) * SKYLINE_PX - 0.5 - self.rig.cy_px) / self.rig.focal_px
-        return bands(math.sin(pitch) - math.cos(pitch) * y, x, y)
+        rise = math.sin(pitch) - math.cos(pitch) * y
+        found: NDArray[np.intp] = bands(rise.ravel(), x.ravel(), y.ravel()).reshape(y.shape)
+        return found

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from recon.geometry import Array
 from recon.localisation.cameras import camera_of, coloured
 from recon.localisation.contours import fitted
 from recon.localisation.drawing import (
-    BAND,
     LEVELS,
     LOG_ANY,
     NUM_BANDS,
@@ -20,6 +19,7 @@ from recon.localisation.drawing import (
     Drawn,
     Paint,
     Solids,
+    bands,
     draw,
 )
 from recon.localisation.repeats import completed
@@ -197,13 +197,6 @@ def _count(backdrop: Array, image: NDArray[np.uint8], drawn: Drawn, camera: Came
     rise = bands(camera.turn[1, 0] * x + camera.turn[1, 1] * y + camera.turn[1, 2], x, y)
     red, green, blue = (image[row, column] >> 4).astype(np.intp).T
     np.add.at(backdrop, (rise, red, green, blue), 1.0)
-
-
-def bands(rise: ArrayLike, x: ArrayLike, y: ArrayLike) -> NDArray[np.intp]:
-    """Bands of elevation of rays (x, y, 1) that rise so much."""
-    length = np.sqrt(1.0 + np.square(x) + np.square(y))
-    number = np.floor(rise / length / BAND).astype(np.intp) + NUM_BANDS // 2
-    return np.asarray(np.clip(number, 0, NUM_BANDS - 1), np.intp)
 
 
 def _log_density(counts: Array) -> Array:
