@@ -64,6 +64,19 @@ def _undisturbed() -> Iterator[None]:
             sys.setswitchinterval(interval)
 
 
+def load_late(name: str) -> None:
+    """Load a module only when something in it is used, however it is imported."""
+    spec = importlib.util.find_spec(name)
+    if name in sys.modules or spec is None or spec.loader is None:
+        return
+    spec.loader = importlib.util.LazyLoader(spec.loader)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    package, _, own = name.rpartition(".")
+    setattr(sys.modules[package], own, module)
+
+
 _LATE = "open3d.visualization.draw_plotly"
 """The part of Open3D that plots in notebooks; its web framework takes 40 % of the import."""
 
@@ -211,6 +224,22 @@ def share_arenas() -> None:
     """
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).mallopt(_M_ARENA_MAX, _NUM_ARENAS)
+
+
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+_KEPT_BYTES, _LARGEST_KEPT = 1 << 30, 32 << 20
+"""Free memory that a process keeps, and the largest array in it that glibc allows."""
+
+
+def keep_memory() -> None:
+    """Keep free memory for the next array: the system would have to clear it again.
+
+    For processes that end soon. Elsewhere than with glibc nothing happens.
+    """
+    with suppress(AttributeError, OSError, TypeError):
+        library = ctypes.CDLL(None)
+        library.mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT)
+        library.mallopt(_M_TRIM_THRESHOLD, _KEPT_BYTES)
 
 
 def return_memory() -> None:

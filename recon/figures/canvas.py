@@ -109,6 +109,11 @@ class Sheet:
         for axes in self.figure.axes:
             axes.apply_aspect()
 
+    def trim(self, axes: Any) -> None:
+        """Fit a sheet with nothing more to draw; a panel is arranged with its sheet."""
+        if self.fits:
+            self.fit(axes)
+
     def fit(self, axes: Any) -> None:
         """Settle the only axes of a sheet, without the margins that an equal scale leaves above
         and below, if allowed; what is drawn later does not move them.

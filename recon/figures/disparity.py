@@ -23,7 +23,7 @@ def disparity(
     if len(points_px):
         dots = points(sheet, axes, points_px, disparity_px, cmap=scales.disparity())
         add_bar(sheet, axes, dots, LABEL, disparity_px)
-    sheet.fit(axes)
+    sheet.trim(axes)
     return sheet.figure
 
 
@@ -41,5 +41,5 @@ def dense(
             interpolation="none",
         )  # fmt: skip
         add_bar(sheet, axes, shown, LABEL, disparity_px[known])
-    sheet.fit(axes)
+    sheet.trim(axes)
     return sheet.figure

@@ -16,6 +16,10 @@ from recon.voxelmap.faces import exposed_faces
 
 BARE = "#cfcabd"
 """Colour of a surface without colours."""
+FINER = 1.5
+"""Rendered pixels per pixel of the image, along each side."""
+MAX_SIDE_PX = 16384
+"""Side of the largest image that is rendered."""
 STRAY = 0.005
 """Share of the cells, on each side, that may lie outside the image."""
 STRAY_REACH = 1.3
@@ -26,7 +30,12 @@ class Scene:
     """A PyVista Plotter filled step by step; notebooks show `plotter`."""
 
     def __init__(self, size: Size) -> None:
-        self.plotter = load_pyvista().Plotter(off_screen=True, window_size=list(size))
+        self._size = size
+        self._finer = max(1.0, min(FINER, MAX_SIDE_PX / max(size)))
+        window = [round(self._finer * side) for side in size]
+        self.plotter = load_pyvista().Plotter(off_screen=True, window_size=window)
+        # Eight samples of every pixel, the default, take twice as long as finer pixels.
+        self.plotter.render_window.SetMultiSamples(0)
         self.plotter.set_background("white")
 
     def add_cells(self, voxels: Voxels, opacity: float = 1.0) -> None:
@@ -65,7 +74,7 @@ class Scene:
         """Straight lines (L, 2, 3) in a faint colour."""
         self.plotter.add_mesh(
             load_pyvista().line_segments_from_points(lines.reshape(-1, 3)), color=FAINT,
-            line_width=width, lighting=False,
+            line_width=width * self._finer, lighting=False,
         )  # fmt: skip
 
     def image(self, view: Viewpoint, *, is_clear: bool = False) -> Image:
@@ -74,9 +83,16 @@ class Scene:
         try:
             self.plotter.render()
             shot: Any = self.plotter.screenshot(return_img=True, transparent_background=is_clear)
-            return np.asarray(shot, dtype=np.uint8)
+            return self._coarsened(np.asarray(shot, dtype=np.uint8))
         finally:
             self.plotter.close()
+
+    def _coarsened(self, rendered: Image) -> Image:
+        """The means of the rendered pixels, which smooth edges."""
+        import PIL.Image
+
+        fine = PIL.Image.fromarray(rendered)
+        return np.asarray(fine.resize(self._size, PIL.Image.Resampling.BOX))
 
 
 def aim(plotter: Any, view: Viewpoint) -> None:

@@ -17,8 +17,9 @@ from recon.records import PointCloud, StereoPair
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-SAMPLE_STEP = 8
-"""Every n-th point is used for the median distance; all would take longer than the confirmation."""
+NUM_SAMPLES = 1000
+"""Approximate number of a pair's points used for the median distance, evenly spread; all would take
+longer than the confirmation."""
 MIN_DEPTH = 1e-6
 
 
@@ -40,7 +41,7 @@ class Witness:
         """(N,) true where another pair agrees."""
         self.counts = True
         """False for a pair that only confirms others."""
-        self.sample = np.arange(0, len(cloud), SAMPLE_STEP)
+        self.sample = np.arange(0, len(cloud), max(1, len(cloud) // NUM_SAMPLES))
         """(S,) rows of the sampled points."""
         self.distance = np.full(len(self.sample), np.inf)
         """(S,) distance of the samples to the nearest point of another pair, world units."""

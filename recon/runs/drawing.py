@@ -4,7 +4,7 @@ drawn.
 
 import signal
 
-from recon.libraries import limit_threads
+from recon.libraries import keep_memory, limit_threads
 from recon.processes import collect_rarely
 
 
@@ -12,6 +12,7 @@ def _load() -> None:
     # First: most libraries read their limit when imported.
     limit_threads(1)
     collect_rarely()
+    keep_memory()
     if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is handled by the process of the run
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     from recon.figures.canvas import load_libraries

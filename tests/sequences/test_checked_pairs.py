@@ -40,7 +40,7 @@ def passed(monkeypatch):
 
     monkeypatch.setattr(checked, "findings", findings)
     monkeypatch.setattr(checked, "moment_finding", lambda pair, before: None)
-    monkeypatch.setattr(checked, "step_between", lambda before, pair: None)
+    monkeypatch.setattr(checked, "step_between", lambda before, pair, num_corners: None)
 
     def go(drive):
         looked_at.clear()

@@ -12,6 +12,7 @@ from recon.sequences.contradictions.motions import pose_finding
 from recon.sequences.contradictions.pairs import findings
 from recon.sequences.contradictions.steps import Step, step_between
 from recon.sequences.frames import DerivedSource
+from recon.sequences.odometry.tracking import NUM_CORNERS
 
 SURVEYED = (0, 4, 9)
 """Numbers of the first pairs whose images are checked."""
@@ -21,6 +22,8 @@ TIMED = (2, 5, 9)
 """Numbers of the pairs that are compared with the images just before."""
 NUM_LATER = 12
 """Number of pairs checked in the rest of the recording, evenly spaced."""
+NUM_LATER_CORNERS = 300
+"""Corners tracked there: enough for a motion, whereas the angle between the cameras needs all."""
 LASTING_SHARE = 0.25
 """Share of the checked pairs, at least two, that must show what does not hold from the start."""
 DECIDED = ("not-simultaneous", "left-right-swapped", "angle-differs")
@@ -72,7 +75,8 @@ class _Watch:
             found = moment_finding(pair, [*self._before])
             self._timed.append([found] if found else [])
         if number in self._stepped and self._before and "poses-disagree" not in self._said:
-            step = step_between(self._before[0], pair)
+            corners = NUM_CORNERS if number in STEPPED else NUM_LATER_CORNERS
+            step = step_between(self._before[0], pair, num_corners=corners)
             self._steps += [step] if step is not None else []
         if number == SURVEYED[-1]:
             self._say_images(is_end=False)

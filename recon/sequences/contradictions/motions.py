@@ -72,7 +72,7 @@ def _are_seen(steps: Sequence[Step]) -> bool:
     Repetitive patterns, such as bricks around a tower, look the same after several motions;
     tracking finds the shortest, unless it starts where the poses predict the corners.
     """
-    led = [step_between(step.first, step.second, _given(step)) for step in steps]
+    led = [step_between(step.first, step.second, _given(step), step.num_corners) for step in steps]
     found = [
         one for one, step in zip(led, steps, strict=True)
         if one is not None and len(one.tracks) > SEEN_SHARE * len(step.tracks)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from recon.geometry import transform
 from recon.records import StereoPair
 from recon.sequences.odometry.motion import agreeing_tracks, refine_motion
-from recon.sequences.odometry.tracking import Tracks, track
+from recon.sequences.odometry.tracking import NUM_CORNERS, Tracks, track
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,8 @@ class Step:
     all_tracks: Tracks
     T_second_first: Array
     """(4, 4) of the left camera."""
+    num_corners: int = NUM_CORNERS
+    """Approximate number of corners that were to be tracked."""
 
     def error_px(self, T_second_first: Array) -> float:
         """Median reprojection error of the points in the second left image under a motion."""
@@ -56,7 +58,10 @@ class Step:
 
 
 def step_between(
-    first: StereoPair, second: StereoPair, T_second_first: Array | None = None
+    first: StereoPair,
+    second: StereoPair,
+    T_second_first: Array | None = None,
+    num_corners: int = NUM_CORNERS,
 ) -> Step | None:
     """The step between two pairs; None if the images show none.
 
@@ -65,10 +70,12 @@ def step_between(
     first, second : StereoPair
     T_second_first : (4, 4), optional
         Motion used to predict the corners.
+    num_corners : int
+        Approximate number of corners to track.
     """
     if first.rig != second.rig:
         return None
-    tracks = track(first, second, T_second_first)
+    tracks = track(first, second, T_second_first, num_corners)
     agreeing = agreeing_tracks(tracks, first.rig)
     if agreeing is None:
         return None
@@ -81,5 +88,6 @@ def step_between(
         tracks=tracks.select(agreeing[1]),
         all_tracks=tracks,
         T_second_first=refined,
+        num_corners=num_corners,
     )
     return step if step.flow_px > max(MIN_FLOW_PX, 2.0 * step.error_px(refined)) else None

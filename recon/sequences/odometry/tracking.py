@@ -72,7 +72,12 @@ class Tracks:
         return Tracks(first=self.first.select(rows), second=self.second.select(rows))
 
 
-def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = None) -> Tracks:
+def track(
+    first: StereoPair,
+    second: StereoPair,
+    T_second_first: Array | None = None,
+    num_corners: int = NUM_CORNERS,
+) -> Tracks:
     """Track corners of `first` through all four images.
 
     Parameters
@@ -80,10 +85,12 @@ def track(first: StereoPair, second: StereoPair, T_second_first: Array | None = 
     first, second : StereoPair
     T_second_first : (4, 4), optional
         Motion of the left camera, to predict the corners; by default they start where they were.
+    num_corners : int
+        Approximate number of corners to track, which takes nearly all of the time.
     """
     left, next_left = grey(first.left), grey(second.left)
     right, next_right = levelled(grey(first.right), left), levelled(grey(second.right), next_left)
-    points = corners(left)
+    points = corners(left, num_corners)
     seen, is_seen = seen_by_both(left, right, points)
     seen = seen.select(is_seen)
     if T_second_first is None:
