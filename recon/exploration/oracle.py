@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial.distance import cdist
 
-from recon.exploration.floor import ROUNDING, Array, Floor, Mask, first_best
+from recon.exploration.floor import Array, Floor, Mask, first_best
 from recon.exploration.metrics import length_of
 from recon.exploration.paths import is_clear, paths_over
+from recon.exploration.routes import Order, improved, nearest_first
 from recon.exploration.scales import Scales
 from recon.world.objects import TrueObject
 
@@ -24,8 +23,6 @@ REACHES = (0.2, 0.35, 0.5, 0.75, 1.0)
 """Distances from an object that are tried, as shares of the viewing distance."""
 NUM_ROUNDS = 8
 """Rounds of improving the stops and their order."""
-
-Order = list[int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -132,36 +129,3 @@ def _walked(start: Array, end: Array, walkable: Mask, floor: Floor) -> float:
         return float(np.hypot(*(end - start)))
     paths = paths_over(floor, walkable, start)
     return length_of(np.vstack([start, paths.corners(end), end]))
-
-
-def nearest_first(legs: Array) -> Order:
-    """Order of a tour over N positions that always continues to the nearest, from the first."""
-    order, left = [0], list(range(1, len(legs)))
-    while left:
-        order.append(min(left, key=lambda place: legs[order[-1], place]))
-        left.remove(order[-1])
-    return order
-
-
-def improved(order: Order, legs: Array) -> Order:
-    """The tour with segments reversed while that shortens it (2-opt); its start is kept."""
-    tour = np.array(order)
-    least = ROUNDING * legs.max(initial=0.0)
-    while (best := _best_turn(tour, legs, least))[1] > 0:
-        i, j = best
-        tour[i : j + 1] = tour[i : j + 1][::-1]
-    return [int(number) for number in tour]
-
-
-@njit(cache=True)
-def _best_turn(tour: NDArray[np.intp], legs: Array, least: float) -> tuple[int, int]:
-    """First and last index of the segment to reverse for the shortest tour; 0, 0 if none helps."""
-    best, first, last = least, 0, 0
-    for i in range(1, len(tour)):
-        for j in range(i + 1, len(tour)):
-            gain = legs[tour[i - 1], tour[i]] - legs[tour[i - 1], tour[j]]
-            if j + 1 < len(tour):
-                gain += legs[tour[j], tour[j + 1]] - legs[tour[i], tour[j + 1]]
-            if gain > best:
-                best, first, last = gain, i, j
-    return first, last

@@ -9,7 +9,7 @@ from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import ROUNDING, Array, Mask, first_best
 from recon.exploration.gains import AZIMUTHS_RAD, Visibility
-from recon.exploration.oracle import improved
+from recon.exploration.routes import shortest
 from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
 from recon.exploration.sight import update_best
@@ -57,12 +57,12 @@ class Tour:
         return found
 
     def shorten(self) -> None:
-        """Improve the order of the stops (2-opt)."""
+        """Put the stops into the order of the shortest path."""
         numbers = [place for place, _ in self.stops]
         legs = np.zeros((len(numbers) + 1, len(numbers) + 1))
         legs[0, 1:] = legs[1:, 0] = self.lengths[numbers]
         legs[1:, 1:] = cdist(self.places[numbers], self.places[numbers])
-        order = improved(list(range(len(legs))), legs)[1:]
+        order = shortest(legs)[1:]
         self.stops = [self.stops[number - 1] for number in order]
         self._legs = [self._legs[number - 1] for number in order]
 

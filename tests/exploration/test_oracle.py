@@ -4,12 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import Floor
-from recon.exploration.oracle import improved, nearest_first, oracle_path
+from recon.exploration.oracle import oracle_path
 from recon.exploration.scales import Scales
 from recon.settings import Settings
 
@@ -64,28 +61,6 @@ def test_ground_closed_in_behind_an_object_is_no_stop():
     ]  # fmt: skip
     around = length((40.0, 0.0), walls=[(slice(121, 141), slice(68, 93))])
     assert length((40.0, 0.0), walls=pocket) == pytest.approx(around)
-
-
-@settings(deadline=None, max_examples=30)
-@given(st.integers(1, 9), st.integers(0, 1000))
-def test_two_opt_keeps_the_stops_and_never_lengthens_the_tour(number, seed):
-    stops = np.random.default_rng(seed).uniform(-50, 50, (number, 2))
-    legs = cdist(stops, stops)
-    before = nearest_first(legs)
-    after = improved(before, legs)
-    assert after[0] == before[0] == 0
-    assert sorted(after) == list(range(number))
-    assert tour_length(after, legs) <= tour_length(before, legs) + 1e-9
-
-
-def test_crossing_is_removed():
-    stops = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10], [20, 5]])
-    legs = cdist(stops, stops)
-    assert tour_length(improved([0, 2, 1, 3, 4], legs), legs) < tour_length([0, 2, 1, 3, 4], legs)
-
-
-def tour_length(order, legs):
-    return legs[order[:-1], order[1:]].sum()
 
 
 def test_world_in_another_unit_has_the_same_tour():
