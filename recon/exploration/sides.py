@@ -146,7 +146,13 @@ def _planned_gap(obstacle: Obstacle | Detection, search: Search) -> float:
 
 
 def _arc(obstacle: Obstacle | Detection, search: Search) -> float:
-    """Half the arc of bearings that one view of an obstacle covers."""
+    """Half the arc of bearings that one view of an obstacle covers.
+
+    A detection less certain than the distance from which it would be viewed has no sides yet: one
+    view from nearby tells where it is, or that nothing is there.
+    """
+    if isinstance(obstacle, Detection) and obstacle.sigma > search.clearance:
+        return math.pi
     return (_planned_gap(obstacle, search) - MARGIN_RAD) / 2.0
 
 

@@ -111,6 +111,15 @@ def test_more_views_are_planned_of_an_obstacle_where_no_name_is_expected(floor):
     assert sides.missing.any()
 
 
+def test_one_view_is_planned_of_a_detection_that_may_be_far_from_where_it_seems(floor):
+    """Of one that is less certain than the distance of 10 units from which it would be viewed."""
+    place, search = np.array([[13.0, 0.0]]), searching()
+    for sigma, is_done in ((9.9, False), (10.1, True)):
+        sides = Sides.of([replace(OBSTACLE, sigma=sigma)], place, floor, FIELD, search)
+        assert sides.worth.max() == pytest.approx(1.0, abs=0.05)
+        assert sides.after(0, np.pi)[0].missing.any() != is_done
+
+
 def test_names_are_expected_until_most_named_obstacles_have_none():
     sure, unsure, unnamed = (
         SimpleNamespace(found=found, is_sure=found == "tree") for found in ("tree", "unknown", None)
