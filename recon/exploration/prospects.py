@@ -18,6 +18,7 @@ from recon.exploration.sides import Sides
 from recon.exploration.state import State
 from recon.exploration.tour import first_stop
 from recon.exploration.viewpoints import vantage_points, viewpoints_round
+from recon.exploration.ways import Ways, discs_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,8 +29,8 @@ class Prospects:
     """The paths over known ground."""
     hoped: ShortestPaths
     """The paths if all unseen ground is free."""
-    places: Array
-    """(C, 2) x, z."""
+    ways: Ways
+    """The ways to C positions and between them; over unseen ground where the known does not do."""
     reached: Mask
     """(C,) True if a path over known ground leads there."""
 
@@ -42,26 +43,29 @@ class Prospects:
         beyond = viewpoints_round(hoped, wanted, search.clearance)
         beyond = beyond[~known.reaches(beyond)]
         near = np.vstack([state.place, vantage, around])
-        return cls(
-            known=known,
-            hoped=hoped,
+        ways = Ways(
             places=np.vstack([near, beyond]),
-            reached=np.arange(len(near) + len(beyond)) < len(near),
+            lengths=np.append(known.length(near), hoped.length(beyond)),
+            discs=discs_of((*state.obstacles, *state.detections), state.scales.walk_clearance),
         )
+        reached = np.arange(len(ways.places)) < len(near)
+        return cls(known=known, hoped=hoped, ways=ways, reached=reached)
+
+    @property
+    def places(self) -> Array:
+        """(C, 2) x, z."""
+        return self.ways.places
 
     def first_stop(
         self, visibility: Visibility, sides: Sides, unknown: Mask, scales: Scales
     ) -> tuple[int, float] | None:
         """Index of the reached position and azimuth of the next view; None if nothing is left."""
-        lengths = np.where(
-            self.reached, self.known.length(self.places), self.hoped.length(self.places)
-        )
-        stop = first_stop(lengths, visibility, sides, unknown, scales, self.reached)
+        stop = first_stop(self.ways, visibility, sides, unknown, scales, self.reached)
         if stop is None or self.reached[stop[0]]:
             return stop
         reached = visibility.only(self.reached)
         return self._towards(stop[0], reached, scales) or first_stop(
-            lengths, reached, sides, unknown, scales, self.reached
+            self.ways, reached, sides, unknown, scales, self.reached
         )
 
     def _towards(

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import ROUNDING, Array, Mask, first_best
 from recon.exploration.gains import AZIMUTHS_RAD, Visibility
@@ -13,6 +12,7 @@ from recon.exploration.routes import shortest
 from recon.exploration.scales import Scales
 from recon.exploration.sides import Sides
 from recon.exploration.sight import update_best
+from recon.exploration.ways import Ways
 
 MAX_OBJECT_STOPS, MAX_GROUND_STOPS = 24, 8
 """Maximum number of stops of a round: further ones hardly change where it begins."""
@@ -27,10 +27,7 @@ less by this factor."""
 class Tour:
     """An open path from here past some of C positions."""
 
-    places: Array
-    """(C, 2) x, z."""
-    lengths: Array
-    """(C,) lengths of the paths from here, world units."""
+    ways: Ways
     stops: list[tuple[int, int]] = field(default_factory=list)
     """Indices of the position and the ray of each view, in order."""
     _legs: list[Array] = field(default_factory=list)
@@ -39,7 +36,7 @@ class Tour:
     def insert(self, position: int, place: int, ray: int) -> None:
         """Insert a view before the stop at an index of the path."""
         self.stops.insert(position, (place, ray))
-        self._legs.insert(position, np.hypot(*(self.places - self.places[place]).T))
+        self._legs.insert(position, self.ways.to(place))
 
     def detours(self, early: float = 1.0) -> tuple[Array, NDArray[np.intp]]:
         """The detour (C,) that each position adds to the path, and its index (C,) on the path.
@@ -49,10 +46,11 @@ class Tour:
         early : float
             Factor for detours that are not at the path's end.
         """
+        lengths = self.ways.lengths
         if not self.stops:
-            return self.lengths, np.zeros(len(self.lengths), dtype=np.intp)
+            return lengths, np.zeros(len(lengths), dtype=np.intp)
         found: tuple[Array, NDArray[np.intp]] = _detours(
-            self.lengths, np.array(self._legs), np.array([place for place, _ in self.stops]), early
+            lengths, np.array(self._legs), np.array([place for place, _ in self.stops]), early
         )
         return found
 
@@ -60,8 +58,8 @@ class Tour:
         """Put the stops into the order of the shortest path."""
         numbers = [place for place, _ in self.stops]
         legs = np.zeros((len(numbers) + 1, len(numbers) + 1))
-        legs[0, 1:] = legs[1:, 0] = self.lengths[numbers]
-        legs[1:, 1:] = cdist(self.places[numbers], self.places[numbers])
+        legs[0, 1:] = legs[1:, 0] = self.ways.lengths[numbers]
+        legs[1:, 1:] = np.reshape(self._legs, (len(numbers), len(self.ways.places)))[:, numbers]
         order = shortest(legs)[1:]
         self.stops = [self.stops[number - 1] for number in order]
         self._legs = [self._legs[number - 1] for number in order]
@@ -94,7 +92,7 @@ def _detours(
 
 
 def first_stop(
-    lengths: Array,
+    ways: Ways,
     visibility: Visibility,
     sides: Sides,
     unknown: Mask,
@@ -109,18 +107,18 @@ def first_stop(
 
     Parameters
     ----------
-    lengths : (C,) float64
-        Lengths of the paths to the positions of `visibility` and `sides`, world units.
+    ways : Ways
+        The ways to the positions of `visibility` and `sides`.
     unknown : (X, Z) bool
         Ground to be seen.
     reached : (C,) bool
         The positions from which ground may be looked at, sides of obstacles from all.
     """
-    tour = Tour(places=visibility.places, lengths=lengths)
+    tour = Tour(ways=ways)
     add_objects(tour, visibility, sides, unknown, scales)
     tour.shorten()
     for place, ray in tour.stops:
-        unknown = visibility.left(unknown, tour.places[place], AZIMUTHS_RAD[ray])
+        unknown = visibility.left(unknown, ways.places[place], AZIMUTHS_RAD[ray])
     add_ground(tour, visibility.only(reached), unknown, scales)
     if not tour.stops:
         return None
@@ -166,6 +164,6 @@ def add_ground(tour: Tour, visibility: Visibility, unknown: Mask, scales: Scales
         if stop is None:
             return
         tour.insert(int(position[stop[0]]), *stop)
-        place, azimuth = tour.places[stop[0]], float(AZIMUTHS_RAD[stop[1]])
+        place, azimuth = tour.ways.places[stop[0]], float(AZIMUTHS_RAD[stop[1]])
         unknown = visibility.left(unknown, place, azimuth)
         visibility = visibility.without([(place, azimuth)], scales.same_place)

@@ -16,6 +16,7 @@ from recon.exploration.scan import Detection
 from recon.exploration.search import MAX_LOOKS, Look, Search, are_nameable
 from recon.exploration.sides import Sides, is_given_up, widest_gap
 from recon.exploration.tour import EARLY, Tour, first_stop
+from recon.exploration.ways import Ways
 from recon.settings import Settings
 
 FIELD = np.radians(80.0)
@@ -176,7 +177,7 @@ def test_widest_gap_of_three_even_views_is_a_third():
 
 def tour_past(*stops, places):
     places = np.array(places, dtype=float)
-    tour = Tour(places=places, lengths=np.hypot(*places.T))
+    tour = Tour(ways=Ways(places=places, lengths=np.hypot(*places.T)))
     for position, stop in enumerate(stops):
         tour.insert(position, stop, 0)
     return tour
@@ -204,10 +205,11 @@ def test_tour_is_shortened_and_keeps_its_start():
 
 
 def stop_of(floor, unknown, visibility, start, reached=None):
-    lengths = np.hypot(*(visibility.places - start).T)
-    sides = Sides.of([], visibility.places, floor, FIELD, searching())
-    reached = np.ones(len(lengths), dtype=bool) if reached is None else np.array(reached)
-    return first_stop(lengths, visibility, sides, unknown, SCALES, reached)
+    places = visibility.places
+    ways = Ways(places=places, lengths=np.hypot(*(places - start).T))
+    sides = Sides.of([], places, floor, FIELD, searching())
+    reached = np.ones(len(places), dtype=bool) if reached is None else np.array(reached)
+    return first_stop(ways, visibility, sides, unknown, SCALES, reached)
 
 
 def test_tour_starts_with_nearby_places(floor):
