@@ -2,8 +2,9 @@
 
 Where noise alone moves a disparity considerably, it may have created the pair. On plain ground it
 has; on a faint texture hardly ever, though the scores of both are low. Which of the two an image
-shows, only its pairs together tell: those that noise created have the scores of pure noise. So the
-share of such pairs, and the scores of the others, are estimated from all pairs of the images.
+shows, only its pairs together tell: those that noise created have the scores of pure noise, and
+disagree with the pairs around them. So the share of such pairs, and the scores of the others, are
+estimated from all pairs of the images.
 """
 
 from typing import NamedTuple
@@ -24,18 +25,22 @@ _CORRECT = 0.05
 """Share of those that are correct to a pixel."""
 _GROWTH = 0.5
 """Log odds that noise created a pair, per natural logarithm of the variance due to noise."""
+_DISSENT = 12.0
+"""Log odds that noise created a pair, if none of its neighbours agrees instead of all."""
 _FADING = -0.5
 """Log odds by matching of all other pairs, per natural logarithm of the same."""
 _EVEN_NOISE = 0.05
 """Variance due to noise at which half of its effect on the odds is reached, squared pixels."""
 _LEAST_NOISE, _MOST_NOISE = 0.02, 10.0
 """Less noise creates no pairs."""
-_STEEPNESS, _OFFSET = 1.2, 0.3
-"""Of the log odds of all other pairs, over those by matching."""
-_FAINT = 1.6
+_OFFSET = 0.65
+"""Of the log odds of all other pairs, from those by matching."""
+_FAINT = 1.0
 """Added if they are noisy: noise reduces the scores of correct pairs, too."""
 _ALONG = -3.0
 """Added instead if their edges are along the row, which matches anywhere on it."""
+_CONSENT = 7.0
+"""Added if they are noisy, and all of their neighbours agree instead of none."""
 _EVEN_TRUST = 0.02
 
 _NUM_SAMPLES = 1024
@@ -55,7 +60,7 @@ class _Share(NamedTuple):
     spread: float
 
 
-def probability(prior: Array, noise_variance: Floats, trust: Floats) -> Array:
+def probability(prior: Array, noise_variance: Floats, trust: Floats, agreement: Floats) -> Array:
     """Probability that pairs are correct (N,), from matching and from the effect of noise.
 
     Parameters
@@ -66,29 +71,32 @@ def probability(prior: Array, noise_variance: Floats, trust: Floats) -> Array:
         Variance of the disparity due to noise alone, squared pixels.
     trust : (N,)
         From 0, if the edge is along the row, to 1.
+    agreement : (N,)
+        Share of a pair's neighbours that have its disparity.
     """
     log_odds = np.log(np.clip(prior, 1e-6, None) / np.clip(1.0 - prior, 1e-6, None))
     noise = np.minimum(noise_variance, np.float32(_MOST_NOISE))
-    rows = np.flatnonzero((noise > _LEAST_NOISE) & np.isfinite(log_odds))
+    known = np.flatnonzero(np.isfinite(log_odds))
+    rows = known[noise[known] > _LEAST_NOISE]
     rows = rows[:: max(1, len(rows) // _NUM_SAMPLES)]
-    share = _estimate(log_odds[rows], np.log(noise[rows] / _EVEN_NOISE))
+    some = log_odds[rows], np.log(noise[rows] / _EVEN_NOISE), agreement[rows]
     found = prior.copy()
-    rows = np.flatnonzero(np.isfinite(log_odds))
-    _update(rows, (log_odds, noise, trust), share, found)
+    _update(known, (log_odds, noise, trust, agreement), _estimate(*some), found)
     return found
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
-def _estimate(log_odds: Array, log_noise: Floats) -> _Share:
+def _estimate(log_odds: Array, log_noise: Floats, agreement: Floats) -> _Share:
     """Estimate the share by expectation maximisation."""
-    bias, mean, spread = 0.0, _TYPICAL_MEAN, _TYPICAL_SPREAD
+    share = _Share(0.0, _TYPICAL_MEAN, _TYPICAL_SPREAD)
     for _ in range(_NUM_ITERATIONS):
         slope = 1.0
         excess = 0.0
         count, first, second = _TYPICAL_COUNT, 0.0, 0.0
         for i in range(log_odds.size):
-            before = _logistic(bias + _GROWTH * log_noise[i])
-            after = _posterior(log_odds[i], log_noise[i], _Share(bias, mean, spread))
+            before = _odds(log_noise[i], agreement[i], share)
+            after = _logistic(before + _evidence(log_odds[i], log_noise[i], share))
+            before = _logistic(before)
             excess += after - before
             slope += before * (1.0 - before)
             value = log_odds[i] - _FADING * log_noise[i] - _TYPICAL_MEAN
@@ -99,19 +107,25 @@ def _estimate(log_odds: Array, log_noise: Floats) -> _Share:
         variance = (second + _TYPICAL_COUNT * _TYPICAL_SPREAD**2) / count - change * change
         spread = max(np.sqrt(max(variance, 0.0)), _SPREAD)
         mean = max(_TYPICAL_MEAN + change, _MEAN + 1.0)
-        bias = min(max(bias + 2.0 * excess / slope, -_LARGEST_BIAS), _LARGEST_BIAS)
-    return _Share(bias, mean, spread)
+        bias = min(max(share.bias + 2.0 * excess / slope, -_LARGEST_BIAS), _LARGEST_BIAS)
+        share = _Share(bias, mean, spread)
+    return share
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
-def _posterior(log_odds: float, log_noise: float, share: _Share) -> float:
-    """Probability that noise created a pair of these log odds by matching."""
+def _odds(log_noise: float, agreement: float, share: _Share) -> float:
+    """Log odds that noise created a pair, whatever its score."""
+    return float(share.bias + _GROWTH * log_noise - _DISSENT * (agreement - 0.5))
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def _evidence(log_odds: float, log_noise: float, share: _Share) -> float:
+    """Log odds, by a pair's log odds by matching, that noise created it."""
     # Even lower scores are no evidence against noise.
     value = max(log_odds, _MEAN)
     chance = (value - _MEAN) / _SPREAD
     other = (value - share.mean - _FADING * log_noise) / share.spread
-    ratio = np.log(share.spread / _SPREAD) + 0.5 * (other * other - chance * chance)
-    return float(_logistic(share.bias + _GROWTH * log_noise + ratio))
+    return float(np.log(share.spread / _SPREAD) + 0.5 * (other * other - chance * chance))
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
@@ -121,16 +135,18 @@ def _logistic(log_odds: float) -> float:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
 def _update(
-    rows: Integers, evidence: tuple[Array, Floats, Floats], share: _Share, found: Array
+    rows: Integers, evidence: tuple[Array, Floats, Floats, Floats], share: _Share, found: Array
 ) -> None:
     """Write the probabilities of some pairs."""
-    log_odds, noise, trust = evidence
+    log_odds, noise, trust, agreement = evidence
     for i in rows:
         created = 0.0
         if noise[i] > _LEAST_NOISE:
-            created = _posterior(log_odds[i], np.log(noise[i] / _EVEN_NOISE), share)
+            log_noise = np.log(noise[i] / _EVEN_NOISE)
+            before = _odds(log_noise, agreement[i], share)
+            created = _logistic(before + _evidence(log_odds[i], log_noise, share))
         effect = noise[i] / (noise[i] + _EVEN_NOISE)
         across = trust[i] / (trust[i] + _EVEN_TRUST)
-        other = _OFFSET + _STEEPNESS * log_odds[i]
-        other += effect * (_FAINT * across + _ALONG * (1.0 - across))
-        found[i] = (1.0 - created) * _logistic(other) + created * _CORRECT
+        change = _FAINT * across + _ALONG * (1.0 - across) + _CONSENT * (agreement[i] - 0.5)
+        other = _logistic(_OFFSET + log_odds[i] + effect * change)
+        found[i] = (1.0 - created) * other + created * _CORRECT

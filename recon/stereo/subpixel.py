@@ -16,6 +16,7 @@ from recon.stereo.kernels.angle import angles
 from recon.stereo.kernels.simd import NUM_LANES, Floats, Integers, kernel, load, spread, store
 from recon.stereo.kernels.sorting import order
 from recon.stereo.kernels.threads import bands, run
+from recon.stereo.neighbours import neighbours
 from recon.stereo.rectification import residual_of_rows
 from recon.stereo.uncertainty import (
     Prior,
@@ -78,7 +79,11 @@ def refine(
     parts = run([partial(sums_of, pairs) for pairs in bands(len(rows), _LEAST_BAND)])
     sums = np.concatenate(parts, axis=1)
     white = white_energies(left, right, scales, left.grey[v, u])
-    prior = Prior(probability=matches.probability[rows], is_sure=rows <= len(matches) // 2)
+    prior = Prior(
+        probability=matches.probability[rows],
+        is_sure=rows <= len(matches) // 2,
+        neighbours=neighbours(u, v, delta, rows),
+    )
     if residual_px is None:
         sure = prior.is_sure & _is_inner(left.grey.shape, *pixels)
         of_sure = tuple(column[sure] for column in pixels)

@@ -11,6 +11,7 @@ from recon.stereo import chance
 from recon.stereo.harmonics import DESCRIPTORS
 from recon.stereo.kernels.simd import FAST, Floats, Integers
 from recon.stereo.kernels.sorting import median
+from recon.stereo.neighbours import Neighbours
 from recon.stereo.noise import gain
 
 Array = NDArray[np.float64]
@@ -30,16 +31,17 @@ _SCATTER_FACTOR = 2.0
 # Variance of a disparity that is correct to a pixel, beyond those due to noise and to the rig.
 # Fitted to the errors of rendered worlds, whose rig is exact, and of recorded pairs without the
 # error that neighbouring pixels share, with noise of 0 to 10 grey levels; other worlds confirm it.
-_SURFACE_VARIANCE = 0.0028
-"""Surfaces curve away within a filter, most of all at their silhouettes."""
-_DISCORD_WEIGHT = 2.2
+_LEAST_VARIANCE = 0.0001
+_SURFACE_VARIANCE = 0.013
+"""Of a match without company, as at silhouettes: there, surfaces curve away within a filter."""
+_DISCORD_WEIGHT = 1.6
 """Relative to the variance that the scatter of the channels implies, beyond that due to noise."""
-_ALONG_VARIANCE = 0.27
+_ALONG_VARIANCE = 0.08
 """Of a disparity whose edge is along the row."""
-_DOUBT_VARIANCE, _EVEN_DOUBT = 0.115, 0.075
+_DOUBT_VARIANCE, _EVEN_DOUBT = 0.04, 0.028
 """Of doubtful pairs, which lie at edges of surfaces; and the probability of a mismatch at which
 half of it is reached."""
-_LARGEST_VARIANCE = 0.25
+_LARGEST_VARIANCE = 0.2
 """Larger errors are mismatches; approached smoothly."""
 _WHOLE_VARIANCE, _WRONG_VARIANCE = 0.19, 0.13
 """Of a disparity known only to the pixel, and what is added if it is certainly wrong."""
@@ -57,6 +59,7 @@ class Prior:
     """That the pairs are correct; NaN if unknown."""
     is_sure: NDArray[np.bool_]
     """Pairs that are likely correct: the scatter of their channels limits the noise, too."""
+    neighbours: Neighbours
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -98,11 +101,14 @@ def solve(
         num_sure = _shift(sums, white, prior.is_sure, shifts, scatter, scatter_of_sure)
         ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
         _split(sums, white, ratio, scatter, shifts)
-        probability = chance.probability(probability, shifts[_NOISE], shifts[_TRUST])
+        probability = chance.probability(
+            probability, shifts[_NOISE], shifts[_TRUST], prior.neighbours.agreement
+        )
     # Unknown probabilities do not make a pair doubtful.
     wrong = np.nan_to_num(1.0 - probability).astype(np.float32)
-    change, sigma, is_whole = np.zeros_like(wrong), np.empty_like(wrong), np.ones(num, np.bool_)
-    _weigh(shifts, wrong, np.float32(residual_px**2), change, sigma, is_whole)
+    tuned = np.zeros_like(wrong), np.empty_like(wrong), np.ones(num, np.bool_)
+    _weigh(shifts, wrong, prior.neighbours.company, np.float32(residual_px**2), tuned)
+    change, sigma, is_whole = tuned
     return Tuning(change_px=change, is_whole=is_whole, sigma_px=sigma, probability=probability)
 
 
@@ -165,15 +171,15 @@ def _split(sums: Floats, white: Floats, ratio: Floats, scatter: Floats, shifts: 
 def _weigh(
     shifts: Floats,
     wrong: Floats,
+    company: Floats,
     rig_variance: float,
-    change: Floats,
-    sigma: Floats,
-    is_whole: NDArray[np.bool_],
+    tuned: tuple[Floats, Floats, NDArray[np.bool_]],
 ) -> None:
-    """Write the change of each pair's disparity and its sigma; `wrong` are the pairs' doubts."""
-    floor = np.float32(_SURFACE_VARIANCE) + rig_variance
+    """Write each pair's change, its sigma, and whether it stays whole; `wrong` are the doubts."""
+    change, sigma, is_whole = tuned
+    floor = np.float32(_LEAST_VARIANCE) + rig_variance
     whole_floor = np.float32(_WHOLE_VARIANCE) + rig_variance
-    even_doubt = np.float32(_EVEN_DOUBT**1.5)
+    even_doubt = np.float32(_EVEN_DOUBT**2)
     for i in range(wrong.size):
         whole, trust, noise = shifts[_WHOLE, i], shifts[_TRUST, i], shifts[_NOISE, i]
         is_near = trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
@@ -186,9 +192,11 @@ def _weigh(
             scatter = noise + np.float32(_DISCORD_WEIGHT) * shifts[_DISCORD, i]
             variance = trust * trust * scatter
             variance += (1 - trust) * (1 - trust) * np.float32(_ALONG_VARIANCE)
-            doubt = wrong[i] * np.sqrt(wrong[i])
+            variance += np.float32(_SURFACE_VARIANCE) * (1 - company[i])
+            doubt = wrong[i] * wrong[i]
             variance += np.float32(_DOUBT_VARIANCE) * doubt / (doubt + even_doubt)
-            variance = floor + variance / (1 + variance / np.float32(_LARGEST_VARIANCE))
+            share = variance / np.float32(_LARGEST_VARIANCE)
+            variance = floor + variance / np.sqrt(1 + share * share)
         sigma[i] = np.sqrt(variance)
 
 

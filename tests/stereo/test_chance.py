@@ -11,12 +11,10 @@ def rng():
     return np.random.default_rng(8)
 
 
-def probability(log_odds, noise=0.5, trust=0.9):
-    size = len(log_odds)
+def probability(log_odds, noise=0.5, trust=0.9, agreement=0.5):
     prior = 1 / (1 + np.exp(-np.asarray(log_odds, np.float64)))
-    return chance.probability(
-        prior, np.full(size, noise, np.float32), np.full(size, trust, np.float32)
-    )
+    full = [np.broadcast_to(x, len(log_odds)).astype(np.float32) for x in (noise, trust, agreement)]
+    return chance.probability(prior, *full)
 
 
 def test_same_score_is_improbable_only_where_noise_creates_pairs(rng):
@@ -40,10 +38,26 @@ def test_edge_along_the_row_is_doubtful_if_noisy(rng):
     np.testing.assert_allclose(certain, probability(log_odds, noise=1e-4), atol=0.01)
 
 
+def test_noisy_pairs_without_support_of_neighbours_are_improbable(rng):
+    """Those of correlated noise have higher scores than those of white noise."""
+    faint, created = rng.normal(1.5, 1.0, 3000), rng.normal(-1.0, 0.4, 500)
+    log_odds = np.r_[faint, created]
+    support = np.r_[rng.uniform(0.4, 1.0, 3000), rng.uniform(0.0, 0.3, 500)]
+    created = slice(3000, None)
+    informed = probability(log_odds, agreement=support)
+    assert informed[created].mean() < 0.1 < 0.9 < informed[:3000].mean()
+    assert (informed[created] >= 0.7).mean() < 0.01
+    uninformed = probability(log_odds)
+    assert uninformed[created].mean() > 2 * informed[created].mean()
+    # Without noise, a pair alone may be as correct as any.
+    certain = [probability(log_odds, noise=1e-4, agreement=x) for x in (0.0, 1.0)]
+    np.testing.assert_allclose(*certain, atol=0.01)
+
+
 def test_unknown_prior_stays_unknown():
     prior = np.array([0.8, np.nan])
     noise = np.array([np.inf, 0.1], np.float32)
-    found = chance.probability(prior, noise, np.ones(2, np.float32))
+    found = chance.probability(prior, noise, *np.ones((2, 2), np.float32))
     assert 0 < found[0] < 1
     assert np.isnan(found[1])
-    assert len(chance.probability(prior[:0], noise[:0], noise[:0])) == 0
+    assert len(chance.probability(prior[:0], *np.ones((3, 0), np.float32))) == 0
