@@ -22,6 +22,8 @@ MAX_CELLS = 16_000_000
 """Maximum number of floor cells: planning needs some hundred bytes per cell."""
 MAX_REACH_CELLS = 1000.0
 """Range of sight that a smaller floor may have: a view takes memory by the square of it."""
+MIN_RADIUS_SHARE = 1e-7
+"""Smallest radius of the body relative to the floor: its way is sampled in steps of the radius."""
 MIN_HITS = 2
 """Number of points of one view on a cell that show an obstacle: a lone one may be noise."""
 MUCH_NEARER = 2.0
@@ -33,13 +35,22 @@ length."""
 
 
 def check_floor(settings: Settings) -> None:
-    """Raise `InputError` if the floor, or what a view may show of it, has too many cells."""
+    """Raise `InputError` if the floor, a view of it or a way over it is too much for memory."""
     shape = _shape(settings.world.size_x, settings.world.size_z, settings.map.cell_size)
     longest = max(MAX_REACH_CELLS, math.hypot(*shape)) * settings.map.cell_size
-    if settings.exploration.sight_range > longest:
+    for name, value in (
+        ("exploration.sight_range", settings.exploration.sight_range),
+        ("motion.position_noise", settings.motion.position_noise),
+    ):
+        if value > longest:
+            raise InputError(
+                f"{name} is {value:g}, but at most {longest:g} is possible with this floor and "
+                "map.cell_size"
+            )
+    radius, least = settings.motion.body_radius, MIN_RADIUS_SHARE * longest
+    if radius < least:
         raise InputError(
-            f"exploration.sight_range is {settings.exploration.sight_range:g}, but at most "
-            f"{longest:g} is possible with this floor and map.cell_size"
+            f"motion.body_radius is {radius:g}, but at least {least:g} is needed on this floor"
         )
 
 

@@ -16,7 +16,7 @@ class MotionSettings:
     position_noise: NonNegative = 0.0
     """Standard deviation of the position error per step along x and along z, world units; the
     errors accumulate, and the agent corrects them from what it sees."""
-    heading_noise_deg: NonNegative = 0.0
+    heading_noise_deg: float = Field(default=0.0, ge=0, le=180)
     """Standard deviation of the heading error per step."""
     noise_seed: int = Field(default=0, ge=0)
     """Seed of the motion errors; the run's own seed if not given."""

@@ -38,6 +38,7 @@ _NEEDS = {
     "int_type": "a whole number",
     "less_than": "a number < {lt:g}",
     "less_than_equal": "a number <= {le:g}",
+    "multiple_of": "a multiple of {multiple_of}",
     "literal_error": "{expected}",
     "string_type": "text in quotes",
     "too_long": "a list of at most {max_length}",

@@ -15,6 +15,8 @@ SENSOR_WIDTH = 2.0 * _FOCAL_LENGTH * math.tan(math.radians(_FOV_DEG) / 2.0)
 
 PixelCount = Annotated[int, Field(ge=1, le=4096)]
 """More than 4096 x 4096 rays at once do not fit into the memory of most machines."""
+Blur = Annotated[float, Field(ge=0, le=100)]
+"""Standard deviation in pixels; kernels of larger ones take more memory than images."""
 
 FOLLOWERS = {"focal_length": "fov_deg", "fov_deg": "focal_length"}
 """Settings that follow when another one is changed, unless they are given as well."""
@@ -96,11 +98,11 @@ class RenderSettings:
     """Let the sky darken from the horizon upwards; otherwise it has a single colour."""
     fog: float = Field(default=0.0, ge=0, lt=1)
     """Share of the light lost per world unit of distance."""
-    blur_px: NonNegative = 0.0
+    blur_px: Blur = 0.0
     """Standard deviation of the lens blur, pixels."""
     noise: NonNegative = 0.0
     """Standard deviation of the image noise, grey levels (of 255)."""
-    noise_grain_px: NonNegative = 0.0
+    noise_grain_px: Blur = 0.0
     """Grain of the image noise: it is blurred with this standard deviation (pixels), its strength
     per pixel unchanged."""
     noise_seed: int = Field(default=0, ge=0)

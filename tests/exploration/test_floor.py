@@ -113,8 +113,24 @@ def test_too_long_range_of_sight_is_rejected_before_allocation(sight_range, cell
     changes["world"] = {"size_x": 100.0, "size_z": 10.0}
     with pytest.raises(InputError, match=r"exploration\.sight_range is .* but at most"):
         check_floor(updated(Settings(), changes))
-    wide = {"world": {"size_x": 2e9, "size_z": 0.001}, "map": {"cell_size": 1000.0}}
+    wide = {
+        "world": {"size_x": 2e9, "size_z": 0.001},
+        "map": {"cell_size": 1000.0},
+        "motion": {"body_radius": 1e3},
+    }
     check_floor(updated(Settings(), changes | wide))
+
+
+@pytest.mark.parametrize(
+    ("motion", "fault"),
+    [
+        ({"position_noise": 1e9}, "motion.position_noise is 1e.09, but at most 1000 is possible"),
+        ({"body_radius": 1e-9}, "motion.body_radius is 1e-09, but at least 0.0001 is needed"),
+    ],
+)
+def test_motion_that_does_not_suit_the_floor_is_rejected(motion, fault):
+    with pytest.raises(InputError, match=fault):
+        check_floor(updated(Settings(), {"motion": motion}))
 
 
 def test_window_shares_its_cells_with_the_floor():
