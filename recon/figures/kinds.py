@@ -80,13 +80,14 @@ class Subject:
 
     @property
     def states(self) -> GroundGrid | None:
-        """Free, occupied and unknown floor cells, by rays or visible ground; None without both."""
+        """Free, occupied and unknown floor, by rays or visible ground; None if none is seen."""
         if self.floor is not None:
             return self.floor
         if self.has_rays:
             from recon.voxelmap.ground import navigation
 
-            return navigation(self.mapped.voxels, self.mapped.map.sightings())
+            floor = navigation(self.mapped.voxels, self.mapped.map.sightings())
+            return floor if floor.cells.size else None
         if not self.is_recorded:
             return None
         from recon.figures.free_ground import states_by_ground

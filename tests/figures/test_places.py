@@ -13,6 +13,7 @@ from recon.figures.cover import Cover
 from recon.figures.footprints import least_rectangle, of_object, of_solid
 from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
+from recon.figures.kinds import Subject
 from recon.figures.occupancy import labels
 from recon.figures.partition import part_colour
 from recon.figures.viewpoint import VIEWS, viewpoint
@@ -25,10 +26,13 @@ from recon.records import (
     FoundObject,
     Part,
     Plane,
+    Reconstruction,
     Sphere,
+    Trajectory,
     TruncatedCone,
     Voxels,
 )
+from recon.voxelmap import VoxelMap
 
 SIZE = (800, 600)
 BOX = np.array([-20.0, 0.0, -35.0]), np.array([30.0, 16.0, 25.0])
@@ -252,3 +256,10 @@ def test_north_arrow_is_placed_in_an_empty_corner(voxels, x, corner):
     (north,) = [text for text in figure.axes[0].texts if text.get_text() == "N"]
     assert (north.get_position()[0] > 0.5) == (corner == "right")
     assert north.get_position()[1] > 0.5
+
+
+def test_map_of_rays_that_saw_nothing_has_no_floor():
+    empty = VoxelMap(1.0, channels=["rays"])
+    nothing = Trajectory(stamps_s=np.zeros(0), T_world_left=np.zeros((0, 4, 4)))
+    run = Reconstruction(map=empty, voxels=empty.occupied(), objects=(), trajectory=nothing)
+    assert Subject(run=run).states is None
