@@ -20,6 +20,8 @@ def slices(voxels: Voxels, *, unit: str = UNITS, sheet: Sheet | None = None) -> 
     places = np.linspace(0.02, 0.98, NUM_SLICES)
     heights = np.quantile(voxels.index[:, 1], places) if len(voxels) else np.zeros(0)
     layers = np.unique(heights.astype(int))
+    if not len(layers):
+        sheet.axes("no cells", xlabel=f"x [{unit}]", ylabel=f"z [{unit}]")
     columns = max(-(-len(layers) // 2), 1)
     rows = min(len(layers), 2) or 1
     for number, layer in enumerate(layers):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.formats import read_mesh
+from recon.exports.formats import holds_mesh, read_mesh
 from recon.figures.kept import kept_pair
 from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.table import KINDS
@@ -116,9 +116,10 @@ def _subjects(
         found = list(_kept_subjects(run_path, name, request))
         lack = f"has no data for the figure {name}"
     elif kind.needs_mesh:
-        has_mesh = (run_path / "mesh.ply").exists()
+        file = run_path / "mesh.ply"
+        has_mesh = file.exists() and holds_mesh(file)
         found = [(name, _with_mesh(run_path, request.view))] if has_mesh else []
-        lack = f"has no mesh.ply, which {name} shows"
+        lack = f"has no mesh.ply with triangles, which {name} shows"
     else:
         return (yield from _mapped_subjects(run_path, name, kind, request))
     if request.kind and not found:

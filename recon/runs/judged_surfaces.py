@@ -59,7 +59,7 @@ def _read(path: Path, seed: int) -> Judged:
         points = sampled(mesh, NUM_SAMPLES, np.random.default_rng(seed)).points
         return Judged(points=points, mesh=mesh)
     data = read(path)
-    if not isinstance(data, PointCloud):
+    if not isinstance(data, PointCloud) or not len(data):
         raise InputError(f"{path} contains neither triangles nor points, but a surface is needed")
     return Judged(points=data.points)
 

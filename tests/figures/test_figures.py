@@ -15,6 +15,7 @@ from recon.figures.mesh import mesh
 from recon.figures.mixture import mixture
 from recon.figures.occupancy import labels, occupancy
 from recon.figures.overview import overview
+from recon.figures.slices import slices
 from recon.figures.trajectory import trajectory
 from recon.records import Mesh, Voxels
 
@@ -55,6 +56,7 @@ def test_figures_have_the_requested_size_even_without_cells(no_voxels):
     assert image.std(axis=(0, 1)).max() == 0
     assert pixels(occupancy(no_voxels, sheet=small(300, 280))).shape == (280, 300, 3)
     assert pixels(labels(no_voxels, [], sheet=small(300, 280))).shape == (280, 300, 3)
+    assert pixels(slices(no_voxels, sheet=small(300, 280))).shape == (280, 300, 3)
     for at_rest in (1, 3):
         poses = np.tile(np.eye(4), (at_rest, 1, 1))
         assert pixels(trajectory(poses, no_voxels, sheet=small())).shape == (320, 400, 3)

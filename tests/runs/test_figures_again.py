@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from recon.cli import main
+from recon.exports import write
+from recon.records import PointCloud
 
 PAIR = Path(__file__).parents[2] / "data" / "motorcycle"
 
@@ -41,3 +43,11 @@ def test_incomplete_arrays_are_reported_in_one_line(run, capsys):
     assert main(["figure", str(run), "--kind", "errors"]) == 2
     assert "points_px" in capsys.readouterr().err
     (run / "figures" / "other_errors.npz").unlink()
+
+
+def test_mesh_without_triangles_is_no_figure(run, capsys):
+    write(PointCloud(points=np.zeros((0, 3))), run / "mesh.ply")
+    assert main(["figure", str(run), "--kind", "mesh"]) == 2
+    assert "has no mesh.ply with triangles" in capsys.readouterr().err
+    assert main(["figure", str(run), "-q"]) == 0
+    (run / "mesh.ply").unlink()

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from recon.cli import main
+from recon.exports import write
 from recon.exports.ply import read_mesh, write_mesh
+from recon.records import PointCloud
 from recon.runs.reconstruct import unit_of
 from recon.sequences.open import open_sequence
 from recon.sequences.pfm import decode_pfm
@@ -150,6 +152,15 @@ def test_surface_and_truth_must_be_given_together(tmp_path, capsys):
     assert "--surface needs --truth FILE" in capsys.readouterr().err
     assert main(["evaluate", "--surface", str(tmp_path), "--truth", str(tmp_path)]) == 2
     assert "neither mesh.ply nor dense.ply" in capsys.readouterr().err
+
+
+def test_surface_without_a_point_is_rejected(tmp_path, capsys):
+    for name, points in (("full", np.eye(3)), ("empty", np.zeros((0, 3)))):
+        write(PointCloud(points=points), tmp_path / f"{name}.ply")
+    full, empty = (str(tmp_path / name) for name in ("full.ply", "empty.ply"))
+    for surface, truth in ((full, empty), (empty, full)):
+        assert main(["evaluate", "--surface", surface, "--truth", truth]) == 2
+        assert "empty.ply contains neither triangles nor points" in capsys.readouterr().err
 
 
 @pytest.fixture
