@@ -16,7 +16,7 @@ from recon.localisation.registration import Points, Prior, inverse, register
 from recon.localisation.surfels import Surfels
 from recon.records import PointCloud, StereoPair
 from recon.sequences.odometry.places import Place, see, shared
-from recon.sequences.odometry.tracking import Tracks, track
+from recon.sequences.odometry.tracking import Tracks, likeness, track
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 
@@ -34,6 +34,9 @@ FEATURES_CELLS, FEATURES_DEG = 0.02, 0.05
 """Systematic error of the motion between common points."""
 NEAR_CELLS, NEAR_DEG = 2.5, 60.0
 """Distance and turn up to which corners are tracked from one pair into the other."""
+MIN_LIKENESS = 0.6
+"""Minimum correlation of the windows of a tracked corner: 0.2 at most where both images show only
+noise, over 0.8 elsewhere. What is tracked through noise stays where it was guessed."""
 SAME_SIDE_DEG = 50.0
 """Angle between two views of a surface up to which its features look alike."""
 MIN_SHARE = 0.3
@@ -159,7 +162,8 @@ def _tracks(first: Shown, second: Shown, step: Array) -> Iterator[Tracks]:
     is_near = np.hypot(*step[:2]) < NEAR_CELLS * first.map.cell_size
     if is_near and abs(step[2]) < np.radians(NEAR_DEG) and first.pair.rig == second.pair.rig:
         T_second_first = invert(standing(step, second.T_level_left)) @ first.T_level_left
-        yield track(first.pair, second.pair, T_second_first)
+        tracks = track(first.pair, second.pair, T_second_first)
+        yield tracks.select(likeness(first.pair, second.pair, tracks) > MIN_LIKENESS)
 
 
 def _by_shape(

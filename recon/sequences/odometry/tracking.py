@@ -105,6 +105,27 @@ def track(
     )
 
 
+def likeness(first: StereoPair, second: StereoPair, tracks: Tracks) -> Array:
+    """(N,) correlation of what is around the tracked points in both left images.
+
+    Tracking finds something near a predicted point even where both images show only noise.
+    """
+    left, next_left = grey(first.left), grey(second.left)
+    found = [
+        float((_window(left, there) * _window(next_left, then)).mean())
+        for there, then in zip(tracks.first.points_px, tracks.second.points_px, strict=True)
+    ]
+    return np.array(found)
+
+
+def _window(image: Image, point_px: Array) -> NDArray[np.float32]:
+    """The window around a point, of mean 0 and standard deviation 1; 0 where it is plain."""
+    size = (LK_WINDOW_PX, LK_WINDOW_PX)
+    window = cv2.getRectSubPix(image, size, point_px.tolist(), patchType=cv2.CV_32F)
+    found: NDArray[np.float32] = (window - window.mean()) / max(float(window.std()), 1e-6)
+    return found
+
+
 def _predicted(seen: Sightings, rig: StereoRig, T_second_first: Array) -> NDArray[np.float32]:
     """(N, 2) predicted points after a motion; unchanged if it puts them behind the camera."""
     shift = seen.disparity_px - rig.disparity_offset_px
