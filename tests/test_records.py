@@ -11,6 +11,7 @@ from recon.geometry import pose, rotation_about_y
 from recon.records import (
     Cone,
     FoundObject,
+    Matches,
     Part,
     PointCloud,
     Recognition,
@@ -29,6 +30,15 @@ RIG = StereoRig(
 
 def grey(height=4, width=6):
     return np.zeros((height, width), dtype=np.uint8)
+
+
+def test_probable_matches_are_not_more_likely_wrong():
+    number = np.array([3.0, 2.0, 1.0])
+    matches = Matches(
+        points_px=np.zeros((3, 2)), disparity_px=number, sigma_px=number, score=number,
+        probability=np.array([0.6, 0.4, np.nan]),
+    )  # fmt: skip
+    assert matches.probable().disparity_px.tolist() == [3.0, 1.0]
 
 
 def test_pair_survives_pickling():

@@ -102,3 +102,8 @@ class Matches:
     def select(self, rows: NDArray[np.integer] | NDArray[np.bool_] | slice) -> "Matches":
         """The matches of `rows`, in that order."""
         return Matches(**{name: getattr(self, name)[rows] for name in Matches.__slots__})
+
+    def probable(self) -> "Matches":
+        """The matches that are not more likely wrong than correct."""
+        # Written so that an unknown probability passes.
+        return self.select(~(self.probability < 0.5))

@@ -126,7 +126,7 @@ def _write(run: RunFolder, pair: MatchedPair, work: Work) -> None:
             write_pfm(run.path / "dense.pfm", pair.dense.disparity_px)
             write_pfm(run.path / "dense_sigma.pfm", pair.dense.sigma_px)
     with work.stage("figures"):
-        leave_figure(run.path, "disparity", kept_pair(pair.left, pair.matches))
+        leave_figure(run.path, "disparity", kept_pair(pair.left, pair.matches.probable()))
         if pair.dense is not None:
             arrays: Arrays = {"left": pair.left, "disparity_px": pair.dense.disparity_px}
             leave_figure(run.path, "dense", arrays)

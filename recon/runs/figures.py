@@ -54,7 +54,9 @@ def draw_run_figures(
     names : sequence of str
         Their kinds, in the order of drawing.
     """
-    kept = None if clearest is None else kept_pair(clearest.pair.left, clearest.matches)
+    kept = None
+    if clearest is not None:
+        kept = kept_pair(clearest.pair.left, clearest.matches.probable())
     subject = replace(_subject(work.run.path, contents), kept=kept)
     # Found here, the floor is found once, and what draws it needs neither map nor compiled loops.
     floor = subject.states if set(names) & set(PLANS) else None
