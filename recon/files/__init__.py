@@ -3,10 +3,10 @@
 from recon.files.atomic import PathLike, atomic_path, remove_temporaries
 from recon.files.limits import (
     Limits,
-    check_absent,
     check_memory,
     check_name,
     check_regular,
+    check_target,
     may_read,
     memory_limit,
     outside_allowed,
@@ -16,10 +16,10 @@ __all__ = [
     "Limits",
     "PathLike",
     "atomic_path",
-    "check_absent",
     "check_memory",
     "check_name",
     "check_regular",
+    "check_target",
     "may_read",
     "memory_limit",
     "outside_allowed",

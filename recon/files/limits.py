@@ -46,11 +46,27 @@ def check_name(path: PathLike) -> None:
         raise InputError(f"{shown}: its name is not UTF-8; rename it") from error
 
 
-def check_absent(path: PathLike, *, overwrite: bool) -> None:
-    """Raise `InputError` if a file or folder to be written exists, unless it may be replaced."""
+def check_target(path: PathLike, *, overwrite: bool, may_be_folder: bool = False) -> None:
+    """Raise `InputError` if a file cannot be written: before the work, not after it.
+
+    Parameters
+    ----------
+    path : path
+    overwrite : bool
+        Replace what exists.
+    may_be_folder : bool
+        What is written is a folder, or may be one.
+    """
     check_path(path)
-    if not overwrite and Path(path).exists():
+    target = Path(path)
+    if not overwrite and target.exists():
         raise InputError(f"{path} exists; give --overwrite or another name")
+    if may_be_folder:
+        return
+    if target.is_dir():
+        raise InputError(f"{path} is a folder, but a file is needed")
+    if not target.parent.is_dir():
+        raise InputError(f"{target.parent} is not a folder, but that of {path} is needed")
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from recon.files import check_absent
+from recon.files import check_target
 from recon.notices import collected_notices
 from recon.sequences.calibration.boards import calibrate, write_calibration
 from recon.sequences.calibration.targets import parse_target
@@ -27,7 +27,7 @@ def calibrate_run(
     dict
         The document of `recon calibrate --json`.
     """
-    check_absent(output, overwrite=overwrite)
+    check_target(output, overwrite=overwrite)
     with collected_notices() as notices:
         found = calibrate(left_dir, right_dir, parse_target(board, square), force=force)
     write_calibration(found.calibration, output, found.rms_px)
@@ -52,7 +52,7 @@ def rectify_run(
     dict
         The document of `recon rectify --json`.
     """
-    check_absent(output, overwrite=overwrite)
+    check_target(output, overwrite=overwrite, may_be_folder=True)
     with collected_notices() as notices:
         done = rectify_files(left, right, calib, output)
     rig = done.rig

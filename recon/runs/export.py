@@ -11,7 +11,7 @@ from recon.exports.format import Data, Up
 from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.turning import R_YUP_ZUP, turned_points
-from recon.files import check_absent
+from recon.files import check_target
 from recon.manifest import MANIFEST
 from recon.notices import collected_notices, notify
 from recon.records import Mesh, PointCloud
@@ -63,7 +63,7 @@ def export_run(
     form = format_of(target)
     files = _files(target)
     for path in files:
-        check_absent(path, overwrite=overwrite)
+        check_target(path, overwrite=overwrite, may_be_folder=True)
     with collected_notices() as notices:
         selection = selection or Selection()
         data = _read(source, target, selection)

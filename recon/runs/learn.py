@@ -8,7 +8,7 @@ import numpy as np
 import tomli_w
 
 from recon.errors import InputError
-from recon.files import atomic_path
+from recon.files import atomic_path, check_target
 from recon.files.documents import read_toml
 from recon.recognition.clouds import gathered
 from recon.recognition.naming.catalogue import read_catalogue
@@ -68,6 +68,7 @@ def _learn(job: Job, work: Work) -> Numbers:
     name, target = str(job.arguments["name"]), Path(str(job.arguments["catalogue"]))
     texts: tuple[str, ...] = job.arguments["examples"]
     check_distinct(map(Path, texts))
+    check_target(target, overwrite=True)  # a catalogue is added to
     if not may_be_named(name):
         raise InputError(f"name is {name!r}, but {NAME_NEED}")
     kinds = read_catalogue(target) if target.exists() else ()

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.files import check_absent
+from recon.files import check_target
 from recon.files.documents import read_text
 from recon.geometry import Array
 from recon.manifest import MANIFEST
@@ -32,7 +32,7 @@ def export_poses(source: Path, target: Path, *, overwrite: bool = False) -> dict
     dict
         The document of `recon export --json`.
     """
-    check_absent(target, overwrite=overwrite)
+    check_target(target, overwrite=overwrite, may_be_folder=True)  # its folder is made
     with collected_notices() as notices:
         is_run = (source / MANIFEST).is_file()
         seen, poses = _of_run(source) if is_run else _of_recording(source)

@@ -13,7 +13,7 @@ from recon.exports.columns import columns_of
 from recon.exports.formats import read
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
-from recon.files import check_absent
+from recon.files import check_target
 from recon.notices import notify
 from recon.recognition.clouds import Up, recognise_cloud
 from recon.recognition.recognition import recognise
@@ -111,7 +111,7 @@ def _target(arguments: Mapping[str, object]) -> Path | None:
     target = Path(str(name))
     if target.suffix.lower() != ".ply":
         raise InputError(f"-o is {target}, but a name that ends in .ply is needed")
-    check_absent(target, overwrite=bool(arguments.get("overwrite")))
+    check_target(target, overwrite=bool(arguments.get("overwrite")))
     return target
 
 

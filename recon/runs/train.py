@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from recon.errors import ReconError
-from recon.files import atomic_path, check_absent
+from recon.files import atomic_path, check_target
 from recon.mapping.sparse import match_features
 from recon.records import Features, Matches
 from recon.runs.arguments import check_distinct
@@ -34,7 +34,7 @@ def train_run(
     dict
         The document of `recon train --json`.
     """
-    check_absent(output, overwrite=overwrite)
+    check_target(output, overwrite=overwrite)
     pair_dirs = tuple(pair_dirs)
     check_distinct(pair_dirs)
     examples = list(_examples(pair_dirs, settings))
