@@ -1,11 +1,12 @@
 """Posterior: how sure the likeliest standpoint is, and how precise.
 
 A portrait is not perfect: its errors are those of whole surfaces, not of single pixels, so that the
-number of pixels makes nothing surer. Log likelihoods count as means over the pixels that show
+number of pixels makes little surer. Log likelihoods count about as means over the pixels that show
 something.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,20 +22,22 @@ from recon.localisation.stance import HEIGHT_SIGMA_CELLS, ROLL_SIGMA_DEG
 from recon.localisation.standpoints import Standpoint, Standpoints, orbited
 from recon.records import FitFailure, PoseEstimate
 
-PER_E = 0.05
-"""Mean log likelihood of a pixel that makes a pose e times as likely."""
+PER_E, OUTLINE_PER_E = 0.03, 1.6
+"""Log likelihood that makes a pose e times as likely: so much for each pixel, as whole surfaces are
+off, and for each side of a square of as many pixels, as outlines are. The true pose loses about .05
+a pixel to the best one near it (27 pairs of four explorations)."""
 MIN_SHOWN_PX = 60
 """Fewer pixels that show a thing say nothing."""
 MIN_EXPLAINED, MIN_PROBABILITY, MAX_SIGMA_CELLS = 0.7, 0.99, 0.2
 """Of an accepted pose: share of the pixels that the map explains, probability, and standard
 deviation of the position."""
-SHARED = 2.0
-"""Errors over their standard deviations, were those of neighbouring pixels and corners independent:
-rms .9 to 2.3 in five explorations."""
+SHARED = 1.5
+"""Errors over their standard deviations, were those of neighbouring pixels and corners
+independent."""
 APART_CELLS, APART_RAD = 1.0, 0.1
 """Distance or turn from which on another pose is another place; nearer ones are an uncertainty."""
-SOLID_CELLS = 0.06
-"""Standard deviation of the place and size of a solid that is fitted to cells: what is so many
+SOLID_CELLS = 0.03
+"""Standard deviation of the place and size of a solid that is fitted to outlines: what is so many
 times its size away is off by as many times that."""
 FIRST_CELLS, FIRST_RAD = 0.05, 0.003
 """First steps by which the precision is measured."""
@@ -61,6 +64,18 @@ class Posterior:
         """The posterior around the likeliest pose."""
         shown, explained = look.explained(portrait.solids, portrait.paint, best.T_world_left)
         return cls(portrait=portrait, look=look, num_shown=shown, num_explained=explained)
+
+    @property
+    def per_e(self) -> float:
+        """Log likelihood that makes a pose e times as likely."""
+        return math.hypot(PER_E * self.num_shown, OUTLINE_PER_E * math.sqrt(self.num_shown))
+
+    def probability(self, found: Sequence[Standpoint]) -> float:
+        """Of the first pose, against those at other places."""
+        length = APART_CELLS * self.portrait.cell_size
+        others = [one for one in found[1:] if one.is_apart(found[0], length, APART_RAD)]
+        evidence = np.array([one.value for one in (found[0], *others)]) / self.per_e
+        return float(math.exp(evidence[0] - logsumexp(evidence)))
 
     def covariance(self, best: Standpoint, own: Array) -> Array:
         """Covariance (6, 6), in the order of `PoseEstimate`; `own` is that of the map."""
@@ -103,7 +118,7 @@ class Posterior:
         """Mean loss of log probability after a change either way."""
         poses = [moved(best.T_world_left, way) for way in (change, -change)]
         value = self.look.values(self.portrait.solids, self.portrait.paint, poses, 1)
-        return float(best.value - value.mean()) / (PER_E * self.num_shown)
+        return float(best.value - value.mean()) / self.per_e
 
     def may_repeat(self, best: Standpoint) -> bool:
         """True if a texture that goes several times around may show the same elsewhere.
@@ -114,7 +129,7 @@ class Posterior:
         turns = np.radians(np.add.outer(REPEATS_DEG, NEARBY_DEG)).ravel().tolist()
         poses = [orbited(best.T_world_left, centre, turn) for turn in (0.0, *turns)]
         value = self.look.values(self.portrait.solids, self.portrait.hoped, poses, REPEATS_PX)
-        lost = (value[0] - value[1:].max()) / (PER_E * self.num_shown)
+        lost = (value[0] - value[1:].max()) / self.per_e
         return bool(lost < -math.log(1.0 - MIN_PROBABILITY))
 
 
@@ -131,7 +146,7 @@ def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstima
         return FitFailure("too little is seen")
     if posterior.num_explained < MIN_EXPLAINED * posterior.num_shown:
         return FitFailure("the map shows other things there")
-    probability = _probability(found, posterior.num_shown, portrait.cell_size)
+    probability = posterior.probability(found)
     if probability < MIN_PROBABILITY or posterior.may_repeat(best):
         return FitFailure("several places look like it")
     estimate = PoseEstimate(
@@ -145,12 +160,3 @@ def decide(standpoints: Standpoints, corners: Corners, look: Look) -> PoseEstima
     estimate = corners.refined(look.pair, estimate)
     estimate = replace(estimate, covariance=SHARED**2 * estimate.covariance)
     return exact(estimate, MAX_SIGMA_CELLS * portrait.cell_size)
-
-
-def _probability(found: list[Standpoint], num_shown: int, cell_size: float) -> float:
-    """Of the first pose, against those at other places."""
-    others = [
-        one for one in found[1:] if one.is_apart(found[0], APART_CELLS * cell_size, APART_RAD)
-    ]
-    evidence = np.array([one.value for one in (found[0], *others)]) / (PER_E * num_shown)
-    return float(math.exp(evidence[0] - logsumexp(evidence)))
