@@ -1,6 +1,5 @@
 """Signals that end a command, each treated like Ctrl-C, wherever it arrives."""
 
-import _thread
 import signal
 import sys
 import threading
@@ -32,7 +31,7 @@ def ending_as_ctrl_c() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if interrupts.num_received:
+        if interrupts.received is not None:
             raise KeyboardInterrupt from error
         raise
     finally:
@@ -46,20 +45,21 @@ class _Interrupts:
     """The interrupts of a command."""
 
     def __init__(self) -> None:
-        self.num_received = 0
+        self.received: int | None = None
         self._repeats: list[threading.Timer] = []
 
-    def receive(self, _number: int, _frame: FrameType | None) -> NoReturn:
+    def receive(self, number: int, _frame: FrameType | None) -> NoReturn:
         """Handle a signal."""
-        self.num_received += 1
+        self.received = number
         raise KeyboardInterrupt
 
     def drop(self, dropped: Any) -> None:
         """Repeat an interrupt that Python dropped; other dropped errors are printed as usual."""
-        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+        if self.received is None or not issubclass(dropped.exc_type, KeyboardInterrupt):
             sys.__unraisablehook__(dropped)
             return
-        repeat = threading.Timer(REPEAT_S, _thread.interrupt_main)
+        main = threading.main_thread().ident
+        repeat = threading.Timer(REPEAT_S, signal.pthread_kill, (main, self.received))
         repeat.daemon = True
         repeat.start()
         self._repeats.append(repeat)

@@ -199,6 +199,17 @@ def test_excessive_size_is_rejected(capsys):
     assert "out of range" in err
 
 
+@pytest.fixture
+def listening():
+    """Signals end this process, also where the caller of the tests ignores some (nohup)."""
+    numbers = (signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, signal.SIG_DFL) for number in numbers]
+    yield
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("listening")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_termination_signal_is_handled_like_ctrl_c(number, tmp_path, monkeypatch, capsys):
     def killed(*_, **__):
@@ -257,21 +268,23 @@ def convert_interrupt(_job):
         raise ReconError("Open3D does not load (initialization failed)") from error
 
 
+@pytest.mark.usefixtures("listening")
 @pytest.mark.parametrize("work", [drop_and_fail, drop_and_go_on, convert_interrupt])
-def test_interrupt_that_machine_code_hides_ends_the_command(monkeypatch, capsys, work):
+def test_interrupt_that_machine_code_hides_ends_the_command(monkeypatch, capsys, tmp_path, work):
     monkeypatch.setattr("recon.runs.job.resolve", work)
-    code, out, err = run(capsys, "explore", "village")
+    start = time.monotonic()
+    code, out, err = run(capsys, "explore", "village", "-o", str(tmp_path / "run"))
     assert (code, out, err.strip()) == (130, "", "recon: interrupted")
+    assert time.monotonic() - start < 20.0, "the work was not interrupted"
 
 
-def test_signal_that_the_caller_ignores_stays_ignored(monkeypatch, capsys):
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        monkeypatch.setattr("recon.runs.job.resolve", lambda job: hung_up())
-        assert run(capsys, "explore", "village")[0] == 2
-        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGHUP, before)
+@pytest.mark.usefixtures("listening")
+def test_signal_that_the_caller_ignores_stays_ignored(monkeypatch, capsys, tmp_path):
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    monkeypatch.setattr("recon.runs.job.resolve", lambda job: hung_up())
+    code, _, err = run(capsys, "explore", "village", "-o", str(tmp_path / "run"))
+    assert (code, err.strip()) == (2, "recon: went on")
+    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
 
 
 def hung_up():
