@@ -1,5 +1,6 @@
 """Drawing of figures: by this process, or by others while the run continues."""
 
+import os
 import signal
 from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
@@ -11,6 +12,9 @@ from recon.processes import begin_worker, start_server
 
 Call = tuple[Callable[..., object], tuple[Any, ...]]
 """A function that writes a figure, and its arguments."""
+
+NICENESS = 10
+"""Of 19 that processes may have that yield to others."""
 
 
 class Artist:
@@ -71,6 +75,11 @@ def start_drawing() -> BaseContext:
 
 
 def _begin() -> None:
-    """Set up a process; Ctrl-C is handled by the main one, which waits for it."""
+    """Set up a process; Ctrl-C is handled by the main one, which waits for it.
+
+    It yields the processor to the run, which figures without objects need not delay.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
     begin_worker(1)

@@ -1,5 +1,6 @@
 """Pairs checked, as they pass, against the metadata of the recording."""
 
+import math
 from collections import Counter, deque
 from collections.abc import Iterator
 
@@ -21,7 +22,7 @@ STEPPED = (1, 5, 9)
 TIMED = (2, 5, 9)
 """Numbers of the pairs that are compared with the images just before."""
 NUM_LATER = 12
-"""Number of pairs checked in the rest of the recording, evenly spaced."""
+"""Maximum number of pairs checked in the rest of the recording, evenly spaced."""
 NUM_LATER_CORNERS = 300
 """Corners tracked there: enough for a motion, whereas the angle between the cameras needs all."""
 LASTING_SHARE = 0.25
@@ -136,5 +137,5 @@ def _holds(code: str, pairs: list[list[Finding]], *, is_end: bool) -> bool:
 def _later(num_pairs: int) -> range:
     """Numbers of the pairs that are checked after the first ones."""
     begin = SURVEYED[-1] + 1
-    every = max(1, (num_pairs - begin) // NUM_LATER)
+    every = max(1, math.ceil((num_pairs - begin) / NUM_LATER))
     return range(begin + every - 1, num_pairs, every)
