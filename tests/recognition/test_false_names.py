@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from recon.recognition import separation
-from recon.recognition.naming import probability
+from recon.recognition.naming import assembly, probability
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Logistic
@@ -92,3 +92,19 @@ def test_proportions_tell_a_stool_from_a_table_and_a_front_from_a_bench(make, na
     assert name_object(voxels, 0.0, KINDS).label == "unknown"
     any_proportion = tuple(replace(kind, slenderness=None, elongation=None) for kind in KINDS)
     assert name_object(voxels, 0.0, any_proportion).label == name
+
+
+def corner_of_a_room(surfaces, rng):
+    """A patch of a floor before a wall, and what hangs on the wall."""
+    floor = rng.uniform([-12.0, 1.5, 0.0], [12.0, 1.7, 10.0], (4000, 3))
+    wall = rng.uniform([-12.0, 1.5, -0.1], [12.0, 11.0, 0.1], (4000, 3))
+    hung = [np.array([x, 4.0, 2.0]) + surfaces.box(rng, [2.0, 1.0, 1.0], 200) for x in (-6.0, 6.0)]
+    return np.concatenate([floor, wall, *hung])
+
+
+def test_a_floor_that_carries_what_hangs_above_it_is_no_seat(surfaces, monkeypatch):
+    rng = np.random.default_rng(0)
+    voxels = cells_of(corner_of_a_room(surfaces, rng), rng, noise=0.1)
+    assert "bench" not in dict(name_object(voxels, 0.0, KINDS).nearest)
+    monkeypatch.setattr(assembly, "_num_in_place", lambda _, found, __: len(found))
+    assert name_object(voxels, 0.0, KINDS).label == "bench"

@@ -102,7 +102,7 @@ def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
         fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
-        if len(before) < rule.count[0] or not _is_share(rule, before, cells):
+        if _num_in_place(rule, before, own) < rule.count[0] or not _is_share(rule, before, cells):
             return None
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
@@ -143,8 +143,25 @@ def _on_legs(kind: Kind, pieces: list[FlatPiece], cells: Voxels) -> float:
     """Probability that the boards of a kind with legs are no slices of something solid."""
     if all(rule.place != "under" for rule in kind.parts):
         return 1.0
-    boards = [one for one in pieces if (one.tilt_deg or 0.0) < UPRIGHT_DEG and _is_plane(one)]
-    return float(np.prod([FREE.chance(free_below(one, cells)) for one in boards]))
+    return float(np.prod([FREE.chance(free_below(one, cells)) for one in _boards(pieces)]))
+
+
+def _boards(pieces: Sequence[FlatPiece]) -> list[FlatPiece]:
+    """The planes that are nearer to level than to upright."""
+    return [one for one in pieces if (one.tilt_deg or 0.0) < UPRIGHT_DEG and _is_plane(one)]
+
+
+def _num_in_place(rule: PartRule, found: Sequence[FlatPiece], own: Sequence[FlatPiece]) -> int:
+    """Number of the pieces found for a part; of what is under others, those that carry a board.
+
+    What is under a back may be above the seat: clumps over a floor do not make a bench of it. Bits
+    of a back that are taken for more legs than a kind needs do no harm.
+    """
+    boards = _boards(own)
+    if rule.place != "under" or not boards:
+        return len(found)
+    height = max(float(one.low[1] + one.high[1]) / 2.0 for one in boards)
+    return sum(float(one.low[1]) < height for one in found)
 
 
 def _is_plane(piece: FlatPiece) -> bool:

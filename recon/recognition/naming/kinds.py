@@ -59,7 +59,7 @@ class PartRule:
     shapes: Annotated[tuple[Shape, ...], Field(min_length=1)]
     """Allowed shapes."""
     place: Place = "on"
-    """Relative to the previous part: on, beside or under it."""
+    """Relative to the previous part: on, beside or under it, and then below a level plane too."""
     count: Counts = (1, 1)
     """Minimum and maximum number of such parts."""
     slenderness: Range | None = None
