@@ -1,4 +1,4 @@
-"""What a command prints: one JSON document or lines for people, and logs on stderr."""
+"""Output of a command: one JSON document or lines for people, and logs on stderr."""
 
 import json
 import logging

@@ -116,7 +116,7 @@ def _best_shift(tour: NDArray[np.intp], legs: Array, least: float) -> Shift:
 def _best_place(
     tour: NDArray[np.intp], legs: Array, first: int, last: int
 ) -> tuple[float, int, bool]:
-    """What moving a segment saves at most, the index after which it goes, and whether reversed."""
+    """Length that moving a segment saves, the index after which it goes, and whether reversed."""
     begin, end, before = tour[first], tour[last], tour[first - 1]
     saved = legs[before, begin] + _onward(tour, legs, last, end) - _onward(tour, legs, last, before)
     most, place, is_reversed = -np.inf, 0, False

@@ -113,7 +113,7 @@ def _radii(solids: Solids) -> Array:
 
 
 def _drawn(owner: Indices, solids: Solids, pair: StereoPair) -> Drawn:
-    """What a pair shows, with numbers of objects in place of texels."""
+    """An image of the solids as a pair shows them, with numbers of objects instead of texels."""
     assert pair.T_world_left is not None
     drawn = draw(solids, camera_of(pair.T_world_left, pair.rig), 1)
     return Drawn(np.where(drawn.texel >= 0, owner[drawn.texel], -1), drawn.depth)
@@ -157,7 +157,7 @@ def _cut(pair: StereoPair, mask: NDArray[np.bool_], depth: Array, cell_size: flo
 
 
 def _changes(solids: Solids, rows: NDArray[np.intp], cell_size: float) -> Changes:
-    """What may be different of an object: its place, its joints along outlines, and its radii."""
+    """Possible changes of an object: of its place, its joints along outlines, and its radii."""
     found = [_moved(solids, rows, across) for across in (0, 1)]
     found += [_lengthened(solids, joint) for joint in _joints(solids, rows, cell_size)]
     for row in rows:
@@ -244,7 +244,7 @@ def _summit(value: Callable[[Array], float], number: int, steps: Array) -> Array
 
 
 def _top(before: float, here: float, after: float) -> float:
-    """Where a parabola through values at -1, 0 and 1 is highest, not far outside."""
+    """Top of the parabola through values at -1, 0 and 1, limited to a little outside."""
     curve = 2.0 * here - before - after
     if not math.isfinite(curve):
         return 0.0

@@ -198,7 +198,7 @@ def _objects(sides: tuple[Rows, Rows], num_names: int, name: Namer) -> list[Piec
 def _is_topped(pieces: list[Piece], voxels: Voxels) -> bool:
     """True if a piece stands on the crown or the roof of a named one: it is a part of that.
 
-    Nothing stands on a tip: the lower half of an hourglass is no cottage.
+    Nothing stands on a tip: the lower half of an hourglass is not a cottage.
     """
     tips = [
         voxels.means[rows]
