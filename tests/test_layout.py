@@ -1,4 +1,4 @@
-"""The architecture of the design page: floors, homes of libraries, file sizes, names."""
+"""The architecture of the design page: layers, who may import which library, sizes, names."""
 
 import ast
 import re
@@ -12,7 +12,7 @@ from tests.conftest import SLOWEST, TESTS
 
 RECON = Path(__file__).parents[1] / "recon"
 
-FLOORS = {
+LAYERS = {
     "errors": 0, "version": 0,
     "geometry": 1, "libraries": 1, "files": 1, "plugins": 1, "notices": 1, "locks": 1, "threads": 1,
     "processes": 2,
@@ -62,8 +62,8 @@ HOMES = {
 LAZY_IMPORTS = {"load_open3d": "open3d", "load_pyvista": "pyvista"}
 
 
-def room_of(path: Path) -> str:
-    """Name the room of a file."""
+def package_of(path: Path) -> str:
+    """Name the package of a file."""
     first = path.relative_to(RECON).parts[0]
     return first.removesuffix(".py")
 
@@ -84,17 +84,19 @@ def imports(source: str) -> Iterator[str]:
                 yield str(node.args[0].value)
 
 
-def faults(room: str, source: str) -> list[str]:
+def faults(package: str, source: str) -> list[str]:
     """List the imports of a source that violate the design."""
     found = []
     for module in imports(source):
         parts = module.split(".")
         if parts[0] == "recon" and len(parts) > 1:
             other = parts[1]
-            if other != room and FLOORS[other] >= FLOORS[room]:
-                found.append(f"{room} (floor {FLOORS[room]}) imports {other} ({FLOORS[other]})")
-        elif parts[0] in HOMES and room not in HOMES[parts[0]] and room != "libraries":
-            found.append(f"{parts[0]} is imported in {room}")
+            if other != package and LAYERS[other] >= LAYERS[package]:
+                found.append(
+                    f"{package} (layer {LAYERS[package]}) imports {other} ({LAYERS[other]})"
+                )
+        elif parts[0] in HOMES and package not in HOMES[parts[0]] and package != "libraries":
+            found.append(f"{parts[0]} is imported in {package}")
     return found
 
 
@@ -107,12 +109,12 @@ def sources() -> list[Path]:
 
 
 @pytest.mark.parametrize("path", sources(), ids=lambda path: str(path.relative_to(RECON)))
-def test_imports_go_strictly_downwards_and_libraries_stay_in_their_rooms(path):
-    assert faults(room_of(path), path.read_text()) == []
+def test_imports_go_strictly_downwards_and_libraries_stay_in_their_packages(path):
+    assert faults(package_of(path), path.read_text()) == []
 
 
 @pytest.mark.parametrize(
-    ("room", "source"),
+    ("package", "source"),
     [
         ("stereo", "from recon.voxelmap import VoxelMap"),
         ("camera", "import recon.records"),
@@ -123,13 +125,13 @@ def test_imports_go_strictly_downwards_and_libraries_stay_in_their_rooms(path):
         ("cli", "laspy = load_extra('laspy', 'las')"),
     ],
 )
-def test_the_layout_test_fires(room, source):
-    assert len(faults(room, source)) == 1
+def test_the_layout_test_fires(package, source):
+    assert len(faults(package, source)) == 1
 
 
-def test_every_room_has_a_floor():
-    rooms = {room_of(path) for path in sources()}
-    assert rooms <= set(FLOORS), f"rooms without a floor: {rooms - set(FLOORS)}"
+def test_every_package_has_a_layer():
+    packages = {package_of(path) for path in sources()}
+    assert packages <= set(LAYERS), f"packages without a layer: {packages - set(LAYERS)}"
 
 
 def test_no_file_is_over_300_lines():
@@ -167,14 +169,14 @@ def graph() -> dict[str, set[str]]:
     }
 
 
-def inner_rooms(modules: dict[str, set[str]]) -> dict[str, set[str]]:
-    """Reduce the graph to inner rooms and the files beside them."""
-    rooms: dict[str, set[str]] = {}
+def subpackages(modules: dict[str, set[str]]) -> dict[str, set[str]]:
+    """Reduce the graph to subpackages and the files beside them."""
+    packages: dict[str, set[str]] = {}
     for module, others in modules.items():
-        room = ".".join(module.split(".")[:3])
+        package = ".".join(module.split(".")[:3])
         inner = {".".join(other.split(".")[:3]) for other in others}
-        rooms.setdefault(room, set()).update(inner - {room})
-    return rooms
+        packages.setdefault(package, set()).update(inner - {package})
+    return packages
 
 
 def cycle(imports_of: dict[str, set[str]]) -> list[str]:
@@ -186,22 +188,26 @@ def cycle(imports_of: dict[str, set[str]]) -> list[str]:
     return []
 
 
-def test_no_module_or_inner_room_is_in_an_import_cycle():
+def test_no_module_or_subpackage_is_in_an_import_cycle():
     assert cycle(graph()) == []
-    assert cycle(inner_rooms(graph())) == []
+    assert cycle(subpackages(graph())) == []
 
 
 def test_import_cycle_is_detected():
     modules = {"recon.a.b.x": {"recon.a.c.y"}, "recon.a.c.y": set(), "recon.a.c.z": {"recon.a.b.x"}}
     assert cycle(modules) == []
-    assert len(cycle(inner_rooms(modules))) > 1
+    assert len(cycle(subpackages(modules))) > 1
 
 
-def test_the_design_page_shows_every_room_on_its_floor():
+def test_the_design_page_shows_every_package_on_its_layer():
     page = (RECON.parent / "docs" / "design.md").read_text()
     rows = re.findall(r"^\| (\d+) \| (.*?) \|", page, re.M)
-    shown = {room: int(floor) for floor, rooms in rows for room in re.findall(r"`(\w+)/?`", rooms)}
-    assert shown == FLOORS
+    shown = {
+        package: int(layer)
+        for layer, packages in rows
+        for package in re.findall(r"`(\w+)/?`", packages)
+    }
+    assert shown == LAYERS
 
 
 def test_listed_slow_test_files_exist():

@@ -1,7 +1,7 @@
-"""Measure recon, room by room, against named peers in the same run.
+"""Measure recon, topic by topic, against named peers in the same run.
 
     python tools/benchmark.py                       everything
-    python tools/benchmark.py stereo --quick        one room, few runs
+    python tools/benchmark.py stereo --quick        one topic, few runs
     python tools/benchmark.py --gate                exit 1 if a number is worse than the baseline
     python tools/benchmark.py --update-baseline
 
@@ -19,22 +19,22 @@ from benchmarks import Measurement
 TOOLS = Path(__file__).parent
 BASELINE = TOOLS / "benchmark.json"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
-ROOMS = sorted(path.stem for path in (TOOLS / "benchmarks").glob("[!_]*.py"))
+TOPICS = sorted(path.stem for path in (TOOLS / "benchmarks").glob("[!_]*.py"))
 
 
 @click.command()
-@click.argument("rooms", nargs=-1, type=click.Choice(ROOMS))
+@click.argument("topics", nargs=-1, type=click.Choice(TOPICS))
 @click.option("--quick", is_flag=True, help="Few runs; not comparable with the baseline.")
 @click.option("--gate", is_flag=True, help="Fail where a number is behind the baseline.")
 @click.option("--update-baseline", is_flag=True)
-def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool) -> None:
+def main(topics: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool) -> None:
     """Print every number with its unit and its baseline."""
     if quick and (gate or update_baseline):
         raise click.UsageError("--quick is not comparable with the baseline")
     # Before any numerical library is loaded: everything is measured on one thread.
     os.environ.update(dict.fromkeys(THREADS, "1"))
     baseline = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
-    found = [number for room in rooms or ROOMS for number in measure(room, quick)]
+    found = [number for topic in topics or TOPICS for number in measure(topic, quick)]
     late = [number.name for number in found if is_behind(number, baseline.get(number.name))]
     for number in found:
         print_row(number, baseline.get(number.name))
@@ -45,9 +45,9 @@ def main(rooms: tuple[str, ...], quick: bool, gate: bool, update_baseline: bool)
         raise click.ClickException(f"behind the baseline: {', '.join(late)}")
 
 
-def measure(room: str, quick: bool) -> list[Measurement]:
-    """Run the measurements of one room."""
-    return importlib.import_module(f"benchmarks.{room}").measure(quick)
+def measure(topic: str, quick: bool) -> list[Measurement]:
+    """Run the measurements of one topic."""
+    return importlib.import_module(f"benchmarks.{topic}").measure(quick)
 
 
 def is_behind(number: Measurement, baseline: float | None) -> bool:

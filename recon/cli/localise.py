@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from recon.runs.report import Report
 
 
-@click.command(epilog="Example: recon localise runs/drive today/left_right")
+@click.command(epilog="Example: recon localise runs/drive today")
 @click.argument("run", type=PATH)
 @click.argument("pairs", type=PATH)
 @click.option("--recording", type=PATH, help="Present location of the run's recording or scene.")

@@ -146,14 +146,14 @@ def _cannot_hold(form: Format, data: Data) -> str:
 
 def is_map(data: "Data | PartitionedMap") -> "TypeIs[VoxelMap]":
     """Test for a map; if its package is not loaded yet, there are none."""
-    room = sys.modules.get("recon.voxelmap")
-    return room is not None and isinstance(data, room.VoxelMap)
+    module = sys.modules.get("recon.voxelmap")
+    return module is not None and isinstance(data, module.VoxelMap)
 
 
 def is_in_partitions(data: "Data | PartitionedMap") -> "TypeIs[PartitionedMap]":
     """Test for a partitioned map."""
-    room = sys.modules.get("recon.exports.partitions.partitioned")
-    return room is not None and isinstance(data, room.PartitionedMap)
+    module = sys.modules.get("recon.exports.partitions.partitioned")
+    return module is not None and isinstance(data, module.PartitionedMap)
 
 
 def len_of(data: "Data | PartitionedMap") -> int:

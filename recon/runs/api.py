@@ -1,4 +1,4 @@
-"""The functions of `import recon` that join several rooms."""
+"""The functions of `import recon` that join several packages."""
 
 from collections.abc import Callable
 from dataclasses import replace

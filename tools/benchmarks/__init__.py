@@ -1,4 +1,4 @@
-"""The benchmark, room by room. Nothing in `recon` imports this."""
+"""The benchmark, topic by topic. Nothing in `recon` imports this."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,7 +6,7 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
-    """One measured number of a room."""
+    """One measured number of a topic."""
 
     name: str
     """Unique, as "stereo.best_741x500_ratio"."""

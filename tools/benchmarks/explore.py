@@ -91,7 +91,7 @@ def is_found(done: Exploration, true: Any) -> bool:
 
 
 def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
-    """Make a measurement of this room."""
+    """Make a measurement of this topic."""
     return Measurement(
         name=f"explore.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
     )

@@ -27,7 +27,7 @@ NOISES_PX = (0.05, 0.1, 0.25)
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Run all measurements of the room; `quick` draws a tenth of the objects."""
+    """Run all measurements of the topic; `quick` draws a tenth of the objects."""
     count = 6 if quick else 60
     return [*names(count), *partly_seen(count), *solids(count), *cad_parts(), *costs()]
 

@@ -255,7 +255,7 @@ def measurements(condition: str, row: Row, clean: Row) -> Iterator[Measurement]:
 
 
 def number(name: str, value: float, unit: str, better: str = "lower") -> Measurement:
-    """Make a measurement of this room."""
+    """Make a measurement of this topic."""
     return Measurement(
         name=f"robustness.{name}", value=float(value), unit=unit, better=better, tolerance=0.25
     )

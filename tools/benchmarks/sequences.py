@@ -33,7 +33,7 @@ NUM_DISPARITIES = 128
 
 
 def measure(quick: bool) -> list[Measurement]:
-    """Run all measurements of the room; `quick` uses only the start of the drive."""
+    """Run all measurements of the topic; `quick` uses only the start of the drive."""
     if not DRIVE.is_dir():
         return []
     cv2.setNumThreads(1)
@@ -174,7 +174,7 @@ def in_box(points: np.ndarray) -> float:
 def number(
     name: str, value: float, unit: str, tolerance: float, *, better: str = "lower"
 ) -> Measurement:
-    """Make a measurement of this room."""
+    """Make a measurement of this topic."""
     return Measurement(
         name=f"sequences.{name}", value=value, unit=unit, better=better, tolerance=tolerance
     )

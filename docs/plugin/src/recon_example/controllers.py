@@ -7,7 +7,7 @@ from recon.records import View
 
 
 class Carousel:
-    """Views on a circle round the middle, each with a wider field than the eyes are set to."""
+    """Views on a circle round the middle, with a wider field of view than the settings."""
 
     radius = 8.0
     num_views = 12

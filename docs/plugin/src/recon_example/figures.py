@@ -1,4 +1,4 @@
-"""A kind of figure: how many cells are so high over the ground."""
+"""A kind of figure: the number of cells at each height above the ground."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""A recogniser that asks no catalogue: what is higher than it is wide is a tower."""
+"""A recogniser without a catalogue: what is higher than wide is a tower."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A renderer: recon's own by night, at a quarter of the light."""
+"""A renderer: recon's own at night, with a quarter of the light."""
 
 import recon
 from recon.settings import RenderSettings
@@ -10,7 +10,7 @@ from recon.world.visuals import Scene
 
 
 class Night:
-    """A world that can be looked at, and is dark."""
+    """A renderer whose images are a quarter as bright."""
 
     def __init__(self, day: Renderer) -> None:
         self.day = day
