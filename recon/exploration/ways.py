@@ -11,6 +11,10 @@ from recon.exploration.floor import Array
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
 
+TINY = 1e-300
+CLEARLY = 1.0 + 1e-9
+"""Factor of the radius beyond which rounding does not matter."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ways:
@@ -55,6 +59,8 @@ def _go_round(lengths: Array, places: Array, end: Array, disc: Array) -> None:
     end_away = max(math.hypot(end_x, end_z), radius)
     for c in range(len(lengths)):
         own_x, own_z = places[c, 0] - x, places[c, 1] - z
+        if _passes(own_x, own_z, end_x, end_z, radius):
+            continue
         away = max(math.hypot(own_x, own_z), radius)
         between = abs(math.atan2(own_x * end_z - own_z * end_x, own_x * end_x + own_z * end_z))
         arc = between - math.acos(radius / away) - math.acos(radius / end_away)
@@ -62,3 +68,13 @@ def _go_round(lengths: Array, places: Array, end: Array, disc: Array) -> None:
             straight = math.hypot(own_x - end_x, own_z - end_z)
             tangents = math.sqrt(away**2 - radius**2) + math.sqrt(end_away**2 - radius**2)
             lengths[c] += max(tangents + radius * arc - straight, 0.0)
+
+
+@njit(cache=True)
+def _passes(a_x: float, a_z: float, b_x: float, b_z: float, radius: float) -> bool:
+    """True if a straight line from a to b passes clear of a disc about 0, as nearly all do."""
+    by_x, by_z = b_x - a_x, b_z - a_z
+    length_sq = by_x**2 + by_z**2
+    share = min(max(-(a_x * by_x + a_z * by_z), 0.0), length_sq) / max(length_sq, TINY)
+    near_x, near_z = a_x + share * by_x, a_z + share * by_z
+    return bool(near_x**2 + near_z**2 > (radius * CLEARLY) ** 2)
