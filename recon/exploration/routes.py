@@ -19,16 +19,32 @@ MAX_SHIFTED = 3
 
 def nearest_first(legs: Array) -> Order:
     """Order of a tour over N positions that always continues to the nearest, from the first."""
-    return _continued([0], legs)
+    tour = np.arange(len(legs))
+    _continue(tour, 1, legs)
+    return _listed(tour)
 
 
-def _continued(order: Order, legs: Array) -> Order:
-    """A tour continued, always to the nearest position left."""
-    order, left = list(order), [place for place in range(len(legs)) if place not in order]
-    while left:
-        order.append(min(left, key=lambda place: legs[order[-1], place]))
-        left.remove(order[-1])
-    return order
+def _listed(tour: NDArray[np.intp]) -> Order:
+    return [int(number) for number in tour]
+
+
+@njit(cache=True)
+def _continue(tour: NDArray[np.intp], first: int, legs: Array) -> None:
+    """Order a tour from an index on, in place: always the nearest position left."""
+    for index in range(first, len(tour)):
+        nearest = index
+        for other in range(index + 1, len(tour)):
+            if legs[tour[index - 1], tour[other]] < legs[tour[index - 1], tour[nearest]]:
+                nearest = other
+        _bring(tour, nearest, index)
+
+
+@njit(cache=True)
+def _bring(tour: NDArray[np.intp], last: int, first: int) -> None:
+    """Move one position of a tour forward, in place; the others keep their order."""
+    place = tour[last]
+    tour[first + 1 : last + 1] = tour[first:last].copy()
+    tour[first] = place
 
 
 def shortest(legs: Array) -> Order:
@@ -43,12 +59,24 @@ def shortest(legs: Array) -> Order:
     legs : (N, N)
         Lengths of the ways between the positions.
     """
-    given = list(range(len(legs)))
-    starts = [given, *(_continued([0, second], legs) for second in given[1:])]
-    found = [_settled(order, legs) for order in starts]
-    lengths = [legs[order[:-1], order[1:]].sum() for order in found]
+    found = _tours(legs, ROUNDING * legs.max(initial=0.0))
+    lengths = legs[found[:, :-1], found[:, 1:]].sum(axis=1)
     # Of tours equal up to rounding, the first is taken.
-    return found[int(np.argmax(lengths <= (1.0 + ROUNDING) * np.min(lengths)))]
+    return _listed(found[np.argmax(lengths <= (1.0 + ROUNDING) * np.min(lengths))])
+
+
+@njit(cache=True)
+def _tours(legs: Array, least: float) -> NDArray[np.intp]:
+    """Tours (N, N), improved: of the given order, and by each position that may come second."""
+    number = len(legs)
+    tours = np.empty((number, number), np.intp)
+    for second in range(number):
+        tours[second] = np.arange(number)
+        if second > 0:
+            _bring(tours[second], second, 1)
+            _continue(tours[second], 2, legs)
+        _settle(tours[second], legs, least)
+    return tours
 
 
 def improved(order: Order, legs: Array) -> Order:
@@ -57,14 +85,7 @@ def improved(order: Order, legs: Array) -> Order:
     least = ROUNDING * legs.max(initial=0.0)
     while (turn := _best_turn(tour, legs, least)) != (0, 0):
         _reverse(tour, *turn)
-    return [int(number) for number in tour]
-
-
-def _settled(order: Order, legs: Array) -> Order:
-    """The tour with segments reversed and moved while that shortens it; its start is kept."""
-    tour = np.array(order)
-    _settle(tour, legs, ROUNDING * legs.max(initial=0.0))
-    return [int(number) for number in tour]
+    return _listed(tour)
 
 
 @njit(cache=True)

@@ -57,3 +57,24 @@ def test_tour_visits_what_lies_behind_an_obstacle_last():
             tour.insert(place, place, 0)
         tour.shorten()
         assert tour.stops[-1][0] == last
+
+
+def test_ways_past_many_discs_add_up():
+    """Each disc alone, although those that the straight line passes clear of are skipped."""
+    rng = np.random.default_rng(4)
+    places, end = rng.uniform(-20, 20, (200, 2)), np.array([3.0, -7.0])
+    discs = np.column_stack([rng.uniform(-20, 20, (30, 2)), rng.uniform(0.5, 6.0, 30)])
+    straight = np.hypot(*(places - end).T)
+    added = [_round(places - disc[:2], end - disc[:2], disc[2]) - straight for disc in discs]
+    expected = straight + np.maximum(added, 0.0).sum(axis=0)
+    assert lengths_between(places, end, discs) == pytest.approx(expected)
+
+
+def _round(starts, end, radius):
+    """Two tangents and an arc (C,) about 0, or the straight way if that is clear of the disc."""
+    away = np.maximum(np.hypot(*starts.T), radius)
+    end_away = max(np.hypot(*end), radius)
+    between = np.abs(np.angle((starts @ [1.0, 1.0j]) / (end @ [1.0, 1.0j])))
+    arc = between - np.arccos(radius / away) - np.arccos(radius / end_away)
+    tangents = np.sqrt(away**2 - radius**2) + np.sqrt(end_away**2 - radius**2)
+    return np.where(arc > 0.0, tangents + radius * arc, np.hypot(*(starts - end).T))
