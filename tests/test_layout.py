@@ -29,7 +29,7 @@ LAYERS = {
 
 HOMES = {
     "open3d": {"world", "voxelmap", "recognition", "surface", "localisation", "exports"},
-    "cv2": {"stereo", "sequences", "localisation", "world", "exports"},
+    "cv2": {"stereo", "sequences", "localisation", "world", "exports", "figures"},
     "skimage": {"sequences"},
     "PIL": {"world", "sequences", "figures"},
     "pyvista": {"figures", "app", "exports", "voxelmap"},  # VoxelMap.to_pyvista

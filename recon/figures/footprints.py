@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 AROUND = 48
 """Number of corners of a circle."""
-DIGITS, TINY = 6, 1e-12
-"""Decimals, in sizes of the outline, of equal coordinates; least size of an outline."""
+GRID, TINY = 1 << 20, 1e-12
+"""Steps of the grid on which hulls are found, along an outline; least size of an outline."""
 
 
 def of_object(found: FoundObject, voxels: Voxels) -> Array:
@@ -107,41 +107,19 @@ def _ends(point: Array, axis: Array, height: float, radii: tuple[float, float]) 
 
 
 def _hull(points: Array) -> Array:
-    """Corners of the convex hull of points (N, 2), in map order; all points if it has no area."""
-    rising = points[np.lexsort(points.T[::-1])]
-    ring = np.vstack([_lower(rising)[:-1], _lower(rising[::-1])[:-1]])
-    if len(ring) < 3:
+    """Corners of the convex hull of points (N, 2), in map order; all points if it has no area.
+
+    It is that of points on a grid, and begins at its corner of least z, then least x: the last
+    digit of a coordinate decides neither, and thus not where its dashes begin.
+    """
+    from cv2 import convexHull
+
+    if not len(points):
         return points
+    size = max(float(np.ptp(points, axis=0).max()), TINY)
+    grid = np.rint((points - points.min(axis=0)) * (GRID / size)).astype(np.int32)
     # Counter-clockwise in (x, z) is clockwise in (x, -z), which maps draw.
-    return _from_first(ring[::-1])
-
-
-def _lower(points: Array) -> Array:
-    """The part of the hull of points (N, 2), sorted by x, z, that turns left from first to last.
-
-    Andrew's monotone chain; what turns by less than the rounding is straight.
-    """
-    straight = TINY * float(np.ptp(points, axis=0).max(initial=0.0)) ** 2 if len(points) else 0.0
-    corners: list[list[float]] = []
-    for point in points.tolist():
-        while len(corners) > 1 and _turn(corners[-2], corners[-1], point) <= straight:
-            corners.pop()
-        corners.append(point)
-    return np.array(corners).reshape(-1, 2)
-
-
-def _turn(first: list[float], second: list[float], third: list[float]) -> float:
-    """Twice the area of a triangle, positive if its corners turn left."""
-    along, across = second[0] - first[0], second[1] - first[1]
-    return along * (third[1] - first[1]) - across * (third[0] - first[0])
-
-
-def _from_first(ring: Array) -> Array:
-    """The ring from its corner of least z, then least x, on.
-
-    Otherwise the last digit of a coordinate decides where it begins, and with it its dashes.
-    """
-    if not len(ring):
-        return ring
-    places = np.round((ring - ring.min(axis=0)) / max(float(np.ptp(ring)), TINY), DIGITS)
-    return np.roll(ring, -np.lexsort(places.T)[0], axis=0)
+    corners = convexHull(grid, clockwise=True, returnPoints=False).ravel()
+    if len(corners) < 3:
+        return points
+    return points[np.roll(corners, -np.lexsort(grid[corners].T)[0])]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from recon.geometry import Array
 from recon.localisation.cameras import camera_of, coloured
 from recon.localisation.drawing import Camera, Drawn, Indices, Paint, Solids, draw, values
+from recon.localisation.revolved import squared_radii
 from recon.records import StereoPair
 
 NUM_SIGHTS, MIN_PX = 8, 60
@@ -91,16 +92,12 @@ def changed(solids: Solids, changes: Changes, amounts: Array) -> Solids:
     radii = np.maximum(_radii(solids) + radii, 0.0)
     is_ball = solids.radius_sq[:, 2] < 0.0
     origin += np.where(is_ball, ends.mean(axis=1), 0.0)[:, None] * solids.frame[:, 2]
-    length = np.maximum(ends[:, 1] - ends[:, 0], 1e-9)
-    ends = np.where(is_ball[:, None], np.multiply.outer(length / 2.0, [-1.0, 1.0]), ends)
-    base, slope = radii[:, 0], (radii[:, 1] - radii[:, 0]) / length
-    start = base - slope * ends[:, 0]
-    straight = np.column_stack([start**2, 2.0 * start * slope, slope**2])
-    ball = np.column_stack([base**2, 0.0 * base, -((2.0 * base / length) ** 2)])
+    half = np.maximum(ends[:, 1] - ends[:, 0], 1e-9) / 2.0
+    ends = np.where(is_ball[:, None], np.multiply.outer(half, [-1.0, 1.0]), ends)
     return solids._replace(
         origin=origin,
         ends=ends,
-        radius_sq=np.where(is_ball[:, None], ball, straight),
+        radius_sq=squared_radii(is_ball, ends, radii),
         reach=np.hypot(radii.max(axis=1), np.abs(ends).max(axis=1)),
     )
 

@@ -3,12 +3,15 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.geometry import Array
 from recon.localisation.drawing import Solids
 from recon.recognition.fitting.axes import across_axis
 from recon.recognition.fitting.surface_points import outline
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
+
+Mask = NDArray[np.bool_]
 
 ROUND = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone
 
@@ -32,16 +35,33 @@ def revolved(solids: Sequence[Solid], side: float) -> Solids:
 def _revolved(solid: Solid) -> tuple[Array, Array, Array, Array]:
     """Origin, frame, squared radius and ends of a solid, as `Solids` has them."""
     origin, axis, profile = outline(solid)
-    frame = np.vstack([across_axis(axis), axis])
-    if isinstance(solid, Sphere | Ellipsoid):
-        half, radius = profile[-1, 0], profile[:, 1].max()
-        polynomial = np.array([radius**2, 0.0, -((radius / half) ** 2)])
-    else:
-        (start, first), (end, last) = profile
-        slope = (last - first) / (end - start)
-        base = first - slope * start
-        polynomial = np.array([base**2, 2.0 * base * slope, slope**2])
-    return origin, frame, polynomial, profile[[0, -1], 0]
+    is_ball = isinstance(solid, Sphere | Ellipsoid)
+    ends, radii = profile[[0, -1]].T
+    if is_ball:
+        radii = np.full(2, profile[:, 1].max())
+    radius_sq = squared_radii(np.array([is_ball]), ends[None], radii[None])[0]
+    return origin, np.vstack([across_axis(axis), axis]), radius_sq, ends
+
+
+def squared_radii(is_ball: Mask, ends: Array, radii: Array) -> Array:
+    """Coefficients (S, 3) of the squared radii along axes, as `Solids` has them.
+
+    Parameters
+    ----------
+    is_ball : (S,) array of bool
+        True for a sphere or an ellipsoid, whose middle is at 0.
+    ends : (S, 2) array
+        First and last place along the axis.
+    radii : (S, 2) array
+        At the ends; of a ball, its largest.
+    """
+    length = np.maximum(ends[:, 1] - ends[:, 0], 1e-9)
+    slope = (radii[:, 1] - radii[:, 0]) / length
+    base = radii[:, 0] - slope * ends[:, 0]
+    straight = np.column_stack([base**2, 2.0 * base * slope, slope**2])
+    bend = -((2.0 * radii[:, 0] / length) ** 2)
+    ball = np.column_stack([radii[:, 0] ** 2, np.zeros(len(bend)), bend])
+    return np.asarray(np.where(is_ball[:, None], ball, straight), np.float64)
 
 
 def _radii(radius_sq: Array, ends: Array, number: int) -> tuple[Array, Array]:
