@@ -87,7 +87,10 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: recon.PointCloud(points=CLOUD.points, attributes=None), "attributes is of type"),
         (lambda: CLOUD.transformed("pose"), "T_target_source is 'pose', but numbers"),
         (lambda: CLOUD.transformed(None), r"T_target_source has shape \(\)"),
-        (lambda: recon.open_sequence(PAIR)[0], "part is of type int, but slice is needed"),
+        (lambda: recon.open_sequence(PAIR)[0], "index of a recording is 0, but a slice"),
+        (lambda: recon.open_sequence(PAIR)[::-1], "but a slice such as 0:9 is needed"),
+        (lambda: recon.open_sequence(PAIR, poses="estimated")[-1], "recording is -1, but a slice"),
+        (lambda: recon.open_sequence(PAIR, poses="estimated")[:1][0], "recording is 0, but a"),
         (lambda: replace(RIG, width=7.5), "rig width is 7.5, but a whole number is needed"),
         (lambda: recon.register("matchers", 3, None), "name is of type int, but str"),
         (lambda: recon.execute(recon.Job(kind="explore"), 3), "path is 3, but a path"),
@@ -108,6 +111,12 @@ def test_records_have_a_readable_repr():
     pair = recon.StereoPair(left=IMAGE, right=IMAGE, rig=RIG)
     assert repr(pair) == "StereoPair(pair: 8 x 6 grey, without a pose, 0 s)"
     assert "0 pairs" in repr(recon.Mapper())
+    unknown = np.full((2, 4), np.nan, np.float32)
+    dense = recon.DisparityMap(disparity_px=unknown, sigma_px=unknown)
+    assert repr(dense) == "DisparityMap(4 x 2 pixels, 0% known)"
+    found = recon.recognise(recon.VoxelMap())
+    assert repr(found) == "Recognition(objects: none; 1 planes)"
+    assert repr(recon.open_sequence(PAIR)) == "PosedPairs(1 pairs)"
 
 
 def test_keywords_are_settings_with_or_without_their_stage():

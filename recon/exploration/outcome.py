@@ -52,3 +52,6 @@ class Exploration:
     it."""
     true_trajectory: Trajectory | None = None
     """True poses of the pairs; None if motion is exact or the truth is unknown."""
+
+    def __repr__(self) -> str:
+        return f"Exploration({len(self.views)} views, {self.stop_reason}, {self.reconstruction})"

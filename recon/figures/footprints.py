@@ -122,4 +122,5 @@ def _hull(points: Array) -> Array:
     corners = convexHull(grid, clockwise=True, returnPoints=False).ravel()
     if len(corners) < 3:
         return points
-    return points[np.roll(corners, -np.lexsort(grid[corners].T)[0])]
+    hull: Array = points[np.roll(corners, -np.lexsort(grid[corners].T)[0])]
+    return hull

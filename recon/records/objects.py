@@ -114,6 +114,10 @@ class Recognition:
     planes: tuple[FoundPlane, ...] = ()
     """Planes that objects stand on or in front of."""
 
+    def __repr__(self) -> str:
+        labels = ", ".join(found.label for found in self.objects) or "none"
+        return f"Recognition(objects: {labels}; {len(self.planes)} planes)"
+
 
 def as_json(recognition: Recognition) -> dict[str, object]:
     """The document of `objects.json`."""

@@ -28,6 +28,10 @@ class DisparityMap:
         if not np.array_equal(np.isnan(self.disparity_px), np.isnan(self.sigma_px)):
             raise InputError("sigma_px is not NaN exactly where disparity_px is, but has to be")
 
+    def __repr__(self) -> str:
+        height, width = self.disparity_px.shape
+        return f"DisparityMap({width} x {height} pixels, {self.coverage:.0%} known)"
+
     @property
     def valid_mask(self) -> NDArray[np.bool_]:
         """(H, W) pixels whose disparity is known."""

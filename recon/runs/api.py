@@ -126,7 +126,10 @@ def explore(
     """
     for method in ("start", "take"):
         if not callable(getattr(source, method, None)):
-            raise InputError(f"source is {source!r}, but something with start and take is needed")
+            raise InputError(
+                f"source is {source!r}, but something with start and take is needed, such as "
+                "recon.World.from_file(...)"
+            )
     chosen = Settings.of(settings, **values)
     if controller and isinstance(controller, str):
         chosen = updated(chosen, {"exploration": {"controller": controller}})

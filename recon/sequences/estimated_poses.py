@@ -12,7 +12,7 @@ from recon.notices import notify
 from recon.records import PairSource, StereoPair
 from recon.sequences.calibration.refinement import RefinedPairs, full_residual
 from recon.sequences.calibration.row_error import Residual
-from recon.sequences.frames import DerivedSource, Metrics, PartOf
+from recon.sequences.frames import DerivedSource, Metrics, PartOf, check_slice
 from recon.sequences.odometry.errors import drift_percent
 from recon.sequences.odometry.motion import estimate_motion
 from recon.sequences.odometry.tracking import track
@@ -45,6 +45,7 @@ class EstimatedPoses(DerivedSource):
 
     def __getitem__(self, part: slice) -> PartOf:
         """A part of the pairs; their poses continue from the first pair of all."""
+        check_slice(part)
         return PartOf(self, part)
 
     def __iter__(self) -> Iterator[StereoPair]:

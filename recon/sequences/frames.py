@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import NamedTuple, Protocol
 
-from recon.errors import InputError, check_type
+from recon.errors import InputError
 from recon.notices import notify
 from recon.records import PairSource, StereoPair
 
@@ -67,7 +67,7 @@ class Recording:
 
     def __getitem__(self, part: slice) -> "Recording":
         """A part of the frames; earlier frames are not read."""
-        check_type("part", part, slice)
+        check_slice(part)
         return Recording(self._frames[part], disparity_range=self.disparity_range)
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -129,9 +129,12 @@ class DerivedSource:
     def __len__(self) -> int:
         return len(self.source)
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self)} pairs)"
+
     def __getitem__(self, part: slice) -> "DerivedSource":
         """A part of the pairs, modified like the whole."""
-        check_type("part", part, slice)
+        check_slice(part)
         return self.over(self.source[part])
 
     def __iter__(self) -> Iterator[StereoPair]:
@@ -155,11 +158,18 @@ class PartOf(DerivedSource):
         return len(self._rows)
 
     def __getitem__(self, part: slice) -> "PartOf":
+        check_slice(part)
         rows = self._rows[part]
         return PartOf(self.source, slice(rows.start, rows.stop, rows.step))
 
     def __iter__(self) -> Iterator[StereoPair]:
         return islice(self.source, self._rows.start, self._rows.stop, self._rows.step)
+
+
+def check_slice(part: object) -> None:
+    """Raise `InputError` for a single number, whose pair may be skipped, and for a way back."""
+    if not isinstance(part, slice) or (part.step is not None and part.step < 1):
+        raise InputError(f"the index of a recording is {part!r}, but a slice such as 0:9 is needed")
 
 
 def _check_later(frame: Frame, last: Frame | None) -> None:

@@ -19,19 +19,19 @@ from recon.sequences.refined import Refined
 from recon.sequences.region import RegionSource
 from recon.settings import SequenceSettings
 
-_ROOM = "recon.sequences.readers"
+_READERS = "recon.sequences.readers"
 READERS: Registry[Reader] = Registry(
     "recon.sequences",
     "format",
     {  # tried in this order: a ring may have images named like those of a pair
-        "folder": f"{_ROOM}.folder:READER",
-        "kitti": f"{_ROOM}.kitti:READER",
-        "euroc": f"{_ROOM}.euroc:READER",
-        "ring": f"{_ROOM}.ring:READER",
-        "middlebury": f"{_ROOM}.pair_dir:READER",
-        "video": f"{_ROOM}.video:READER",
-        "bag": f"{_ROOM}.bag:READER",
-        "simulated": f"{_ROOM}.simulated:READER",
+        "folder": f"{_READERS}.folder:READER",
+        "kitti": f"{_READERS}.kitti:READER",
+        "euroc": f"{_READERS}.euroc:READER",
+        "ring": f"{_READERS}.ring:READER",
+        "middlebury": f"{_READERS}.pair_dir:READER",
+        "video": f"{_READERS}.video:READER",
+        "bag": f"{_READERS}.bag:READER",
+        "simulated": f"{_READERS}.simulated:READER",
     },
 )
 NESTED_LEVELS = 2
