@@ -11,12 +11,12 @@ from recon.errors import InputError
 
 @contextmanager
 def locked(path: Path, busy: str) -> Iterator[None]:
-    """Hold the lock that a file represents; the file is removed afterwards.
+    """Hold the lock of a folder, the file `.NAME.lock` beside it, which is removed afterwards.
 
     Parameters
     ----------
     path : Path
-        The lock file; its folder must exist.
+        The folder, which need not exist; the one that contains it must.
     busy : str
         Message of the error if another process holds the lock.
 
@@ -27,13 +27,14 @@ def locked(path: Path, busy: str) -> Iterator[None]:
     OSError
         With the name of the folder if the file cannot be created in it.
     """
-    descriptor = _acquired(path)
+    lock = path.with_name(f".{path.name}.lock")
+    descriptor = _acquired(lock)
     if descriptor is None:
         raise InputError(busy)
     try:
         yield
     finally:
-        path.unlink(missing_ok=True)
+        lock.unlink(missing_ok=True)
         os.close(descriptor)
 
 

@@ -3,7 +3,7 @@
 import json
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,6 +29,8 @@ class EarlierRun:
 
     path: Path
     """Of the new run."""
+    is_finished: Callable[[Path], bool] = is_finished
+    """True for a folder that is worth more than an unfinished one."""
 
     @property
     def place(self) -> Path:
@@ -37,15 +39,15 @@ class EarlierRun:
 
     def put_aside(self) -> None:
         """Make room for the new run; of two earlier ones, a finished one is kept."""
-        if self.place.exists() and not is_finished(self.path):
+        if self.is_finished(self.place) and not self.is_finished(self.path):
             shutil.rmtree(self.path)
             return
         self.remove()
         self.path.rename(self.place)
 
     def restore(self) -> None:
-        """Put it back in place of the new run."""
-        shutil.rmtree(self.path)
+        """Put it back in place of the new run, which need not exist."""
+        shutil.rmtree(self.path, ignore_errors=True)
         self.place.rename(self.path)
 
     def remove(self) -> None:
@@ -79,8 +81,8 @@ class RunFolder:
             If `path` exists and neither flag was given, or if the run to resume has different
             settings, seed or inputs.
         """
-        if not (overwrite or resume):
-            check_no_run(path)
+        check_flags(path, overwrite=overwrite, resume=resume)
+        path = named(path)
         run = cls(path=path, plan=plan, identity=plan.identity())
         if resume and path.exists():
             _check_same(path, run.identity)
@@ -108,12 +110,12 @@ class RunFolder:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         busy = f"{self.path} is being written by another process; wait for it, or give another -o"
         earlier = EarlierRun(self.path)
-        with locked(self.path.with_name(f".{self.path.name}.lock"), busy):
+        with locked(self.path, busy):
             if self.replaces:
                 earlier.put_aside()
             is_new = not self.path.exists()
-            self.path.mkdir(exist_ok=True)
             try:
+                self.path.mkdir(exist_ok=True)
                 yield from self._filled()
             except BaseException as error:
                 self._fail(error, earlier, is_new)
@@ -181,10 +183,27 @@ class RunFolder:
         self.write_json(MANIFEST, document)
 
 
-def check_no_run(path: Path) -> None:
-    """Raise `InputError` if a new run would need a flag, as its folder exists."""
-    if path.exists():
+def check_flags(path: Path | None, *, overwrite: bool, resume: bool) -> None:
+    """Refuse a folder that exists, and flags without a folder or contrary to each other."""
+    if overwrite and resume:
+        raise InputError("overwrite and resume exclude each other: give one of them")
+    if path is None and (overwrite or resume):
+        raise InputError(f"{'overwrite' if overwrite else 'resume'} needs a run folder: give -o")
+    if path is not None and path.exists() and not (overwrite or resume):
         raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
+
+
+def check_none_inside(path: Path, inputs: Iterable[Path]) -> None:
+    """Raise `InputError` if replacing a folder would delete an input."""
+    for source in inputs:
+        place = source.resolve()
+        if source.exists() and path.resolve() in [place, *place.parents]:
+            raise InputError(f"{source} lies in {path} and would be deleted with it")
+
+
+def named(path: Path) -> Path:
+    """The same folder by a path that ends in its name, which `.` and `..` do not."""
+    return path if path.name not in ("", "..") else path.resolve()
 
 
 def _check_same(path: Path, identity: dict[str, Any]) -> None:
@@ -204,6 +223,4 @@ def _check_replaceable(path: Path, inputs: tuple[Path, ...]) -> None:
         raise InputError(f"{path} is not a folder; give another -o")
     if any(path.iterdir()):
         read_manifest(path)
-    for source in inputs:
-        if path.resolve() in [source.resolve(), *source.resolve().parents]:
-            raise InputError(f"{source} lies in {path} and would be deleted with it")
+    check_none_inside(path, inputs)

@@ -166,6 +166,29 @@ def test_earlier_run_survives_a_failed_replacement(tmp_path, plan, error):
     assert [path.name for path in tmp_path.iterdir() if path.name[0] == "."] == []
 
 
+def test_earlier_run_survives_a_disk_that_holds_no_other_folder(tmp_path, plan, monkeypatch):
+    finish(tmp_path / "run", plan)
+    run = prepare(tmp_path / "run", plan, overwrite=True)
+
+    def full(path, **_):
+        if path == run.path:
+            raise OSError(28, "No space left", str(path))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "mkdir", full)
+        with pytest.raises(OSError, match="No space left"), run.opened():
+            pass
+    assert pairs(tmp_path / "run") == 3
+
+
+def test_run_in_the_current_folder_is_replaced_like_any_other(tmp_path, plan, monkeypatch):
+    finish(tmp_path / "run", plan)
+    monkeypatch.chdir(tmp_path / "run")
+    finish(Path(), plan, overwrite=True)
+    assert pairs(tmp_path / "run") == 3
+    assert {one.name for one in tmp_path.iterdir()} == {"run", "a.scene"}
+
+
 def test_write_error_without_a_file_name_names_the_folder(tmp_path, plan):
     run = prepare(tmp_path / "run", plan)
     with pytest.raises(OSError, match=r"No space left.*run'$"), run.opened():
@@ -208,7 +231,7 @@ def test_lock_of_a_dead_process_is_taken_over(tmp_path, plan):
         "with locked(pathlib.Path(sys.argv[1]), 'busy'): os._exit(1)"
     )
     lock = tmp_path / ".run.lock"
-    subprocess.run([sys.executable, "-c", script, str(lock)], check=False)
+    subprocess.run([sys.executable, "-c", script, str(tmp_path / "run")], check=False)
     assert lock.exists()
     finish(tmp_path / "run", plan, overwrite=True)
     assert not lock.exists()

@@ -1,20 +1,17 @@
 """The batch: jobs run by a scheduler, a run folder for each, a summary of all."""
 
-import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from recon.batch.chunks import check_chunks, merging, spread
+from recon.batch.folder import opened
 from recon.batch.jobfile import NamedJob
 from recon.batch.schedulers import Scheduler, bound
 from recon.batch.worker import Outcome, do
-from recon.errors import InputError
-from recon.locks import locked
+from recon.runfolder import named
 
-SUMMARY = "summary.json"
-"""The file that every batch writes first and last, which identifies its folder."""
 Heard = Callable[[Outcome, int, int], None]
 """Called with every outcome, the number of jobs ended, and the number of all jobs."""
 
@@ -57,7 +54,8 @@ def run_batch(
         Folder for the run folders.
     scheduler : Scheduler
     overwrite, resume : bool
-        As for a run; when resumed, finished jobs are skipped, and failed ones tried again.
+        As for a run; when resumed, finished jobs are skipped, and failed ones tried again. A batch
+        that is replaced is kept as `.NAME.before` until no job of the new one fails.
     chunk : int, optional
         Pairs per job: reconstructions are split into jobs of this size, whose maps are merged by a
         last job if no other failed.
@@ -71,15 +69,18 @@ def run_batch(
     Raises
     ------
     InputError
-        If the folder contains anything but a batch, or a batch and neither flag is given.
+        If the folder contains anything but a batch, a batch and neither flag is given, or an input
+        that would be replaced.
     """
     if chunk is not None:
         check_chunks(jobs)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    busy = f"{folder} is being written by another batch; wait for it, or give another -o"
-    with locked(folder.with_name(f".{folder.name}.lock"), busy):
-        _prepare(folder, overwrite=overwrite, resume=resume)
-        return _all_done(jobs, folder, scheduler, chunk, heard)
+    folder = named(folder)
+    inputs = [path for one in jobs for path in one.job.inputs]
+    with opened(folder, inputs, overwrite=overwrite, resume=resume) as earlier:
+        report = _all_done(jobs, folder, scheduler, chunk, heard)
+        if not report.num_failed:
+            earlier.remove()
+    return report
 
 
 def _all_done(
@@ -112,17 +113,3 @@ def _done(
     return BatchReport(
         folder=folder, jobs=tuple(jobs), outcomes=tuple(ended[job.name] for job in jobs)
     )
-
-
-def _prepare(folder: Path, *, overwrite: bool, resume: bool) -> None:
-    if overwrite and resume:
-        raise InputError("overwrite and resume exclude each other: give one of them")
-    if folder.exists() and not (folder.is_dir() and (overwrite or resume)):
-        raise InputError(f"{folder} exists; give --overwrite, --resume, or another -o")
-    is_filled = folder.exists() and any(folder.iterdir())
-    if is_filled and not (folder / SUMMARY).exists():
-        raise InputError(f"{folder} is not the folder of a batch; give another -o")
-    if is_filled and not resume:
-        shutil.rmtree(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / SUMMARY).touch()

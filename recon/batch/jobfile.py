@@ -1,9 +1,11 @@
 """Job files: tables of jobs, globs and sweeps, read into named jobs."""
 
 import itertools
+import math
+import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,8 +22,12 @@ CHOICES: dict[str, dict[str, Any]] = {"preset": dict(PRESETS), "quality": dict(Q
 """Named sets of settings; later ones take precedence."""
 NAME = re.compile(r"[^-./\x00-\x1f\x7f][^/\x00-\x1f\x7f]*")
 """Valid job names, which become folder names."""
-SHEETS = re.compile(r"(summary|sweep|contact|confusion).*\.(json|csv|png)")
+SHEETS = re.compile(r"(summary|sweep|contact|confusion).*\.(json|csv|png)|.*\.refined\.json")
 """Names of the files of a batch."""
+MAX_NAME = 200
+"""Bytes of a name: those of a file system, 255 as a rule, less what names beside it add to it."""
+MAX_JOBS = 100_000
+"""More jobs would take gigabytes before the first of them begins."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,29 +55,45 @@ def read_jobs(path: Path) -> list[NamedJob]:
     if not isinstance(tables, list) or not tables:
         raise InputError(f"{path} has no [[job]] table, but one per job is needed")
     sweep = _sweep(document.get("sweep", {}), path)
-    jobs = [
+    jobs = (
         job
         for number, table in enumerate(tables, 1)
         for job in _jobs_of(table, path.parent, sweep, f"{path}, job {number}")
-    ]
+    )
     return _checked(jobs, str(path))
 
 
 def jobs_of_glob(pattern: str, command: str) -> list[NamedJob]:
     """One job for each file or folder that matches a pattern."""
     table = {"command": command, "input": pattern}
-    return _checked(list(_jobs_of(table, Path(), (), pattern)), pattern)
+    return _checked(_jobs_of(table, Path(), (), pattern), pattern)
 
 
-def _checked(jobs: list[NamedJob], source: str) -> list[NamedJob]:
-    """The jobs, if each can have a folder of its own."""
+def _checked(found: Iterable[NamedJob], source: str) -> list[NamedJob]:
+    """The jobs, if they are not too many and each can have a folder of its own."""
+    jobs = list(itertools.islice(found, MAX_JOBS + 1))
+    _check_number(len(jobs), source)
     for job in jobs:
-        if not NAME.fullmatch(job.name) or SHEETS.fullmatch(job.name):
-            raise InputError(f"{source}: name is {job.name!r}, but that of a new folder is needed")
+        _check_name(job.name, source)
     for name, number in Counter(job.name for job in jobs).items():
         if number > 1:
             raise InputError(f"{source}: {number} jobs are named {name!r}; give each its own name")
     return jobs
+
+
+def _check_number(num_jobs: int, source: str) -> None:
+    if num_jobs > MAX_JOBS:
+        raise InputError(f"{source} has more than {MAX_JOBS} jobs; split it into several batches")
+
+
+def _check_name(name: str, source: str) -> None:
+    if not NAME.fullmatch(name) or SHEETS.fullmatch(name):
+        raise InputError(f"{source}: name is {name!r}, but that of a new folder is needed")
+    size = len(os.fsencode(name))
+    if size > MAX_NAME:
+        raise InputError(
+            f"{source}: name {name[:40]!r}... has {size} bytes, but at most {MAX_NAME} are possible"
+        )
 
 
 def _check_keys(table: Mapping[str, Any], known: Sequence[str], source: str) -> None:
@@ -180,18 +202,17 @@ def _sweep(table: Any, path: Path) -> tuple[dict[str, Any], ...]:
     for key, values in flat.items():
         if not isinstance(values, list) or not values:
             raise InputError(f"{path}: sweep of {key} is {values!r}, but a list is needed")
+    _check_number(math.prod(len(values) for values in flat.values()), str(path))
     return tuple(
         dict(zip(flat, point, strict=True)) for point in itertools.product(*flat.values()) if flat
     )
 
 
 def _words(table: Mapping[str, Any], source: str) -> list[str]:
-    words = table.get("input")
-    words = [words] if isinstance(words, str) else words
-    if not isinstance(words, list) or not words or not all(isinstance(w, str) for w in words):
-        raise InputError(
-            f"{source}: input is {table.get('input')!r}, but a path or a list is needed"
-        )
+    given = table.get("input")
+    words: list[Any] = given if isinstance(given, list) else [given]
+    if not words or not all(isinstance(word, str) and word for word in words):
+        raise InputError(f"{source}: input is {given!r}, but a path or a list is needed")
     return words
 
 
@@ -207,7 +228,10 @@ def _matches(word: str, folder: Path) -> list[Path]:
         return [Path(word) if is_shipped else path]
     root = Path(path.anchor or ".")
     pattern = str(path.relative_to(root)) if path.anchor else str(path)
-    found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
+    try:
+        found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
+    except ValueError as error:
+        raise InputError(f"{word} is no pattern: {error}") from error
     if not found:
         raise InputError(f"{word} matches no file or folder in {folder.resolve()}")
     return found

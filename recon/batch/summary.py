@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from recon.batch.batch import SUMMARY, BatchReport
+from recon.batch.batch import BatchReport
+from recon.batch.folder import SUMMARY
 from recon.batch.sheets import print_of, write_sheets
 from recon.batch.sweeps import USUAL, check_metrics, metrics_of, points_of, table
 from recon.figures.contact import MAX_SHOWN, Print

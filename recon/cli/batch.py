@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.info import table
-from recon.cli.options import OUTPUT, PATH, SCENE, with_options
+from recon.cli.options import OUTPUT, PATH, SCENE, NamedPath, with_options
 from recon.cli.output import print_document, start_logging
 from recon.cli.progress import shown_jobs
 
@@ -22,7 +22,7 @@ SOME_FAILED = 5
 
 
 @click.command(epilog="Example: recon batch jobs.toml -j 4 -o runs/all --resume")
-@click.argument("jobs", metavar="JOBS.toml|GLOB")
+@click.argument("jobs", metavar="JOBS.toml|GLOB", type=NamedPath())
 @click.option("--command", help="Command to run on each match of a glob: reconstruct, explore, ...")
 @click.option(
     "-j",
@@ -60,10 +60,11 @@ def batch(jobs: str, **given: Any) -> int:
     start_logging(given)
     start = _way_to_start(given)  # first: it loads while this process does
     named = _named_jobs(jobs, given["command"])
+    _check(named, given)
     if given["dry_run"]:
         _list(named, given)
         return 0
-    folder = given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch")
+    folder = _folder(jobs, given)
     document = _run(named, folder, given, start)
     print_document(given, document, _lines(document, folder))
     return SOME_FAILED if document["num_failed"] else 0
@@ -122,6 +123,26 @@ def _named_jobs(jobs: str, command: str | None) -> "list[NamedJob]":
     if not jobs.endswith(".toml"):
         raise click.UsageError(f"{jobs} is not a JOBS.toml; give --command with a glob")
     return read_jobs(Path(jobs))
+
+
+def _check(named: "Sequence[NamedJob]", given: dict[str, Any]) -> None:
+    """Refuse options that do not suit the jobs, which a dry run finds as well."""
+    from recon.batch.chunks import check_chunks
+
+    if given["metrics"] and not any(one.swept for one in named):
+        raise click.UsageError("--metric is for a sweep, but no setting is swept")
+    if given["chunk"] is not None:
+        check_chunks(named)
+
+
+def _folder(jobs: str, given: dict[str, Any]) -> Path:
+    """The folder of the batch, which must not replace the file of its jobs."""
+    from recon.runfolder import check_none_inside, named
+
+    folder = named(given["output"] or Path("runs") / (Path(jobs.rstrip("/*")).stem or "batch"))
+    if given["overwrite"]:
+        check_none_inside(folder, [Path(jobs)])
+    return folder
 
 
 def _list(named: "Sequence[NamedJob]", given: dict[str, Any]) -> None:

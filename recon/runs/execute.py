@@ -3,9 +3,9 @@
 from contextlib import closing
 from pathlib import Path
 
-from recon.errors import InputError, check_path, check_type
+from recon.errors import check_path, check_type
 from recon.notices import Notice, collected_notices
-from recon.runfolder import RunFolder, check_no_run
+from recon.runfolder import RunFolder, check_flags
 from recon.runs.artist import Artist
 from recon.runs.events import Events
 from recon.runs.job import KINDS, Job, Numbers
@@ -66,13 +66,14 @@ def execute(
         shared_estimates(),
     ):
         kind = KINDS.load(job.kind)
-        path = folder or kind.folder(job.located())
-        _check_folder(path, overwrite=overwrite, resume=resume)
+        path = Path(folder) if folder else kind.folder(job.located())
+        # Before the job is resolved, as that may take long.
+        check_flags(path, overwrite=overwrite, resume=resume)
         job = job.resolved()
         if path is None:
             work = Work(events=events, stopwatch=stopwatch, folder=None, num_workers=num_workers)
             return _reported(job, kind.run(job, work), notices)
-        run = RunFolder.prepare(Path(path), job.plan(), overwrite=overwrite, resume=resume)
+        run = RunFolder.prepare(path, job.plan(), overwrite=overwrite, resume=resume)
         if not run.is_finished:
             with run.opened(), closing(artist or Artist()) as drawing:
                 work = Work(
@@ -84,19 +85,6 @@ def execute(
                 report = _reported(job, {"seconds": run.seconds} | numbers, notices)
                 run.write_json("metrics.json", report.as_json())
     return read_report(job.kind, run.path)
-
-
-def _check_folder(path: str | Path | None, *, overwrite: bool, resume: bool) -> None:
-    """Refuse a run that exists, and flags without a run folder or contrary to each other.
-
-    Before the job is resolved, as that may take long.
-    """
-    if overwrite and resume:
-        raise InputError("overwrite and resume exclude each other: give one of them")
-    if path is None and (overwrite or resume):
-        raise InputError(f"{'overwrite' if overwrite else 'resume'} needs a run folder: give -o")
-    if path is not None and not (overwrite or resume):
-        check_no_run(Path(path))
 
 
 def _reported(job: Job, numbers: Numbers, notices: list[Notice]) -> Report:

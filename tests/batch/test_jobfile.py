@@ -5,10 +5,16 @@ from pathlib import Path
 
 import pytest
 
+from recon.batch import jobfile
 from recon.batch.jobfile import jobs_of_glob, read_jobs
 from recon.errors import InputError
 
 JOB = '[[job]]\nname = "a"\ncommand = "explore"\ninput = "village"\n'
+
+HUGE = "".join(
+    f'"{name}" = {[*range(1, 1001)]}\n'
+    for name in ("map.min_count", "map.cell_size", "exploration.max_pairs")
+)
 
 
 def written(folder, text):
@@ -89,6 +95,14 @@ def test_sweep_covers_every_combination(tmp_path):
     assert jobs[5].job.settings.map.cell_size == 2.0
 
 
+def test_jobs_of_all_tables_count_together(tmp_path, monkeypatch):
+    monkeypatch.setattr(jobfile, "MAX_JOBS", 3)
+    text = JOB + JOB.replace('"a"', '"b"') + '[sweep]\n"map.cell_size" = [1, 2]\n'
+    with pytest.raises(InputError, match="has more than 3 jobs"):
+        read_jobs(written(tmp_path, text))
+    assert len(read_jobs(written(tmp_path, text.replace(", 2", "")))) == 2
+
+
 def test_jobs_survive_pickling(tmp_path):
     (one,) = read_jobs(written(tmp_path, JOB + 'settings = { "map.cell_size" = 0.5 }\n'))
     again = pickle.loads(pickle.dumps(one))
@@ -117,9 +131,14 @@ def test_jobs_survive_pickling(tmp_path):
         (JOB.replace('"a"', '"../a"'), r"jobs.toml: name is '../a'"),
         (JOB.replace('"a"', '"summary.json"'), "name is 'summary.json', but that of a new folder"),
         (JOB.replace('"a"', '""'), "name is '', but that of a new folder"),
+        (JOB.replace('"a"', '"x.refined.json"'), "name is 'x.refined.json', but that of a new"),
+        (JOB.replace('"a"', f'"{"é" * 101}"'), "name 'é+'... has 202 bytes, but at most 200"),
         (JOB.replace('"a"', "3"), "job 1: name is 3"),
         (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),
         (JOB.replace("village", "no/*.scene"), "matches no file or folder"),
+        (JOB.replace("village", "a**b"), "a[*]+b is no pattern: "),
+        (JOB.replace("village", ""), "input is '', but a path or a list"),
+        (JOB + "[sweep]\n" + HUGE, "jobs.toml has more than 100000 jobs; split it"),
         ("jobs = 1\n", "'jobs' is unknown"),
         ("[[job]", "a TOML file is needed"),
     ],
