@@ -12,6 +12,11 @@ SIZE = ["--set", "eyes.width=120", "--set", "eyes.height=96", "--set", "eyes.fov
 RIG = ["--set", "eyes.baseline=0.4", "--set", "render.noise=1.5"]
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    """The bytes of every file in a folder, by name."""
+    return {one.name: one.read_bytes() for one in folder.iterdir()}
+
+
 def write_wall(path: Path) -> None:
     """Write a mesh of a wall of many colours, a grid of small squares."""
     side = 24

@@ -16,7 +16,7 @@ from recon.sequences import images
 from recon.sequences.open import open_sequence
 from recon.sequences.refined import Refined, read_refined, refine
 from recon.settings import SequenceSettings
-from tests.recordings import render_drive
+from tests.recordings import contents, render_drive
 from tests.schedulers import Sent
 
 pytestmark = pytest.mark.usefixtures("without_figures")
@@ -31,10 +31,6 @@ quality = "fast"
 settings = { "map.partition_size" = 64, "sequence.only_confirmed" = true, "surface.mesh" = true }
 """
 SHARED = ("cloud.ply", "objects.json", "trajectory.txt", "dense.ply")
-
-
-def files(folder):
-    return {one.name: one.read_bytes() for one in folder.iterdir()}
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +53,7 @@ def test_chunked_jobs_merge_to_the_map_of_one_run(drive, whole, tmp_path):
     jobs = json.loads((tmp_path / "out" / "summary.json").read_text())["jobs"]
     assert [one["name"] for one in jobs] == ["wall-000000", "wall-000002", "wall-000004", MERGED]
     merged = tmp_path / "out" / MERGED
-    assert files(merged / "map.parquet") == files(whole / "map.parquet")
+    assert contents(merged / "map.parquet") == contents(whole / "map.parquet")
     for name in SHARED:
         assert (merged / name).read_bytes() == (whole / name).read_bytes(), name
     meshes = [read_mesh(run / "mesh.ply") for run in (whole, merged)]

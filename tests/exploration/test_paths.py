@@ -92,11 +92,12 @@ def test_path_keeps_its_distance_around_a_wall(floor):
 def test_shortest_paths_match_an_exhaustive_search(seed):
     rng = np.random.default_rng(seed)
     walkable = rng.uniform(size=(23, 31)) < 0.7
+    walkable[:2, :2] = [[True, False], [False, False]]
     start = tuple(int(n) for n in np.argwhere(walkable)[5])
     distance, before = shortest(walkable, start)
     plain = searched(walkable, start)
     assert np.allclose(distance, plain)
-    assert np.isinf(plain[walkable]).any() or seed
+    assert np.isinf(distance[0, 0])
     for cell in map(tuple, np.argwhere(np.isfinite(plain) & (plain > 0))):
         step = np.hypot(*(before[cell] - cell))
         assert distance[cell] == pytest.approx(distance[tuple(before[cell])] + step)

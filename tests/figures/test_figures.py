@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.errors import InputError
-from recon.figures.canvas import Sheet, Style, pixels, save
+from recon.figures.canvas import SMALLEST_FONT, Sheet, Style, pixels, save
 from recon.figures.confusion import confusion_matrix
 from recon.figures.disparity import dense, disparity
 from recon.figures.map3d import Standpoint, map3d, valued
@@ -140,9 +140,10 @@ def test_labels_show_their_probability(voxels, ball):
     ]
 
 
-def test_font_size_scales_with_the_sheet():
-    small_sheet, large = Sheet.of((600, 600)), Sheet.of((1800, 1800))
-    assert large.font_size == pytest.approx(3 * small_sheet.font_size, rel=0.3)
+def test_font_size_scales_with_the_sheet_but_stays_legible():
+    medium, large = Sheet.of((900, 900)), Sheet.of((2700, 2700))
+    assert large.font_size == pytest.approx(3 * medium.font_size)
+    assert Sheet.of((100, 100)).font_size == SMALLEST_FONT < medium.font_size
     assert Sheet.of((600, 600), Style(font_size=7.5)).font_size == 7.5
 
 

@@ -140,6 +140,7 @@ def test_a_slope_has_enough_points_that_the_other_has_not():
 def test_small_changes_of_cells_do_not_change_planes():
     cells = cells_of(*walls(), slope(6.0))
     found = flat_pieces(cells, ("upright", "any"))
+    assert len(found.planes) > 1
     for seed in range(6):
         moved = np.random.default_rng(seed).normal(0.0, 0.01, cells.means.shape)
         again = flat_pieces(replace(cells, means=cells.means + moved), ("upright", "any"))

@@ -19,9 +19,9 @@ def scene(surfaces):
 def test_table_ball_and_can_are_found(surfaces):
     points, truth = scene(surfaces)
     found = find_solids(points, 200, np.random.default_rng(1))
-    assert [one.solid.kind for one in found[:3]] == ["plane", "sphere", "cylinder"] or [
-        one.solid.kind for one in found[:3]
-    ] == ["plane", "cylinder", "sphere"]
+    kinds = [one.solid.kind for one in found[:3]]
+    assert kinds[0] == "plane"
+    assert sorted(kinds[1:]) == ["cylinder", "sphere"]
     for one in found[:3]:
         share = np.bincount(truth[one.rows], minlength=3).max() / len(one.rows)
         assert share > 0.97

@@ -9,7 +9,7 @@ from recon.cli import main
 from recon.exports import read
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.runs import maps
-from tests.recordings import render_drive
+from tests.recordings import contents, render_drive
 
 SETTINGS = ["--quality", "fast"]
 for setting in ("map.cell_size=0.1", "map.max_sigma=none", "map.partition_size=64"):
@@ -20,10 +20,6 @@ SHARED = ("cloud.ply", "objects.json", "trajectory.txt")
 def call(capsys, *argv):
     assert main([*map(str, argv), "--json"]) == 0
     return json.loads(capsys.readouterr().out)
-
-
-def files(folder):
-    return {one.name: one.read_bytes() for one in folder.iterdir()}
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +38,7 @@ def runs(tmp_path_factory, without_figures):
 
 
 def test_any_chunk_size_gives_the_same_bytes(runs):
-    assert files(runs / "twos" / "map.parquet") == files(runs / "threes" / "map.parquet")
+    assert contents(runs / "twos" / "map.parquet") == contents(runs / "threes" / "map.parquet")
     assert len(PartitionedMap(runs / "twos" / "map.parquet")) > 1
     for name in SHARED:
         same = {(runs / run / name).read_bytes() for run in ("whole", "twos", "threes")}
@@ -114,5 +110,5 @@ def test_interrupted_run_is_resumed(runs, tmp_path, monkeypatch):
         patched.setattr(maps, "merge_partitions", fail)
         assert main(argv) == 130
     assert main([*argv, "--resume"]) == 0
-    assert files(cut / "map.parquet") == files(runs / "twos" / "map.parquet")
+    assert contents(cut / "map.parquet") == contents(runs / "twos" / "map.parquet")
     assert not (cut / "partial").exists()

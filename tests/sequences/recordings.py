@@ -5,6 +5,8 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
 from recon.geometry import pose
@@ -27,6 +29,14 @@ def image_pairs():
 def poses_recorded():
     """Give `T_recorded_left` of a rig that drives forward, in KITTI's convention."""
     return [pose(np.eye(3), [0.0, 0.0, 0.7 * number]) for number in range(NUM_PAIRS)]
+
+
+def random_poses() -> NDArray[np.float64]:
+    """Give `NUM_PAIRS` poses with any rotation, the same at every call."""
+    rng = np.random.default_rng(5)
+    turns = Rotation.random(NUM_PAIRS, rng=rng).as_matrix()
+    places = rng.normal(size=(NUM_PAIRS, 3))
+    return np.stack([pose(R, t) for R, t in zip(turns, places, strict=True)])
 
 
 def kitti_rows(*, labels: bool = False) -> str:

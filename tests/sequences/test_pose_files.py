@@ -8,7 +8,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from recon.errors import InputError
-from recon.geometry import pose
 from recon.notices import collected_notices
 from recon.sequences.pose_files import read_poses
 from recon.sequences.posed_images import write_colmap, write_nerfstudio
@@ -17,6 +16,7 @@ from tests.sequences.recordings import (
     NUM_PAIRS,
     RIG,
     poses_recorded,
+    random_poses,
     write_folder,
 )
 
@@ -62,12 +62,6 @@ def test_pose_with_a_repeated_stamp_is_dropped_with_a_notice(tmp_path):
         assert len(read_poses(tmp_path / "poses.txt")) == 3
     assert [notice.code for notice in notices] == ["stamps-repeated"]
     assert "line 3" in notices[0].text
-
-
-def random_poses():
-    rng = np.random.default_rng(5)
-    turns = Rotation.random(4, rng=rng).as_matrix()
-    return np.stack([pose(R, t) for R, t in zip(turns, rng.normal(size=(4, 3)), strict=True)])
 
 
 def rows_of(poses, form):

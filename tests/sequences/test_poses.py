@@ -11,14 +11,9 @@ from recon.geometry import pose
 from recon.sequences.pose_files import read_poses
 from recon.sequences.poses import GivenPoses, T_up_recorded
 from recon.sequences.timestamps import list_frame_poses
+from tests.sequences.recordings import random_poses
 
 rotations = st.tuples(*[st.floats(-3, 3)] * 3).map(lambda v: Rotation.from_rotvec(v).as_matrix())
-
-
-def some_poses():
-    rng = np.random.default_rng(5)
-    turns = Rotation.random(4, rng=rng).as_matrix()
-    return np.stack([pose(R, t) for R, t in zip(turns, rng.normal(size=(4, 3)), strict=True)])
 
 
 def write(path, form, poses):
@@ -41,8 +36,8 @@ def write(path, form, poses):
 
 @pytest.mark.parametrize("form", ["kitti", "tum", "euroc"])
 def test_all_formats_give_the_same_poses(tmp_path, form):
-    trajectory = read_poses(write(tmp_path / "poses.txt", form, some_poses()))
-    np.testing.assert_allclose(trajectory.poses, some_poses(), atol=1e-7)
+    trajectory = read_poses(write(tmp_path / "poses.txt", form, random_poses()))
+    np.testing.assert_allclose(trajectory.poses, random_poses(), atol=1e-7)
     if form == "kitti":
         assert trajectory.stamps_s is None
     else:
@@ -50,7 +45,7 @@ def test_all_formats_give_the_same_poses(tmp_path, form):
 
 
 def test_spaces_and_a_comment_do_not_matter(tmp_path):
-    path = write(tmp_path / "poses.txt", "kitti", some_poses())
+    path = write(tmp_path / "poses.txt", "kitti", random_poses())
     path.write_text("# poses\n" + path.read_text().replace(" ", "   ") + "  \n\n")
     assert len(read_poses(path)) == 4
 

@@ -20,10 +20,11 @@ def textured_pair(shape=(120, 160), slope=(0.02, 0.01), middle=8.0, noise=1.5, s
         texture, (of_right + width / 2).astype(np.float32), v - row_shift, cv2.INTER_LANCZOS4
     )
     truth = middle + a * (u - width / 2) + b * (v - height / 2)
-    return *(_responses(x, noise, rng) for x in (left, right)), truth.astype(np.float64)
+    return *(noisy(x, noise, rng) for x in (left, right)), truth.astype(np.float64)
 
 
-def _responses(image, noise, rng):
+def noisy(image, noise, rng):
+    """Add noise of a standard deviation to an image, as uint8."""
     return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
 
 

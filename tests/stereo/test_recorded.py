@@ -11,6 +11,7 @@ from recon.stereo.evaluation import evaluate
 from recon.stereo.features import detect
 from recon.stereo.matching.matching import match
 from recon.stereo.subpixel import refine
+from scenes import noisy
 
 pytestmark = pytest.mark.data
 
@@ -35,10 +36,6 @@ def read(folder):
     truth = truth.astype(float) / scale
     truth[truth == 0] = np.nan
     return left, right, truth
-
-
-def noisy(image, noise, rng):
-    return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
 
 
 def solve(folder, quality, max_disparity, noise=0.0):

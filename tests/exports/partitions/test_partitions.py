@@ -15,13 +15,10 @@ from recon.files import memory_limit
 from recon.notices import collected_notices
 from recon.voxelmap import VoxelMap
 from tests.exports.maps import CHANNELS, same, sample_cloud
+from tests.recordings import contents
 from tests.voxelmap.test_sums import ORIGIN, map_of_views, saved
 
 BOX = ((98.0, -1.0, -45.0), (104.0, 5.0, -38.0))
-
-
-def files(folder):
-    return {one.name: one.read_bytes() for one in folder.iterdir()}
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +48,7 @@ def test_any_chunks_merge_to_the_same_bytes(city, cuts, tmp_path):
         for n, chunk in enumerate(chunks)
     ]
     merged = merge_partitions(parts[::-1], tmp_path / "all.parquet")
-    assert files(merged.place) == files(city.place)
+    assert contents(merged.place) == contents(city.place)
 
 
 def test_box_reads_only_intersecting_partitions(whole, city, tmp_path):
@@ -113,7 +110,7 @@ def test_smaller_map_replaces_all_earlier_partitions(city, tmp_path):
     copy = tmp_path / "map.parquet"
     shutil.copytree(city.place, copy)
     small = write_partitions(map_of_views([]), copy, 64)
-    assert set(files(copy)) == {MANIFEST}
+    assert set(contents(copy)) == {MANIFEST}
     assert len(small) == 0
     assert small.whole().num_cells == len(small.occupied(1)) == 0
 
