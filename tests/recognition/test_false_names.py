@@ -17,9 +17,14 @@ from recon.records import PointCloud
 from recon.settings import RecognitionSettings
 
 KINDS = read_catalogues(["village"])
+SLENDER_OR_NOT = tuple(
+    replace(kind, parts=tuple(replace(part, slenderness=None) for part in kind.parts))
+    for kind in KINDS
+)
+"""The kinds without limits of their parts' slenderness."""
 ALWAYS = Logistic(middle=-1e9, steepness=1.0)
 URN = [(4.0, 0.0), (2.0, 2.0), (2.0, 4.0), (7.5, 11.0), (5.0, 16.0), (7.0, 18.0)]
-HOURGLASS = [(8.0, 0.0), (8.0, 2.0), (1.5, 12.0), (8.0, 22.0), (8.0, 24.0)]
+HOURGLASS = [(8.0, 0.0), (8.0, 5.0), (1.5, 13.0), (8.0, 21.0), (8.0, 26.0)]
 
 
 def turned(frustum, outline, rng):
@@ -51,9 +56,9 @@ def test_front_of_a_ball_on_the_ground_has_no_trunk(surfaces, monkeypatch):
     rng = np.random.default_rng(0)
     points = np.array([0.0, 11.8, 0.0]) + surfaces.ball(rng, [8.0, 11.0, 8.0], 6000)
     voxels = cells_of(points[points[:, 2] > 2.0], rng)
-    chances = dict(name_object(voxels, 0.0, KINDS).nearest)
+    chances = dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)
     monkeypatch.setattr(probability, "LOWEST", ALWAYS)
-    rivals = dict(name_object(voxels, 0.0, KINDS).nearest)
+    rivals = dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)
     assert chances.get("apple tree", 0.0) < 0.05 * rivals["apple tree"]
 
 
@@ -106,5 +111,32 @@ def test_a_floor_that_carries_what_hangs_above_it_is_no_seat(surfaces, monkeypat
     rng = np.random.default_rng(0)
     voxels = cells_of(corner_of_a_room(surfaces, rng), rng, noise=0.1)
     assert "bench" not in dict(name_object(voxels, 0.0, KINDS).nearest)
-    monkeypatch.setattr(assembly, "_num_in_place", lambda _, found, __: len(found))
+    monkeypatch.setattr(assembly, "_num_in_place", lambda _, found, *__: len(found))
+    assert "bench" not in dict(name_object(voxels, 0.0, KINDS).nearest)
+    monkeypatch.setattr(assembly, "_is_level", lambda *_: True)
     assert name_object(voxels, 0.0, KINDS).label == "bench"
+
+
+def pyramid(surfaces, rng):
+    """A cone on a low foot, as coarse cells show a pyramid."""
+    return turned(surfaces.frustum, [(7.0, 0.0), (7.0, 2.0), (0.3, 9.0)], rng)
+
+
+def test_a_foot_is_no_wall_of_a_cottage(surfaces):
+    rng = np.random.default_rng(0)
+    voxels = cells_of(pyramid(surfaces, rng), rng)
+    assert "cottage" not in dict(name_object(voxels, 0.0, KINDS).nearest)
+    assert dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)["cottage"] > 0.3
+
+
+def test_in_metres_a_cottage_of_a_hand_is_none(surfaces):
+    rng = np.random.default_rng(0)
+    outline = [(5.0, 0.0), (5.0, 7.0), (5.5, 7.0), (1.0, 11.0)]
+    voxels = cells_of(turned(surfaces.frustum, outline, rng), rng)
+    small = voxelise(PointCloud(points=0.02 * voxels.means, colours=voxels.colours), 0.02, 1)
+    for cells, is_metric, label in (
+        (voxels, True, "cottage"),
+        (small, False, "cottage"),
+        (small, True, "unknown"),
+    ):
+        assert name_object(cells, 0.0, KINDS, is_metric).label == label

@@ -99,7 +99,7 @@ def test_a_board_is_free_below_and_a_slice_of_a_wall_is_not_even_near_the_ground
 
 def explained(*planes):
     """How well a house explains planes; 0 if it has not its parts among them."""
-    found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE)
+    found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE, 0.0)
     return max((one.explained for one in found), default=0.0)
 
 
@@ -160,5 +160,5 @@ def test_level_plane_is_found_from_its_rim_alone():
 def test_slope_between_walls_is_a_roof_only_on_top():
     on_top = flat_pieces(cells_of(*walls(), slope(6.0)), ("upright", "any"))
     inside = flat_pieces(cells_of(*walls(), slope(1.5)), ("upright", "any"))
-    assert assemblies([on_top], HOUSE)
-    assert not assemblies([inside], HOUSE)
+    assert assemblies([on_top], HOUSE, 0.0)
+    assert not assemblies([inside], HOUSE, 0.0)

@@ -53,6 +53,8 @@ def _part_line(part: PartRule, is_first: bool) -> str:
         words.append("at right angles")
     if part.share is not None:
         words.append(f"share of the cells {_range(part.share)}")
+    if part.level is not None:
+        words.append(f"middle at {_range(part.level)} of the height")
     if part.hue_deg is not None:
         words.append(f"hue {part.hue_deg[0]:g} to {part.hue_deg[1]:g} degrees")
     sizes = _sizes(part.size)

@@ -24,6 +24,8 @@ TOUCH_CELLS = 2.0
 """Maximum distance of adjoining pieces of one object, in cells."""
 ON_SOLID_CELLS = 0.75
 """A cell within this share of the cell size is on a solid."""
+CARRIES_CELLS = 0.5
+"""Depth, in cells, to which what carries a board extends below its middle at least."""
 MOST = 0.75
 """Minimum share of the cells of a part below the middle of what lies on it."""
 LEAST_TRUST = 0.25
@@ -83,26 +85,34 @@ class Assembly:
         return [box_sizes(cells.means[one.rows]) | solid_sizes(one.solid) for one in self.pieces]
 
 
-def assemblies(ways: Sequence[Pieces], kind: Kind) -> list[Assembly]:
-    """The kind assembled from the pieces of an object, once per split with all its parts."""
-    found = [_assembled(pieces, kind) for pieces in ways]
+def assemblies(ways: Sequence[Pieces], kind: Kind, ground: float) -> list[Assembly]:
+    """The kind assembled from the pieces of an object, once per split with all its parts.
+
+    Parameters
+    ----------
+    ground : float
+        Height of the surface it stands on.
+    """
+    found = [_assembled(pieces, kind, ground) for pieces in ways]
     return [one for one in found if one is not None]
 
 
-def _assembled(pieces: Pieces, kind: Kind) -> Assembly | None:
+def _assembled(pieces: Pieces, kind: Kind, ground: float) -> Assembly | None:
     """The kind assembled from the pieces; None if a part is missing."""
     cells, before, shown = pieces.cells, list[FlatPiece](), 1.0
     parts: list[tuple[PartRule, FlatPiece]] = []
-    touch = TOUCH_CELLS * cells.cell_size
+    touch, top = TOUCH_CELLS * cells.cell_size, float(cells.means[:, 1].max())
     for rule in kind.parts:
         own = [one for _, one in parts]
         waiting = [one for one in pieces.of(rule.shapes) if not _is_taken(one, own)]
         fitting = [one for one in waiting if _has_form(rule, one)]
+        fitting = [one for one in fitting if _is_level(rule, one, ground, top)]
         fitting = [one for one in fitting if _is_placed(rule, one, before, cells)]
         fitting = [one for one in fitting if not own or _touches(one, own, touch)]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
-        if _num_in_place(rule, before, own) < rule.count[0] or not _is_share(rule, before, cells):
+        num_in_place = _num_in_place(rule, before, own, cells)
+        if num_in_place < rule.count[0] or not _is_share(rule, before, cells):
             return None
         parts += [(rule, one) for one in before]
         shown *= _shown(before[: rule.count[0]])
@@ -151,7 +161,9 @@ def _boards(pieces: Sequence[FlatPiece]) -> list[FlatPiece]:
     return [one for one in pieces if (one.tilt_deg or 0.0) < UPRIGHT_DEG and _is_plane(one)]
 
 
-def _num_in_place(rule: PartRule, found: Sequence[FlatPiece], own: Sequence[FlatPiece]) -> int:
+def _num_in_place(
+    rule: PartRule, found: Sequence[FlatPiece], own: Sequence[FlatPiece], cells: Voxels
+) -> int:
     """Number of the pieces found for a part; of what is under others, those that carry a board.
 
     What is under a back may be above the seat: clumps over a floor do not make a bench of it. Bits
@@ -161,6 +173,7 @@ def _num_in_place(rule: PartRule, found: Sequence[FlatPiece], own: Sequence[Flat
     if rule.place != "under" or not boards:
         return len(found)
     height = max(float(one.low[1] + one.high[1]) / 2.0 for one in boards)
+    height -= CARRIES_CELLS * cells.cell_size
     return sum(float(one.low[1]) < height for one in found)
 
 
@@ -187,6 +200,12 @@ def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
 
 def _is_within(bounds: Range | None, value: float) -> bool:
     return bounds is None or bounds[0] <= value <= bounds[1]
+
+
+def _is_level(rule: PartRule, piece: FlatPiece, ground: float, top: float) -> bool:
+    """True if the middle of a piece is at a height of its part: a seat is not low on the ground."""
+    middle = float(piece.low[1] + piece.high[1]) / 2.0
+    return _is_within(rule.level, (middle - ground) / max(top - ground, 1e-9))
 
 
 def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:

@@ -126,7 +126,8 @@ def _assembled(case: Case, kinds: tuple[Kind, ...], fits: list[Hypothesis]) -> I
     rival = min((one.criterion for one in fits if one.composite), default=0.0)
     for kind in kinds:
         if len(kind.parts) > 1 and not kind.is_upright:
-            found = [_ordered(case, one, rival) for one in assemblies(case.ways(kind), kind)]
+            ways = assemblies(case.ways(kind), kind, case.ground)
+            found = [_ordered(case, one, rival) for one in ways]
             yield from sorted(found, key=lambda one: -one.whole)[:1]
 
 

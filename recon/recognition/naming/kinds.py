@@ -73,6 +73,8 @@ class PartRule:
     corner."""
     share: Range | None = None
     """Limits of its cells as a share of the object's cells."""
+    level: Range | None = None
+    """Beside and under others: limits of the height of its middle over that of the object's top."""
     size: Sizes = Sizes()
     hue_deg: tuple[float, float] | None = None
     """Bounds of its hue, round the circle: from 350 to 20 is red. Of another hue a part speaks
@@ -128,5 +130,6 @@ class Kind:
 
     @property
     def needs_scale(self) -> bool:
-        """True if it has size limits in metres."""
-        return bool(self.size.given) or any(part.size.given for part in self.parts)
+        """True if it has size limits in metres, and no proportions that distinguish it without."""
+        has_sizes = bool(self.size.given) or any(part.size.given for part in self.parts)
+        return has_sizes and not (self.ratio or self.slenderness or self.elongation)
