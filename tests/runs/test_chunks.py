@@ -9,17 +9,13 @@ from recon.cli import main
 from recon.exports import read
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.runs import maps
+from tests.commands import answer
 from tests.recordings import contents, render_drive
 
 SETTINGS = ["--quality", "fast"]
 for setting in ("map.cell_size=0.1", "map.max_sigma=none", "map.partition_size=64"):
     SETTINGS += ["--set", setting]
 SHARED = ("cloud.ply", "objects.json", "trajectory.txt")
-
-
-def call(capsys, *argv):
-    assert main([*map(str, argv), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +54,8 @@ def test_export_as_one_file_equals_the_map_of_one_run(runs, tmp_path):
 @pytest.mark.parametrize("ending", [".ply", ".parquet", ".csv", ".glb"])
 def test_streamed_exports_hold_the_same_cells(runs, ending, tmp_path, capsys):
     found = [
-        call(capsys, "export", runs / run, tmp_path / f"{run}{ending}") for run in ("whole", "twos")
+        answer(capsys, "export", runs / run, tmp_path / f"{run}{ending}")
+        for run in ("whole", "twos")
     ]
     assert found[0]["num_cells"] == found[1]["num_cells"] > 100
     if ending != ".parquet":  # one row group per partition
@@ -81,19 +78,19 @@ def test_partitioned_map_is_drawn_described_shown_and_recognised(runs, capsys):
         assert main(["figure", str(run), "--kind", "occupancy", "--data", "-q"]) == 0
     drawn = (twos / "figures" / "occupancy.png").read_bytes()
     assert drawn == (whole / "figures" / "occupancy.png").read_bytes()
-    about = call(capsys, "info", twos / "map.parquet")
+    about = answer(capsys, "info", twos / "map.parquet")
     assert about["kind"] == "map"
-    assert about["num_cells"] == call(capsys, "info", whole / "map.npz")["num_cells"]
+    assert about["num_cells"] == answer(capsys, "info", whole / "map.npz")["num_cells"]
     shown, own = (open_exhibit(run).layers["map"] for run in (twos, whole))
     assert (shown.places == own.places).all()
     assert open_exhibit(twos / "map.parquet").layers["map.parquet"].noun == "cells"
-    results = [call(capsys, "recognise", one) for one in (whole, twos, twos / "map.parquet")]
+    results = [answer(capsys, "recognise", one) for one in (whole, twos, twos / "map.parquet")]
     assert results[0] == results[1] == results[2]
 
 
 def test_too_large_map_is_drawn_coarser_with_a_notice(runs, capsys, monkeypatch):
     monkeypatch.setattr(maps, "MAX_CELLS", 20)
-    found = call(capsys, "recognise", runs / "twos")
+    found = answer(capsys, "recognise", runs / "twos")
     codes = [one["code"] for one in found["warnings"]]
     assert codes == ["map-coarsened"]
     assert main(["figure", str(runs / "twos"), "--kind", "occupancy", "-q"]) == 0

@@ -13,14 +13,14 @@ from recon.runs.description import describe
 from recon.settings import Settings
 from recon.settings.files import to_toml
 from recon.voxelmap import VoxelMap
+from tests.commands import answer
 from tests.sequences.recordings import middlebury_keys, write_folder, write_pair_dir, write_ros1
 
 POINTS = np.array([[1.0, 2, 3], [4, 5, 6], [7, 8, 9]])
 
 
 def info(capsys, path):
-    assert main(["info", str(path), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
+    return answer(capsys, "info", path)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """`recon localise`: pairs of a drive are located in its map, others are not."""
 
-import json
 import shutil
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from PIL import Image
 
 from recon.cli import main
+from tests.commands import answer
 from tests.recordings import render_drive
 
 pytestmark = pytest.mark.usefixtures("without_figures")
@@ -30,14 +30,8 @@ def run(drive, tmp_path_factory):
     return folder
 
 
-def answers(capsys, run, pairs):
-    capsys.readouterr()
-    assert main(["localise", str(run), str(pairs), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
 def test_pairs_of_a_drive_are_located_in_its_map(drive, run, capsys):
-    said = answers(capsys, run, drive)
+    said = answer(capsys, "localise", run, drive)
     true = np.loadtxt(run / "trajectory.txt")[:, 1:4]
     found = [one["T_world_left"] for one in said["poses"]]
     assert len(found) == len(true)
@@ -54,7 +48,7 @@ def test_pairs_of_another_place_are_not_located(drive, run, capsys, tmp_path):
         copy.parent.mkdir(parents=True, exist_ok=True)
         Image.open(path).transpose(Image.Transpose.FLIP_TOP_BOTTOM).save(copy)
     shutil.copy(drive / "calib.txt", elsewhere)
-    said = answers(capsys, run, elsewhere)
+    said = answer(capsys, "localise", run, elsewhere)
     assert said["num_found"] == 0
     assert all(one["T_world_left"] is None and one["reason"] for one in said["poses"])
 

@@ -1,7 +1,5 @@
 """`recon recognise`, `learn` and `catalogue` on the command line."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -10,6 +8,7 @@ from recon.exports import ply
 from recon.exports.formats import write
 from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
+from tests.commands import answer
 from tests.described_objects import assert_described
 
 BALL, CAN = (0.1, 0.1), (0.03, 0.12)
@@ -36,14 +35,9 @@ def desk(tmp_path_factory):
     return path
 
 
-def run_json(capsys, *words):
-    assert main([*map(str, words), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
 def test_cloud_with_a_column_of_objects_is_written(desk, tmp_path, capsys):
     target = tmp_path / "out.ply"
-    report = run_json(capsys, "recognise", desk, "-o", target)
+    report = answer(capsys, "recognise", desk, "-o", target)
     assert len(report["objects"]) == 2
     assert {one["label"] for one in report["objects"]} == {"unknown"}
     assert all(one["probability"] is None for one in report["objects"])
@@ -63,7 +57,7 @@ def test_colourless_cloud_gives_objects_of_unknown_colour(tmp_path, capsys):
     plain_map.insert(PointCloud(points=plain))
     plain_map.save(tmp_path / "plain.npz")
     for name in ("plain.ply", "plain.npz"):
-        report = run_json(capsys, "recognise", tmp_path / name)
+        report = answer(capsys, "recognise", tmp_path / name)
         assert [one["code"] for one in report["warnings"]] == ["colour-missing"]
         for found in report["objects"]:
             assert_described(found, has_views=False, has_colours=False)
@@ -80,11 +74,11 @@ def test_run_has_y_up(tmp_path, capsys):
 
 
 def test_names_with_sizes_need_a_scale(desk, capsys):
-    named = run_json(capsys, "recognise", desk, "--catalogue", "household", "--unit", "m")
+    named = answer(capsys, "recognise", desk, "--catalogue", "household", "--unit", "m")
     assert sorted(one["label"] for one in named["objects"]) == ["ball", "mug"]
     assert {one["box"]["unit"] for one in named["objects"]} == {"m"}
     assert named["warnings"] == []
-    without = run_json(capsys, "recognise", desk, "--catalogue", "household")
+    without = answer(capsys, "recognise", desk, "--catalogue", "household")
     assert [one["code"] for one in without["warnings"]] == ["names-need-scale"]
     assert {one["box"]["unit"] for one in without["objects"]} == {None}
 
@@ -113,10 +107,10 @@ def test_learned_kind_is_added_to_a_catalogue_and_recognised(desk, tmp_path, cap
         path = tmp_path / f"ball_{seed}.ply"
         write(as_cloud(objects_on_a_table(np.random.default_rng(seed), table=False)[0]), path)
         examples.append(path)
-    report = run_json(capsys, "learn", *examples, "--name", "globe", "-o", kinds)
+    report = answer(capsys, "learn", *examples, "--name", "globe", "-o", kinds)
     assert report["num_examples"] == 3
     assert any(group["used"] for group in report["descriptors"])
-    found = run_json(capsys, "recognise", desk, "--catalogue", kinds)
+    found = answer(capsys, "recognise", desk, "--catalogue", kinds)
     assert sorted(one["label"] for one in found["objects"]) == ["globe", "unknown"]
     assert main(["learn", str(examples[0]), "--name", "orb", "-o", str(kinds)]) == 2
     assert "orb cannot be distinguished from globe" in capsys.readouterr().err

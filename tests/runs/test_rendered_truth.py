@@ -1,7 +1,5 @@
 """Recordings with truth: rendered, reconstructed, and evaluated on the command line."""
 
-import json
-
 import cv2
 import numpy as np
 import pytest
@@ -14,6 +12,7 @@ from recon.runs.reconstruct import unit_of
 from recon.sequences.open import open_sequence
 from recon.sequences.pfm import decode_pfm
 from recon.settings import SequenceSettings
+from tests.commands import answer
 from tests.recordings import write_wall
 
 SMALL = ["eyes.width=120", "eyes.height=96", "eyes.fov_deg=40", "render.noise=1.5"]
@@ -23,11 +22,6 @@ pytestmark = pytest.mark.usefixtures("without_figures")
 
 def argv_of(settings):
     return [word for setting in settings for word in ("--set", setting)]
-
-
-def call(capsys, *argv):
-    assert main([*map(str, argv), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @pytest.fixture(scope="module")
@@ -84,14 +78,14 @@ def test_images_are_reproducible_from_the_seed(boxes, tmp_path):
 
 def test_surface_of_a_recording_is_evaluated_against_its_truth(drive, tmp_path, capsys):
     run = tmp_path / "run"
-    report = call(capsys, "reconstruct", drive, "--mesh", "--voxel", "0.05", "-o", run)
+    report = answer(capsys, "reconstruct", drive, "--mesh", "--voxel", "0.05", "-o", run)
     assert report["num_triangles"] > 500
-    judged = call(capsys, "evaluate", "--surface", run, "--truth", drive)
+    judged = answer(capsys, "evaluate", "--surface", run, "--truth", drive)
     assert list(judged["fscore"]) == ["0.025", "0.05", "0.125"]
     assert judged["fscore"]["0.125"] > 0.9
     assert judged["accuracy_90"] < 0.1
     assert 0.6 < judged["completeness"] <= 1
-    by_mesh = call(
+    by_mesh = answer(
         capsys, "evaluate", "--surface", run, "--truth", drive / "scene.ply", "--distance", "0.1"
     )
     assert by_mesh["precision"]["0.1"] > 0.85
@@ -100,12 +94,12 @@ def test_surface_of_a_recording_is_evaluated_against_its_truth(drive, tmp_path, 
         np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.5], [0, 0, 0, 1]])
     )
     write_mesh(tmp_path / "moved.ply", moved)
-    wrong = call(
+    wrong = answer(
         capsys, "evaluate", "--surface", tmp_path / "moved.ply", "--truth", drive,
         "--distance", "0.1",
     )  # fmt: skip
     assert wrong["fscore"]["0.1"] < 0.2
-    again = call(capsys, "mesh", run, "--voxel", "0.1", "-o", tmp_path / "coarse")
+    again = answer(capsys, "mesh", run, "--voxel", "0.1", "-o", tmp_path / "coarse")
     assert 0 < again["num_triangles"] < report["num_triangles"]
     assert again["mesh_area"] == pytest.approx(report["mesh_area"], rel=0.3)
 
@@ -124,7 +118,7 @@ def test_invalid_views_are_rejected(boxes, tmp_path, capsys, views):
 
 def test_views_are_read_from_a_file(boxes, tmp_path, capsys):
     (tmp_path / "views.txt").write_text("0 1.5 6 0 1.5 0\n1 1.5 6 1 1.5 0\n")
-    report = call(
+    report = answer(
         capsys, "render", boxes, "--views", tmp_path / "views.txt", "-o", tmp_path / "out",
         *argv_of(SMALL),
     )  # fmt: skip
@@ -179,7 +173,7 @@ def pair_dir(tmp_path):
 
 
 def test_dense_matching_is_evaluated_beside_its_peers(pair_dir, tmp_path, capsys):
-    report = call(capsys, "evaluate", pair_dir, "--dense", "-o", tmp_path / "out")
+    report = answer(capsys, "evaluate", pair_dir, "--dense", "-o", tmp_path / "out")
     rows = {row["matcher"]: row for row in report["pairs"]}
     assert list(rows) == ["recon", "hh", "sgbm", "bm"]
     own = rows["recon"]

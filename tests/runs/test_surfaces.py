@@ -12,6 +12,7 @@ from recon.exports.formats import read
 from recon.exports.ply import read_mesh
 from recon.sequences.pfm import decode_pfm
 from recon.world.world import World
+from tests.commands import answer
 
 pytestmark = pytest.mark.usefixtures("without_figures")
 
@@ -39,9 +40,8 @@ def drive(tmp_path_factory):
 
 
 def reconstruct(drive, run, capsys, *options):
-    argv = ["reconstruct", str(drive), "-o", str(run), "--set", "matching.max_disparity=12"]
-    assert main([*argv, *options, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
+    search = ("--set", "matching.max_disparity=12")
+    return answer(capsys, "reconstruct", drive, "-o", run, *search, *options)
 
 
 MESH = ("--mesh", "--voxel", "0.1", "--quality", "fast")
