@@ -251,6 +251,7 @@ class Agent:
             floor=self.model.floor,
             obstacles=self.model.obstacles,
             detections=self.model.detections,
+            refuted=self.model.refuted,
             sure_range=self.model.sure_range,
             objects=self.model.objects,
             simulator=None if self.referee is None else self.referee.world,

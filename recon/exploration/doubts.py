@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, label
+from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.obstacles import Obstacle
@@ -24,7 +25,7 @@ def doubts(state: State) -> list[Detection]:
     """Obstacles that resemble a kind but have no sure name, and ground that may hide one."""
     least = state.scales.unknown_clearance
     hiding = hiding_places(state.floor, state.obstacles, least)
-    return [*doubtful(state.obstacles), *hiding]
+    return [*doubtful(state.obstacles), *hiding, *elsewhere(state)]
 
 
 def doubtful(obstacles: Iterable[Obstacle]) -> list[Detection]:
@@ -41,6 +42,24 @@ def cut_off(obstacles: Iterable[Obstacle]) -> list[Obstacle]:
     strange = [one for one in obstacles if one.found and not (one.is_sure or one.is_doubtful)]
     whole = [replace(one, bearings_rad=one.bearings_rad[one.is_whole]) for one in strange]
     return [one for one in whole if widest_gap(one.bearings_rad) > math.pi]
+
+
+def elsewhere(state: State) -> Iterator[Detection]:
+    """The places left for detections that are not where they seemed to be.
+
+    From far away something thin or low seems to be where only its nearest or farthest points are.
+    One look is enough: its ground is then seen as free, or the obstacle is in the map.
+    """
+    centres = np.array([one.centre for one in state.obstacles]).reshape(-1, 2)
+    reach = np.array([one.radius for one in state.obstacles]) + state.scales.same_obstacle
+    for one in state.refuted:
+        is_mapped = (cdist(one.places, centres) <= reach + one.radius).any()
+        left = [place for place in one.places if not one.is_refuted(state.floor, place)]
+        if left and not is_mapped:
+            middle, width = (left[0] + left[-1]) / 2.0, math.dist(left[0], left[-1])
+            yield Detection(
+                centre=middle, radius=one.radius + width / 2.0, distance=0.0, sigma=math.inf
+            )
 
 
 def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:

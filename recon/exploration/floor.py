@@ -191,6 +191,12 @@ class Floor:
         near[box] = np.hypot(x[:, None] - centre_xz[0], z - centre_xz[1]) <= radius
         return near
 
+    def is_free(self, centre_xz: Array, radius: float, distance: float) -> bool:
+        """True if most of a disc is off the floor or free in a view from less than a distance."""
+        around = self.window(centre_xz, radius)
+        seen_from = around.seen_from[around.disc(centre_xz, radius)]
+        return not len(seen_from) or bool(np.median(seen_from) < distance)
+
     def lines(self, places_xz: ArrayLike, azimuths_rad: Array, radii: Array) -> Lines:
         """Lines of sight from positions (C, 2) along every azimuth (A,)."""
         directions = np.column_stack([np.cos(azimuths_rad), np.sin(azimuths_rad)])

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from recon.exploration.floor import Array
 from recon.exploration.scales import Scales
-from recon.exploration.scan import MIN_POINTS, MIN_POINTS_DISTANCE, groups, polar, sigma_of
+from recon.exploration.scan import (
+    MIN_POINTS,
+    MIN_POINTS_DISTANCE,
+    groups,
+    polar,
+    range_steps,
+    sigma_of,
+)
 from recon.geometry import wrapped
 from recon.records import PointCloud
 
@@ -75,7 +82,7 @@ def outlines(
     azimuth, distance = polar(standing.points[:, [0, 2]], pose[:2])
     side, sigma = wrapped(azimuth - pose[2]), sigma_of(standing)
     edges = np.sort(wrapped(rims - pose[2]), axis=1)
-    number = groups(side, distance / scales.cell)
+    number = groups(side, range_steps(distance / scales.cell))
     reach = MIN_POINTS_DISTANCE * scales.viewing_distance
     found = []
     for rows in (number == n for n in range(number.max(initial=-1) + 1)):

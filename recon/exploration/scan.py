@@ -28,7 +28,12 @@ COMPANY_DISTANCE, COMPANY = 2.0, (4.0, 40.0)
 viewing distances, within these bounds."""
 RANGE_RATIO = 1.15
 """Points in one direction whose distances differ by more than this factor belong to two
-obstacles."""
+obstacles ..."""
+NUM_SIGMAS = 2.0
+"""... unless they differ by fewer standard deviations than this."""
+MAY_BE_OFF: Array = np.linspace(-4.0, 4.0, 9)
+"""Distances of an obstacle from where it was detected, in its standard deviations: they are half
+those of its points, which may be the nearest or the farthest ones."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,6 +72,20 @@ class Detection:
     """Distance from which it was seen, world units."""
     sigma: float
     """Standard deviation of that distance."""
+    azimuth_rad: float = 0.0
+    """Direction in which it was seen."""
+
+    @property
+    def places(self) -> Array:
+        """(P, 2) x, z where its centre may be, within the errors of its points."""
+        ahead = np.array([math.cos(self.azimuth_rad), math.sin(self.azimuth_rad)])
+        places: Array = self.centre + np.outer(MAY_BE_OFF * self.sigma, ahead)
+        return places
+
+    def is_refuted(self, floor: Floor, place: Array | None = None) -> bool:
+        """True if closer views saw the ground as free where it seems to be, or at a place (2,)."""
+        where = self.centre if place is None else place
+        return floor.is_free(where, self.radius, self.distance - self.radius)
 
 
 def polar(points_xz: Array, place: Array) -> tuple[Array, Array]:
@@ -127,25 +146,31 @@ def sigma_of(cloud: PointCloud) -> Array:
 
 
 def detections(cloud: PointCloud, place: Array, scales: Scales) -> list[Detection]:
-    """Obstacles in a cloud: groups of points that are large enough."""
+    """Obstacles in a cloud: groups of points that are large enough.
+
+    Points in none of them are grouped once more, as far apart as their errors allow: those of a
+    small obstacle far away are too few for their spread.
+    """
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
     side, ahead = _sideways(azimuth)
-    sigma, group = sigma_of(cloud), groups(side, distance / scales.cell)
-    reach = MIN_POINTS_DISTANCE * scales.viewing_distance
-    found = []
-    for number in np.flatnonzero(np.bincount(group) >= MIN_POINTS):
-        rows = group == number
-        if rows.sum() >= max(MIN_POINTS, (reach / np.median(distance[rows])) ** 2):
-            one = _detection(distance[rows], side[rows], sigma[rows], place, ahead)
-            one = replace(one, radius=max(scales.cell, one.radius))
-            found.append(one)
+    sigma, reach = sigma_of(cloud), MIN_POINTS_DISTANCE * scales.viewing_distance
+    found, left = [], np.arange(len(cloud))
+    for steps in (range_steps(distance / scales.cell), _error_steps(distance, sigma)):
+        group = groups(side[left], steps[left])
+        for number in np.flatnonzero(np.bincount(group) >= MIN_POINTS):
+            rows = left[group == number]
+            if len(rows) >= max(MIN_POINTS, (reach / np.median(distance[rows])) ** 2):
+                one = _detection(distance[rows], side[rows], sigma[rows], place, ahead)
+                found.append(replace(one, radius=max(scales.cell, one.radius)))
+                group[group == number] = -1
+        left = left[group >= 0]
     return found
 
 
 def without_noise(cloud: PointCloud, place: Array, scales: Scales) -> PointCloud:
     """The points without isolated ones: an obstacle has many points, more when it is closer."""
     azimuth, distance = polar(cloud.points[:, [0, 2]], place)
-    group = groups(_sideways(azimuth)[0], distance / scales.cell)
+    group = groups(_sideways(azimuth)[0], range_steps(distance / scales.cell))
     size = np.bincount(group)[group]
     reach = COMPANY_DISTANCE * scales.viewing_distance
     return cloud.select(size >= np.clip((reach / distance) ** 2, *COMPANY))
@@ -157,15 +182,32 @@ def _sideways(azimuth: Array) -> tuple[Array, float]:
     return wrapped(azimuth - ahead), ahead
 
 
-def groups(side: Array, distance_cells: Array) -> NDArray[np.intp]:
-    """Number of the group of each point: those that touch in direction and distance.
+def range_steps(distance_cells: Array) -> Array:
+    """Steps (N,) of distance; one point in each of two neighbouring ones may be one obstacle.
 
     The logarithm of the distance is used, in which the stereo error grows slowest.
     """
+    steps: Array = np.log(np.maximum(distance_cells, 1.0)) / math.log(RANGE_RATIO)
+    return steps
+
+
+def _error_steps(distance: Array, sigma: Array) -> Array:
+    """The same where errors are large: steps (N,) of disparity, whose error is everywhere alike."""
+    if not len(distance):
+        return distance
+    # The steps of the farthest points are at least as wide as those of range.
+    least = math.log(RANGE_RATIO) / distance.max()
+    growth = NUM_SIGMAS * np.median(sigma / distance**2)
+    steps: Array = 1.0 / (max(growth, least) * distance)
+    return steps
+
+
+def groups(side: Array, steps: Array) -> NDArray[np.intp]:
+    """Number of the group of each point: those that touch in direction and in steps of distance."""
     if not len(side):
         return np.empty(0, dtype=np.intp)
     column = np.floor(side / BLUR_RAD).astype(np.intp)
-    row = np.floor(np.log(np.maximum(distance_cells, 1.0)) / math.log(RANGE_RATIO)).astype(np.intp)
+    row = np.floor(steps).astype(np.intp)
     column -= column.min()
     row -= row.min()
     grid = np.zeros((column.max() + 1, row.max() + 1), dtype=bool)
@@ -185,4 +227,5 @@ def _detection(distance: Array, side: Array, sigma: Array, place: Array, ahead: 
         # Errors of an obstacle's points are correlated, so their mean improves by less than
         # sqrt(N).
         sigma=float(np.median(sigma)) / 2.0,
+        azimuth_rad=middle,
     )

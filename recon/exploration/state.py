@@ -1,5 +1,6 @@
 """The state that a controller receives, and the walk that it may return."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,6 +32,8 @@ class State:
     """Obstacles of the map."""
     detections: tuple[Detection, ...]
     """Obstacles seen, but too far away to be in the map."""
+    refuted: Sequence[Detection]
+    """Those that are not where they seemed to be."""
     sure_range: float
     """Distance up to which a view shows an obstacle well enough for the map, world units."""
     objects: tuple[FoundObject, ...]

@@ -13,7 +13,7 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor, Mask
 from recon.exploration.obstacles import Observations, Obstacle, UpperEdge, find_obstacles, patches
 from recon.exploration.scales import Scales
 from recon.exploration.scan import Detection, Scan, detections, polar, scan, sigma_of, without_noise
-from recon.exploration.sides import OPEN_SURE_RAD, widest_gap
+from recon.exploration.sides import OPEN_SURE_RAD, is_known, widest_gap
 from recon.recognition.recognition import recognise
 from recon.records import FoundObject, PointCloud, StereoPair, View
 from recon.settings import Settings
@@ -28,7 +28,8 @@ NUM_VIEWS = 3
 """An obstacle is first named when this number of views have seen it well ..."""
 GROWTH, SURE_GROWTH = 1.25, 2.0
 """... and again when it has grown by this factor; by the second one if its label is sure, and it is
-not yet seen from all around. One that resembles a kind is named again after every view."""
+not yet seen from all around. One that resembles a kind is named again after every view, and one
+without a sure label that is seen from all around as well: it may resemble one now."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -44,6 +45,8 @@ class WorldModel:
     obstacles: tuple[Obstacle, ...] = ()
     detections: tuple[Detection, ...] = ()
     """Obstacles seen that are not in the map."""
+    refuted: list[Detection] = field(default_factory=list)
+    """Those that are not where they seemed to be: closer views saw the ground as free."""
     growth: list[float] = field(default_factory=list)
     """For each pair with points, the growth of sigma with the square of the distance."""
     timeline: list[tuple[int, tuple[FoundObject, ...]]] = field(default_factory=list)
@@ -82,9 +85,12 @@ class WorldModel:
 
     def standing(self, place: Array, cloud: PointCloud) -> PointCloud:
         """The points (world) of objects on the floor, seen from a position (2,), without noise."""
+        return without_noise(self._above(cloud), place, self.scales)
+
+    def _above(self, cloud: PointCloud) -> PointCloud:
+        """The points (world) above the ground, and not above the world."""
         height = cloud.points[:, 1]
-        standing = cloud.select((height >= self.ground) & (height <= self.settings.world.height))
-        return without_noise(standing, place, self.scales)
+        return cloud.select((height >= self.ground) & (height <= self.settings.world.height))
 
     def update(self, view: View, pair: StereoPair, cloud: PointCloud) -> None:
         """Add another pair, whose reliable points are already in the map."""
@@ -103,7 +109,7 @@ class WorldModel:
         self.floor.see(place, seen.azimuths_rad, seen.limits)
         self.floor.bar(place, seen.azimuths_rad, seen.feet)
         self.floor.hit_at(place, sure.points[:, [0, 2]])
-        self._detect(seen, standing)
+        self._detect(seen, self._above(cloud))
 
     def name_obstacles(self) -> None:
         """Recognise the obstacles that were seen often enough and have changed since."""
@@ -144,23 +150,17 @@ class WorldModel:
             views_named=len(obstacle.bearings_rad),
         )
 
-    def _detect(self, seen: Scan, standing: PointCloud) -> None:
+    def _detect(self, seen: Scan, above: PointCloud) -> None:
         """Update the obstacles that are not in the map."""
-        points_xz = standing.points[:, [0, 2]]
-        new = standing.select(~self._is_mapped(points_xz, sigma_of(standing)))
+        points_xz = above.points[:, [0, 2]]
+        new = above.select(~self._is_mapped(points_xz, sigma_of(above)))
         for detection in detections(new, seen.place, self.scales):
             self._note(detection)
         centres = np.array([one.centre for one in self.detections]).reshape(-1, 2)
         mapped = self._is_mapped(centres, np.array([one.sigma for one in self.detections]))
-        unmapped = itertools.compress(self.detections, ~mapped)
-        self.detections = tuple(one for one in unmapped if not self._is_noise(one))
-
-    def _is_noise(self, detection: Detection) -> bool:
-        """True if a closer view saw the ground below a detection as free."""
-        around = self.floor.window(detection.centre, detection.radius)
-        seen_from = around.seen_from[around.disc(detection.centre, detection.radius)]
-        nearest = detection.distance - detection.radius
-        return not len(seen_from) or bool(np.median(seen_from) < nearest)
+        unmapped = tuple(itertools.compress(self.detections, ~mapped))
+        self.detections = tuple(one for one in unmapped if not one.is_refuted(self.floor))
+        self.refuted.extend(one for one in unmapped if one.is_refuted(self.floor))
 
     def _is_mapped(self, points_xz: Array, sigma: Array) -> Mask:
         """Mask (N,) of the points that belong, within their errors, to a mapped obstacle."""
@@ -188,7 +188,8 @@ def _is_due(obstacle: Obstacle) -> bool:
     growth = SURE_GROWTH if obstacle.is_sure and is_open else GROWTH
     has_grown = len(obstacle.voxels) > growth * obstacle.num_named
     num_views = len(obstacle.bearings_rad)
-    is_seen_again = obstacle.is_doubtful and num_views > obstacle.views_named
+    may_change = obstacle.is_doubtful or (is_known(obstacle) and not obstacle.is_sure)
+    is_seen_again = may_change and num_views > obstacle.views_named
     return (has_grown or is_seen_again) and num_views >= NUM_VIEWS
 
 

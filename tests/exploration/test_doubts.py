@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from recon.exploration import world_model
-from recon.exploration.doubts import CLOSE, cut_off, hiding_places
+from recon.exploration.doubts import CLOSE, cut_off, elsewhere, hiding_places
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle
+from recon.exploration.scales import Scales
+from recon.exploration.scan import Detection
 from recon.records import UNKNOWN
 from recon.settings import Settings
 
@@ -32,6 +34,32 @@ def test_unseen_ground_behind_a_foot_may_hide_an_object():
 @pytest.mark.parametrize(("size", "feet"), [(7, 0), (4, 3), (0, 20)])
 def test_ground_without_a_foot_or_space_hides_no_object(size, feet):
     assert not list(hiding_places(floor_with_pocket(size, feet), (), 2.0))
+
+
+REFUTED = Detection(centre=np.zeros(2), radius=1.0, distance=50.0, sigma=4.0, azimuth_rad=0.0)
+
+
+def place_left(seen_to, obstacles=()):
+    """Where a detection may still be if all ground up to an x was seen from 20 units."""
+    floor = Floor(size_x=60.0, size_z=60.0)
+    floor.seen_from[: seen_to + 30] = 20.0
+    scales = Scales.of(Settings())
+    state = SimpleNamespace(floor=floor, obstacles=obstacles, refuted=[REFUTED], scales=scales)
+    return list(elsewhere(state))
+
+
+def test_detection_may_be_where_no_closer_view_saw_the_ground():
+    assert REFUTED.is_refuted(Floor(size_x=60.0, size_z=60.0)) is False
+    (found,) = place_left(seen_to=7)
+    assert np.allclose(found.centre, [12.0, 0.0])
+    assert found.radius == 5.0
+    assert place_left(seen_to=30) == []
+
+
+def test_detection_in_the_direction_of_an_obstacle_is_that_obstacle():
+    near, beside = (SimpleNamespace(centre=np.array([-8.0, z]), radius=2.0) for z in (0.0, 9.0))
+    assert place_left(seen_to=7, obstacles=(near,)) == []
+    assert len(place_left(seen_to=7, obstacles=(beside,))) == 1
 
 
 @pytest.fixture

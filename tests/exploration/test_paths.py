@@ -33,6 +33,7 @@ def state_on(floor, place=(0.0, 0.0), detections=()):
         floor=floor,
         obstacles=(),
         detections=tuple(detections),
+        refuted=(),
         sure_range=20.0,
         objects=(),
         simulator=None,

@@ -36,6 +36,7 @@ def state_on(floor):
         floor=floor,
         obstacles=(),
         detections=(TREE,),
+        refuted=(),
         sure_range=REACH,
         objects=(),
         simulator=None,

@@ -1,5 +1,7 @@
 """Obstacles in the field of view, from point clouds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,27 @@ def test_two_obstacles_are_separated_at_any_heading(heading):
 def test_few_points_are_not_an_obstacle():
     assert detections(cloud(blob(30.0, 0.0, number=5)), PLACE, SCALES) == []
     assert detections(cloud([]), PLACE, SCALES) == []
+
+
+def low_table(sigma):
+    """Twelve points on a thing 70 units away, spread over the errors of distant points."""
+    away = np.repeat([42.0, 58.0, 80.0, 110.0], 3)
+    points = np.column_stack([away, np.full(12, HEIGHT), np.linspace(-0.02, 0.02, 12) * away])
+    return replace(cloud(points), sigma=sigma * (away / 70.0) ** 2)
+
+
+def test_few_points_far_away_are_one_obstacle_within_their_errors():
+    (found,) = detections(low_table(sigma=15.0), PLACE, SCALES)
+    assert 60.0 < found.distance < 80.0
+    assert np.allclose(found.azimuth_rad, 0.0, atol=0.02)
+    reach = np.hypot(*found.places.T)
+    assert reach.min() < 55.0
+    assert reach.max() > 95.0
+
+
+@pytest.mark.parametrize("sigma", [0.0, 0.5])
+def test_points_farther_apart_than_their_errors_are_noise(sigma):
+    assert detections(low_table(sigma), PLACE, SCALES) == []
 
 
 def test_isolated_point_is_noise_unlike_a_group():

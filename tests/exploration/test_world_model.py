@@ -54,6 +54,13 @@ def test_doubtful_obstacle_is_recognised_again_after_every_view(chance, is_due):
     assert not _is_due(obstacle(110, AROUND, UNKNOWN, nearest))
 
 
+@pytest.mark.parametrize(("label", "is_due"), [(UNKNOWN, True), ("house", False)])
+def test_obstacle_without_a_name_is_recognised_again_when_seen_from_all_around(label, is_due):
+    all_round = tuple(np.radians([0.0, 90.0, 180.0, 270.0]))
+    assert _is_due(obstacle(110, all_round, label)) == is_due
+    assert not _is_due(obstacle(110, all_round[:3], label))
+
+
 @pytest.mark.parametrize("height", [1, 2, 3, 20])
 def test_one_or_two_isolated_cells_do_not_occupy_the_floor(height):
     settings = Settings()
