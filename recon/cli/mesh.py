@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from recon.cli.jobs import counted, do_job
-from recon.cli.options import OUTPUT, PATH, QUALITY, SETTINGS, SURFACE, run_folder, with_options
+from recon.cli.options import (
+    OUTPUT,
+    PATH,
+    QUALITY,
+    SETTINGS,
+    SURFACE_FORM,
+    run_folder,
+    with_options,
+)
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -16,7 +24,7 @@ if TYPE_CHECKING:
 @click.argument("run", type=PATH)
 @click.option("--recording", type=PATH, help="Present location of the run's recording or scene.")
 @QUALITY
-@with_options(SURFACE, SETTINGS, run_folder("runs/NAME_mesh"), OUTPUT)
+@with_options(SURFACE_FORM, SETTINGS, run_folder("runs/NAME_mesh"), OUTPUT)
 def mesh(run: Path, **given: Any) -> None:
     """Make a mesh for a finished run with poses, from its recording or simulated world."""
     do_job("mesh", (run,), given, say=_say, recording=given["recording"])

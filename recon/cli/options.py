@@ -162,15 +162,7 @@ TRUTH_SCALE = click.option(
     "--truth-scale", type=POSITIVE, help="Grey levels of truth per pixel of disparity."
 )
 
-SURFACE = [
-    click.option(
-        "--dense", "dense__enabled", is_flag=True, default=None,
-        help="Match every pixel as well, and save dense.ply.",
-    ),
-    click.option(
-        "--mesh", "surface__mesh", is_flag=True, default=None,
-        help="Fuse all pixels into a mesh, mesh.ply.",
-    ),
+SURFACE_FORM = [
     click.option(
         "--voxel", "surface__voxel", type=POSITIVE, metavar="S",
         help="Voxel size of the surface, world units.",
@@ -183,6 +175,17 @@ SURFACE = [
         "--depth", "surface__depth_maps", is_flag=True, default=None,
         help="Save a depth map per pair.",
     ),
+]  # fmt: skip
+SURFACE = [
+    click.option(
+        "--dense", "dense__enabled", is_flag=True, default=None,
+        help="Match every pixel as well, and save dense.ply.",
+    ),
+    click.option(
+        "--mesh", "surface__mesh", is_flag=True, default=None,
+        help="Fuse all pixels into a mesh, mesh.ply.",
+    ),
+    *SURFACE_FORM,
 ]  # fmt: skip
 
 

@@ -159,7 +159,7 @@ def measure(
 
 def write_matches(path: Path, matches: Matches) -> None:
     """Write `matches.npz`, most confident first."""
-    names = ("points_px", "disparity_px", "sigma_px", "score")
+    names = ("points_px", "disparity_px", "sigma_px", "score", "probability")
     with atomic_path(path) as part:
         np.savez_compressed(part, **{name: getattr(matches, name) for name in names})
 

@@ -28,11 +28,11 @@ def _localise(job: Job, work: Work) -> Numbers:
     run, taken = _inputs(job)
     made = read_reconstruction(run)
     with work.stage("places"):
-        atlas = read_places(run, job)
+        atlas, pairs_shown = seen(run, job)
     known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
     if known.search is not None and made.objects:
         with work.stage("places"):
-            known = known.painted(_shown(run, job))
+            known = known.painted(shown(run, job) if pairs_shown is None else pairs_shown)
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):
@@ -53,22 +53,25 @@ def as_entry(pair: StereoPair, found: PoseEstimate | FitFailure) -> dict[str, An
     return {"name": pair.name} | dict(zip(keys, values, strict=True))
 
 
-def read_places(run: Path, job: Job) -> Atlas:
-    """The places stored by a run, else computed again from its recording or world."""
+def seen(run: Path, job: Job) -> tuple[Atlas, list[StereoPair] | None]:
+    """The places stored by a run, else computed again, with pairs read meanwhile that show it."""
     if (run / PLACES).is_file():
-        return Atlas.load(run / PLACES)
+        return Atlas.load(run / PLACES), None
     keeper, again = PlaceKeeper(), _again(run, job)
+    step, found = _step(again), []
     for number, pair in enumerate(again):
         keeper.add(pair, number)
+        if number % step == 0:
+            found.append(pair)
     poses = again.poses
-    return keeper.atlas(Trajectory(stamps_s=poses[:, 0, 0], T_world_left=poses))
+    return keeper.atlas(Trajectory(stamps_s=poses[:, 0, 0], T_world_left=poses)), found
 
 
 def _again(run: Path, job: Job) -> SeenAgain:
     return SeenAgain(run, read_settings(run), job.arguments.get("recording"))
 
 
-def _shown(run: Path, job: Job) -> list[StereoPair]:
+def shown(run: Path, job: Job) -> list[StereoPair]:
     """Pairs that show the objects of a run; none if only its places are left."""
     try:
         again = _again(run, job)
@@ -76,8 +79,12 @@ def _shown(run: Path, job: Job) -> list[StereoPair]:
         if job.arguments.get("recording"):
             raise
         return []
-    step = math.ceil(len(again) / MAX_SHOWN)
-    return list(itertools.islice(again, 0, None, max(step, 1)))
+    return list(itertools.islice(again, 0, None, _step(again)))
+
+
+def _step(again: SeenAgain) -> int:
+    """Every how many pairs one shows the objects."""
+    return max(math.ceil(len(again) / MAX_SHOWN), 1)
 
 
 def _inputs(job: Job) -> tuple[Path, Path]:

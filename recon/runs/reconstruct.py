@@ -107,8 +107,9 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     """Reconstruct a recording and write its run folder."""
     (path,) = job.inputs
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
-    _check_search(source, job.settings)
-    truth = _truth_of(path, source, job.settings)
+    first = next(iter(source))
+    _check_search(first, job.settings)
+    truth = _truth_of(path, first, job.settings) if len(source) == 1 else None
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
     recorder = Recorder(source, job, work)
@@ -161,10 +162,9 @@ class Recorder:
         self.seen.append(SeenCamera(name=pair.name, rig=pair.rig))
 
 
-def _check_search(source: PairSource, settings: Settings) -> None:
-    """Notify if the first pair has disparities outside the search range."""
+def _check_search(pair: StereoPair, settings: Settings) -> None:
+    """Notify if a pair has disparities outside the search range."""
     search = settings.matching.min_disparity, settings.matching.max_disparity
-    pair = next(iter(source))
     check_range(pair.left, pair.right, search)
 
 
@@ -203,12 +203,12 @@ def _write(mapper: Mapper, voxel_map: Map, work: Work, figures: Sequence[str]) -
     return len(voxels)
 
 
-def _truth_of(path: Path, source: PairSource, settings: Settings) -> DisparityTruth | None:
+def _truth_of(path: Path, pair: StereoPair, settings: Settings) -> DisparityTruth | None:
     """The truth of a single whole pair, read before the work, as a faulty one ends the run."""
-    if len(source) > 1 or settings.sequence.roi or not list(path.glob("disp_left.*")):
+    if settings.sequence.roi or not list(path.glob("disp_left.*")):
         return None
     truth = read_truth(path)
-    check_truth_size(next(iter(source)).left, truth)
+    check_truth_size(pair.left, truth)
     return truth
 
 

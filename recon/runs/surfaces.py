@@ -38,12 +38,22 @@ class SurfaceWork:
     work : Work
     waits : bool
         Fuse only after all pairs, as their poses may be corrected.
+
+    Raises
+    ------
+    InputError
+        If only the size of its voxels is set.
     """
 
     def __init__(self, settings: Settings, work: Work, *, waits: bool = False) -> None:
         self.settings = settings
         self.work = work
         self.is_wanted = settings.wants_surface
+        voxel = settings.surface.voxel
+        if voxel is not None and not self.is_wanted:
+            raise InputError(
+                f"surface.voxel is {voxel:g}, but no surface is made: give --dense or --mesh"
+            )
         self.fusion = Fusion(settings.surface, work.run.partial / "surface")
         self._waiting = WaitingViews(work.run.partial / "views") if waits else None
         self._places: list[np.ndarray] = []

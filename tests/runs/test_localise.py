@@ -7,6 +7,8 @@ import pytest
 from PIL import Image
 
 from recon.cli import main
+from recon.runs import localise
+from recon.runs.job import Job
 from tests.commands import answer
 from tests.recordings import render_drive
 
@@ -51,6 +53,22 @@ def test_pairs_of_another_place_are_not_located(drive, run, capsys, tmp_path):
     said = answer(capsys, "localise", run, elsewhere)
     assert said["num_found"] == 0
     assert all(one["T_world_left"] is None and one["reason"] for one in said["poses"])
+
+
+def test_run_without_places_is_read_only_once(drive, run, tmp_path, monkeypatch):
+    bare = tmp_path / "bare"
+    shutil.copytree(run, bare)
+    (bare / "places.npz").unlink()
+    job = Job(kind="localise", inputs=(bare, drive))
+    atlas, shown = localise.seen(bare, job)
+    assert [pair.name for pair in shown] == [pair.name for pair in localise.shown(bare, job)]
+    assert len(shown) == 6
+    monkeypatch.setattr(localise, "MAX_SHOWN", 3)
+    _, fewer = localise.seen(bare, job)
+    assert [pair.name for pair in fewer] == ["000000", "000002", "000004"]
+    stored, none = localise.seen(run, job)
+    assert len(atlas) == len(stored)
+    assert none is None
 
 
 def test_folder_that_is_not_a_run_is_rejected(drive, tmp_path, capsys):

@@ -35,9 +35,11 @@ def test_disparity_is_within_its_bounds(expected, tmp_path, capsys):
         assert len(saved["points_px"]) == report["num_matches"]
         assert (np.diff(saved["score"]) <= 0).all()
         assert len(np.unique(saved["points_px"], axis=0)) == report["num_matches"]
+        probable = saved["probability"] >= 0.5
     with np.load(tmp_path / "out" / "figures" / "disparity.npz", allow_pickle=False) as drawn:
         # Improbable matches are not drawn.
         assert 0.8 * report["num_matches"] < len(drawn["points_px"]) < report["num_matches"]
+        assert len(drawn["points_px"]) == probable.sum()
 
 
 def test_dense_disparity_is_written_on_request(tmp_path, capsys):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from recon.cli import main
+from recon.sequences import images
 from recon.sequences.pfm import write_pfm
 from recon.sequences.truth import read_truth
 from tests.sequences.recordings import write_pair_dir
@@ -33,6 +34,14 @@ def reconstructed(pair, tmp_path, *more):
     return main([*argv, "-o", str(tmp_path / "run")])
 
 
+def counting(function, calls):
+    def counted(*given):
+        calls.append(given)
+        return function(*given)
+
+    return counted
+
+
 def codes(report):
     return [one["code"] for one in report["warnings"]]
 
@@ -42,6 +51,16 @@ def test_sound_truth_gives_a_distance(pair, tmp_path, capsys):
     report = json.loads(capsys.readouterr().out)
     assert 0 <= report["surface_distance_median"] < 0.1
     assert "truth-disagrees" not in codes(report)
+
+
+def test_truth_costs_no_further_reading_of_its_pair(pair, tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(images, "read_pixels", counting(images.read_pixels, read))
+    assert reconstructed(pair, tmp_path) == 0
+    with_truth = len(read)
+    (pair / "disp_left.pfm").unlink()
+    assert reconstructed(pair, tmp_path, "--overwrite") == 0
+    assert len(read) - with_truth == with_truth
 
 
 @pytest.mark.parametrize("factor", [-1.0, 16.0])

@@ -91,6 +91,20 @@ def test_surface_is_written_only_on_request(drive, tmp_path, capsys):
     assert not (tmp_path / "run" / "mesh.ply").exists()
 
 
+@pytest.mark.parametrize("command", ["reconstruct", "explore"])
+def test_size_of_voxels_without_a_surface_is_refused(drive, tmp_path, capsys, command):
+    source = str(drive) if command == "reconstruct" else "three_apples"
+    assert main([command, source, "-o", str(tmp_path / "run"), "--voxel", "0.1"]) == 2
+    assert "surface.voxel is 0.1, but no surface is made: give" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("option", ["--dense", "--mesh"])
+def test_mesh_has_no_options_for_what_it_always_makes(tmp_path, capsys, option):
+    assert main(["mesh", str(tmp_path), option]) == 2
+    assert f"No such option '{option}'" in capsys.readouterr().err
+
+
 def test_same_command_gives_the_same_bytes(wall, drive, tmp_path, capsys):
     reconstruct(drive, tmp_path / "again", capsys, *MESH)
     for file in ("mesh.ply", "dense.ply"):
