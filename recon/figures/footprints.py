@@ -21,13 +21,15 @@ Array = NDArray[np.float64]
 
 AROUND = 48
 """Number of corners of a circle."""
+MAX_EXTENT = 2.0
+"""Largest extent of a solid relative to its object, of which half may not have been seen."""
 GRID, TINY = 1 << 20, 1e-12
 """Steps of the grid on which hulls are found, along an outline; least size of an outline."""
 
 
 def of_object(found: FoundObject, voxels: Voxels) -> Array:
     """Outline (N, 2) in x, z: of the solids, else of the box, else of the cells."""
-    outlines = [of_solid(part.solid) for part in found.parts]
+    outlines = [of_solid(part.solid) for part in found.parts if is_near(part.solid, found)]
     corners = [outline for outline in outlines if len(outline)]
     if corners:
         return _hull(np.vstack(corners))
@@ -38,6 +40,14 @@ def of_object(found: FoundObject, voxels: Voxels) -> Array:
     if len(cells) < 3:
         return rectangle(found.centre[[0, 2]], np.eye(2), found.size[[0, 2]])
     return least_rectangle(cells.means[:, [0, 2]])
+
+
+def is_near(solid: Solid, found: FoundObject) -> bool:
+    """True unless a solid extends far beyond its object, as one that fits a nearly flat piece."""
+    corners = _corners(solid)
+    return not len(corners) or bool(
+        np.linalg.norm(np.ptp(corners, axis=0)) <= MAX_EXTENT * np.linalg.norm(found.size)
+    )
 
 
 def of_solid(solid: Solid) -> Array:
@@ -78,13 +88,13 @@ def _corners(solid: Solid) -> Array:
             upright = scaled[1] / np.linalg.norm(scaled[1])
             return solid.centre + _circle(upright) @ scaled.T
         case Cylinder():
-            return _ends(solid.point, solid.axis, solid.height, (solid.radius, solid.radius))
+            return rims(solid.point, solid.axis, solid.height, (solid.radius, solid.radius))
         case Cone():
             wide = float(solid.height * np.tan(solid.half_angle_rad))
-            return _ends(solid.apex, solid.axis, solid.height, (0.0, wide))
+            return rims(solid.apex, solid.axis, solid.height, (0.0, wide))
         case TruncatedCone():
             radii = solid.radius_bottom, solid.radius_top
-            return _ends(solid.point, solid.axis, solid.height, radii)
+            return rims(solid.point, solid.axis, solid.height, radii)
         case Box():
             signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 2.0
             return solid.centre + (signs * solid.sizes) @ solid.axes
@@ -101,7 +111,8 @@ def _circle(axis: Array) -> Array:
     return ring
 
 
-def _ends(point: Array, axis: Array, height: float, radii: tuple[float, float]) -> Array:
+def rims(point: Array, axis: Array, height: float, radii: tuple[float, float]) -> Array:
+    """Corners (2 * AROUND, 3) of the circles at both ends of an axis."""
     ring = _circle(axis)
     return np.vstack([point + radii[0] * ring, point + height * axis + radii[1] * ring])
 

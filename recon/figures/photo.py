@@ -10,7 +10,7 @@ from recon.figures.canvas import Sheet
 
 Array = NDArray[np.float64]
 
-POINT_SHARE = 0.0016
+POINT_SHARE = 0.00173
 """Width of a point, as a share of the image's width in the figure."""
 
 
@@ -39,7 +39,7 @@ def without_ticks(axes: Any) -> Any:
 def points(sheet: Sheet, axes: Any, at: Array, values: Array, **look: Any) -> Any:
     """Dots at image points (N, 2) in the colours of their values."""
     columns = int(np.asarray(axes.get_gridspec().ncols))
-    width_px = max(1.6, 0.9 * POINT_SHARE * sheet.size[0] / columns * 1.2)
+    width_px = max(1.6, POINT_SHARE * sheet.size[0] / columns)
     size = (width_px * 72.0 / sheet.style.dpi) ** 2
     low, high = scales.ends(values)
     span = {"vmin": low, "vmax": high} | look

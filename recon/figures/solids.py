@@ -1,23 +1,65 @@
 """Fitted solids as closed meshes, to be drawn over their cells."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.figures.footprints import AROUND, is_near, rims
+from recon.figures.partition import cells_of, nearest_part
 from recon.geometry import pose
 from recon.libraries import load_pyvista
-from recon.records import Box, Cone, Cylinder, Ellipsoid, Plane, Solid, Sphere, TruncatedCone
+from recon.records import (
+    Box,
+    Cone,
+    Cylinder,
+    Ellipsoid,
+    FoundObject,
+    Plane,
+    Sphere,
+    TruncatedCone,
+    Voxels,
+)
 
 Array = NDArray[np.float64]
 
-AROUND = 48
-"""Number of corners of a circle."""
-PLANE_SIZE = 10.0
-"""Edge of the square that represents a plane, world units."""
+Bounded = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone | Box
 
 
-def mesh(solid: Solid) -> Any:
+def drawn_solids(voxels: Voxels, found: FoundObject) -> Iterator[tuple[int, Bounded]]:
+    """Number and solid of each part that is drawn: a plane as far as there are cells on it.
+
+    Solids that extend far beyond their object are left out: they fit only what was seen.
+    """
+    for number, part in enumerate(found.parts):
+        if not isinstance(part.solid, Plane):
+            if is_near(part.solid, found):
+                yield number, part.solid
+            continue
+        own = cells_of(voxels, found)
+        own = own.select(nearest_part(own, found) == number)
+        if len(own):
+            yield number, _flat_box(part.solid, own)
+
+
+def _flat_box(plane: Plane, cells: Voxels) -> Box:
+    """The piece of a plane on which cells lie, as a box without height."""
+    # Late: they load SciPy and numba, which few figures need.
+    from recon.recognition.fitting.axes import across_axis
+    from recon.recognition.segments.boxes import upright_box
+
+    first, second = across_axis(plane.normal)
+    rotation = np.array([second, plane.normal, first])
+    box = upright_box((cells.means - plane.point) @ rotation.T)
+    return Box(
+        centre=(box.centre * (1.0, 0.0, 1.0)) @ rotation + plane.point,
+        axes=box.axes @ rotation,
+        sizes=(box.sizes + cells.cell_size) * (1.0, 0.0, 1.0),
+    )
+
+
+def mesh(solid: Bounded) -> Any:
     """The surface of a solid as pyvista's PolyData, world; ends are closed."""
     pyvista = load_pyvista()
     match solid:
@@ -30,16 +72,13 @@ def mesh(solid: Solid) -> Any:
             ball = pyvista.ParametricEllipsoid(*solid.radii)
             return ball.transform(pose(solid.axes.T, solid.centre), inplace=False)
         case Cylinder():
-            return _frustum(solid.point, solid.axis, solid.height, solid.radius, solid.radius)
+            return _frustum(solid.point, solid.axis, solid.height, (solid.radius, solid.radius))
         case Cone():
             end = solid.height * np.tan(solid.half_angle_rad)
-            return _frustum(solid.apex, solid.axis, solid.height, 0.0, float(end))
+            return _frustum(solid.apex, solid.axis, solid.height, (0.0, float(end)))
         case TruncatedCone():
             radii = solid.radius_bottom, solid.radius_top
-            return _frustum(solid.point, solid.axis, solid.height, *radii)
-        case Plane():
-            size = {"i_size": PLANE_SIZE, "j_size": PLANE_SIZE}
-            return pyvista.Plane(center=solid.point, direction=solid.normal, **size)
+            return _frustum(solid.point, solid.axis, solid.height, radii)
         case Box():
             cube = pyvista.Cube(
                 x_length=solid.sizes[0], y_length=solid.sizes[1], z_length=solid.sizes[2]
@@ -47,22 +86,17 @@ def mesh(solid: Solid) -> Any:
             return cube.transform(pose(solid.axes.T, solid.centre), inplace=False)
 
 
-def triangles_of(solid: Solid) -> tuple[Array, NDArray[np.int32]]:
+def triangles_of(solid: Bounded) -> tuple[Array, NDArray[np.int32]]:
     """Vertices (V, 3) and triangles (T, 3) of a solid's closed surface."""
     surface = mesh(solid).triangulate()
     return np.asarray(surface.points, np.float64), surface.regular_faces.astype(np.int32)
 
 
-def _frustum(point: Array, axis: Array, height: float, bottom: float, top: float) -> Any:
+def _frustum(point: Array, axis: Array, height: float, radii: tuple[float, float]) -> Any:
     """The lateral surface between two circles, and the circles."""
-    pyvista = load_pyvista()
-    across = np.cross(axis, (0.0, 0.0, 1.0) if abs(axis[2]) < 0.9 else (1.0, 0.0, 0.0))
-    across /= np.linalg.norm(across)
-    angle = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
-    ring = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(axis, across))
-    corners = np.vstack([point + bottom * ring, point + height * axis + top * ring])
+    corners = rims(point, axis, height, radii)
     here = np.arange(AROUND)
     then = (here + 1) % AROUND
     sides = np.column_stack([np.full(AROUND, 4), here, then, then + AROUND, here + AROUND])
     ends = [[AROUND, *here], [AROUND, *(here + AROUND)]]
-    return pyvista.PolyData(corners, faces=np.concatenate([sides.ravel(), *ends]))
+    return load_pyvista().PolyData(corners, faces=np.concatenate([sides.ravel(), *ends]))
