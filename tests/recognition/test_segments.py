@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from recon.geometry import look_at, pose
+from recon.geometry import look_at, pose, transform
 from recon.recognition.cells import gather
 from recon.recognition.clouds import recognise_cloud
 from recon.recognition.connectivity import linked, overhanging
@@ -11,6 +11,7 @@ from recon.recognition.fitting.surface_points import surface
 from recon.recognition.recognition import recognise
 from recon.recognition.segments.convexity import convex_pieces, fewest_pieces, relief_of
 from recon.recognition.segments.focus import find_focus
+from recon.recognition.segments.ground import level_plane
 from recon.records import Box, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings
 
@@ -62,6 +63,16 @@ def test_touching_objects_on_a_table_are_separated_in_any_unit(scale):
     assert [plane.role for plane in found.planes] == ["ground"]
     assert {one.support for one in found.objects} == {0}
     assert found.planes[0].area == pytest.approx(scale**2 * 1.8 * 0.9, rel=0.4)
+
+
+def test_floor_is_found_below_a_table_top_with_more_points():
+    rng = np.random.default_rng(0)
+    top = rng.uniform([-0.5, 0.7, -0.5], [0.5, 0.7, 0.5], (24_000, 3))
+    floor = rng.uniform([-1.0, 0.0, -1.0], [1.0, 0.0, 1.0], (20_000, 3))
+    points = np.concatenate([top, floor]) + rng.normal(0.0, 0.001, (44_000, 3))
+    T_level = level_plane(points)
+    assert T_level is not None
+    assert (np.abs(transform(T_level, floor)[:, 1]) < 0.01).all()
 
 
 def test_wall_is_a_separate_plane_but_the_side_of_a_box_is_not():

@@ -40,11 +40,7 @@ def level_plane(points: Array) -> Array | None:
     if isinstance(refined, FitFailure) or not isinstance(refined.solid, Plane):
         return None
     plane = refined.solid
-    up = plane.normal * np.sign(plane.normal @ normal)
-    height = (voters - plane.point) @ up
-    if (height < -2.0 * tolerance).mean() > BELOW_SHARE:
-        return None
-    return _floor_motion(plane.point, up)
+    return _floor_motion(plane.point, plane.normal * np.sign(plane.normal @ normal))
 
 
 def extent(points: Array) -> float:
@@ -56,7 +52,11 @@ def extent(points: Array) -> float:
 def _most_voted(
     voters: Array, tolerance: float, rng: np.random.Generator
 ) -> tuple[NDArray[np.bool_], Array | None]:
-    """Mask of the voters on the level plane with the most of them, and its upward normal."""
+    """Mask of the voters on the level plane with the most of them, and its upward normal.
+
+    Of those planes that have nearly all others above them: a table top may have more voters than
+    the floor.
+    """
     corners = voters[rng.integers(len(voters), size=(NUM_DRAWS, 3))]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
@@ -66,9 +66,11 @@ def _most_voted(
     signs = np.sign(normals[level, 1]) / lengths[level]
     normals, feet = normals[level] * signs[:, None], corners[level, 0]
     offsets = np.einsum("ij,ij->i", normals, feet)
-    on_plane = np.abs(voters @ normals.T - offsets) < tolerance
-    best = int(np.argmax(on_plane.sum(axis=0)))
-    return on_plane[:, best], normals[best]
+    heights = voters @ normals.T - offsets
+    on_plane = np.abs(heights) < tolerance
+    is_low = (heights < -2.0 * tolerance).mean(axis=0) <= BELOW_SHARE
+    best = int(np.argmax(on_plane.sum(axis=0) * is_low))
+    return on_plane[:, best] & is_low[best], normals[best]
 
 
 def _floor_motion(point: Array, up: Array) -> Array:
