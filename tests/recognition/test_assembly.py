@@ -9,6 +9,7 @@ from recon.recognition.fitting.composite import Composite
 from recon.recognition.naming import assembly, hypotheses
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
+from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Logistic
 from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, voxelise
@@ -172,3 +173,14 @@ def test_floating_or_tall_object_is_not_a_bench():
         *[leg(x, z, 2.5) for x in (-1, 1) for z in (-1, 1)],
     ]
     assert label_of(tall, np.random.default_rng(0)) != "bench"
+
+
+def test_table_of_few_cells_is_less_sure(monkeypatch):
+    rng, side = np.random.default_rng(0), 1.0 / 0.7
+    parts = table(rng.uniform)
+    voxels = voxelise(observe(parts, np.full((len(parts), 3), 120.0), Orbit(), rng), side)
+    standing = voxels.select(voxels.centres[:, 1] >= side)
+    kinds = read_catalogues(["village"])
+    assert dict(name_object(standing, 0.0, kinds).nearest)["table"] < 0.9
+    monkeypatch.setattr(hypotheses, "MANY", Logistic(middle=-99.0, steepness=1.0))
+    assert dict(name_object(standing, 0.0, kinds).nearest)["table"] > 0.97

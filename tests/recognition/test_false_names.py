@@ -17,11 +17,15 @@ from recon.records import PointCloud
 from recon.settings import RecognitionSettings
 
 KINDS = read_catalogues(["village"])
-SLENDER_OR_NOT = tuple(
-    replace(kind, parts=tuple(replace(part, slenderness=None) for part in kind.parts))
+OF_ANY_FORM = tuple(
+    replace(
+        kind,
+        elongation=None,
+        parts=tuple(replace(part, slenderness=None) for part in kind.parts),
+    )
     for kind in KINDS
 )
-"""The kinds without limits of their parts' slenderness."""
+"""The kinds without limits of their elongation and of their parts' slenderness."""
 ALWAYS = Logistic(middle=-1e9, steepness=1.0)
 URN = [(4.0, 0.0), (2.0, 2.0), (2.0, 4.0), (7.5, 11.0), (5.0, 16.0), (7.0, 18.0)]
 HOURGLASS = [(8.0, 0.0), (8.0, 5.0), (1.5, 13.0), (8.0, 21.0), (8.0, 26.0)]
@@ -56,9 +60,9 @@ def test_front_of_a_ball_on_the_ground_has_no_trunk(surfaces, monkeypatch):
     rng = np.random.default_rng(0)
     points = np.array([0.0, 11.8, 0.0]) + surfaces.ball(rng, [8.0, 11.0, 8.0], 6000)
     voxels = cells_of(points[points[:, 2] > 2.0], rng)
-    chances = dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)
+    chances = dict(name_object(voxels, 0.0, OF_ANY_FORM).nearest)
     monkeypatch.setattr(probability, "LOWEST", ALWAYS)
-    rivals = dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)
+    rivals = dict(name_object(voxels, 0.0, OF_ANY_FORM).nearest)
     assert chances.get("apple tree", 0.0) < 0.05 * rivals["apple tree"]
 
 
@@ -126,7 +130,7 @@ def test_a_foot_is_no_wall_of_a_cottage(surfaces):
     rng = np.random.default_rng(0)
     voxels = cells_of(pyramid(surfaces, rng), rng)
     assert "cottage" not in dict(name_object(voxels, 0.0, KINDS).nearest)
-    assert dict(name_object(voxels, 0.0, SLENDER_OR_NOT).nearest)["cottage"] > 0.3
+    assert dict(name_object(voxels, 0.0, OF_ANY_FORM).nearest)["cottage"] > 0.3
 
 
 def test_in_metres_a_cottage_of_a_hand_is_none(surfaces):

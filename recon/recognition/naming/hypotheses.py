@@ -24,6 +24,7 @@ from recon.recognition.naming.probability import (
     FORM,
     FORMED,
     LEAD,
+    MANY,
     NEARNESS,
     ORDERED,
     Evidence,
@@ -135,6 +136,7 @@ def _ordered(case: Case, one: Assembly, rival: float) -> Hypothesis:
     """An assembly as an object of its kind; `rival`: criterion of the best fit on one axis."""
     criterion = case.dense_criterion(one.bic) + one.cost
     chance = float(FORM.chance(-criterion)) * _lead_chance(case, one, criterion) * one.explained
+    chance *= float(MANY.chance(np.log(len(case.cells))))
     if one.upright:
         chance *= float(FORMED.chance(rival - criterion))
         chance *= float(FLAT.chance(-bend(case.dense, one.upright)))

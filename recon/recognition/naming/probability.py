@@ -55,6 +55,9 @@ ORDERED = Logistic(middle=-0.9, steepness=4.0)
 cells."""
 ENOUGH = Logistic(middle=float(np.log(25.0)), steepness=4.0)
 """Log of the number of cells: a handful fits anything."""
+MANY = Logistic(middle=float(np.log(40.0)), steepness=4.0)
+"""The same of an assembly, which has more parts that a few cells may be. Simulated ones have 65 at
+least."""
 ABOVE = Logistic(middle=float(np.log(8.0)), steepness=4.0)
 """Log of the number of cells of each part above the lowest: any few cells fit a crown. Simulated
 objects have 11 at least."""
