@@ -1,7 +1,7 @@
 """Doubts: what the agent views again before it goes on or ends."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.paths import unexplored
 from recon.exploration.scan import Detection
+from recon.exploration.search import are_nameable
 from recon.exploration.sides import widest_gap
 from recon.exploration.state import State
 
@@ -25,12 +26,24 @@ def doubts(state: State) -> list[Detection]:
     """Obstacles that resemble a kind but have no sure name, and ground that may hide one."""
     least = state.scales.unknown_clearance
     hiding = hiding_places(state.floor, state.obstacles, least)
-    return [*doubtful(state.obstacles), *hiding, *elsewhere(state)]
+    named = [*doubtful(state.obstacles), *strange(state.obstacles)]
+    return [*named, *hiding, *elsewhere(state)]
 
 
 def doubtful(obstacles: Iterable[Obstacle]) -> list[Detection]:
     """Obstacles that resemble a kind but have no sure name, as if no view had seen them."""
     return [_once_more(one.centre, one.radius) for one in obstacles if one.is_doubtful]
+
+
+def strange(obstacles: Sequence[Obstacle]) -> list[Detection]:
+    """Obstacles that resemble nothing where most have a sure label: one more look is enough.
+
+    A board as high as the eyes is only seen from nearby.
+    """
+    if not are_nameable(obstacles):
+        return []
+    odd = [one for one in obstacles if one.is_strange]
+    return [_one_look(one.centre, one.radius) for one in odd]
 
 
 def cut_off(obstacles: Iterable[Obstacle]) -> list[Obstacle]:
@@ -39,8 +52,8 @@ def cut_off(obstacles: Iterable[Obstacle]) -> list[Obstacle]:
     They are as if seen only by the views that show their tops: a tree of which only the trunk was
     in view resembles nothing.
     """
-    strange = [one for one in obstacles if one.found and not (one.is_sure or one.is_doubtful)]
-    whole = [replace(one, bearings_rad=one.bearings_rad[one.is_whole]) for one in strange]
+    odd = [one for one in obstacles if one.is_strange]
+    whole = [replace(one, bearings_rad=one.bearings_rad[one.is_whole]) for one in odd]
     return [one for one in whole if widest_gap(one.bearings_rad) > math.pi]
 
 
@@ -57,9 +70,7 @@ def elsewhere(state: State) -> Iterator[Detection]:
         left = [place for place in one.places if not one.is_refuted(state.floor, place)]
         if left and not is_mapped:
             middle, width = (left[0] + left[-1]) / 2.0, math.dist(left[0], left[-1])
-            yield Detection(
-                centre=middle, radius=one.radius + width / 2.0, distance=0.0, sigma=math.inf
-            )
+            yield _one_look(middle, one.radius + width / 2.0)
 
 
 def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:
@@ -89,3 +100,8 @@ def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> 
 def _once_more(centre: Array, radius: float) -> Detection:
     """A disc on the floor to look at as if no view had seen it."""
     return Detection(centre=centre, radius=radius, distance=0.0, sigma=0.0)
+
+
+def _one_look(centre: Array, radius: float) -> Detection:
+    """The same, but one view of any side is enough."""
+    return replace(_once_more(centre, radius), sigma=math.inf)

@@ -5,7 +5,7 @@ The round is planned again after every pair with what is then known.
 
 from dataclasses import dataclass, field
 
-from recon.exploration.doubts import CLOSE, FAR, cut_off, doubtful, doubts
+from recon.exploration.doubts import CLOSE, FAR, cut_off, doubtful, doubts, strange
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
@@ -78,7 +78,11 @@ class FrontierController:
         They are viewed again before the agent goes on: it would have to come back.
         """
         known = [one for one in state.obstacles if is_known(one)]
-        for search in (self._second(state, doubtful(known)), self._afar(state, cut_off(known))):
+        for search in (
+            self._second(state, doubtful(known)),
+            self._afar(state, cut_off(known)),
+            self._second(state, strange(known)),
+        ):
             if not all(is_given_up(one, search) for one in search.wanted):
                 view = self._plan(state, search, needs_sides=True)
                 if view is not None:

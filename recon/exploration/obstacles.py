@@ -62,6 +62,11 @@ class Obstacle:
         nearest = () if self.found is None or self.is_sure else self.found.nearest
         return bool(nearest) and nearest[0][1] >= POSSIBLE
 
+    @property
+    def is_strange(self) -> bool:
+        """True if it was recognised and resembles no kind."""
+        return self.found is not None and not (self.is_sure or self.is_doubtful)
+
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
         """Mask (N,) of the points (N, 2) within its disc, widened by a margin."""
         near: Mask = np.hypot(*(points_xz - self.centre).T) <= self.radius + margin

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from recon.exploration import world_model
-from recon.exploration.doubts import CLOSE, cut_off, elsewhere, hiding_places
+from recon.exploration.doubts import CLOSE, cut_off, elsewhere, hiding_places, strange
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scales import Scales
@@ -109,6 +109,17 @@ def test_tops_of_strange_things_are_viewed_from_half_of_all_directions(found, is
     assert len(again) == number
     for one in again:
         assert one.bearings_rad.tolist() == AROUND[is_whole].tolist()
+
+
+@pytest.mark.parametrize(
+    ("others", "number"),
+    [([TREE, TREE], 1), ([TREE], 1), ([], 0), ([TREE, TREE, STRANGE], 2), ([None], 0)],
+)
+def test_strange_things_are_looked_at_once_where_most_have_names(others, number):
+    known = [obstacle(found, [True] * 4) for found in (STRANGE, *others)]
+    looks = strange(known)
+    assert len(looks) == number
+    assert all(one.sigma == np.inf for one in looks)
 
 
 def close_views(done, disc):
