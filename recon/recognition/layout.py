@@ -35,6 +35,8 @@ SMALLEST_HOST = 12
 WIDER = 2.0
 """A floor under an object that all views look at is larger than the object by at least this
 factor."""
+MOST_BELOW = 0.1
+"""Maximum share of the cells below that floor: a bed has legs, so its top is none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,7 +104,7 @@ def lay_out(voxels: Voxels, settings: RecognitionSettings, focus: Focus | None =
     if T_level_world is not None:
         cells = moved_cells(voxels, T_level_world)
         on_floor = cells.means[:, 1] < _clearance(cells, settings)
-        if focus is None or _is_wider(cells, on_floor):
+        if focus is None or _carries_all(cells, on_floor):
             return _on_found_floor(voxels, cells, T_level_world, on_floor, focus)
     return _without_floor(voxels, focus)
 
@@ -193,8 +195,11 @@ def _clearance(cells: Voxels, settings: RecognitionSettings) -> float:
     return max(CLEARANCE_CELLS * cells.cell_size, CLEARANCE_SIGMAS * spread)
 
 
-def _is_wider(cells: Voxels, on_floor: Mask) -> bool:
-    """True if a floor extends beyond what stands on it."""
+def _carries_all(cells: Voxels, on_floor: Mask) -> bool:
+    """True if a floor extends beyond what stands on it, with next to nothing below."""
+    is_below = cells.means[:, 1] < -CLEARANCE_CELLS * cells.cell_size
+    if is_below.mean() > MOST_BELOW:
+        return False
     return _footprint(cells.means[on_floor]) > WIDER * _footprint(cells.means[~on_floor])
 
 

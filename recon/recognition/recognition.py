@@ -75,6 +75,7 @@ def recognise(
     if settings.recogniser != "thesis":
         if kinds:
             pieces = reunite(pieces, layout.cells, namer)
+        if kinds and not (settings.ground is None and _is_one(focus)):
             apart = partial(separate, settings=settings, relief_of=reliefs, name=namer)
             pieces = [p for piece in pieces for p in apart(piece, layout.cells)]
             # A crown that touched another object is now free to join its trunk.

@@ -193,6 +193,29 @@ def test_focus_of_all_views_is_one_object():
     assert [one.num_voxels for one in ringed.objects] == [len(cells)]
 
 
+def test_focus_is_one_object_whatever_kinds_are_looked_for():
+    rng = np.random.default_rng(0)
+    parts = [
+        Cylinder(point=np.array([x, 0.0, 0.0]), axis=UP, radius=0.12, height=0.4)
+        for x in (-0.05, 0.25)
+    ]
+    cells = gather(cloud_of(surface(parts, 12_000, rng).points), 0.03)
+    village = RecognitionSettings(ground=None, catalogue="village")
+    assert len(recognise(cells, village).objects) == 2
+    assert len(recognise(cells, village, ring(16, 1.0)).objects) == 1
+
+
+def test_top_of_a_bed_in_focus_is_no_floor():
+    rng = np.random.default_rng(0)
+    top = rng.uniform([-0.35, 0.3, -0.3], [0.55, 0.3, 0.3], (6000, 3))
+    legs = [box([0.1 + x, 0.15, z], [0.06, 0.3, 0.06]) for x in (-0.4, 0.4) for z in (-0.25, 0.25)]
+    back = rng.uniform([-0.35, 0.3, -0.3], [-0.35, 0.5, 0.3], (2000, 3))
+    cells = gather(cloud_of(top, back, surface(legs, 6000, rng).points), 0.03)
+    found = recognise(cells, SETTINGS, ring(16, 1.0))
+    assert [one.num_voxels for one in found.objects] == [len(cells)]
+    assert found.planes == ()
+
+
 def room(rng, top_height=0.75, is_box=False, things=2):
     """Make a floor, a table with legs or a box as large, and objects on and beside it."""
     solids = [Cylinder(point=np.array([1.1, 0.0, 0.9]), axis=UP, radius=0.12, height=0.3)]
