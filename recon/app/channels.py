@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from recon.figures.partition import owners
 from recon.records import Features, FoundObject, Matches, StereoPair
 
 Array = NDArray[np.float64]
@@ -19,7 +20,6 @@ UNITS = {
     "depth": "units", "sigma": "units",
 }  # fmt: skip
 LABEL = "label"
-NO_OBJECT = -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,9 +61,13 @@ class Points:
 
 
 def points_of(
-    pair: StereoPair, matches: Matches, left: Features, objects: tuple[FoundObject, ...]
+    pair: StereoPair,
+    matches: Matches,
+    left: Features,
+    objects: tuple[FoundObject, ...],
+    cell_size: float,
 ) -> Points:
-    """The matched points of a pair with all their channels."""
+    """The matched points of a pair with all their channels; cells have a size in world units."""
     points = pair.rig.triangulate(matches.points_px, matches.disparity_px)
     depth = points[:, 2]
     if pair.T_world_left is not None:
@@ -81,17 +85,7 @@ def points_of(
             "sigma": pair.rig.depth_sigma(depth, matches.sigma_px),
             "orientation": np.degrees(left.orientation_rad[matches.index_left]).astype(np.float64),
             "score": matches.score,
-            LABEL: _object_of(points, objects),
+            LABEL: owners(points, objects, cell_size),
         },
         names={found.id: f"{found.label} {found.id}" for found in objects},
     )
-
-
-def _object_of(points: Array, objects: tuple[FoundObject, ...]) -> Array:
-    """(M,) id of the object whose box contains the point."""
-    ids = np.full(len(points), NO_OBJECT)
-    for found in objects:
-        with np.errstate(invalid="ignore"):
-            inside = (np.abs(points - found.centre) <= 0.55 * found.size + 0.5).all(axis=1)
-        ids[inside] = found.id
-    return ids

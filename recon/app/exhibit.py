@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from recon.app.layers import Data, Layer, layer_of
 from recon.errors import InputError
@@ -13,10 +12,10 @@ from recon.exports.formats import holds_mesh, read, read_mesh
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.partitions.store import is_partitioned
 from recon.exports.ply import read_cloud_chunks
-from recon.figures.partition import cells_of_mask
+from recon.figures.partition import owners
 from recon.manifest import MANIFEST
 from recon.notices import collected_notices
-from recon.records import FoundObject, PointCloud, Trajectory, Voxels
+from recon.records import FoundObject, PointCloud, Trajectory
 from recon.runs.maps import map_path, shown
 from recon.runs.reading import is_recorded, read_reconstruction, unit_of_run
 from recon.settings import MapSettings
@@ -24,7 +23,6 @@ from recon.voxelmap import VoxelMap
 
 CLOUDS = {"dense": "dense.ply", "mesh": "mesh.ply"}
 """Files that a run may have besides its map and its cloud, by layer name."""
-NOBODY = -1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -85,7 +83,8 @@ def _open_run(path: Path) -> Exhibit:
     if map_path(path) is not None:
         run = read_reconstruction(path)
         objects, trajectory = run.objects, run.trajectory
-        layers["map"] = layer_of(run.voxels, {"object": object_of(run.voxels, objects)})
+        owner = owners(run.voxels.means, objects, run.voxels.cell_size)
+        layers["map"] = layer_of(run.voxels, {"object": owner})
     if (path / "cloud.ply").exists():
         layers["cloud"] = _run_cloud(path / "cloud.ply")
     for name, file in CLOUDS.items():
@@ -115,11 +114,3 @@ def _run_cloud(path: Path) -> Layer:
         sigma=np.concatenate(sigmas),
     )
     return layer_of(cloud, {"pair": np.concatenate(pairs).astype(np.float64)})
-
-
-def object_of(voxels: Voxels, objects: tuple[FoundObject, ...]) -> NDArray[np.float64]:
-    """(K,) id of the object whose box contains the cell; of several, the smallest."""
-    ids = np.full(len(voxels), NOBODY)
-    for found in sorted(objects, key=lambda one: -float(np.prod(one.size))):
-        ids[cells_of_mask(voxels, found)] = found.id
-    return ids

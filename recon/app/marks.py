@@ -54,8 +54,7 @@ def caption(words: str, size: tuple[int, int]) -> str:
 def length_bar(unit_px: float, size: tuple[int, int]) -> str:
     """A bar of 1, 2 or 5 times a power of ten units, at the lower right of an image."""
     width, height = size
-    power = 10.0 ** np.floor(np.log10(0.25 * width / unit_px))
-    length = power * max(digit for digit in (1, 2, 5) if digit * power * unit_px <= 0.25 * width)
+    length = scales.round_length(0.25 * width / unit_px)
     font = 0.028 * width
     right, low = width - 0.8 * font, height - 0.7 * font
     line = np.array([[right - length * unit_px, low, 1.0], [right, low, 1.0]])

@@ -143,7 +143,8 @@ class Simulation:
         settings = self.settings
         left, right = (detect(side, settings.features) for side in (pair.left, pair.right))
         matches = match_features(left, right, settings, pair.disparity_range, pair.rig.residual_px)
-        return Sight(pair=pair, points=points_of(pair, matches, left, self.objects))
+        points = points_of(pair, matches, left, self.objects, settings.map.cell_size)
+        return Sight(pair=pair, points=points)
 
     def maps(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
         """The world from above and from the front."""

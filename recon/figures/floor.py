@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from recon.figures.canvas import INK, QUIET, Sheet
 from recon.figures.cover import Cover
+from recon.figures.scales import round_length
 from recon.figures.scene import box_of
 from recon.records import GroundGrid, Voxels
 from recon.voxelmap.ground import height_sum
@@ -68,9 +69,7 @@ def draw_occupied(axes: Any, voxels: Voxels, colour: str, **look: Any) -> None:
 def add_scale_bar(sheet: Sheet, axes: Any, unit: str) -> None:
     """Add a bar of 1, 2 or 5 times a power of ten world units at the lower left."""
     left, right = axes.get_xlim()
-    wanted = SCALE_SHARE * (right - left)
-    power = 10.0 ** np.floor(np.log10(wanted))
-    length = power * max(digit for digit in (1.0, 2.0, 5.0) if digit * power <= wanted)
+    length = round_length(SCALE_SHARE * (right - left))
     share = length / (right - left)
     place = {"transform": axes.transAxes, "zorder": 10, "clip_on": False}
     axes.plot([0.03, 0.03 + share], [0.025, 0.025], color=INK, lw=2.2, solid_capstyle="butt",

@@ -1,6 +1,7 @@
-"""Cells by owner: those of an object, and of each of its parts."""
+"""Points and cells by owner: those of an object, and of each of its parts."""
 
 import colorsys
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,22 +10,37 @@ from recon.records import FoundObject, Voxels
 
 MARGIN_CELLS = 1.0
 """Distance outside the box of an object up to which cells still belong to it."""
+NO_OBJECT = -1.0
 GREY = (138, 138, 138)
 NUM_HUES = 18
 RGB = tuple[int, int, int]
 
 
-def cells_of_mask(voxels: Voxels, found: FoundObject) -> NDArray[np.bool_]:
-    """(K,) mask of the cells in the box of an object."""
-    reach = found.size / 2.0 + MARGIN_CELLS * voxels.cell_size
-    away = np.abs(voxels.means - found.centre)
-    inside: NDArray[np.bool_] = np.all(away <= reach, axis=1)
-    return inside
+def owners(
+    points: NDArray[np.float64], objects: Sequence[FoundObject], cell_size: float
+) -> NDArray[np.float64]:
+    """(N,) id of the object whose box contains each point (N, 3); of several, the smallest.
+
+    NO_OBJECT where there is none.
+    """
+    ids = np.full(len(points), NO_OBJECT)
+    for found in sorted(objects, key=lambda one: -float(np.prod(one.size))):
+        ids[_is_in_box(points, found, cell_size)] = found.id
+    return ids
 
 
 def cells_of(voxels: Voxels, found: FoundObject) -> Voxels:
     """The cells in the box of an object."""
-    return voxels.select(np.flatnonzero(cells_of_mask(voxels, found)))
+    is_own = _is_in_box(voxels.means, found, voxels.cell_size)
+    return voxels.select(np.flatnonzero(is_own))
+
+
+def _is_in_box(
+    points: NDArray[np.float64], found: FoundObject, cell_size: float
+) -> NDArray[np.bool_]:
+    reach = found.size / 2.0 + MARGIN_CELLS * cell_size
+    inside: NDArray[np.bool_] = np.all(np.abs(points - found.centre) <= reach, axis=1)
+    return inside
 
 
 def nearest_part(voxels: Voxels, found: FoundObject) -> NDArray[np.intp]:

@@ -78,6 +78,13 @@ def beyond(values: Array, low: float, high: float) -> str:
     return "min" if under else "max" if over else "neither"
 
 
+def round_length(most: float) -> float:
+    """The longest of 1, 2 and 5 times powers of ten that is not longer than `most`."""
+    power = float(10.0 ** np.floor(np.log10(most)))
+    # The logarithm of a number just below a power of ten is rounded up.
+    return power * max((digit for digit in (1.0, 2.0, 5.0) if digit * power <= most), default=0.5)
+
+
 def plain_numbers(bar: Any) -> None:
     """Number a logarithmic colour bar 1, 2, 5, 10, ..."""
     number_plainly(bar.ax.yaxis, bar.mappable.get_clim())

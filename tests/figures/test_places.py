@@ -15,7 +15,7 @@ from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
 from recon.figures.kinds import Subject
 from recon.figures.occupancy import labels
-from recon.figures.partition import part_colour
+from recon.figures.partition import NO_OBJECT, owners, part_colour
 from recon.figures.viewpoint import VIEWS, viewpoint
 from recon.geometry import look_at, rotation_about_y
 from recon.records import (
@@ -134,6 +134,27 @@ def test_footprints_have_the_area_of_their_solids(solid, truth):
     ring = of_solid(solid)
     # Counter-clockwise with north up, as GeoJSON requires: in x, z the area is negative.
     assert area(ring * (1.0, -1.0)) == pytest.approx(truth, rel=0.01)
+
+
+@pytest.mark.parametrize("scale", [0.01, 1.0, 100.0])
+def test_owner_of_a_point_is_the_smallest_object_around_it_in_any_unit(ball, scale):
+    from dataclasses import replace
+
+    def thing(number, size):
+        return replace(ball, id=number, centre=np.zeros(3), size=np.full(3, scale * size))
+
+    points = scale * np.array([[0.0, 0, 0], [1.45, 0, 0], [1.55, 0, 0], [3.55, 0, 0], [np.nan] * 3])
+    for objects in ([thing(7, 2.8), thing(4, 7.0)], [thing(4, 7.0), thing(7, 2.8)]):
+        found = owners(points, objects, 0.1 * scale)
+        assert found.tolist() == [7, 7, 4, 4, NO_OBJECT]
+    assert owners(points, objects, 0.01 * scale).tolist() == [7, 4, 4, NO_OBJECT, NO_OBJECT]
+
+
+@given(st.floats(1e-9, 1e9))
+def test_length_of_a_scale_bar_is_round_and_not_longer_than_wanted(most):
+    length = scales.round_length(most)
+    assert 0.4 * most <= length <= most * (1 + 1e-9)
+    assert f"{length:.0e}"[0] in "125"
 
 
 def test_plane_has_no_footprint():
