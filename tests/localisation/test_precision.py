@@ -24,28 +24,47 @@ MIN_AGREEING = 24
 
 
 def ring(middle, reach):
-    """Views around a thing, 4 degrees apart."""
+    """A row of views around a thing, 4 degrees apart."""
     angles = np.radians(np.arange(0.0, 40.0, 4.0))
     away = (reach + 16.0) * np.column_stack([np.cos(angles), 0.0 * angles, np.sin(angles)])
-    return [View(position=middle + side, target=middle) for side in away]
+    return [[View(position=middle + side, target=middle) for side in away]]
 
 
 def drive(middle, reach):
-    """Views on the way towards a thing, a unit apart, past its side."""
+    """A row of views on the way towards a thing, a unit apart, past its side."""
     ahead = -middle * [1.0, 0.0, 1.0] / np.linalg.norm(middle[[0, 2]])
     beside = middle + 2.0 * ahead[[2, 1, 0]] * [1.0, 0.0, -1.0]
     return [
-        View(position=beside + (reach + away) * ahead, target=beside)
-        for away in np.arange(26.0, 16.0, -1.0)
+        [
+            View(position=beside + (reach + away) * ahead, target=beside)
+            for away in np.arange(26.0, 16.0, -1.0)
+        ]
+    ]
+
+
+def walk(middle, reach):
+    """Two views each from places around a thing, close to each other and roughly towards it."""
+    rng, level = np.random.default_rng(77), np.array([1.0, 0.0, 1.0])
+    angles, away = rng.uniform(0.0, 2.0 * np.pi, 10), reach + rng.uniform(8.0, 24.0, 10)
+    places = np.column_stack([away * np.cos(angles), 0.0 * angles, away * np.sin(angles)])
+    steps, aims = rng.normal(0.0, 1.5, (10, 3)), rng.normal(0.0, 2.0, (10, 2, 3))
+    both = np.stack([places, places + steps * level], axis=1)
+    return [
+        [
+            View(position=middle + at, target=middle + aim * level)
+            for at, aim in zip(*two, strict=True)
+        ]
+        for two in zip(both, aims, strict=True)
     ]
 
 
 @cache
 def motions(views):
-    """Motions between neighbouring views, with their errors (6,)."""
+    """Motions between neighbouring views of each row, with their errors (6,)."""
     worlds = [world(seed, noise) for seed in SEEDS for noise in NOISES]
-    pairs = [[one.take(view) for view in views(*first_thing(one))] for one in worlds]
-    both = [two for taken in pairs for two in pairwise(taken)]
+    rows = [(one, row) for one in worlds for row in views(*first_thing(one))]
+    taken = [[one.take(view) for view in row] for one, row in rows]
+    both = [two for pairs in taken for two in pairwise(pairs)]
     return [found for first, second in both if (found := motion(first, second)) is not None]
 
 
@@ -91,6 +110,22 @@ def test_errors_of_motions_are_those_stated(views):
     found = np.array(ratios(views, motion_covariance))
     assert (found > 0.7).all()
     assert (found < 1.4).all()
+
+
+def test_errors_of_motions_between_places_of_a_walk_are_those_stated():
+    found = np.array(ratios(walk, motion_covariance)[0])
+    assert (found > 0.7).all()
+    assert (found < 1.4).all()
+
+
+@pytest.mark.parametrize("found", [(2.0, 2.0, 0.6), (0.6, 2.0, 2.0)])
+def test_positions_and_disparities_have_precisions_of_their_own(found):
+    """One for both would be too high for the less precise ones."""
+    rng, number, one = np.random.default_rng(5), 400, np.broadcast_to(np.eye(3), (400, 3, 3))
+    known = information(rng.normal(0.0, found, (number, 3)), one, np.ones(number))
+    assert np.sqrt(np.diag(np.linalg.inv(known))) == pytest.approx(
+        np.array(found) / np.sqrt(number), rel=0.15
+    )
 
 
 @pytest.mark.parametrize("views", [ring, drive])
