@@ -24,6 +24,7 @@ from recon.localisation.place_errors import PlaceErrors, measured_from
 from recon.localisation.portrait import Portrait
 from recon.localisation.posterior import decide
 from recon.localisation.registration import Points, Prior
+from recon.localisation.relocation import Relocation
 from recon.localisation.search import Search
 from recon.localisation.shapes import guesses
 from recon.localisation.standpoints import Standpoints
@@ -108,6 +109,8 @@ class KnownWorld:
     """The search by a portrait of the map's objects; None if its pairs are not at hand ..."""
     corners: Corners | None = None
     """... and the corners of those."""
+    relocation: Relocation | None = None
+    """The landmarks that its pairs show; None if they are not at hand."""
 
     @classmethod
     def of(
@@ -132,26 +135,32 @@ class KnownWorld:
         )
 
     def painted(self, pairs: Sequence[StereoPair]) -> "KnownWorld":
-        """The same with its objects as pairs of the run, at its poses, show them."""
+        """The same with its landmarks and objects as pairs of the run, at its poses, show them."""
+        known = replace(self, relocation=Relocation(pairs))
+        if self.search is None or not self.objects:
+            return known
         portrait = Portrait.of(self.objects, pairs, self.voxels.cell_size)
-        if portrait is None or self.search is None:
-            return self
+        if portrait is None:
+            return known
         stance = self.search.stance
         corners = Corners(portrait=portrait, pairs=pairs, stance=stance, own=self.own)
         standpoints = Standpoints(portrait=portrait, stance=stance)
-        return replace(self, standpoints=standpoints, corners=corners)
+        return replace(known, standpoints=standpoints, corners=corners)
 
     def recall(self, pair: StereoPair) -> PoseEstimate | FitFailure:
         """The pose of a pair; a `FitFailure` if the map does not determine it."""
+        found: PoseEstimate | FitFailure = FitFailure("no place looks like it")
         if self.search is None or self.trust > MIN_TRUST:
             found = choose(self.hypotheses(pair), self.trust)
             found = exact(found, MAX_SIGMA_CELLS * self.voxels.cell_size)
-            if found or self.search is None:
-                return found
-        if self.standpoints is not None and self.corners is not None:
+        if not found and self.standpoints is not None and self.corners is not None:
             found = decide(self.standpoints, self.corners, Look(pair=pair))
-            if found or self.standpoints.portrait.is_whole:
+            if self.standpoints.portrait.is_whole:
                 return found
+        if not found and self.relocation is not None:
+            found = self.relocation.recall(pair) or found
+        if found or self.search is None:
+            return found
         cloud = match_points(replace(pair, T_world_left=np.eye(4)), self.settings).cloud
         known = [
             (self.search.upright(one), self.trust * number / TRUSTED_AGREEING)

@@ -20,7 +20,7 @@ from recon.settings import SequenceSettings, given_tree
 
 PLACES = "places.npz"
 MAX_SHOWN = 200
-"""Maximum number of pairs, evenly chosen, that show the colours of objects."""
+"""Maximum number of pairs, evenly chosen, that show landmarks and the colours of objects."""
 
 
 def _localise(job: Job, work: Work) -> Numbers:
@@ -30,9 +30,8 @@ def _localise(job: Job, work: Work) -> Numbers:
     with work.stage("places"):
         atlas, pairs_shown = seen(run, job)
     known = KnownWorld.of(made.voxels, atlas, job.settings, tuple(made.objects))
-    if known.search is not None and made.objects:
-        with work.stage("places"):
-            known = known.painted(shown(run, job) if pairs_shown is None else pairs_shown)
+    with work.stage("places"):
+        known = known.painted(shown(run, job) if pairs_shown is None else pairs_shown)
     pairs = open_sequence(taken, SequenceSettings(poses="none"))
     poses = []
     for number, pair in enumerate(pairs, start=1):
@@ -72,7 +71,7 @@ def _again(run: Path, job: Job) -> SeenAgain:
 
 
 def shown(run: Path, job: Job) -> list[StereoPair]:
-    """Pairs that show the objects of a run; none if only its places are left."""
+    """Pairs that show what a run has seen; none if only its places are left."""
     try:
         again = _again(run, job)
     except InputError:
@@ -83,7 +82,7 @@ def shown(run: Path, job: Job) -> list[StereoPair]:
 
 
 def _step(again: SeenAgain) -> int:
-    """Every how many pairs one shows the objects."""
+    """Every how many pairs one shows what the run has seen."""
     return max(math.ceil(len(again) / MAX_SHOWN), 1)
 
 

@@ -52,9 +52,14 @@ class Place:
     @property
     def summary(self) -> Array:
         """(W,) word histogram of unit length: similar for places that look similar."""
-        count = np.bincount(_words(self.descriptors), minlength=2**NUM_BITS).astype(np.float64)
-        summary: Array = np.sqrt(count / max(1.0, count.sum()))
-        return summary
+        return summary_of(self.descriptors)
+
+
+def summary_of(descriptors: NDArray[np.uint8]) -> Array:
+    """(W,) word histogram of descriptors (N, 128), of unit length."""
+    count = np.bincount(_words(descriptors), minlength=2**NUM_BITS).astype(np.float64)
+    summary: Array = np.sqrt(count / max(1.0, count.sum()))
+    return summary
 
 
 def see(pair: StereoPair, stretches: tuple[float, ...] = STRETCHES[:1]) -> Place:
@@ -66,7 +71,7 @@ def see(pair: StereoPair, stretches: tuple[float, ...] = STRETCHES[:1]) -> Place
         Horizontal scale factors of the image; the points of all of them are kept.
     """
     left, right = grey(pair.left), grey(pair.right)
-    found = [_blobs(left, stretch) for stretch in stretches]
+    found = [blobs(left, stretch) for stretch in stretches]
     points = np.concatenate([points for points, _ in found])
     sightings, is_seen = seen_by_both(left, right, points)
     is_seen &= sightings.disparity_px > pair.rig.disparity_offset_px
@@ -77,14 +82,14 @@ def see(pair: StereoPair, stretches: tuple[float, ...] = STRETCHES[:1]) -> Place
     )
 
 
-def _blobs(
-    image: NDArray[np.uint8], stretch: float
+def blobs(
+    image: NDArray[np.uint8], stretch: float = 1.0, number: int = NUM_POINTS
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Points (N, 2) of a horizontally scaled image, with their descriptors."""
+    """Points (N, 2) of a horizontally scaled grey image, at most so many, with descriptors."""
     wide = image
     if stretch != 1.0:
         wide = cv2.resize(image, None, fx=stretch, fy=1.0, interpolation=cv2.INTER_AREA)
-    points, descriptors = _sift().detectAndCompute(wide, None)
+    points, descriptors = _sift(number).detectAndCompute(wide, None)
     if not points:
         return np.zeros((0, 2), np.float32), np.zeros((0, 128), np.uint8)
     places = np.array([point.pt for point in points], np.float32)
@@ -94,10 +99,10 @@ def _blobs(
 
 
 @cache
-def _sift() -> Any:
+def _sift(number: int) -> Any:
     # Missing in OpenCV's type stubs.
     create: Any = cv2.SIFT_create  # type: ignore[attr-defined,unused-ignore]
-    return create(nfeatures=NUM_POINTS, contrastThreshold=CONTRAST, sigma=1.2)
+    return create(nfeatures=number, contrastThreshold=CONTRAST, sigma=1.2)
 
 
 def _words(descriptors: NDArray[np.uint8]) -> NDArray[np.int64]:
