@@ -1,6 +1,5 @@
 """The program: a group of commands, and the reporting of their errors."""
 
-import sys
 from collections.abc import Sequence
 
 import click
@@ -34,7 +33,7 @@ from recon.cli.settings import settings
 from recon.cli.simulate import simulate
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
-from recon.processes import collect_rarely, end_soon
+from recon.processes import collect_rarely, end
 
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
@@ -96,6 +95,4 @@ def _say(message: str, code: int) -> int:
 def entry() -> None:
     """The console script."""
     collect_rarely()
-    code = main(is_alone=True)
-    end_soon()
-    sys.exit(code)
+    end(main(is_alone=True))

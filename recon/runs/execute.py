@@ -13,6 +13,7 @@ from recon.runs.outputs import as_document
 from recon.runs.report import Report, read_report
 from recon.runs.work import Work
 from recon.sequences.calibration.refinement import shared_estimates
+from recon.sequences.recent import recent_images
 from recon.stopwatch import Stopwatch
 
 
@@ -64,6 +65,7 @@ def execute(
         collected_notices() as notices,
         stopwatch.counting_compilation(),
         shared_estimates(),
+        recent_images(),
     ):
         kind = KINDS.load(job.kind)
         path = Path(folder) if folder else kind.folder(job.located())

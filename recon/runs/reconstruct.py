@@ -24,6 +24,7 @@ from recon.runs.cameras import CAMERAS, SeenCamera, cameras_text
 from recon.runs.figure_file import ALWAYS
 from recon.runs.figures import NAMELESS, PAIRED, draw_run_figures
 from recon.runs.job import Job, Kind, Numbers, Tree
+from recon.runs.loading import first_pair
 from recon.runs.loops import close_drive, keeps_places, may_close
 from recon.runs.maps import ChunkedMap, Map, shown
 from recon.runs.outputs import cells_hit, write_outputs, write_places
@@ -56,9 +57,10 @@ def _base(job: Job) -> Tree:
     chosen = Settings(sequence=read)
     # The run itself checks the pairs.
     source = open_sequence(path, chosen.sequence, without_poses(refined_of(job)), checks=False)
+    first = first_pair(source, with_quality(chosen, "fast"))
     low, high = source.disparity_range or DISPARITY_RANGE
     search = {"min_disparity": low, "max_disparity": high}
-    cell_size = suggested_cell_size(next(iter(source)), updated(chosen, {"matching": search}))
+    cell_size = suggested_cell_size(first, updated(chosen, {"matching": search}))
     # Moving objects and wrong matches are seen only once.
     rules = {"occupancy": ("count", "views")} if len(source) > 1 else {}
     return {
@@ -107,15 +109,15 @@ def _reconstruct(job: Job, work: Work) -> Numbers:
     """Reconstruct a recording and write its run folder."""
     (path,) = job.inputs
     source = part_of(job, open_sequence(path, job.settings.sequence, refined_of(job)))
-    first = next(iter(source))
-    _check_search(first, job.settings)
-    truth = _truth_of(path, first, job.settings) if len(source) == 1 else None
+    truth = _truth_of(path, next(iter(source)), job.settings) if len(source) == 1 else None
     mapper = Mapper(job.settings, stopwatch=work.stopwatch, counts_views=False, part=source.numbers)
     chunked = ChunkedMap(job.settings.map, work, job.arguments.get("chunk"))
     recorder = Recorder(source, job, work)
     with CloudWriter(work.run.path / "cloud.ply") as cloud:
-        for pair, result in match_ahead(source, job.settings, work):
+        for number, (pair, result) in enumerate(match_ahead(source, job.settings, work)):
             num_before = mapper.num_pairs
+            if number == 0:
+                _check_search(pair, job.settings)
             _note(mapper.process(pair, result), cloud, work)
             counts = mapper.num_pairs > num_before
             recorder.take(pair, counts=counts)

@@ -18,6 +18,7 @@ from recon.libraries import silent
 from recon.notices import notify
 from recon.sequences.depth import FULL, Image, Pixels, stretch_of
 from recon.sequences.jpeg import has_all_parts, may_be_cut, probed
+from recon.sequences.recent import recent_image
 from recon.sequences.text import read_bytes
 
 ENDINGS = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".tga", ".webp"}
@@ -60,7 +61,7 @@ def read_image(path: Path, eight_bits: Callable[[Pixels], Image] | None = None) 
 
 def read_pixels(path: Path) -> Pixels:
     """An image as stored, grey or RGB, 8 or 16 bits; see `read_image`."""
-    return decode_pixels(read_bytes(path, MAX_BYTES), str(path))
+    return recent_image(path, lambda: decode_pixels(read_bytes(path, MAX_BYTES), str(path)))
 
 
 def decode(data: bytes, name: str) -> Image:
