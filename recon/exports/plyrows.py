@@ -173,13 +173,14 @@ class _Text:
             words = parsed([line], None)[0]
             at = 0
             for one in element.properties:
-                length = int(words[at]) if one.length_dtype and at < len(words) else 1
+                length = words[at] if one.length_dtype and at < len(words) else 1.0
                 at += bool(one.length_dtype)
-                if length < 0 or at + length > len(words):
+                # Written so that a length that is no number fails.
+                if not 0 <= length <= len(words) - at:
                     raise InputError(f"a row of {element.name} is {line[:60].decode('latin-1')!r}")
-                values = words[at : at + length]
+                values = words[at : at + int(length)]
                 columns[one.name].append(values if one.length_dtype else values[0])
-                at += length
+                at += int(length)
         return _gathered(columns, element)
 
 

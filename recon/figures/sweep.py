@@ -35,7 +35,7 @@ def sweep(runs: Runs, setting: str, metric: str) -> Any:
     values = list(dict.fromkeys(value for found in runs.values() for value, _ in found))
     is_numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     place = {str(v): float(v) if is_numbers else n for n, v in enumerate(values)}
-    shades = colormaps[ORDER](np.linspace(0.0, 0.8, max(len(runs), 1)))
+    shades = colormaps[ORDER](np.linspace(0.0, 0.8, len(runs)))
     for (name, found), shade in zip(runs.items(), shades, strict=True):
         at = np.array([place[str(value)] for value, _ in found])
         numbers = np.array([number for _, number in found])

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -102,6 +103,16 @@ def test_swept_words_are_equally_spaced_and_the_line_shows_their_means():
     assert [label.get_text() for label in axes.get_xticklabels()] == ["fast", "best"]
     _, line = axes.lines
     assert line.get_ydata().tolist() == [1.5, 3.0]
+
+
+def test_sweep_of_which_every_job_failed_is_summarised(tmp_path):
+    report = make_report(tmp_path)
+    failed = [Outcome(name=one.name, state="failed", error="full") for one in report.outcomes]
+    document = write_summary(replace(report, outcomes=tuple(failed)))
+    assert document["num_failed"] == 6
+    assert [row["jobs"] for row in document["sweep"]] == [0, 0, 0]
+    assert (tmp_path / "contact.png").exists()
+    assert (tmp_path / "sweep_seconds.png").exists()
 
 
 def test_unknown_metric_is_rejected_after_the_summary_is_written(tmp_path):

@@ -129,6 +129,8 @@ def test_other_properties_become_attributes_of_their_type(path):
         (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\n3 0 1 9\n", "names vertex 9"),
         (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\n3 0 0 -7\n", "vertex -7"),
         (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\n9 0 0\n", "a row of face"),
+        (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\nnan 0 0\n", "a row of face"),
+        (f"element vertex 1\n{XYZ}element face 1\n{LIST}", "0 0 0\ninf 0 0\n", "a row of face"),
     ],
 )
 def test_invalid_ply_is_rejected_in_one_line(path, head, body, message):
