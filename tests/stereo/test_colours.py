@@ -36,13 +36,14 @@ def textured(colour, shape, contrast=0.25, seed=1):
     return np.array(colour) * (1 + contrast * texture / texture.std())[..., None]
 
 
-def pair_before(background, contrast=0.25, noise=1.0, offset_right=0.0):
-    """Render a red square in front of a background."""
+def pair_before(background, contrast=0.25, noise=1.0, offset_right=0.0, nearer_px=0):
+    """Render a red square in front of a background, its texture nearer than its outline."""
     rng = np.random.default_rng(3)
     left, right = (image.copy() for image in background)
     square = textured(RED, (ROWS.stop - ROWS.start, COLUMNS.stop - COLUMNS.start), contrast)
     left[ROWS, COLUMNS] = square
-    right[ROWS, COLUMNS.start - DISPARITY_PX : COLUMNS.stop - DISPARITY_PX] = square
+    seen_right = np.roll(square, -nearer_px, axis=1)
+    right[ROWS, COLUMNS.start - DISPARITY_PX : COLUMNS.stop - DISPARITY_PX] = seen_right
     left, right = (
         np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8)
         for image in (left, right + offset_right)
@@ -88,6 +89,14 @@ def test_outline_has_the_colour_of_its_surface(background, behind, offset_right)
     pair = pair_before(background(), offset_right=offset_right)
     share = share_behind(coloured(pair, outline_points()), behind)
     assert -0.1 < np.median(share) < 0.1
+    assert np.mean(share > 0.5) < 0.06
+
+
+def test_outline_of_a_round_surface_has_its_colour():
+    """Its two outlines are different lines on it, before which its texture lies."""
+    pair = pair_before(sky(), nearer_px=1)
+    share = share_behind(coloured(pair, outline_points()), BLUE)
+    assert np.median(share) < 0.1
     assert np.mean(share > 0.5) < 0.06
 
 
