@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 _VAGUE_SHARE_SQ = 0.1**2
 """Squared share of a vertical edge's information at which half of the change is applied: an edge
 along the row is uninformative about the disparity, and must not spoil a good match."""
+_LEAST_TRUST = 0.05
+"""Share of the change that is applied below which a disparity counts as whole: an edge that close
+to the row has no disparity of its own, but that of what stands near."""
 _LARGEST_CHANGE_PX = 0.7
 """A larger change means that phase and position disagree; then the position is kept."""
 _LARGEST_NOISE_VARIANCE = 0.32
@@ -184,8 +187,9 @@ def _weigh(
         whole, trust, noise = shifts[_WHOLE, i], shifts[_TRUST, i], shifts[_NOISE, i]
         is_near = trust * abs(whole) <= np.float32(_LARGEST_CHANGE_PX)
         is_known = shifts[_INFORMATION, i] > 0
-        is_whole[i] = not (is_known and is_near and noise <= np.float32(_LARGEST_NOISE_VARIANCE))
-        if is_whole[i]:
+        is_refined = is_known and is_near and noise <= np.float32(_LARGEST_NOISE_VARIANCE)
+        is_whole[i] = not (is_refined and trust >= np.float32(_LEAST_TRUST))
+        if not is_refined:
             variance = whole_floor + np.float32(_WRONG_VARIANCE) * wrong[i]
         else:
             change[i] = trust * whole

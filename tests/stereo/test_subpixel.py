@@ -91,6 +91,22 @@ def test_too_fine_filters_leave_whole_pixels(plane):
     assert (fine.sigma_px > 0.3).all()
 
 
+def test_edge_along_the_row_counts_as_whole():
+    """It has no disparity of its own, but takes that of what stands near."""
+    v, u = np.mgrid[:64, :96].astype(float)
+    along, across = (
+        coarse_and_fine(step, np.roll(step, -4, axis=1))[1]
+        for distance in (v - 32 - 0.06 * (u - 48), u - 48 - 0.06 * (v - 32))
+        for step in [np.rint(130 + 70 * np.clip(distance, -1, 1)).astype(np.uint8)]
+    )
+    inner = (np.abs(along.points_px[:, 0] - 48) < 30) & (np.abs(along.points_px[:, 1] - 32) < 6)
+    assert inner.any()
+    assert along.is_whole[inner].mean() > 0.9
+    beside = np.abs(across.points_px[:, 0] - 48) < 6
+    assert beside.any()
+    assert not across.is_whole[beside].any()
+
+
 def test_refined_matches_are_left_unchanged(plane, plane_features):
     coarse = matching.match(*plane_features, MatchingSettings(max_disparity=16))
     done = dataclasses.replace(coarse, sigma_px=np.full(len(coarse), 0.2))
