@@ -231,7 +231,7 @@ def _matches(word: str, folder: Path) -> list[Path]:
     try:
         found = sorted(one for one in root.glob(pattern) if not one.name.startswith("."))
     except ValueError as error:
-        raise InputError(f"{word} is no pattern: {error}") from error
+        raise InputError(f"{word} is not a pattern: {error}") from error
     if not found:
         raise InputError(f"{word} matches no file or folder in {folder.resolve()}")
     return found

@@ -175,7 +175,7 @@ class _Text:
             for one in element.properties:
                 length = words[at] if one.length_dtype and at < len(words) else 1.0
                 at += bool(one.length_dtype)
-                # Written so that a length that is no number fails.
+                # Written so that a length that is not a number fails.
                 if not 0 <= length <= len(words) - at:
                     raise InputError(f"a row of {element.name} is {line[:60].decode('latin-1')!r}")
                 values = words[at : at + int(length)]

@@ -136,7 +136,7 @@ def test_jobs_survive_pickling(tmp_path):
         (JOB.replace('"a"', "3"), "job 1: name is 3"),
         (JOB + "[sweep]\nmap.cell_size = 1\n", "sweep of map.cell_size is 1, but a list"),
         (JOB.replace("village", "no/*.scene"), "matches no file or folder"),
-        (JOB.replace("village", "a**b"), "a[*]+b is no pattern: "),
+        (JOB.replace("village", "a**b"), "a[*]+b is not a pattern: "),
         (JOB.replace("village", ""), "input is '', but a path or a list"),
         (JOB + "[sweep]\n" + HUGE, "jobs.toml has more than 100000 jobs; split it"),
         ("jobs = 1\n", "'jobs' is unknown"),
