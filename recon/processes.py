@@ -59,6 +59,9 @@ def end(code: int) -> NoReturn:
     What is registered for its end is done. If its output cannot be written, it ends as usual, which
     says so.
     """
+    # In the order of Python's own end: without its threads, a pool cannot tell its workers to end,
+    # for which the functions registered next wait.
+    threading._shutdown()  # type: ignore[attr-defined]
     atexit._run_exitfuncs()
     try:
         for stream in (sys.stdout, sys.stderr):

@@ -27,7 +27,7 @@ class Pipes:
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Forward the workers' messages inside the block."""
+        """Forward the workers' messages inside the block; jobs that run after it are cancelled."""
         thread = threading.Thread(target=self._listen, daemon=True)
         thread.start()
         try:
@@ -35,6 +35,8 @@ class Pipes:
         finally:
             self._is_over.set()
             thread.join()
+            for end in self._ends:
+                end.close()
 
     def _listen(self) -> None:
         while not self._is_over.wait(0.0 if self._pass_on() else INTERVAL_S):
@@ -59,10 +61,12 @@ def set_up_worker(num_threads: int, end: Connection) -> None:
     begin_worker(num_threads)
 
     def tell(name: str, done: int, total: int) -> None:
-        # The listener may be gone; the job continues.
         try:
             end.send((name, done, total))
-        except OSError:
-            report_progress_to(None)
+        except OSError as error:
+            # The batch was interrupted, of which this process may have had no signal.
+            from recon.runs.events import Cancelled
+
+            raise Cancelled from error
 
     report_progress_to(tell)

@@ -21,6 +21,7 @@ from recon.batch.worker import Outcome, do
 from recon.cli import main
 from recon.errors import InputError
 from recon.files import check_memory, may_read, memory_limit, outside_allowed
+from recon.manifest import read_manifest
 
 JOBS = """
 [[job]]
@@ -189,6 +190,29 @@ def test_worker_does_not_outlive_the_batch(tmp_path, way):
         parent.kill()
         # The pipe closes when the last process that holds it has ended.
         assert parent.stdout.read() == b""
+
+
+WALK = '[[job]]\nname = "walk"\ncommand = "explore"\ninput = "village"\n'
+SLOWEST_S = 120
+
+
+def test_batch_that_is_told_to_end_interrupts_its_jobs(tmp_path):
+    (tmp_path / "jobs.toml").write_text(WALK)
+    out = tmp_path / "out"
+    script = "from recon.cli.main import entry; entry()"
+    argv = ["batch", str(tmp_path / "jobs.toml"), "-j", "1", "-q", "-o", str(out)]
+    with subprocess.Popen(
+        [sys.executable, "-c", script, *argv], cwd=Path(__file__).parents[2]
+    ) as process:
+        try:
+            give_up = time.monotonic() + SLOWEST_S
+            while not list(out.glob("walk/partial/*")) and time.monotonic() < give_up:
+                time.sleep(0.02)
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(SLOWEST_S) == 130
+        finally:
+            process.kill()
+    assert read_manifest(out / "walk")["state"] == "interrupted"
 
 
 def report_progress(name, num):
