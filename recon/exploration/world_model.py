@@ -159,8 +159,9 @@ class WorldModel:
         centres = np.array([one.centre for one in self.detections]).reshape(-1, 2)
         mapped = self._is_mapped(centres, np.array([one.sigma for one in self.detections]))
         unmapped = tuple(itertools.compress(self.detections, ~mapped))
-        self.detections = tuple(one for one in unmapped if not one.is_refuted(self.floor))
-        self.refuted.extend(one for one in unmapped if one.is_refuted(self.floor))
+        is_refuted = np.array([one.is_refuted(self.floor) for one in unmapped], dtype=bool)
+        self.detections = tuple(itertools.compress(unmapped, ~is_refuted))
+        self.refuted.extend(itertools.compress(unmapped, is_refuted))
 
     def _is_mapped(self, points_xz: Array, sigma: Array) -> Mask:
         """Mask (N,) of the points that belong, within their errors, to a mapped obstacle."""

@@ -45,7 +45,7 @@ T = TypeVar("T", Start, Resection)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """How images of the run are found by the landmarks of the others."""
+    """Result of locating images of the run by the landmarks of the others."""
 
     trust: float
     """Log odds that they are found where they were taken."""

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from recon.geometry import Array, invert, pose
+from recon.geometry import Array, invert
 from recon.localisation.landmarks import MIN_COSINE, NUM_NEIGHBOURS, SIGMA_PX, Landmarks
 from recon.localisation.registration import inverse, moved
 from recon.localisation.sights import Sight, matched
+from recon.sequences.odometry.consensus import consensus
 
 START_PX, MIN_START = 2.0, 6
 """Greatest error, and least number, of the landmarks of one image that agree on a pose."""
@@ -100,18 +100,16 @@ def started(query: Sight, start: Landmarks) -> Start | None:
     own, there = matched(query.rooted, start.rooted)
     if len(own) < MIN_START:
         return None
-    try:
-        is_found, turn, step, inliers = cv2.solvePnPRansac(
-            start.points[there], query.points_px[own], query.K, None,
-            iterationsCount=300, reprojectionError=START_PX, confidence=0.999,
-            flags=cv2.SOLVEPNP_SQPNP,
-        )  # fmt: skip
-    except cv2.error:  # points that nearly coincide
+    found = consensus(
+        start.points[there], query.points_px[own], query.K,
+        reach_px=START_PX, num_draws=300, confidence=0.999, least=MIN_START,
+    )  # fmt: skip
+    if found is None:
         return None
-    if not is_found or inliers is None or len(inliers) < MIN_START:
-        return None
-    T_world_camera = invert(pose(cv2.Rodrigues(turn)[0], step.ravel()))
-    return Start(T_world_camera=T_world_camera, num_agreeing=len(inliers), depth=start.depth)
+    T_camera_world, inliers = found
+    return Start(
+        T_world_camera=invert(T_camera_world), num_agreeing=len(inliers), depth=start.depth
+    )
 
 
 def _linked(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ between neighbouring pairs."""
 Rows = NDArray[np.intp]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sight:
     """The features of one image."""
 
@@ -66,7 +67,7 @@ class Sight:
         directions: Array = rays / np.linalg.norm(rays, axis=1, keepdims=True)
         return directions
 
-    @property
+    @cached_property
     def summary(self) -> Array:
         """(W,) similar for images that look similar."""
         return summary_of(self.descriptors)

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from recon.camera import StereoRig
 from recon.geometry import pose, transform
+from recon.sequences.odometry.consensus import consensus
 from recon.sequences.odometry.tracking import MIN_SHIFT_PX, Tracks
 
 Array = NDArray[np.float64]
@@ -106,22 +106,12 @@ def agreeing_tracks(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.b
 
 def _ransac(tracks: Tracks, rig: StereoRig) -> tuple[Array, NDArray[np.int32]] | None:
     """A motion (4, 4) and the indices of the tracks that agree on it."""
-    try:
-        found, turn, step, inliers = cv2.solvePnPRansac(
-            rig.triangulate(tracks.first.points_px, tracks.first.disparity_px),
-            tracks.second.points_px,
-            rig.K_left,
-            None,
-            iterationsCount=200,
-            reprojectionError=RANSAC_PX,
-            confidence=0.9999,
-            flags=cv2.SOLVEPNP_SQPNP,
-        )
-    except cv2.error:  # points that nearly coincide
-        return None
-    if not found or inliers is None or len(inliers) < MIN_TRACKS:
-        return None
-    return pose(cv2.Rodrigues(turn)[0], step.ravel()), inliers.ravel()
+    return consensus(
+        rig.triangulate(tracks.first.points_px, tracks.first.disparity_px),
+        tracks.second.points_px,
+        rig.K_left,
+        reach_px=RANSAC_PX, num_draws=200, confidence=0.9999, least=MIN_TRACKS,
+    )  # fmt: skip
 
 
 def are_near(tracks: Tracks, rig: StereoRig) -> NDArray[np.bool_]:
