@@ -102,6 +102,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return min(begun, key=len) if begun else difflib.get_close_matches(name, names, 1, 0.0)[0]
 
 
+def one_line(error: BaseException) -> str:
+    """The text of an error, cut to one line of moderate length; its type if it has none."""
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
+
 def unknown(said: str, name: str, known: Iterable[str]) -> str:
     """The message about an unknown `name`, which `said` introduces."""
     return f"{said} is unknown; the nearest known name is {nearest(name, known)}"

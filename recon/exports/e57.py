@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
 from recon.files import check_memory
@@ -40,7 +40,7 @@ def read(path: Path) -> Columns:
         raise
     # The library's C++ part raises errors without a common base class.
     except Exception as error:
-        raise InputError(f"not a whole E57 file ({_one_line(error)})") from error
+        raise InputError(f"not a whole E57 file ({one_line(error)})") from error
     if not scans:
         raise InputError("it holds no scan")
     return _joined(scans)
@@ -93,10 +93,6 @@ def _joined(scans: list[Columns]) -> Columns:
         for name in names
         if name not in colourless
     }
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 FORMAT: Format = table(read, None, up="z")

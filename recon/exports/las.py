@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
 from recon.exports.lasheader import check_header
@@ -102,17 +102,13 @@ def read(path: Path) -> tuple[Columns, Crs | None]:
         with silent():
             file = laspy.read(str(path))
     except Exception as error:
-        raise InputError(f"not a whole LAS file ({_one_line(error)})") from error
+        raise InputError(f"not a whole LAS file ({one_line(error)})") from error
     except BaseException as error:
         # A panic of the Rust part is not an Exception.
         if type(error).__name__ != "PanicException":
             raise
         raise InputError("not a whole LAZ file (its points cannot be unpacked)") from error
     return _columns(file), _crs(file)
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _columns(file: Any) -> Columns:

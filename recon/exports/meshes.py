@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.columns import measured
 from recon.exports.format import Format
 from recon.exports.numbers import drop_columns
@@ -156,8 +156,8 @@ def _vertex_colours(part: Any) -> NDArray[np.uint8] | None:
 
 def _reason(error: BaseException) -> str:
     """The text of an intended error; others concern trimesh's internals."""
-    words = " ".join(str(error).split())[:200]
-    return words if words and isinstance(error, ValueError) else "its parts do not fit together"
+    is_said = isinstance(error, ValueError) and bool(str(error).strip())
+    return one_line(error) if is_said else "its parts do not fit together"
 
 
 def write_mesh(path: Path, mesh: Mesh) -> None:

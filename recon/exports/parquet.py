@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
 from recon.exports.numbers import leave_out
@@ -55,7 +55,7 @@ def read(path: Path) -> Columns:
             check_size(source, path)
             found = source.read()
     except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
-        raise InputError(f"not a whole Parquet file ({_one_line(error)})") from error
+        raise InputError(f"not a whole Parquet file ({one_line(error)})") from error
     kept = [name for name in found.column_names if _is_number(arrow, found.schema.field(name))]
     leave_out([name for name in found.column_names if name not in kept], path)
     return {name: _values(arrow, found.column(name)) for name in kept}
@@ -81,10 +81,6 @@ def _values(arrow: Any, column: Any) -> NDArray[Any]:
         column = column.cast(arrow.float64())
     values: NDArray[Any] = column.to_numpy()
     return values
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 FORMAT: Format = table(read, write, write_parts=write_parts)

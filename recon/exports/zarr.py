@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.arrays import columns_in
 from recon.exports.columns import Columns
 from recon.exports.format import Format, table
@@ -84,7 +84,7 @@ def read(path: Path) -> Columns:
         raise
     # Zarr raises errors without a common base class for damaged folders.
     except Exception as error:
-        raise InputError(f"not a whole Zarr group ({_one_line(error)})") from error
+        raise InputError(f"not a whole Zarr group ({one_line(error)})") from error
 
 
 def _num_bytes(array: Any) -> float:
@@ -100,10 +100,6 @@ def _values(array: Any) -> NDArray[Any]:
         )
     values: NDArray[Any] = np.asarray(array[:])
     return values
-
-
-def _one_line(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 FORMAT: Format = table(read, write)

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.files.atomic import PathLike
 from recon.files.limits import check_regular
 
@@ -120,6 +120,4 @@ def _check_events(text: str, path: PathLike) -> None:
 
 
 def _reason(error: Exception) -> str:
-    if isinstance(error, RecursionError):
-        return "nested too deeply"
-    return " ".join(str(error).split())[:200]
+    return "nested too deeply" if isinstance(error, RecursionError) else one_line(error)

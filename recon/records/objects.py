@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.records.solids import Solid, from_parameters, parameters
 
 UNKNOWN = "unknown"
@@ -200,7 +200,7 @@ def from_json(document: dict[str, Any]) -> tuple[FoundObject, ...]:
     except KeyError as error:
         raise InputError(f"objects.json lacks {error}, but every object needs it") from error
     except (TypeError, ValueError, AttributeError, IndexError) as error:
-        raise InputError(f"objects.json is damaged ({' '.join(str(error).split())})") from error
+        raise InputError(f"objects.json is damaged ({one_line(error)})") from error
 
 
 def _object_from_json(found: dict[str, Any]) -> FoundObject:

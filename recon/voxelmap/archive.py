@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError, check_number
+from recon.errors import InputError, check_number, one_line
 from recon.files import atomic_path, check_memory
 from recon.records.clouds import GREY
 from recon.voxelmap import hits
@@ -92,7 +92,7 @@ def load(path: str | os.PathLike[str]) -> Content:
     try:
         return _content(columns)
     except (KeyError, ValueError, TypeError) as error:
-        raise InputError(f"{path}: not a voxel map ({_one_line(error)})") from error
+        raise InputError(f"{path}: not a voxel map ({one_line(error)})") from error
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
@@ -130,7 +130,7 @@ def read_array(path: str | os.PathLike[str]) -> NDArray[Any]:
 def _not_whole(path: str | os.PathLike[str], error: Exception) -> InputError:
     if isinstance(error, InputError) and str(path) in str(error):
         return error
-    return InputError(f"{path}: not a whole npz archive or npy file ({_one_line(error)})")
+    return InputError(f"{path}: not a whole npz archive or npy file ({one_line(error)})")
 
 
 def _read_entry(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
@@ -223,7 +223,3 @@ def rows_of(columns: Columns) -> Rows:
     rows["colour"] = colour.T
     hits.check_sums(rows)
     return rows
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__

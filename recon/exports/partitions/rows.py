@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError
+from recon.errors import InputError, one_line
 from recon.exports.parquet import check_size
 from recon.libraries import load_extra
 from recon.voxelmap import hits
@@ -69,7 +69,7 @@ def from_parquet(content: bytes, names: tuple[str, ...], *, keeps_views: bool) -
         table = source.read(columns=wanted, use_threads=False).combine_chunks()
         cells = _cells(table, names, keeps_views)
     except (arrow.ArrowException, OSError, ValueError, OverflowError, MemoryError) as error:
-        raise InputError(f"not a whole partition ({' '.join(str(error).split())[:200]})") from error
+        raise InputError(f"not a whole partition ({one_line(error)})") from error
     _check(cells)
     return cells
 
