@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import RGB, XYZ, Columns
+from recon.exports.columns import NORMAL, RGB, XYZ, Columns
 from recon.exports.text import names_by_kind
 
 log = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ def columns_in(arrays: Mapping[str, NDArray[Any]]) -> Columns:
     dropped = []
     for name, values in arrays.items():
         is_colour = name.lower() in _COLOURS
-        names = named.get(name) or (RGB if is_colour else ("nx", "ny", "nz"))
+        names = named.get(name) or (RGB if is_colour else NORMAL)
         if (is_colour or name.lower() in _NORMALS) and np.shape(values)[:1] != (num,):
             raise InputError(
                 f"{name} has shape {values.shape}, but one row for each of {num} points is needed"

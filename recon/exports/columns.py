@@ -16,6 +16,7 @@ Columns = dict[str, NDArray[Any]]
 
 XYZ = ("x", "y", "z")
 RGB = ("red", "green", "blue")
+NORMAL = ("nx", "ny", "nz")
 INDEX = ("index_x", "index_y", "index_z")
 
 MAX_COORDINATE = 1e15

@@ -10,7 +10,7 @@ from recon.exports.columns import RGB, XYZ, Columns
 from recon.exports.format import Format, table
 from recon.exports.lasheader import check_header
 from recon.exports.names import spelled
-from recon.exports.numbers import held_columns
+from recon.exports.numbers import REAL, held_columns
 from recon.files import atomic_path
 from recon.libraries import load_extra, silent
 from recon.records import Crs
@@ -22,7 +22,6 @@ _MAX_STEPS = 2**31 - 1
 # 8 bits as 16: 255 becomes 65535.
 _COLOUR_FACTOR = 257
 
-_HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
 _MAX_NAME_BYTES = 32
 
 # Suffix of a column whose name is a LAS dimension, but whose values do not fit it.
@@ -38,7 +37,7 @@ def write(path: Path, columns: Columns, crs: Crs | None) -> None:
     laspy = load_extra("laspy", "las")
     own = XYZ + RGB if set(RGB) <= columns.keys() else XYZ
     extra = {name: v for name, v in columns.items() if name not in own}
-    kept = spelled(held_columns(extra, _HELD, path), _dimension_name, path)
+    kept = spelled(held_columns(extra, REAL, path), _dimension_name, path)
     header, names = _header(laspy, columns, kept, crs)
     file = laspy.LasData(header)
     for name in XYZ:

@@ -16,6 +16,9 @@ _NOT_A_NUMBER = re.compile(rb"[-+]?(?:nan\([a-z0-9]*\)|1\.#(?:qnan|snan|ind)\d*)
 _INFINITE = re.compile(rb"1\.#inf\d*", re.IGNORECASE)
 _SHOWN = 40
 
+REAL = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
+"""The types of a format that can hold every real number of up to 8 bytes, as numpy codes."""
+
 
 def parsed(
     lines: Sequence[bytes], num_columns: int | None, separator: str | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import RGB, Columns, cloud_in, columns_of
+from recon.exports.columns import NORMAL, RGB, XYZ, Columns, cloud_in, columns_of
 from recon.exports.format import Format, table
 from recon.exports.names import as_words
 from recon.exports.numbers import held_columns
@@ -22,8 +22,8 @@ from recon.files import atomic_path, check_memory
 from recon.records import Mesh, MeshPart, PointCloud
 
 RUN_CLOUD = np.dtype(
-    [(name, "<f8") for name in "xyz"]
-    + [(name, "u1") for name in ("red", "green", "blue")]
+    [(name, "<f8") for name in XYZ]
+    + [(name, "u1") for name in RGB]
     + [("sigma", "<f8"), ("pair", "<i4")]
 )
 """Type of a vertex of the run folder's `cloud.ply`."""
@@ -142,9 +142,9 @@ def write_mesh_parts(path: Path, parts: Iterable[MeshPart], num: tuple[int, int]
 
 
 def _columns_of(mesh: Mesh | MeshPart) -> Columns:
-    columns: Columns = dict(zip("xyz", mesh.vertices.T, strict=True))
+    columns: Columns = dict(zip(XYZ, mesh.vertices.T, strict=True))
     if mesh.normals is not None:
-        columns |= zip(("nx", "ny", "nz"), mesh.normals.T, strict=True)
+        columns |= zip(NORMAL, mesh.normals.T, strict=True)
     if mesh.colours is not None:
         columns |= zip(RGB, mesh.colours.T, strict=True)
     return columns

@@ -11,21 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import XYZ, Columns
+from recon.exports.columns import NORMAL, RGB, XYZ, Columns
 from recon.exports.elevation import grid_points, is_grid
 from recon.exports.format import Format, table
 from recon.exports.headings import heading
 from recon.exports.names import as_words
-from recon.exports.numbers import drop_columns, held_columns, leave_out, parsed
+from recon.exports.numbers import REAL, drop_columns, held_columns, leave_out, parsed
 from recon.files import atomic_path, check_memory
 
 _COMMENTS = (b"#", b"//", b"%", b"!", b";", b"sep=")
 """Beginnings of comments, and the first line of spreadsheets, which states the separator."""
 _SEPARATORS = (";", ",", "\t")
 _SKIPPED = "_"
-_HELD = frozenset({"u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"})
-_RGB = ("red", "green", "blue")
-_NORMAL = ("nx", "ny", "nz")
 _CHUNK_ROWS = 1 << 16
 
 _HEADER_LINES = 20
@@ -184,8 +181,8 @@ def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:
     is_unit = ((np.abs(lengths - 1.0) < 0.01) | (lengths == 0.0)).all() and lengths.any()
     is_levels = bool((triple >= 0.0).all() and (triple <= 65535.0).all())
     is_levels &= bool((triple <= 1.0).all() or (triple == np.floor(triple)).all())
-    kinds = [_NORMAL] if is_unit and not (triple == np.floor(triple)).all() else []
-    return [*kinds, *([_RGB] if is_levels else []), *([_NORMAL] if is_unit else [])]
+    kinds = [NORMAL] if is_unit and not (triple == np.floor(triple)).all() else []
+    return [*kinds, *([RGB] if is_levels else []), *([NORMAL] if is_unit else [])]
 
 
 def _typed(values: NDArray[np.float64], name: str, rows: Sequence[bytes]) -> NDArray[Any]:
@@ -208,7 +205,7 @@ def write_parts(path: Path, parts: Iterator[Columns], num: int) -> None:
     mark = "," if path.suffix.lower() == ".csv" else " "
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         for number, columns in enumerate(parts):
-            held = held_columns(as_words(columns, path), _HELD, path)
+            held = held_columns(as_words(columns, path), REAL, path)
             if number == 0:
                 file.write(("" if mark == "," else "# ") + mark.join(held) + "\n")
             _write_rows(file, held, mark)
@@ -219,7 +216,7 @@ def write_pts(path: Path, columns: Columns) -> None:
     num = len(columns["x"])
     kept: Columns = {name: columns[name] for name in XYZ}
     kept["intensity"] = columns.get("intensity", np.zeros(num, np.int32))
-    kept |= {name: columns[name] for name in _RGB if name in columns}
+    kept |= {name: columns[name] for name in RGB if name in columns}
     drop_columns([name for name in columns if name not in kept], path)
     with atomic_path(path) as temporary, temporary.open("w", encoding="utf-8") as file:
         file.write(f"{num}\n")

@@ -7,14 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError
-from recon.exports.columns import cloud_in
+from recon.exports.columns import NORMAL, cloud_in
 from recon.exports.numbers import drop_columns
 from recon.records import Mesh, PointCloud
 
 Faces = NDArray[Any] | Sequence[NDArray[Any]]
 """Vertex indices: (F, K), or one array per face."""
-
-_NORMAL = ("nx", "ny", "nz")
 
 
 def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
@@ -30,13 +28,13 @@ def mesh_of(columns: Mapping[str, NDArray[Any]], faces: Faces) -> Mesh:
     triangles = fans(faces)
     if not len(triangles):
         raise InputError("it holds no faces, but a mesh is needed")
-    normals = [cloud.attributes[name] for name in _NORMAL if name in cloud.attributes]
+    normals = [cloud.attributes[name] for name in NORMAL if name in cloud.attributes]
     return Mesh(
         vertices=cloud.points,
         triangles=triangles,
         colours=cloud.colours,
         normals=np.column_stack(normals).astype(float) if len(normals) == 3 else None,
-        attributes={n: values for n, values in cloud.attributes.items() if n not in _NORMAL},
+        attributes={n: values for n, values in cloud.attributes.items() if n not in NORMAL},
     )
 
 
@@ -92,7 +90,7 @@ def sampled(mesh: Mesh, num: int, rng: np.random.Generator) -> PointCloud:
 
     attributes = {}
     if mesh.normals is not None:
-        attributes = dict(zip(_NORMAL, between(mesh.normals).T, strict=True))
+        attributes = dict(zip(NORMAL, between(mesh.normals).T, strict=True))
     return PointCloud(
         points=between(mesh.vertices),
         colours=None if mesh.colours is None else np.rint(between(mesh.colours)).astype(np.uint8),

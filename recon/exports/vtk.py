@@ -8,7 +8,7 @@ import numpy as np
 
 from recon.errors import InputError
 from recon.exports.arrays import columns_in
-from recon.exports.columns import RGB, Columns, from_columns
+from recon.exports.columns import RGB, XYZ, Columns, from_columns
 from recon.exports.format import Format, table
 from recon.exports.vtkheader import check_claims
 from recon.libraries import load_pyvista, silent
@@ -68,7 +68,7 @@ def _name(name: str, values: Any) -> str:
 
 def _with_value(columns: Columns, path: Path) -> Columns:
     """The rows with a value that is neither 0 nor NaN; all if there are no values."""
-    values = [v for name, v in columns.items() if name not in ("x", "y", "z", *RGB)]
+    values = [v for name, v in columns.items() if name not in (*XYZ, *RGB)]
     if not values:
         return columns
     is_kept = np.any([np.nan_to_num(v) != 0 for v in values], axis=0)
