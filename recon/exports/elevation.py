@@ -47,7 +47,7 @@ def grid_points(content: bytes) -> Columns:
 
 def _entry(line: bytes) -> tuple[bytes, float]:
     words = line.split()
-    if len(words) != len(("key", "value")):
+    if len(words) != 2:
         raise InputError(f"{line[:40]!r} is not a name and a number")
     return words[0].lower(), float(parsed(words[1:], 1)[0, 0])
 

@@ -39,9 +39,10 @@ class Format:
     """Writes points or cells in chunks, given their total number; None if it needs all at once."""
 
 
-MeshParts = tuple[
+MeshAccess = tuple[
     Callable[[Path], Mesh], Callable[[Path, Mesh], None] | None, Callable[[Path], bool]
 ]
+"""Reads triangles, writes them, and tells if a file has some."""
 
 
 def table(
@@ -51,7 +52,7 @@ def table(
     up: Up = "y",
     options: frozenset[str] = frozenset(),
     keeps_crs: bool = False,
-    mesh: MeshParts | tuple[None, None, Any] = (None, None, lambda _: False),
+    mesh: MeshAccess | tuple[None, None, Any] = (None, None, lambda _: False),
     write_parts: Callable[[Path, Iterator[Columns], int], None] | None = None,
 ) -> Format:
     """A format of named columns.

@@ -11,7 +11,7 @@ from recon.errors import InputError
 from recon.exports.lazchunks import Packing, check_chunks, read_packing
 from recon.files import check_memory
 
-_MIN_HEADER_BYTES = 227
+_MIN_HEADER_BYTES, _MAX_HEADER_BYTES = 227, 375
 _RECORD_BYTES, _EXTENDED_BYTES = 54, 60
 
 _LASZIP = b"laszip encoded", 22204
@@ -46,7 +46,7 @@ def check_header(path: Path) -> Header:
     """
     size = path.stat().st_size
     with path.open("rb") as file:
-        head = file.read(375)
+        head = file.read(_MAX_HEADER_BYTES)
         try:
             found = _parsed(head)
             _check_scales(head)

@@ -16,10 +16,20 @@ from recon.files import atomic_path, check_memory, check_regular
 from recon.files.documents import read_yaml
 from recon.records import GroundGrid, Voxels
 from recon.voxelmap import VoxelMap
-from recon.voxelmap.ground import FREE, OCCUPIED, UNKNOWN, navigation
+from recon.voxelmap.ground import BAND, FREE, OCCUPIED, UNKNOWN, navigation
 from recon.voxelmap.rays import Sightings
 
 _GREYS = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
+_NONE = Sightings(
+    index=np.zeros((0, 3), np.int64), hits=np.zeros(0, np.int64), passes=np.zeros(0, np.int64)
+)
+
+_ROUNDING = 1e-6
+"""Of a pixel: centres on a border belong to one."""
+_MAX_SIZE = 1e9
+"""Of a pixel, world units; its inverse is the smallest."""
+_MAX_PIXELS = 1 << 31
+"""Distance of the origin."""
 
 
 def write(path: Path, data: Voxels | VoxelMap) -> None:
@@ -39,11 +49,6 @@ def write(path: Path, data: Voxels | VoxelMap) -> None:
     _write_image(path.with_suffix(".pgm"), floor)
     is_image = path.suffix.lower() == ".pgm"
     _write_description(path.with_suffix(".yaml") if is_image else path, floor)
-
-
-_NONE = Sightings(
-    index=np.zeros((0, 3), np.int64), hits=np.zeros(0, np.int64), passes=np.zeros(0, np.int64)
-)
 
 
 def _write_image(path: Path, floor: GroundGrid) -> None:
@@ -98,7 +103,7 @@ def read(path: Path) -> Voxels:
     shares = (greys if description["negate"] else 255 - greys.astype(np.int64)) / 255.0
     size = description["resolution"]
     cells = _floor_cells(shares > description["occupied_thresh"], description["origin"], size)
-    height = math.ceil(_LOWEST / size - 0.5)
+    height = math.ceil(BAND[0] / size - 0.5)
     index = np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]])
     centres = (index + 0.5) * size
     return Voxels(
@@ -139,15 +144,6 @@ def _floor_cells(
     across, up = pixel[found].T
     chosen: NDArray[np.int64] = cells[found[is_occupied[num_rows - 1 - up, across]]]
     return chosen
-
-
-_LOWEST = 0.5
-"""Minimum height of an obstacle, as in `navigation`."""
-_ROUNDING = 1e-6
-_MAX_SIZE = 1e9
-"""Of a pixel, world units; its inverse is the smallest."""
-_MAX_PIXELS = 1 << 31
-"""Distance of the origin."""
 
 
 def _description_of(image_path: Path) -> Path:

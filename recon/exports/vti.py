@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, ReconError
-from recon.exports import vtk
 from recon.exports.format import Format
-from recon.exports.vtk import read_dataset
+from recon.exports.vtk import read_dataset, read_points
 from recon.files import atomic_path
 from recon.libraries import load_pyvista, silent
 from recon.records import PointCloud, Voxels
@@ -94,7 +93,7 @@ def read(path: Path) -> PointCloud | Voxels:
     _check_whole(path)
     image = read_dataset(path)
     if not {"counts", "means"} <= set(image.cell_data.keys()):
-        return vtk.read_points(path)
+        return read_points(path)
     _check_cells(image)
     return of_image(image)
 

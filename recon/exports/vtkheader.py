@@ -28,9 +28,8 @@ _HEAD_WORDS = 3
 
 def check_claims(content: bytes, path: Path) -> None:
     """Raise `InputError` if a file is not a VTK file, or claims more than it can hold."""
-    size = len(content)
     if content.startswith(b"# vtk DataFile"):
-        _check_legacy(content, size)
+        _check_legacy(content)
     elif b"<VTKFile" not in content[:1000]:
         raise InputError("not a VTK file")
     elif not content.rstrip().endswith(b"</VTKFile>"):
@@ -43,10 +42,10 @@ def check_claims(content: bytes, path: Path) -> None:
         check_memory(path, _COPIES * 12.0 * float(match[1]))
 
 
-def _check_legacy(content: bytes, size: int) -> None:
+def _check_legacy(content: bytes) -> None:
     claims = [int(match[2]) for match in _LEGACY.finditer(content)]
-    if any(count > size for count in claims):
-        raise InputError(f"{max(claims)} are claimed, but the file has {size} bytes")
+    if max(claims, default=0) > len(content):
+        raise InputError(f"{max(claims)} are claimed, but the file has {len(content)} bytes")
 
 
 def _check_arrays(content: bytes, path: Path) -> None:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 UNKNOWN, FREE, OCCUPIED = -1, 0, 1
 """States of a floor cell."""
 
+BAND = (0.5, 6.0)
+"""Lowest and highest obstacle of a robot of the thesis's worlds, world units."""
+
 MAX_CELLS = 1 << 28
 """Maximum number of floor cells: a single far outlier must not exhaust the memory."""
 
@@ -28,7 +31,7 @@ def height_sum(voxels: Voxels) -> GroundGrid:
 
 
 def navigation(
-    voxels: Voxels, sightings: "Sightings", band: tuple[float, float] = (0.5, 6.0)
+    voxels: Voxels, sightings: "Sightings", band: tuple[float, float] = BAND
 ) -> GroundGrid:
     """Free, occupied and unknown floor cells (NX, NZ) int8: FREE, OCCUPIED or UNKNOWN.
 

@@ -10,11 +10,11 @@ from recon.records import Voxels
 
 def to_open3d(voxels: Voxels) -> Any:
     """An open3d.geometry.PointCloud: one point per cell, at the mean of its points."""
-    geometry = load_open3d()
-    cloud = geometry.geometry.PointCloud()
-    cloud.points = geometry.utility.Vector3dVector(voxels.means)
+    o3d = load_open3d()
+    cloud = o3d.geometry.PointCloud()
+    cloud.points = o3d.utility.Vector3dVector(voxels.means)
     if voxels.colours is not None:
-        cloud.colors = geometry.utility.Vector3dVector(voxels.colours / 255.0)
+        cloud.colors = o3d.utility.Vector3dVector(voxels.colours / 255.0)
     return cloud
 
 
