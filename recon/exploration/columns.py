@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.exploration.floor import Array, Floor, Mask
-from recon.records import Voxels
+from recon.records import Voxels, cell_centres
 from recon.settings import MapSettings
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.occupancy import RULES, occupied
@@ -51,7 +51,7 @@ class Columns:
         chosen = np.append(cells.ravel(), False)
 
         def is_over(index: NDArray[np.integer]) -> Mask:
-            centres: Array = (index.astype(np.float64) + 0.5) * self.floor.cell_size
+            centres = cell_centres(index, self.floor.cell_size)
             standing: Mask = centres[:, 1] >= self.ground
             standing[standing] = chosen[self._below(centres[standing])]
             return standing

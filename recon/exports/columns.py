@@ -10,7 +10,7 @@ from recon.errors import InputError
 from recon.exports.colours import colour_names, colours_of
 from recon.exports.numbers import leave_out
 from recon.notices import notify
-from recon.records import Crs, PointCloud, Voxels
+from recon.records import Crs, PointCloud, Voxels, cell_centres
 
 Columns = dict[str, NDArray[Any]]
 
@@ -134,7 +134,7 @@ def _as_voxels(columns: Mapping[str, NDArray[Any]]) -> Voxels:
     colours = colour_names(columns)
     return Voxels(
         index=index,
-        centres=(index.astype(np.float64) + 0.5) * cell_size,
+        centres=cell_centres(index, cell_size),
         means=means,
         counts=columns["count"].astype(np.int64),
         colours=colours_of(columns, colours) if colours else None,

@@ -105,11 +105,7 @@ def read(path: Path) -> Voxels:
     cells = _floor_cells(shares > description["occupied_thresh"], description["origin"], size)
     height = math.ceil(BAND[0] / size - 0.5)
     index = np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]])
-    centres = (index + 0.5) * size
-    return Voxels(
-        index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
-        cell_size=size,
-    )  # fmt: skip
+    return Voxels.occupied(index, size)
 
 
 def _floor_cells(

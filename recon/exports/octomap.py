@@ -13,7 +13,7 @@ from recon.exports.octomapfile import Header, check_whole
 from recon.exports.turning import R_YUP_ZUP, R_ZUP_YUP, turned_index
 from recon.files import atomic_path, check_memory
 from recon.libraries import load_extra, silent
-from recon.records import Voxels
+from recon.records import Voxels, cell_centres
 from recon.voxelmap import VoxelMap
 from recon.voxelmap.rays import log_odds
 from recon.voxelmap.table import order_of
@@ -77,8 +77,7 @@ def _centres(index: NDArray[np.int64], voxels: Voxels) -> NDArray[np.float64]:
             f"a cell is {np.abs(turned).max()} cells from the origin, but OctoMap's trees reach "
             f"{_REACH}; give a box"
         )
-    centres: NDArray[np.float64] = (turned.astype(np.float64) + 0.5) * voxels.cell_size
-    return centres
+    return cell_centres(turned, voxels.cell_size)
 
 
 def read(path: Path) -> Voxels:
@@ -126,12 +125,7 @@ def _occupied_leaves(octomap: Any, path: Path, header: Header) -> list[tuple[flo
 def _voxels(leaves: NDArray[np.float64], cell_size: float) -> Voxels:
     index, colours = _expanded(leaves, cell_size)
     index = turned_index(index, R_YUP_ZUP)
-    centres = (index.astype(np.float64) + 0.5) * cell_size
-    voxels = Voxels(
-        index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
-        colours=colours, cell_size=cell_size,
-    )  # fmt: skip
-    return voxels.select(order_of(index))
+    return Voxels.occupied(index, cell_size, colours).select(order_of(index))
 
 
 def _expanded(

@@ -43,14 +43,8 @@ def of_voxel_grid(grid: Any) -> Voxels:
     cells = grid.get_voxels()
     index = low + np.array([cell.grid_index for cell in cells], np.int64).reshape(-1, 3)
     colours = np.array([cell.color for cell in cells]).reshape(-1, 3)
-    has_colour = bool(grid.has_colors())
-    centres = (index.astype(np.float64) + 0.5) * grid.voxel_size
-    voxels = Voxels(
-        index=index, centres=centres, means=centres, counts=np.ones(len(index), np.int64),
-        colours=np.rint(255.0 * colours).astype(np.uint8) if has_colour else None,
-        cell_size=float(grid.voxel_size),
-    )  # fmt: skip
-    return voxels.select(order_of(index))
+    rgb = np.rint(255.0 * colours).astype(np.uint8) if grid.has_colors() else None
+    return Voxels.occupied(index, float(grid.voxel_size), rgb).select(order_of(index))
 
 
 def cloud_of(columns: Columns) -> Any:

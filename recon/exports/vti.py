@@ -13,7 +13,7 @@ from recon.exports.format import Format
 from recon.exports.vtk import read_dataset, read_points
 from recon.files import atomic_path
 from recon.libraries import load_pyvista, silent
-from recon.records import PointCloud, Voxels
+from recon.records import PointCloud, Voxels, cell_centres
 
 MAX_CELLS = 1 << 25
 """Limit of a block: a single far outlier must not exhaust memory and disk."""
@@ -138,7 +138,7 @@ def of_image(image: Any) -> Voxels:
     fields = {name: np.asarray(image.cell_data[name])[place] for name in known}
     voxels = Voxels(
         index=index,
-        centres=(index.astype(np.float64) + 0.5) * cell_size,
+        centres=cell_centres(index, cell_size),
         cell_size=cell_size,
         **fields,
     )

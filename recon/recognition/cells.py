@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.records import PointCloud, Voxels
+from recon.records import PointCloud, Voxels, cell_centres
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -84,7 +84,7 @@ def gather_points(cloud: PointCloud, cell_size: float) -> Gathered:
     offsets, colours = sums / counts[:, None]
     voxels = Voxels(
         index=cells,
-        centres=(cells.astype(np.float64) + 0.5) * cell_size,
+        centres=cell_centres(cells, cell_size),
         means=offsets + cells * cell_size,
         counts=counts,
         colours=None if cloud.colours is None else np.rint(colours).astype(np.uint8),

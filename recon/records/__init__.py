@@ -1,6 +1,6 @@
 """Records shared by all packages: small, frozen, every field with its shape, unit and frame."""
 
-from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels
+from recon.records.clouds import Crs, GroundGrid, PointCloud, Segments, Voxels, cell_centres
 from recon.records.estimates import PoseEstimate
 from recon.records.matches import Features, Matches, check_alike
 from recon.records.noise import ImageNoise
@@ -64,6 +64,7 @@ __all__ = [
     "TruncatedCone",
     "View",
     "Voxels",
+    "cell_centres",
     "check_alike",
     "check_images",
 ]

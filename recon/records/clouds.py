@@ -104,6 +104,12 @@ def _shown(colours: NDArray[np.uint8] | None, num_rows: int) -> NDArray[np.uint8
     return np.full((num_rows, 3), GREY, np.uint8) if colours is None else colours
 
 
+def cell_centres(index: NDArray[np.integer], cell_size: float) -> NDArray[np.float64]:
+    """(K, 3) middles of cells, world, by their index (K, 3)."""
+    centres: NDArray[np.float64] = (index.astype(np.float64) + 0.5) * cell_size
+    return centres
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Voxels:
     """The occupied cells of a map, in the order of their index (x, then y, then z)."""
@@ -140,6 +146,18 @@ class Voxels:
                 check_shape(name, values, (num_cells, 3) if is_row else (num_cells,))
         if num_cells and self.counts.min() < 1:
             raise InputError(f"counts contain {self.counts.min()}, but 1 or more is needed")
+
+    @classmethod
+    def occupied(
+        cls, index: NDArray[np.int64], cell_size: float, colours: NDArray[np.uint8] | None = None
+    ) -> "Voxels":
+        """Cells of which only that they are occupied is known: one point each, at its middle."""
+        centres = cell_centres(index, cell_size)
+        counts = np.ones(len(index), np.int64)
+        return cls(
+            index=index, centres=centres, means=centres, counts=counts, colours=colours,
+            cell_size=cell_size,
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.index)

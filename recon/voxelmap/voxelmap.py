@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from recon.errors import InputError, check_number, check_type
 from recon.notices import notify
-from recon.records import PointCloud, Voxels
+from recon.records import PointCloud, Voxels, cell_centres
 from recon.voxelmap import archive, hits, viewers
 from recon.voxelmap.channels import Channel, Scan, eye_of
 from recon.voxelmap.coarse import CoarseMaps
@@ -201,7 +201,7 @@ class VoxelMap:
         corners = np.asarray([low, high], dtype=np.float64)
 
         def is_inside(index: NDArray[np.integer]) -> NDArray[np.bool_]:
-            at = (index.astype(np.float64) + 0.5) * self.cell_size
+            at = cell_centres(index, self.cell_size)
             return np.asarray(((at >= corners[0]) & (at <= corners[1])).all(axis=1), np.bool_)
 
         part = VoxelMap(self.cell_size, channels=self.channels, ray_margin=self.ray_margin)
@@ -291,7 +291,7 @@ class VoxelMap:
             kept |= channel.fields(order, index)
         return Voxels(
             index=index,
-            centres=(index.astype(np.float64) + 0.5) * self.cell_size,
+            centres=cell_centres(index, self.cell_size),
             means=(index + hits.means(rows)) * self.cell_size,
             counts=rows["count"].astype(np.int64),
             colours=hits.mean_colours(rows) if self.has_colour else None,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.records import Voxels
+from recon.records import Voxels, cell_centres
 from recon.voxelmap import VoxelMap
 
 SUMMED = ("counts", "weights")
@@ -50,7 +50,7 @@ def coarser(voxels: Voxels, factor: int) -> Voxels:
             gather.at(kept[name], row, values)
     return Voxels(
         index=index,
-        centres=(index.astype(np.float64) + 0.5) * size,
+        centres=cell_centres(index, size),
         means=mean(voxels.means),
         colours=None if colours is None else np.rint(mean(colours)).astype(np.uint8),
         cell_size=size,
