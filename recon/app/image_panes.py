@@ -18,6 +18,7 @@ from recon.app.source import as_source
 from recon.app.widgets import button, card, chooser, line, nicegui, note, pane, testid
 from recon.exports.encoding import encode_image
 from recon.figures import scales
+from recon.records import as_rgb
 
 REACH_PX = 6.0
 SIDES = ("left", "right")
@@ -98,7 +99,7 @@ class ImagePanes:
 
     def _dotted(self, image: NDArray[np.uint8], points: Points, side: str) -> NDArray[np.uint8]:
         """The image with a dot at every point, in the colour of the channel."""
-        dotted = image.copy() if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
+        dotted = as_rgb(image).copy()
         at = points.left_px if side == "left" else points.right_px
         u, v = np.rint(at).astype(int).T
         inside = (u >= 0) & (v >= 0) & (u < dotted.shape[1]) & (v < dotted.shape[0])

@@ -13,6 +13,7 @@ from recon.app.pairs import SHOWN, SPARSE, Pairs, SeenPair
 from recon.app.source import as_source
 from recon.app.widgets import chooser, nicegui, note, slider, testid
 from recon.figures import scales
+from recon.records import as_rgb
 
 DIM = 0.45
 DOT_PX = 1
@@ -90,9 +91,7 @@ class PairViewer:
 
 def coloured(seen: SeenPair) -> NDArray[np.uint8]:
     """The dimmed left image (H, W, 3) with every point in the colour of its value."""
-    left = seen.left if seen.left.ndim == 3 else np.repeat(seen.left[..., None], 3, axis=2)
-    grey = np.asarray(DIM * left.mean(axis=2), np.uint8)
-    image: NDArray[np.uint8] = np.repeat(grey[..., None], 3, axis=2)
+    image = as_rgb(np.asarray(DIM * as_rgb(seen.left).mean(axis=2), np.uint8))
     if not len(seen.values):
         return image
     scale = scales.coloured(seen.values, scales.disparity())

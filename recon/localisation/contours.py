@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import Array
-from recon.localisation.cameras import camera_of, coloured
+from recon.localisation.cameras import camera_of
 from recon.localisation.drawing import Camera, Drawn, Indices, Paint, Solids, draw, values
 from recon.localisation.revolved import squared_radii
-from recon.records import StereoPair
+from recon.records import StereoPair, as_rgb
 
 NUM_SIGHTS, MIN_PX = 8, 60
 """Maximum number of images a thing is fitted to, and fewest pixels that show it in one."""
@@ -136,7 +136,7 @@ def _cut(pair: StereoPair, mask: NDArray[np.bool_], depth: Array, cell_size: flo
     margin = AROUND_PX + math.ceil(AROUND_CELLS * cells_px)
     row, column = np.nonzero(mask)
     top, left = max(row.min() - margin, 0), max(column.min() - margin, 0)
-    image = coloured(pair.left)[top : row.max() + margin + 1, left : column.max() + margin + 1]
+    image = as_rgb(pair.left)[top : row.max() + margin + 1, left : column.max() + margin + 1]
     block = 1 if image.shape[0] * image.shape[1] < LARGE_PX else 2
     height, width = image.shape[0] // block, image.shape[1] // block
     image = image[: height * block, : width * block]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.geometry import Array
-from recon.localisation.cameras import camera_of, coloured
+from recon.localisation.cameras import camera_of
 from recon.localisation.drawing import (
     LOG_ANY,
     Paint,
@@ -20,7 +20,7 @@ from recon.localisation.drawing import (
     draw,
     values,
 )
-from recon.records import StereoPair
+from recon.records import StereoPair, as_rgb
 
 SKYLINE_PX = 2
 """Side of the pixels in which a backdrop is compared."""
@@ -41,7 +41,7 @@ class Look:
     def image(self, block: int) -> Array:
         """The image (R, C, 3), in means of blocks."""
         if block not in self._sizes:
-            whole = coloured(self.pair.left)
+            whole = as_rgb(self.pair.left)
             size = (whole.shape[1] // block, whole.shape[0] // block)
             cut = whole[: size[1] * block, : size[0] * block]
             smaller = cv2.resize(cut, size, interpolation=cv2.INTER_AREA)

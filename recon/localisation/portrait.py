@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import Array
-from recon.localisation.cameras import camera_of, coloured
+from recon.localisation.cameras import camera_of
 from recon.localisation.contours import fitted
 from recon.localisation.drawing import (
     LEVELS,
@@ -24,7 +24,7 @@ from recon.localisation.drawing import (
 )
 from recon.localisation.repeats import completed
 from recon.localisation.revolved import ROUND, revolved, texels
-from recon.records import FoundObject, StereoPair
+from recon.records import FoundObject, StereoPair, as_rgb
 
 PER_CELL = 3.5
 """Texels along the side of a cell."""
@@ -120,7 +120,7 @@ class _Painted:
         backdrop = np.zeros((NUM_BANDS, LEVELS, LEVELS, LEVELS))
         for one in pairs:
             assert one.T_world_left is not None
-            camera, image = camera_of(one.T_world_left, one.rig), coloured(one.left)
+            camera, image = camera_of(one.T_world_left, one.rig), as_rgb(one.left)
             drawn = draw(solids, camera, 1)
             _count(backdrop, image, drawn, camera)
             rows, here_px, wide = _shown(points, normals, drawn, camera, cell_size)

@@ -13,7 +13,7 @@ from recon.records.objects import (
     Part,
     Recognition,
 )
-from recon.records.pairs import Image, PairSource, StereoPair, View, check_images
+from recon.records.pairs import Image, PairSource, StereoPair, View, as_rgb, check_images
 from recon.records.reconstruction import Reconstruction
 from recon.records.solids import (
     Box,
@@ -64,6 +64,7 @@ __all__ = [
     "TruncatedCone",
     "View",
     "Voxels",
+    "as_rgb",
     "cell_centres",
     "check_alike",
     "check_images",

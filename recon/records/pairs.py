@@ -15,6 +15,11 @@ Image = NDArray[np.uint8]
 """(H, W, 3) RGB or (H, W) grey."""
 
 
+def as_rgb(image: Image) -> Image:
+    """An image (H, W, 3); a grey one has its level in every channel."""
+    return image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class View:
     """A camera position and a target point, in the world.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.camera import StereoRig
 from recon.geometry import LEVEL_CAMERA
-from recon.records import DisparityMap, StereoPair
+from recon.records import DisparityMap, StereoPair, as_rgb
 
 Floats = NDArray[np.float32]
 Array = NDArray[np.float64]
@@ -66,14 +66,13 @@ class DepthMap:
 
 def depth_map(pair: StereoPair, found: DisparityMap) -> DepthMap:
     """The depths of a pair's left pixels; a pair without a pose is level at the origin."""
-    left = pair.left if pair.left.ndim == 3 else np.repeat(pair.left[..., None], 3, axis=2)
     depth = pair.rig.depth(found.disparity_px)
     sigma_px = np.hypot(_SIGMA_SCALE * found.sigma_px, _SIGMA_FLOOR_PX)
     sigma = pair.rig.depth_sigma(depth, sigma_px)
     view = DepthMap(
         depth=depth.astype(np.float32),
         sigma=sigma.astype(np.float32),
-        colours=left,
+        colours=as_rgb(pair.left),
         rig=pair.rig,
         T_world_left=LEVEL_CAMERA if pair.T_world_left is None else pair.T_world_left,
     )
