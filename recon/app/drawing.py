@@ -10,7 +10,6 @@ from recon.app.layers import Layer
 from recon.app.looks import COLOUR, Look
 from recon.app.orbit import Orbit
 from recon.figures import scales
-from recon.figures.partition import part_colour
 from recon.figures.solids import drawn_solids, triangles_of
 from recon.records import FoundObject, Voxels
 from recon.world.raster import Lens, Raster
@@ -107,10 +106,9 @@ def _add_mesh(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
 def _add_solids(raster: Raster, voxels: Voxels, objects: tuple[FoundObject, ...]) -> None:
     over = Raster(raster.lens, (0, 0, 0))
     for found in objects:
-        for number, solid in drawn_solids(voxels, found):
-            vertices, triangles = triangles_of(solid)
-            colour = np.array(part_colour(voxels, found, number), np.uint8)
-            colours = np.tile(colour, (len(vertices), 1))
+        for one in drawn_solids(voxels, found):
+            vertices, triangles = triangles_of(one.solid)
+            colours = np.tile(np.array(one.colour, np.uint8), (len(vertices), 1))
             over.add_triangles(vertices, triangles, colours, np.zeros(len(triangles), np.int32))
     # A solid intersects its cells: it is visible slightly behind them, too.
     depth = 1.15 * over.inverse_depth

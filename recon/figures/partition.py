@@ -2,6 +2,7 @@
 
 import colorsys
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,35 +44,52 @@ def _is_in_box(
     return inside
 
 
-def nearest_part(voxels: Voxels, found: FoundObject) -> NDArray[np.intp]:
-    """(K,) index of the part with the nearest surface."""
-    distances = [part.solid.distances(voxels.means) for part in found.parts]
-    nearest: NDArray[np.intp] = np.argmin(distances, axis=0)
-    return nearest
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PartCells:
+    """The cells of an object, and how far each is from each part."""
 
+    found: FoundObject
+    cells: Voxels
+    distances: NDArray[np.float64]
+    """(P, K) of the means of the cells from the surfaces of the parts."""
 
-def part_colour(voxels: Voxels, found: FoundObject, number: int) -> RGB:
-    """The median colour of a part's own cells; if it has none, that of its hue."""
-    own = _cells_of_part(voxels, found, number)
-    hue = found.parts[number].hue_deg
-    if len(own):
-        red, green, blue = np.median(_of_one_hue(own.shown_colours), axis=0).astype(int).tolist()
+    @classmethod
+    def of(cls, voxels: Voxels, found: FoundObject) -> "PartCells":
+        """The cells of a map in the box of an object."""
+        cells = cells_of(voxels, found)
+        shape = len(found.parts), len(cells)
+        distances = [part.solid.distances(cells.means) for part in found.parts]
+        return cls(found=found, cells=cells, distances=np.reshape(distances, shape))
+
+    def own(self, number: int) -> Voxels:
+        """The cells nearest to a part."""
+        return self.cells.select(self._rows(number))
+
+    def _rows(self, number: int) -> NDArray[np.intp]:
+        return np.flatnonzero(np.argmin(self.distances, axis=0) == number)
+
+    def colour(self, number: int) -> RGB:
+        """The median colour of a part's own cells; if it has none, that of its hue."""
+        own = self.cells.select(self._inner_rows(number))
+        hue = self.found.parts[number].hue_deg
+        if len(own):
+            red, green, blue = np.median(_of_one_hue(own.shown_colours), axis=0).astype(int)
+            return int(red), int(green), int(blue)
+        if hue is None:
+            return GREY
+        shares = colorsys.hsv_to_rgb(hue / 360, 0.7, 0.75)
+        red, green, blue = (round(255 * share) for share in shares)
         return red, green, blue
-    if hue is None:
-        return GREY
-    red, green, blue = (round(255 * share) for share in colorsys.hsv_to_rgb(hue / 360, 0.7, 0.75))
-    return red, green, blue
 
-
-def _cells_of_part(voxels: Voxels, found: FoundObject, number: int) -> Voxels:
-    """The cells of a part; if it has neighbours, the half that is farther from them."""
-    own = cells_of(voxels, found)
-    own = own.select(np.flatnonzero(nearest_part(own, found) == number))
-    others = [part.solid for place, part in enumerate(found.parts) if place != number]
-    if not len(own) or not others:
-        return own
-    away = np.min([np.abs(solid.distances(own.means)) for solid in others], axis=0)
-    return own.select(np.flatnonzero(away >= np.median(away)))
+    def _inner_rows(self, number: int) -> NDArray[np.intp]:
+        """The rows of a part; if it has neighbours, the half that is farther from them."""
+        rows = self._rows(number)
+        others = np.delete(self.distances[:, rows], number, axis=0)
+        if not others.size:
+            return rows
+        away = others.min(axis=0)
+        inner: NDArray[np.intp] = rows[away >= np.median(away)]
+        return inner
 
 
 def _of_one_hue(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:

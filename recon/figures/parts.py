@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from recon.figures.canvas import Sheet, Size
 from recon.figures.map3d import UNITS, Standpoint, map3d
-from recon.figures.partition import by_hue, cells_of, nearest_part
+from recon.figures.partition import PartCells, by_hue
 from recon.records import UNKNOWN, FoundObject, Voxels
 
 SIZE: Size = (1200, 1050)
@@ -33,8 +31,8 @@ def parts(
     standpoint = Standpoint(unit=unit)
     panels = sheet.panels(len(chosen), columns)
     for row, found in enumerate(chosen):
-        cells = cells_of(voxels, found)
-        coloured = replace(cells, colours=by_hue(cells))
+        cells = PartCells.of(voxels, found)
+        coloured = replace(cells.cells, colours=by_hue(cells.cells))
         map3d(
             coloured,
             standpoint=standpoint,
@@ -42,14 +40,11 @@ def parts(
             with_numbers=False,
             sheet=panels[row, 0],
         )
-        nearest = nearest_part(cells, found) if found.parts else np.zeros(0, np.intp)
         for number, part in enumerate(found.parts):
-            own = cells.select(np.flatnonzero(nearest == number))
-            title = f"{part.role}: {part.solid.kind}"
             map3d(
-                own,
+                cells.own(number),
                 standpoint=standpoint,
-                title=title,
+                title=f"{part.role}: {part.solid.kind}",
                 with_numbers=False,
                 sheet=panels[row, 1 + number],
             )

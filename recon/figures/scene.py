@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.canvas import FAINT, Image, Size
-from recon.figures.partition import part_colour
 from recon.figures.solids import drawn_solids
 from recon.figures.solids import mesh as solid_mesh
 from recon.figures.viewpoint import Box, Viewpoint
@@ -56,9 +55,9 @@ class Scene:
     def add_solids(self, objects: Sequence[FoundObject], voxels: Voxels) -> None:
         """The closed solids of objects in the colours of their cells."""
         for found in objects:
-            for number, solid in drawn_solids(voxels, found):
+            for one in drawn_solids(voxels, found):
                 self.plotter.add_mesh(
-                    solid_mesh(solid), color=part_colour(voxels, found, number),
+                    solid_mesh(one.solid), color=one.colour,
                     ambient=0.4, diffuse=0.65, specular=0.0, smooth_shading=False,
                 )  # fmt: skip
 

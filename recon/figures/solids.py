@@ -1,13 +1,14 @@
 """Fitted solids as closed meshes, to be drawn over their cells."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.figures.footprints import AROUND, is_near, rims
-from recon.figures.partition import cells_of, nearest_part
+from recon.figures.partition import RGB, PartCells
 from recon.geometry import pose
 from recon.libraries import load_pyvista
 from recon.records import (
@@ -27,20 +28,28 @@ Array = NDArray[np.float64]
 Bounded = Sphere | Ellipsoid | Cylinder | Cone | TruncatedCone | Box
 
 
-def drawn_solids(voxels: Voxels, found: FoundObject) -> Iterator[tuple[int, Bounded]]:
-    """Number and solid of each part that is drawn: a plane as far as there are cells on it.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DrawnSolid:
+    """A part of an object as it is drawn."""
+
+    solid: Bounded
+    colour: RGB
+
+
+def drawn_solids(voxels: Voxels, found: FoundObject) -> Iterator[DrawnSolid]:
+    """The parts of an object in the colours of their cells, a plane as far as cells are on it.
 
     Solids that extend far beyond their object are left out: they fit only what was seen.
     """
+    parts = PartCells.of(voxels, found)
     for number, part in enumerate(found.parts):
-        if not isinstance(part.solid, Plane):
-            if is_near(part.solid, found):
-                yield number, part.solid
-            continue
-        own = cells_of(voxels, found)
-        own = own.select(nearest_part(own, found) == number)
-        if len(own):
-            yield number, _flat_box(part.solid, own)
+        solid = part.solid
+        if isinstance(solid, Plane):
+            own = parts.own(number)
+            if len(own):
+                yield DrawnSolid(solid=_flat_box(solid, own), colour=parts.colour(number))
+        elif is_near(solid, found):
+            yield DrawnSolid(solid=solid, colour=parts.colour(number))
 
 
 def _flat_box(plane: Plane, cells: Voxels) -> Box:

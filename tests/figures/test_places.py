@@ -15,7 +15,7 @@ from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
 from recon.figures.kinds import Subject
 from recon.figures.occupancy import labels
-from recon.figures.partition import NO_OBJECT, owners, part_colour
+from recon.figures.partition import NO_OBJECT, PartCells, owners
 from recon.figures.viewpoint import VIEWS, viewpoint
 from recon.geometry import look_at, rotation_about_y
 from recon.records import (
@@ -260,8 +260,9 @@ def two_balls():
 
 def test_part_keeps_its_own_colour_where_two_parts_touch():
     voxels, found = two_balls()
-    assert part_colour(voxels, found, 0) == (220, 20, 20)
-    assert part_colour(voxels, found, 1) == (20, 20, 220)
+    parts = PartCells.of(voxels, found)
+    assert [parts.colour(number) for number in (0, 1)] == [(220, 20, 20), (20, 20, 220)]
+    assert [len(parts.own(number)) for number in (0, 1)] == [16, 16]
 
 
 @pytest.mark.parametrize(("x", "corner"), [(0, "right"), (40, "left")])

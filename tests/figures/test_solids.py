@@ -41,8 +41,8 @@ def found(solid, means):
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0, 90.0])
 def test_plane_is_drawn_as_far_as_its_cells_lie_on_it(scale, tilt_deg):
     voxels, one = board(scale, tilt_deg)
-    ((number, solid),) = drawn_solids(voxels, one)
-    assert number == 0
+    (drawn,) = drawn_solids(voxels, one)
+    solid = drawn.solid
     np.testing.assert_allclose(solid.centre, scale * MIDDLE, atol=0.02 * scale)
     wanted = scale * np.array([0.0, HIGH + CELL_SIZE, WIDE + CELL_SIZE])
     np.testing.assert_allclose(np.sort(solid.sizes), wanted, atol=0.05 * scale)
@@ -79,5 +79,5 @@ def test_ball_seen_from_one_side_is_drawn_whole():
         index=index, centres=(index + 0.5) * CELL_SIZE, means=means,
         counts=np.full(len(means), 9), cell_size=CELL_SIZE,
     )  # fmt: skip
-    assert [solid for _, solid in drawn_solids(voxels, one)] == [ball]
+    assert [drawn.solid for drawn in drawn_solids(voxels, one)] == [ball]
     np.testing.assert_array_equal(of_object(one, voxels), of_solid(ball))
