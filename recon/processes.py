@@ -1,6 +1,5 @@
 """Worker processes: with their share of the threads, and no longer alive than their parent."""
 
-import atexit
 import gc
 import os
 import sys
@@ -8,7 +7,6 @@ import threading
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from multiprocessing.context import BaseContext
-from typing import NoReturn
 
 from recon.libraries import limit_threads
 
@@ -51,24 +49,6 @@ def collect_rarely() -> None:
     By default the collections take a fifth of the time of the imports.
     """
     gc.set_threshold(50_000)
-
-
-def end(code: int) -> NoReturn:
-    """End this process without taking apart all that is loaded, which the system frees faster.
-
-    What is registered for its end is done. If its output cannot be written, it ends as usual, which
-    says so.
-    """
-    # In the order of Python's own end: without its threads, a pool cannot tell its workers to end,
-    # for which the functions registered next wait.
-    threading._shutdown()  # type: ignore[attr-defined]
-    atexit._run_exitfuncs()
-    try:
-        for stream in (sys.stdout, sys.stderr):
-            stream.flush()
-    except (AttributeError, OSError, ValueError):
-        sys.exit(code)
-    os._exit(code)
 
 
 def _end_after(sentinel: int) -> None:

@@ -11,6 +11,7 @@ from recon.cli.catalogue import catalogue
 from recon.cli.demo import demo
 from recon.cli.disparity import disparity
 from recon.cli.doctor import doctor
+from recon.cli.ending import end
 from recon.cli.evaluate import evaluate
 from recon.cli.explore import explore
 from recon.cli.export import export
@@ -33,7 +34,7 @@ from recon.cli.settings import settings
 from recon.cli.simulate import simulate
 from recon.cli.train import train
 from recon.errors import InputError, ReconError
-from recon.processes import collect_rarely, end
+from recon.processes import collect_rarely
 
 DONE, FAILED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 
