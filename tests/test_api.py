@@ -64,6 +64,14 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: recon.explore(WORLD, controller=3), "controller is 3, but a name or an object"),
         (lambda: recon.World.from_file(3), "path is 3, but a path is needed"),
         (lambda: recon.VoxelMap().save(None), "path is None, but a path is needed"),
+        (lambda: recon.VoxelMap.load(None), "path is None, but a path is needed"),
+        (lambda: recon.PartitionedMap(None), "path is None, but a path is needed"),
+        (lambda: recon.World.from_file("cottage").take(None), "view is of type NoneType"),
+        (lambda: recon.explore(WORLD), "start is of type NoneType, but View is needed"),
+        (lambda: recon.read("a.ply", sample=-1), "sample is -1, but a number >= 0"),
+        (lambda: recon.write(CLOUD, "a.ply", up="x"), "up is 'x', but y or z is needed"),
+        (lambda: recon.write(CLOUD, "a.ply", box=3), r"box has shape \(\), but \(2, 3\)"),
+        (lambda: recon.Settings(map=3), "Settings.map is 3, but a MapSettings or its values"),
         (lambda: recon.execute(None), "job is of type NoneType, but Job is needed"),
         (lambda: recon.Job(kind="explore", inputs=3), "inputs is of type int"),
         (lambda: recon.Job(kind="explore", arguments=3), "arguments is of type int"),
@@ -101,6 +109,13 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
 def test_invalid_argument_is_named(call, message):
     with pytest.raises(recon.InputError, match=message):
         call()
+
+
+def test_search_range_may_be_given_by_position():
+    left = np.random.default_rng(1).integers(0, 256, (40, 60), np.uint8)
+    for match in (recon.match_pair, recon.match_dense):
+        by_name = match(left, left, min_disparity=-4, max_disparity=6, quality="fast")
+        assert np.array_equal(match(left, left, -4, 6, "fast").disparity_px, by_name.disparity_px)
 
 
 def test_records_have_a_readable_repr():

@@ -80,6 +80,19 @@ def test_transformed_cloud_keeps_colours_and_sigma():
     assert moved.sigma is cloud.sigma
 
 
+@pytest.mark.parametrize("dtype", [">f8", ">f4", "f2", "i2", "u1", "longdouble"])
+def test_numbers_of_a_cloud_are_native_floats(dtype):
+    numbers = np.array([[1, 2, 3], [4, 5, 6]], dtype)
+    values = np.array([1, 2], ">i4")
+    cloud = PointCloud(points=numbers, sigma=numbers[:, 0], attributes={"class": values})
+    for floats in (cloud.points, cloud.sigma):
+        assert floats.dtype in (np.dtype("f4"), np.dtype("f8"))
+    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert cloud.attributes["class"].dtype == np.dtype("i4")
+    kept = np.zeros((2, 3), np.float32)
+    assert PointCloud(points=kept).points is kept
+
+
 def test_array_of_the_wrong_shape_is_named():
     with pytest.raises(InputError, match=r"colours has shape \(2, 3\), but \(3, 3\) is needed"):
         PointCloud(points=np.zeros((3, 3)), colours=np.zeros((2, 3), np.uint8))

@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from recon.errors import check_type
 from recon.records import StereoPair, View
 from recon.settings import Settings
 from recon.world.objects import TrueObject
@@ -50,6 +51,7 @@ class KnownWorld(Explorable, Protocol):
 def start_of(source: Explorable, settings: Settings) -> View:
     """The first view: that of the source, with overrides from the settings."""
     start, wanted = source.start(), settings.exploration
+    check_type("start", start, View)
     position, gaze = start.position, start.target - start.position
     if wanted.start_position is not None:
         x, *y, z = wanted.start_position

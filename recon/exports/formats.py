@@ -1,15 +1,13 @@
 """All formats by suffix: one table, one function to write and one to read."""
 
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
-from typing_extensions import TypeIs
 
-from recon.errors import InputError
+from recon.errors import InputError, check_number
+from recon.exports.content import Box, inside, is_in_partitions, is_map
 from recon.exports.format import Data, Format, Up
 from recon.exports.partitions.store import is_partitioned
 from recon.exports.triangles import sampled
@@ -22,9 +20,6 @@ from recon.records import Mesh, PointCloud, Voxels
 if TYPE_CHECKING:  # maps bring their kernels, which tables of points do without
     from recon.exports.partitions.partitioned import PartitionedMap
     from recon.voxelmap import VoxelMap
-
-Box = tuple[Sequence[float], Sequence[float]]
-"""Low and high corner (3,), world."""
 
 _HOMES = {
     ".ply": "ply", ".pcd": "pcd", ".las": "las", ".laz": "las", ".parquet": "parquet",
@@ -56,6 +51,8 @@ def format_of(path: PathLike) -> Format:
         For an unknown suffix.
     """
     ending = Path(path).suffix.lower()
+    if ending == ".gz":
+        raise InputError(f"{path} is compressed, but recon reads plain files: unpack it (gunzip)")
     if ending not in FORMATS:
         known = " ".join(FORMATS.names())
         raise InputError(f"{path}: the ending {ending!r} is unknown; known are {known}")
@@ -90,17 +87,15 @@ def write(
     """
     check_name(path)
     form = format_of(path)
-    if is_in_partitions(data):
-        is_all = box is None and up in (None, form.up) and data.num_cells > 0
-        if form.write_parts and is_all:
-            form.write_parts(Path(path), (one.occupied(1) for one in data), data.num_cells)
-        else:
-            write(data.whole() if box is None else data.within(box), path, box, up=up)
-        return
+    if up not in (None, "y", "z"):
+        raise InputError(f"up is {up!r}, but y or z is needed")
     if box is not None:
-        data = _inside(data, *np.asarray(box, dtype=np.float64))
-        if not len_of(data):
-            notify("box-empty", f"{path}: nothing lies inside the box")
+        data = inside(data, box, path)
+    if is_in_partitions(data):
+        if form.write_parts and up in (None, form.up) and data.num_cells > 0:
+            form.write_parts(Path(path), (one.occupied(1) for one in data), data.num_cells)
+            return
+        data = data.whole()
     if up is not None and up != form.up:
         # The format rotates it once more by the same angle.
         data = turned(_cells_of(data), R_ZUP_YUP if up == "z" else R_YUP_ZUP)
@@ -142,23 +137,6 @@ def _cannot_hold(form: Format, data: Data) -> str:
     kind = "a cloud of points" if isinstance(data, PointCloud) else "cells"
     holds = "triangles" if form.write is None else "cells"
     return f"a format for {holds} cannot hold {kind}"
-
-
-def is_map(data: "Data | PartitionedMap") -> "TypeIs[VoxelMap]":
-    """Test for a map; if its package is not loaded yet, there are none."""
-    module = sys.modules.get("recon.voxelmap")
-    return module is not None and isinstance(data, module.VoxelMap)
-
-
-def is_in_partitions(data: "Data | PartitionedMap") -> "TypeIs[PartitionedMap]":
-    """Test for a partitioned map."""
-    module = sys.modules.get("recon.exports.partitions.partitioned")
-    return module is not None and isinstance(data, module.PartitionedMap)
-
-
-def len_of(data: "Data | PartitionedMap") -> int:
-    """Number of points, cells or triangles."""
-    return data.num_cells if is_map(data) or is_in_partitions(data) else len(data)
 
 
 def read(
@@ -204,6 +182,8 @@ def read_silently(
 ) -> "PointCloud | Voxels | VoxelMap | PartitionedMap":
     """Do the same as `read`, without a notice about the rotation."""
     check_name(path)
+    if sample is not None:
+        check_number("sample", sample, low=0)
     rng = np.random.default_rng(seed)
     if is_partitioned(path):
         from recon.exports.partitions.partitioned import PartitionedMap
@@ -273,24 +253,6 @@ def read_mesh(path: PathLike) -> Mesh:
         raise InputError(f"{path}: the format cannot hold triangles")
     mesh: Mesh = _named(path, form.read_mesh)
     return mesh
-
-
-@overload
-def _inside(data: "VoxelMap", low: Any, high: Any) -> "VoxelMap": ...
-
-
-@overload
-def _inside(data: Data, low: Any, high: Any) -> Data: ...
-
-
-def _inside(data: Data, low: NDArray[np.float64], high: NDArray[np.float64]) -> Data:
-    if is_map(data):
-        return data.cropped(low, high)
-    if isinstance(data, Mesh):
-        is_kept: Any = ((data.vertices >= low) & (data.vertices <= high)).all(axis=1)
-        return data.select(np.flatnonzero(is_kept[data.triangles].all(axis=1)))
-    places = data.points if isinstance(data, PointCloud) else data.centres
-    return data.select(np.flatnonzero(((places >= low) & (places <= high)).all(axis=1)))
 
 
 def _cells_of(data: Data) -> PointCloud | Voxels | Mesh:

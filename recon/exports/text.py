@@ -164,6 +164,8 @@ def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
     num = values.shape[1]
     if num < len(XYZ):
         raise InputError(f"a row has {num} values, but x, y and z are needed")
+    if _are_opaque(values[:, len(XYZ) :]):
+        return (*XYZ, *RGB, "alpha")
     names = [*XYZ, *(["intensity"] if num % 3 == 1 else [])]
     while num - len(names) >= len(XYZ):
         triple = values[:, len(names) : len(names) + 3]
@@ -172,6 +174,14 @@ def names_by_kind(values: NDArray[np.float64]) -> tuple[str, ...]:
             break
         names += kind
     return (*names, *(f"column_{n}" for n in range(len(names), num)))
+
+
+def _are_opaque(rest: NDArray[np.float64]) -> bool:
+    """True if four columns are colours with an alpha that is full in all rows."""
+    if rest.shape[1] != 4 or len(rest) < 2 or not (rest >= 0.0).all():
+        return False
+    full = 1.0 if (rest <= 1.0).all() else 255.0
+    return bool((rest[:, 3] == full).all() and (rest <= full).all())
 
 
 def _kinds(triple: NDArray[np.float64]) -> list[tuple[str, ...]]:

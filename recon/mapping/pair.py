@@ -42,10 +42,10 @@ class PairResult:
 def match_pair(
     left: NDArray[np.uint8],
     right: NDArray[np.uint8],
-    *,
     min_disparity: int = 0,
     max_disparity: int = 20,
     quality: Quality = "best",
+    *,
     residual_px: float | None = None,
 ) -> Matches:
     """Match two rectified images.

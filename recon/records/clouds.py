@@ -48,19 +48,22 @@ class PointCloud:
 
     def __post_init__(self) -> None:
         check_shape("points", self.points, (None, 3))
-        if self.points.dtype.kind not in "fiu":
-            raise InputError(f"points are {self.points.dtype}, but real numbers are needed")
+        object.__setattr__(self, "points", _as_floats("points", self.points))
         if self.colours is not None:
             check_shape("colours", self.colours, (len(self.points), 3))
             if self.colours.dtype != np.uint8:
                 raise InputError(f"colours are {self.colours.dtype}, but uint8 is needed")
         if self.sigma is not None:
             check_shape("sigma", self.sigma, (len(self.points),))
+            object.__setattr__(self, "sigma", _as_floats("sigma", self.sigma))
             if (self.sigma < 0).any():
                 raise InputError(f"sigma is {self.sigma.min()}, but 0 or more is needed")
         check_type("attributes", self.attributes, Mapping)
         for name, values in self.attributes.items():
             check_shape(name, values, (len(self.points),))
+        object.__setattr__(
+            self, "attributes", {name: _native(v) for name, v in self.attributes.items()}
+        )
 
     def __len__(self) -> int:
         return len(self.points)
@@ -98,6 +101,19 @@ class PointCloud:
             attributes={name: values[rows] for name, values in self.attributes.items()},
             crs=self.crs,
         )
+
+
+def _as_floats(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Real numbers as native floats of 32 or 64 bits: whole ones and halves would overflow."""
+    if values.dtype.kind not in "fiu":
+        raise InputError(f"{name} are {values.dtype}, but real numbers are needed")
+    is_float = values.dtype.kind == "f" and values.dtype.itemsize in (4, 8)
+    return _native(values) if is_float else values.astype(np.float64)
+
+
+def _native(values: NDArray[Any]) -> NDArray[Any]:
+    """The same values in the byte order of this machine."""
+    return values if values.dtype.isnative else values.astype(values.dtype.newbyteorder("="))
 
 
 def _shown(colours: NDArray[np.uint8] | None, num_rows: int) -> NDArray[np.uint8]:

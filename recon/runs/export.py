@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from recon.exports.content import inside, len_of
 from recon.exports.format import Data, Up
-from recon.exports.formats import format_of, holds_mesh, len_of, read_mesh, read_silently, write
+from recon.exports.formats import format_of, holds_mesh, read_mesh, read_silently, write
 from recon.exports.partitions.partitioned import PartitionedMap
 from recon.exports.turning import R_YUP_ZUP, turned_points
 from recon.files import check_target
@@ -70,8 +71,9 @@ def export_run(
         up_in, up_out = format_of(source).up, up or form.up
         if (up_in, up_out) == ("z", "y"):
             notify("turned-to-y-up", f"{target}: (x, y, z) of {source} is written as (x, z, -y)")
-        box = selection.box and _in_world(selection.box, up_in)
-        write(data, target, box=box, up=up)
+        if selection.box is not None:
+            data = inside(data, _in_world(selection.box, up_in), target)
+        write(data, target, up=up)
     parts = [path for path in (*target.rglob("*"), *files) if path.is_file()]
     return {
         "output": str(target),

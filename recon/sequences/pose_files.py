@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 KITTI_COLUMNS = {12: 0, 13: 1, 16: 0, 17: 1}
 """Columns of rows of 3 x 4 or 4 x 4 numbers; 1 if the frame number comes first."""
+ROUNDED = 1e-3
+"""Largest error of a quaternion's length that three digits cause."""
 MIN_TIMED_COLUMNS = 8
 """Time, position, quaternion; velocities, biases, covariances may follow."""
 
@@ -127,9 +129,21 @@ def _timed(table: _Table) -> GivenPoses:
             f"{table.path}, line {table.lines[bad[0]]}: the quaternion has length "
             f"{norms[bad[0]]:.3g}, but 1 is needed"
         )
+    _say_lengths(table, norms)
     turns = Rotation.from_quat(values[:, quaternion]).as_matrix()
     poses = [pose(R, t) for R, t in zip(turns, values[:, position], strict=True)]
     return GivenPoses(poses=np.stack(poses)[kept], stamps_s=stamps[kept])
+
+
+def _say_lengths(table: _Table, norms: Array) -> None:
+    """Notify of quaternions whose length rounding does not explain: another column may be meant."""
+    worst = int(np.argmax(np.abs(norms - 1.0)))
+    if abs(norms[worst] - 1.0) > ROUNDED:
+        notify(
+            "rotation-made-rigid",
+            f"{table.path}, line {table.lines[worst]}: the quaternion has length "
+            f"{norms[worst]:.4g}, not 1: it is scaled to it",
+        )
 
 
 def _order(table: _Table) -> tuple[list[int], list[int]]:

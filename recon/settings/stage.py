@@ -28,6 +28,7 @@ _KEYS = {
 _NEEDS = {
     "bool_parsing": "true or false",
     "bool_type": "true or false",
+    "dataclass_type": "a {class_name} or its values by name",
     "finite_number": "a finite number",
     "float_parsing": "a number",
     "float_type": "a number",

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.errors import InputError, check_number, one_line
+from recon.errors import InputError, check_number, check_path, one_line
 from recon.files import atomic_path, check_memory
 from recon.records.clouds import GREY
 from recon.voxelmap import hits
@@ -88,6 +88,7 @@ def load(path: str | os.PathLike[str]) -> Content:
     InputError
         For a file that is truncated, of another version or inconsistent.
     """
+    check_path(path)
     columns = read_columns(path)
     try:
         return _content(columns)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from recon.camera import StereoRig
-from recon.errors import InputError, check_finite, check_shape
+from recon.errors import InputError, check_finite, check_shape, check_type
 from recon.geometry import Array
 from recon.records import Mesh, StereoPair, View
 from recon.settings.settings import Settings
@@ -115,6 +115,7 @@ class World:
         InputError
             If the view is not finite, looks straight up or down, or has unusable parameters.
         """
+        check_type("view", view, View)
         rig, T_world_left, eyes = self._stand(view)
         left = self._see(camera_of(T_world_left, rig, rig.cx_left_px, eyes))
         T_world_right = T_world_left @ rig.T_left_right

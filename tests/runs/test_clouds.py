@@ -53,6 +53,7 @@ def test_single_point_is_rejected_in_one_line(tmp_path, capsys):
 def test_export_keeps_the_points_inside_the_box(ball, tmp_path, capsys):
     target = tmp_path / "half.pcd"
     code, report = run_json(capsys, "export", ball, target, "--box", "1,-9,-9,9,9,9")
+    assert report["num_points"] == len(read(target))
     assert code == 0
     assert report["bytes"] == target.stat().st_size
     kept = read(target)

@@ -158,3 +158,7 @@ def test_error_in_a_calibration_is_reported(tmp_path, capsys):
     path.write_text(middlebury_keys().replace("ndisp=16", "ndisp=-5"))
     assert main(["info", str(path)]) == 2
     assert "ndisp" in capsys.readouterr().err
+
+
+def test_name_of_a_scene_that_ships_is_described_as_its_file(capsys):
+    assert info(capsys, "cottage")["kind"] == "scene"

@@ -64,6 +64,14 @@ def test_pose_with_a_repeated_stamp_is_dropped_with_a_notice(tmp_path):
     assert "line 3" in notices[0].text
 
 
+@pytest.mark.parametrize(("length", "is_said"), [(0.9999, False), (1.05, True)])
+def test_quaternion_of_another_length_is_scaled_with_a_notice(tmp_path, length, is_said):
+    (tmp_path / "poses.txt").write_text(f"0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 {length}\n")
+    with collected_notices() as notices:
+        np.testing.assert_allclose(read_poses(tmp_path / "poses.txt").poses[1], np.eye(4))
+    assert [notice.code for notice in notices] == (["rotation-made-rigid"] if is_said else [])
+
+
 def rows_of(poses, form):
     for number, T in enumerate(poses):
         q, t = Rotation.from_matrix(T[:3, :3]).as_quat(), T[:3, 3]

@@ -153,6 +153,14 @@ def test_cameras_that_cannot_be_rectified_are_rejected(turn, step, fault):
         rectifier(calibration(turn, step), SIZE)
 
 
+@pytest.mark.parametrize(("distortion", "is_said"), [(BARREL, False), (1000 * BARREL, True)])
+def test_distortion_that_leaves_hardly_any_image_is_reported(distortion, is_said):
+    rig = calibration([0.0, 0.0, 0.0], [-0.1, 0.0, 0.0], distortion=np.abs(distortion))
+    with collected_notices() as notices:
+        rectifier(rig, SIZE)
+    assert [one.code for one in notices] == (["calibration-contradictory"] if is_said else [])
+
+
 @pytest.mark.parametrize(
     ("size", "is_said"), [(SIZE, False), ((480, 360), True), ((200, 160), True)]
 )

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from recon.errors import InputError
+from recon.errors import InputError, check_path
 from recon.files import PathLike, atomic_path, check_regular
 from recon.libraries import load_extra
 
@@ -103,4 +103,5 @@ def is_url(place: Place) -> bool:
 
 def store_of(place: Place) -> Store:
     """The store for a path or URL."""
+    check_path(place)
     return Remote(str(place)) if is_url(place) else Folder(Path(place))

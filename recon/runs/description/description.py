@@ -11,6 +11,7 @@ from recon.files import check_regular
 from recon.manifest import MANIFEST
 from recon.notices import collected_notices
 from recon.runs.description.facts import Facts
+from recon.world.library import find_scene, scene_names
 
 # The describing function of each kind, imported on demand: some import a lot.
 _RUN, _RECORDING, _POINTS = "runs:of_run", "recordings:of_recording", "points:of_points"
@@ -33,11 +34,15 @@ _IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".ppm", ".pgm", ".t
 def describe(path: Path) -> Facts:
     """Facts about anything that recon reads or writes, `kind` first, `warnings` last.
 
+    The name of a scene that ships is described as its file.
+
     Raises
     ------
     InputError
         If `path` does not exist, or recon does not know its format.
     """
+    if str(path) in scene_names() and not path.exists():
+        path = find_scene(path)
     with collected_notices() as notices:
         try:
             facts = _describer(path)(path)

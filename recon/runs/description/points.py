@@ -6,14 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from recon.errors import InputError
-from recon.exports.formats import (
-    format_of,
-    holds_mesh,
-    is_in_partitions,
-    is_map,
-    read,
-    read_mesh,
-)
+from recon.exports.content import is_in_partitions, is_map
+from recon.exports.formats import format_of, holds_mesh, read, read_mesh
 from recon.records import PointCloud, Voxels
 from recon.runs.description.facts import Facts, extent, spread
 

@@ -21,6 +21,8 @@ MAX_OFF_CENTRE = 0.14
 
 Published rigs are below 0.1; images enlarged by half have 0.17, halved ones are at the edge.
 """
+MAX_ZOOM = 3.0
+"""Maximum ratio of the rectified focal length to the raw one; lenses and slight turns make 1.3."""
 LEAST_ASIDE = 1e-6
 """Smallest sine of the angle between the direction of view and the baseline."""
 Maps = tuple[NDArray[np.float32], NDArray[np.float32]]
@@ -95,7 +97,9 @@ def rectifier(calibration: Calibration, size: tuple[int, int]) -> Rectifier:
             rig=_rectified_rig(calibration, size), raw_size=size, T_raw_rectified=np.eye(4)
         )
     rotation = common_axes(calibration.T_right_left)
-    return warping(calibration, size, rotation, _filled_rig(calibration, size, rotation))
+    rig = _filled_rig(calibration, size, rotation)
+    _say_zoom(calibration, rig)
+    return warping(calibration, size, rotation, rig)
 
 
 def common_axes(T_right_left: Array) -> Array:
@@ -225,6 +229,17 @@ def _say_centre(calibration: Calibration, size: tuple[int, int]) -> None:
             "calibration-off-centre",
             f"the principal point lies at {shares[0]:.0%} of the width and {shares[1]:.0%} of the "
             f"height of {size[0]} x {size[1]} pixels: is the calibration for images of this size?",
+        )
+
+
+def _say_zoom(calibration: Calibration, rig: StereoRig) -> None:
+    """Notify if hardly any of the images remains, as with a distortion that no lens has."""
+    focal = calibration.left.matrix[0, 0]
+    if rig.focal_px > MAX_ZOOM * focal:
+        notify(
+            "calibration-contradictory",
+            f"rectified images are enlarged {rig.focal_px / focal:.3g} times (focal lengths "
+            f"{rig.focal_px:.0f} and {focal:.0f} px): are distortion and rotation right?",
         )
 
 

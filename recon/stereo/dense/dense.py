@@ -47,7 +47,6 @@ _STRIP_MARGIN = 32
 def match_dense(
     left: NDArray[np.uint8],
     right: NDArray[np.uint8],
-    *,
     min_disparity: int = 0,
     max_disparity: int = 20,
     quality: Quality = "best",
