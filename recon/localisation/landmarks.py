@@ -90,15 +90,12 @@ class _Lines:
 
 def landmarks_of(sights: Sequence[Sight]) -> list[Landmarks]:
     """The landmarks of each image, from the images near it."""
-    rooted = [one.rooted for one in sights]
-    return [_found(sights, rooted, number) for number in range(len(sights))]
+    return [_found(sights, number) for number in range(len(sights))]
 
 
-def _found(
-    sights: Sequence[Sight], rooted: Sequence[NDArray[np.float32]], number: int
-) -> Landmarks:
+def _found(sights: Sequence[Sight], number: int) -> Landmarks:
     sight = sights[number]
-    lines = _lines(sights, rooted, number)
+    lines = _lines(sights, number)
     used = lines.nearest(len(sight))
     for _ in range(NUM_ROUNDS):
         total, moment = lines.information(used, len(sight))
@@ -109,7 +106,7 @@ def _found(
         used = (error < MAX_ERROR_PX).astype(np.float64)
     kept = np.flatnonzero(known & (used[: len(sight)] > 0.0) & (_count(lines, used, sight) > 1))
     return Landmarks(
-        sight=sight, rooted=rooted[number][kept], points=points[kept],
+        sight=sight, rooted=sight.rooted[kept], points=points[kept],
         covariance=_covariance(lines, used, points, kept),
     )  # fmt: skip
 
@@ -127,14 +124,14 @@ def _covariance(lines: _Lines, used: Array, points: Array, kept: Rows) -> Array:
     return np.asarray(np.linalg.inv(total[kept] + floor), np.float64)
 
 
-def _lines(sights: Sequence[Sight], rooted: Sequence[NDArray[np.float32]], number: int) -> _Lines:
+def _lines(sights: Sequence[Sight], number: int) -> _Lines:
     """The lines of sight of an image, followed by those of its neighbours."""
     sight = sights[number]
     found = [(np.arange(len(sight)), sight, np.arange(len(sight)))]
     for other in _neighbours(sights, number):
-        own, there = matched(rooted[number], rooted[other])
-        near = _on_epipolar_line(sight, sights[other], own, there)
-        found.append((own[near], sights[other], there[near]))
+        own, there = matched(sight.rooted, other.rooted)
+        near = _on_epipolar_line(sight, other, own, there)
+        found.append((own[near], other, there[near]))
     return _Lines(
         row=np.concatenate([own for own, _, _ in found]),
         eye=np.concatenate([np.broadcast_to(one.eye, (len(own), 3)) for own, one, _ in found]),
@@ -143,12 +140,12 @@ def _lines(sights: Sequence[Sight], rooted: Sequence[NDArray[np.float32]], numbe
     )
 
 
-def _neighbours(sights: Sequence[Sight], number: int) -> list[int]:
-    """Numbers of the nearest images, from other places, that look the same way."""
+def _neighbours(sights: Sequence[Sight], number: int) -> list[Sight]:
+    """The nearest images, from other places, that look the same way."""
     away = np.linalg.norm([one.eye - sights[number].eye for one in sights], axis=1)
     alike = np.array([one.ahead @ sights[number].ahead for one in sights]) > MIN_COSINE
     order = np.argsort(away, kind="stable")
-    return [int(one) for one in order if alike[one] and away[one] > 0.0][:NUM_NEIGHBOURS]
+    return [sights[one] for one in order if alike[one] and away[one] > 0.0][:NUM_NEIGHBOURS]
 
 
 def _on_epipolar_line(one: Sight, other: Sight, own: Rows, there: Rows) -> NDArray[np.bool_]:

@@ -72,7 +72,7 @@ class Sight:
         """(W,) similar for images that look similar."""
         return summary_of(self.descriptors)
 
-    @property
+    @cached_property
     def rooted(self) -> NDArray[np.float32]:
         """(N, 128) descriptors whose distances are those of histograms, of length 1."""
         total = np.maximum(self.descriptors.sum(axis=1, keepdims=True), 1.0)
