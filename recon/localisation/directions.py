@@ -47,15 +47,16 @@ class Directions:
         side : float
             Azimuth, radians, and slope of one direction.
         """
-        share = _field(rig, tilt, side)
-        grid, share = _grid(share, side)
+        field = _field(rig, tilt, side)
+        grid, num_pixels = _grid(field, side)
         column, row, away = _directions(points_level, grid)
         inside = (column >= 0) & (column < grid.num_columns) & (row >= 0) & (row < grid.num_rows)
         direction = column * grid.num_rows + row
         kept = _most_certain(direction, sigma, np.flatnonzero(inside))
         shown = np.zeros((grid.num_columns, grid.num_rows), np.bool_)
         shown[column[kept], row[kept]] = True
-        empty = np.argwhere((share > WHOLE_SHARE * share.max()) & ~maximum_filter(shown, 3))
+        is_inside = num_pixels > WHOLE_SHARE * num_pixels.max()
+        empty = np.argwhere(is_inside & ~maximum_filter(shown, 3))
         weight = _weights(direction[kept], away[kept])
         seen = Seen(
             column=column[kept], row=row[kept], range=away[kept], sigma=sigma[kept],

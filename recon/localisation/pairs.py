@@ -39,6 +39,8 @@ MIN_LIKENESS = 0.6
 noise, over 0.8 elsewhere. What is tracked through noise stays where it was guessed."""
 SAME_SIDE_DEG = 50.0
 """Angle between two views of a surface up to which its features look alike."""
+MIN_POINTS, MIN_SURFELS = 30, 10
+"""Fewer points of a pair, or pieces of the surface of another, determine no motion."""
 MIN_SHARE = 0.3
 """Minimum share of points on the other pair's surface."""
 MIN_GAIN, NO_GAIN = 0.2, 1e-6
@@ -170,7 +172,7 @@ def _by_shape(
     first: Shown, second: Shown, step: Array, spread: Array
 ) -> tuple[Array, Array] | None:
     """The step at which the points of the second pair are on the surface of the first."""
-    if len(second.points) < 30 or len(first.surfels) < 10:
+    if len(second.points) < MIN_POINTS or len(first.surfels) < MIN_SURFELS:
         return None
     information = np.diag(np.full(6, LEVEL_SIGMA**-2.0))
     information[np.ix_(PLANAR, PLANAR)] = inverse(SIGN @ spread @ SIGN)

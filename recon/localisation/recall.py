@@ -188,7 +188,7 @@ class KnownWorld:
         query = see(pair, STRETCHES)
         likeness = self.summaries @ query.summary
         nearest = np.argsort(-likeness, kind="stable")[:NUM_CANDIDATES]
-        met = [(int(row), self._meet(int(row), query)) for row in nearest]
+        met = [(int(row), meet(self.atlas.places[row], query)) for row in nearest]
         both = [(row, one) for row, one in met if one and one.num_agreeing >= MIN_AGREEING]
         both.sort(key=lambda one: -one[1].num_agreeing)
         return [
@@ -223,9 +223,6 @@ class KnownWorld:
         apart = np.linalg.norm(self.atlas.T_world_left[:, :3, 3] - T_world_left[:3, 3], axis=1)
         alike = self.atlas.T_world_left[:, :3, 2] @ T_world_left[:3, 2]
         return bool(((apart < COVERED_SHARE * self.depths) & (alike > COVERED_COSINE)).any())
-
-    def _meet(self, row: int, query: Place) -> Meeting | None:
-        return meet(self.atlas.places[row], query)
 
     def _from(self, row: int, meeting: Meeting, query: Place) -> PoseEstimate:
         """The pose of the query from a place."""
