@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.figures.footprints import AROUND, is_near, rims
 from recon.figures.partition import RGB, PartCells
 from recon.geometry import pose
 from recon.libraries import load_pyvista
@@ -22,6 +21,7 @@ from recon.records import (
     TruncatedCone,
     Voxels,
 )
+from recon.records.extents import AROUND, rims
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ def drawn_solids(voxels: Voxels, found: FoundObject) -> Iterator[DrawnSolid]:
             own = parts.own(number)
             if len(own):
                 yield DrawnSolid(solid=_flat_box(solid, own), colour=parts.colour(number))
-        elif is_near(solid, found):
+        elif found.holds(solid):
             yield DrawnSolid(solid=solid, colour=parts.colour(number))
 
 

@@ -7,9 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.errors import InputError, one_line
-from recon.records.solids import Solid, from_parameters, parameters
+from recon.records.extents import corners
+from recon.records.solids import Plane, Solid, from_parameters, parameters
 
 UNKNOWN = "unknown"
+
+MAX_EXTENT = 2.0
+"""Largest extent of a solid relative to its object, of which half may not have been seen."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,6 +87,15 @@ class FoundObject:
     """Number of convex pieces."""
     support: int | None = None
     """Id of the plane it stands on."""
+
+    def holds(self, solid: Solid) -> bool:
+        """True unless a solid extends far beyond the object: it fits only what was seen of it.
+
+        So does a wide cylinder through a piece that is nearly flat. A plane, which has no end, is
+        held.
+        """
+        extent = np.ptp(corners(solid), axis=0) if not isinstance(solid, Plane) else np.zeros(3)
+        return bool(np.linalg.norm(extent) <= MAX_EXTENT * np.linalg.norm(self.size))
 
 
 PlaneRole = Literal["ground", "support", "wall"]
