@@ -20,9 +20,15 @@ PER_CELL = 2.0
 
 def completed(voxels: Voxels, objects: tuple[FoundObject, ...]) -> Array:
     """Points (K, 3) on all surfaces of a map, one per cell."""
-    parts = [[p.solid for p in one.parts if not isinstance(p.solid, Plane)] for one in objects]
-    unseen = [_drawn(solids, voxels.cell_size) for solids in parts if solids]
+    solids = [_bounded(one) for one in objects]
+    unseen = [_drawn(some, voxels.cell_size) for some in solids if some]
     return thinned(np.concatenate([voxels.means.reshape(-1, 3), *unseen]), voxels.cell_size)
+
+
+def _bounded(one: FoundObject) -> list[Solid]:
+    """The solids of an object that end where it may end."""
+    solids = [part.solid for part in one.parts]
+    return [solid for solid in solids if not isinstance(solid, Plane) and one.holds(solid)]
 
 
 def thinned(points: Array, side: float) -> Array:

@@ -70,7 +70,7 @@ class Portrait:
             (part.solid, number)
             for number, one in enumerate(objects)
             for part in one.parts
-            if isinstance(part.solid, ROUND)
+            if isinstance(part.solid, ROUND) and one.holds(part.solid)
         ]
         if not round_ones:
             return None

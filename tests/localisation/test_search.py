@@ -1,5 +1,7 @@
 """Search over all positions: an upright camera is located, or the ambiguity is reported."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -151,6 +153,9 @@ def test_unseen_sides_are_completed_from_fitted_solids():
     assert ball.distances(whole).max() < 0.5
     assert (whole[:, 2] < -1.0).sum() > 0.7 * (whole[:, 2] > 1.0).sum() > 20
     assert np.allclose(completed(voxels_of(front), ()), front)
+    # A wide ball through what is nearly flat says nothing of the unseen sides.
+    wide = replace(part, solid=replace(ball, radius=9.0))
+    assert np.allclose(completed(voxels_of(front), (replace(found, parts=(wide,)),)), front)
 
 
 def candidate(x, evidence, sigma=0.05, is_known=False, reach=0.0):

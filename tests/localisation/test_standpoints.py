@@ -71,7 +71,11 @@ def test_portrait_of_a_box_is_none():
 def test_portrait_is_whole_only_if_every_part_is_drawn(portrait):
     box = Box(centre=AHEAD, axes=np.eye(3), sizes=np.ones(3))
     assert portrait.is_whole
-    assert not portrait_of(Sphere(centre=AHEAD, radius=2.0), box).is_whole
+    ball = Sphere(centre=AHEAD, radius=2.0)
+    assert not portrait_of(ball, box).is_whole
+    far = replace(ball, radius=10.0 * tree().size.max())
+    assert not portrait_of(ball, far).is_whole
+    assert portrait_of(far) is None
 
 
 def test_the_true_side_is_the_likeliest(portrait):
