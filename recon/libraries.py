@@ -242,6 +242,19 @@ def keep_memory() -> None:
         library.mallopt(_M_TRIM_THRESHOLD, _KEPT_BYTES)
 
 
+@contextmanager
+def memory_kept() -> Iterator[None]:
+    """Keep free memory inside the block, for work in many steps that each need as much again."""
+    keep_memory()
+    try:
+        yield
+    finally:
+        with suppress(AttributeError, OSError, TypeError):
+            # As glibc itself has it after the largest array.
+            ctypes.CDLL(None).mallopt(_M_TRIM_THRESHOLD, 2 * _LARGEST_KEPT)
+        return_memory()
+
+
 def return_memory() -> None:
     """Return free memory to the system, if the C library can."""
     with suppress(AttributeError, OSError, TypeError):

@@ -34,8 +34,11 @@ def to_parquet(cells: CellSums, *, keeps_views: bool) -> bytes:
     # Sums are practically random numbers of few bits: packing them is fast, and then neither a
     # dictionary nor compression makes them smaller.
     packed = dict.fromkeys([*columns, f"{VIEWS}.list.element"], "DELTA_BINARY_PACKED")
+    # Without gaps, which need not be looked for then.
+    fields = [arrow.field(name, one.type, nullable=False) for name, one in content.items()]
+    table = arrow.table(list(content.values()), arrow.schema(fields))
     parquet.write_table(
-        arrow.table(content), stream, compression="none", use_dictionary=False,
+        table, stream, compression="none", use_dictionary=False,
         column_encoding=packed, write_statistics=False,
     )  # fmt: skip
     return stream.getvalue()

@@ -9,7 +9,8 @@ from recon.errors import InputError
 from recon.exports.partitions.manifest import COARSEST, Entry, Form, Manifest
 from recon.exports.partitions.partitioned import PartitionedMap, summary
 from recon.exports.partitions.rows import to_parquet
-from recon.exports.partitions.store import MANIFEST, Place, store_of
+from recon.exports.partitions.store import MANIFEST, Place, Store, store_of
+from recon.libraries import memory_kept
 from recon.notices import notify
 from recon.threads import in_threads
 from recon.voxelmap import VoxelMap
@@ -18,8 +19,6 @@ from recon.voxelmap.sums import CellSums, Key, added, split
 
 PARTITION_SIZE = 256
 """Default number of cells along a side of a partition."""
-Packed = tuple[Entry, bytes]
-"""A partition in the manifest, and its file."""
 _Share = tuple[PartitionedMap, Entry, int]
 """A partition of one map, and the offset of its view numbers."""
 
@@ -47,8 +46,9 @@ def write_partitions(
         ray_margin=voxel_map.ray_margin,
         has_colour=voxel_map.has_colour,
     )
-    parts = split(sums_of(voxel_map), partition_size)
-    return _write((_packed(key, cells, form) for key, cells in parts), form, place)
+    store, parts = store_of(place), split(sums_of(voxel_map), partition_size)
+    _complete((_written(store, form, key, cells) for key, cells in parts), form, store)
+    return PartitionedMap(place)
 
 
 def merge_partitions(
@@ -80,13 +80,17 @@ def merge_partitions(
         for entry in source.partitions:
             held.setdefault(entry.index, []).append((source, entry, view))
 
-    def merged(key: Key) -> Packed:
+    store = store_of(place)
+
+    def merged(key: Key) -> Entry:
         shares = (_renumbered(one.sums(entry), view) for one, entry, view in held[key])
         if not form.has_colour:
             shares = (cells.without_colour() for cells in shares)
-        return _packed(key, added(shares), form)
+        return _written(store, form, key, added(shares))
 
-    return _write(in_threads(merged, sorted(held)), form, place)
+    with memory_kept():
+        _complete(in_threads(merged, sorted(held)), form, store)
+    return PartitionedMap(place)
 
 
 def _common_form(sources: Sequence[PartitionedMap]) -> Form:
@@ -110,21 +114,19 @@ def _renumbered(cells: CellSums, first_view: int) -> CellSums:
     return replace(cells, views=cells.views + step)
 
 
-def _packed(key: Key, cells: CellSums, form: Form) -> Packed:
-    return summary(key, cells), to_parquet(cells, keeps_views="views" in form.channels)
+def _written(store: Store, form: Form, key: Key, cells: CellSums) -> Entry:
+    """The entry of a partition whose file is written."""
+    entry = summary(key, cells)
+    store.write(entry.file, to_parquet(cells, keeps_views="views" in form.channels))
+    return entry
 
 
-def _write(parts: Iterable[Packed], form: Form, place: Place) -> PartitionedMap:
-    """Write partitions, and the manifest last, which completes the map."""
-    store = store_of(place)
+def _complete(written: Iterable[Entry], form: Form, store: Store) -> None:
+    """Let the partitions be written, and the manifest last, which completes the map."""
     store.remove(MANIFEST)
-    entries = []
-    for entry, content in parts:
-        store.write(entry.file, content)
-        entries.append(entry)
+    entries = tuple(written)
     known = {entry.file for entry in entries}
     for name in store.names():
         if name.startswith("cells_") and name not in known:
             store.remove(name)
-    Manifest(form=form, partitions=tuple(entries)).write(store)
-    return PartitionedMap(place)
+    Manifest(form=form, partitions=entries).write(store)
