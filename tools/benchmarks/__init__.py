@@ -1,5 +1,7 @@
 """The benchmark, topic by topic. Nothing in `recon` imports this."""
 
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,3 +18,15 @@ class Measurement:
     better: Literal["lower", "higher"]
     tolerance: float
     """Share of the baseline by which it may fall behind."""
+
+
+def cpu_seconds(work: Callable[[], object]) -> float:
+    """Measure the CPU time of a call, of all its threads."""
+    began = time.process_time()
+    work()
+    return time.process_time() - began
+
+
+def least_cpu_seconds(work: Callable[[], object], repeats: int) -> float:
+    """Measure the least CPU time of some calls."""
+    return min(cpu_seconds(work) for _ in range(repeats))

@@ -10,7 +10,7 @@ from benchmarks import Measurement
 from recon.exploration.agent import explore
 from recon.exploration.outcome import Exploration
 from recon.runs.worlds import judged_names
-from recon.settings import Settings, updated, with_quality
+from recon.settings import Settings, explorers, updated
 from recon.world.generator import random_scene
 from recon.world.world import World
 
@@ -27,11 +27,7 @@ def measure(quick: bool) -> list[Measurement]:
 
 def settings_for(controller: str) -> Settings:
     """Make the settings of `recon explore`."""
-    changes = {
-        "matching": {"min_disparity": -10, "max_disparity": 20},
-        "exploration": {"controller": controller},
-    }
-    return updated(with_quality(Settings(), "fast"), changes)
+    return explorers(updated(Settings(), {"exploration": {"controller": controller}}))
 
 
 def village() -> Iterator[Measurement]:

@@ -2,13 +2,12 @@
 
 import json
 import os
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks import Measurement
+from benchmarks import Measurement, least_cpu_seconds
 from recon.recognition.fitting.composite import Composite
 from recon.recognition.fitting.shapes import fit
 from recon.recognition.naming.catalogue import read_catalogues
@@ -24,6 +23,7 @@ KINDS = ("apple tree", "pine tree", "cottage")
 SHAPES = ("sphere", "ellipsoid", "cylinder", "cone")
 COLOURS = np.array([[110.0, 70.0, 30.0], [40.0, 150.0, 40.0]])
 NOISES_PX = (0.05, 0.1, 0.25)
+NUM_REPEATS = 9
 
 
 def measure(quick: bool) -> list[Measurement]:
@@ -141,7 +141,8 @@ def cad_parts() -> Iterator[Measurement]:
 
 def costs() -> Iterator[Measurement]:
     """Measure the time of a part and of an object, relative to a singular value decomposition."""
-    peer = seconds(lambda: np.linalg.svd(np.random.default_rng(0).normal(size=(300, 300))))
+    matrix = np.random.default_rng(0).normal(size=(300, 300))
+    peer = least_cpu_seconds(lambda: np.linalg.svd(matrix), NUM_REPEATS)
     _, voxels = random_object(0, 0.1)
     objects = voxels.select(voxels.centres[:, 1] > 1.0)
     kinds = read_catalogues(["village"])
@@ -151,21 +152,11 @@ def costs() -> Iterator[Measurement]:
     ):
         yield Measurement(
             name=f"recognition.{name}_ratio",
-            value=seconds(work) / peer,
+            value=least_cpu_seconds(work, NUM_REPEATS) / peer,
             unit="of the time of a 300 x 300 SVD",
             better="lower",
             tolerance=0.5,
         )
-
-
-def seconds(work: object) -> float:
-    """Minimum CPU time of nine runs."""
-    times = []
-    for _ in range(9):
-        began = time.thread_time()
-        work()
-        times.append(time.thread_time() - began)
-    return min(times)
 
 
 def random_object(seed: int, sigma_px: float) -> tuple[Composite, Voxels]:

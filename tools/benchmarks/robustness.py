@@ -22,7 +22,7 @@ from benchmarks import Measurement
 from benchmarks.foreign import foreign_scene
 from recon.exploration.agent import Exploration, explore
 from recon.records import UNKNOWN
-from recon.settings import EXPLORER_BASE, Settings, merged, updated, with_quality
+from recon.settings import Settings, explorers, updated
 from recon.world.generator import random_scene
 from recon.world.visuals import CylinderVisual, EllipsoidVisual, PolygonVisual, Scene, SphereVisual
 from recon.world.world import World
@@ -127,7 +127,7 @@ def rows(names: Iterable[str], seeds: Sequence[int]) -> list[Measurement]:
 
 def settings_with(changes: dict[str, Any]) -> Settings:
     """Make the settings of `recon explore` with some changes."""
-    return updated(with_quality(Settings(), "fast"), merged(EXPLORER_BASE, changes))
+    return explorers(updated(Settings(), changes))
 
 
 def explored(seed: int, condition: Condition) -> Run:

@@ -1,14 +1,13 @@
 """From pairs to refined matches, relative to OpenCV's StereoSGBM: alternating, CPU time."""
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
 import cv2
 import numpy as np
 
-from benchmarks import Measurement
+from benchmarks import Measurement, cpu_seconds
 from recon.libraries import limit_threads
 from recon.records import Matches
 from recon.settings import Quality, Settings, updated, with_quality
@@ -69,13 +68,6 @@ def run(pair: Images, s: Settings) -> tuple[Matches, list[float]]:
     return matches, [float(step) for step in np.diff(clock)]
 
 
-def seconds(work: Callable[[], object]) -> float:
-    """Measure the CPU seconds of one call."""
-    began = time.thread_time()
-    work()
-    return time.thread_time() - began
-
-
 def speed(
     quality: Quality, size: tuple[int, int], num_disparities: int, repeats: int
 ) -> list[Measurement]:
@@ -85,7 +77,7 @@ def speed(
     run(pair, s)  # compiles the kernels
     peers, stages = [], []
     for _ in range(repeats):
-        peers.append(seconds(lambda: peer.compute(*pair)))
+        peers.append(cpu_seconds(lambda: peer.compute(*pair)))
         stages.append(run(pair, s)[1])
     name = f"stereo.{quality}_{size[0]}x{size[1]}"
     ratio = median(map(sum, stages)) / median(peers)

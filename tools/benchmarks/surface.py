@@ -1,7 +1,5 @@
 """Dense matching compared with OpenCV's MODE_HH on the golden pair, and its point cloud."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -9,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from benchmarks import Measurement
+from benchmarks import Measurement, cpu_seconds
 from recon.libraries import limit_threads
 from recon.records import DisparityMap, StereoPair
 from recon.sequences.open import open_sequence
@@ -72,15 +70,9 @@ def _ratio(quality: Quality, pair: StereoPair, repeats: int) -> Measurement:
     def peer() -> Any:
         return PEERS["hh"](*greys, Search(0, HIGHEST + 1))
 
-    times = [(_seconds(own), _seconds(peer)) for _ in range(repeats)]
+    times = [(cpu_seconds(own), cpu_seconds(peer)) for _ in range(repeats)]
     ratio = median(a for a, _ in times) / median(b for _, b in times)
     return _number(f"{quality}_time_ratio", ratio, "of MODE_HH's time", "lower")
-
-
-def _seconds(work: Callable[[], Any]) -> float:
-    began = time.process_time()
-    work()
-    return time.process_time() - began
 
 
 def _covered(name: str, found: DisparityMap, pair: StereoPair) -> list[Measurement]:

@@ -2,14 +2,13 @@
 
 import resource
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import octomap
 
-from benchmarks import Measurement
+from benchmarks import Measurement, least_cpu_seconds
 from recon.records import PointCloud
 from recon.voxelmap import VoxelMap
 
@@ -62,16 +61,6 @@ def view(
     return eye, PointCloud(points=points, colours=np.clip(colours, 0, 255).astype(np.uint8))
 
 
-def cpu_seconds(work: Callable[[], object], repeats: int) -> float:
-    """Minimum CPU time of some runs."""
-    seconds = []
-    for _ in range(repeats):
-        began = time.process_time()
-        work()
-        seconds.append(time.process_time() - began)
-    return min(seconds)
-
-
 def filled(views: list[tuple[np.ndarray, PointCloud]], cell_size: float) -> VoxelMap:
     """Make a map of all views."""
     voxel_map = VoxelMap(cell_size)
@@ -92,8 +81,8 @@ def inserts(
         for _, cloud in views:
             tree.updateNodes(cloud.points, True)
 
-    ours = cpu_seconds(lambda: filled(views, cell_size), repeats)
-    ratio = cpu_seconds(theirs, 2) / ours
+    ours = least_cpu_seconds(lambda: filled(views, cell_size), repeats)
+    ratio = least_cpu_seconds(theirs, 2) / ours
     bar = {"1": "6, aim 15", "0.1": "4, aim 8"}[name]
     yield Measurement(
         name=f"voxelmap.insert_{name}_speed", value=ratio, better="higher", tolerance=0.3,
@@ -137,7 +126,8 @@ def one_view(repeats: int) -> Measurement:
             tree.updateNodes(cloud.points, True)
 
     return Measurement(
-        name="voxelmap.view_5000_time", value=cpu_seconds(ours, repeats) / cpu_seconds(theirs, 2),
+        name="voxelmap.view_5000_time",
+        value=least_cpu_seconds(ours, repeats) / least_cpu_seconds(theirs, 2),
         unit="of octomap-python's time (bar 0.2, aim 0.1)", better="lower", tolerance=0.3,
     )  # fmt: skip
 
@@ -157,7 +147,8 @@ def free_space(views: list[tuple[np.ndarray, PointCloud]], repeats: int) -> Meas
 
     ours()
     return Measurement(
-        name="voxelmap.free_space_speed", value=cpu_seconds(theirs, 1) / cpu_seconds(ours, repeats),
+        name="voxelmap.free_space_speed",
+        value=least_cpu_seconds(theirs, 1) / least_cpu_seconds(ours, repeats),
         unit="x octomap-python's insertPointCloud (bar 4, aim 8)", better="higher", tolerance=0.3,
     )  # fmt: skip
 

@@ -6,8 +6,7 @@ from typing import Any
 
 from recon.exploration.agent import explore
 from recon.exploration.thesis import ThesisController
-from recon.runs.api import explorers
-from recon.settings import Settings, with_preset
+from recon.settings import Settings, explorers, with_preset
 from recon.world.library import find_scene
 from recon.world.world import World
 

@@ -99,8 +99,6 @@ def _matched(name: str, matcher: str, preset: str = "default") -> tuple[int, Mat
     pair = PAIRS[name]()
     changes = {"matching": pair.search | {"matcher": matcher}}
     settings = updated(with_preset(Settings(), preset), changes)
-    if preset == "thesis":
-        settings = updated(settings, {"matching": pair.search})
     number_left = len(detect(pair.left, settings.features))
     return number_left, match_sparse(pair.left, pair.right, settings).matches
 
