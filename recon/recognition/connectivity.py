@@ -22,6 +22,8 @@ ON_AXIS = 0.6
 """Two parts of one object have centres closer than this share of the wider part's radius."""
 SIDE_BY_SIDE = 0.5
 """Two parts that overlap by more than this share of their height are side by side."""
+OVERHANG = 1.6
+"""Minimum width of a crown relative to its trunk: a box on a narrower one is not its crown."""
 
 
 def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
@@ -139,7 +141,7 @@ def overhanging(points: NDArray[np.float64], label: NDArray[np.int32]) -> NDArra
     lower = np.concatenate(pairs)
     lower = np.where(middle[lower[:, :1], 1] <= middle[lower[:, 1:], 1], lower, lower[:, ::-1])
     wide = size[:, ::2].max(axis=1)
-    return joined(lower[wide[lower[:, 1]] > wide[lower[:, 0]]], len(low))[label]
+    return joined(lower[wide[lower[:, 1]] > OVERHANG * wide[lower[:, 0]]], len(low))[label]
 
 
 def _boxes(

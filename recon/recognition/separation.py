@@ -1,6 +1,7 @@
 """Objects in one component of the map."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,8 +115,13 @@ def cut_at_creases(
     explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
     if not explained or explained < (_explained(cells) + BETTER) * len(rows):
         return [whole]
-    pieces = [(name(rows[part]), rows[part]) for part in parts]
+    pieces = [(_held_by(name(rows[part]), naming), rows[part]) for part in parts]
     return [whole] if _is_topped(pieces, voxels) else pieces
+
+
+def _held_by(piece: Naming, whole: Naming) -> Naming:
+    """A piece that hovers only if the whole does: what is stacked is held by the rest."""
+    return replace(piece, is_hovering=piece.is_hovering and whole.is_hovering)
 
 
 def _by_solids(cells: Voxels, parts: list[Rows]) -> float:

@@ -90,6 +90,40 @@ def linked_roots(
 
 
 @njit(cache=True)
+def agreed_roots(
+    pairs: Numbers, is_for: NDArray[np.bool_], num_nodes: int, least: float
+) -> Numbers:
+    """Root (N,) of each node after joining groups between which enough pairs are for it.
+
+    Parameters
+    ----------
+    pairs : (E, 2)
+        Those that may join first come first.
+    is_for : (E,)
+        Which pairs are for joining their groups; the others are against it.
+    least : float
+        Minimum share of the pairs between two groups that are for it.
+    """
+    roots = np.arange(num_nodes)
+    votes = np.zeros((2, num_nodes, num_nodes), dtype=np.int32)
+    for e in range(len(pairs)):
+        for first, second in ((pairs[e, 0], pairs[e, 1]), (pairs[e, 1], pairs[e, 0])):
+            votes[0, first, second] += is_for[e]
+            votes[1, first, second] += 1
+    is_joining = True
+    while is_joining:
+        is_joining = False
+        for edge in np.flatnonzero(is_for):
+            i, j = sorted((roots[pairs[edge, 0]], roots[pairs[edge, 1]]))
+            if i != j and votes[0, i, j] > least * votes[1, i, j]:
+                roots[roots == j] = i
+                votes[:, i] += votes[:, j]
+                votes[:, :, i] = votes[:, i]
+                is_joining = True
+    return roots
+
+
+@njit(cache=True)
 def numbered(roots: Numbers) -> NDArray[np.int32]:
     """Group numbers (N,) 0, 1, ... in the order of their first members, which are their roots."""
     label = np.empty(len(roots), dtype=np.int32)

@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from recon.recognition.adjacency import neighbours
 from recon.recognition.connectivity import grouped, in_order_of_appearance, joined, stacked
+from recon.recognition.unions import agreed_roots
 
 
 def block(low, high):
@@ -68,3 +69,14 @@ def test_neighbours_stay_separate_inside_a_wide_bounding_box():
 def test_groups_list_the_rows_of_each_label_but_not_unlabelled_ones():
     rows = grouped(np.array([2, 0, -1, 2, 0]), 4)
     assert [one.tolist() for one in rows] == [[1, 4], [], [0, 3], []]
+
+
+@pytest.mark.parametrize(("num_for", "num_groups"), [(0, 2), (1, 2), (2, 1), (4, 1)])
+def test_groups_join_only_where_enough_of_the_pairs_between_them_are_for_it(num_for, num_groups):
+    inside = np.array([(0, 1), (0, 2), (1, 2), (3, 4), (3, 5), (4, 5)])
+    between = np.array([(0, 3), (1, 4), (2, 5), (2, 3)])
+    is_for = np.repeat([True, False], [6 + num_for, 4 - num_for])
+    roots = agreed_roots(np.concatenate([inside, between]), is_for, 6, 0.3)
+    assert len(set(roots)) == num_groups
+    assert (roots[:3] == 0).all()
+    assert len(set(roots[3:])) == 1

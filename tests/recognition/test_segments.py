@@ -65,6 +65,27 @@ def test_touching_objects_on_a_table_are_separated_in_any_unit(scale):
     assert found.planes[0].area == pytest.approx(scale**2 * 1.8 * 0.9, rel=0.4)
 
 
+def test_small_thing_on_another_is_an_object_although_it_does_not_touch_the_table():
+    rng = np.random.default_rng(2)
+    can = Cylinder(point=np.array([0.0, 0.0, 0.0]), axis=UP, radius=0.12, height=0.15)
+    ball = Sphere(centre=np.array([0.0, 0.21, 0.0]), radius=0.07)
+    eye = np.array([0.0, 0.9, 1.0])
+    table = rng.uniform([-0.9, 0.0, -0.45], [0.9, 0.0, 0.45], (10_000, 3))
+    own = []
+    for solid, count in ((can, 1800), (ball, 500)):
+        whole = surface([solid], count, rng)
+        is_seen = np.einsum("ij,ij->i", whole.normals, eye - whole.points) > 0
+        own.append(whole.points[is_seen & (whole.points[:, 1] > 0.005)])
+    clean = [*own, table]
+    views = np.broadcast_to(pose(np.eye(3), eye), (1, 4, 4))
+    cloud = cloud_of(*(points + 0.001 * rng.normal(size=points.shape) for points in clean))
+    found = recognise_cloud(cloud, SETTINGS, T_cloud_left=views)
+    truth = np.repeat(np.arange(3), list(map(len, clean)))
+    label = [np.bincount(found.label[truth == number] + 1).argmax() for number in range(2)]
+    assert min(label) > 0
+    assert label[0] != label[1]
+
+
 def test_floor_is_found_below_a_table_top_with_more_points():
     rng = np.random.default_rng(0)
     top = rng.uniform([-0.5, 0.7, -0.5], [0.5, 0.7, 0.5], (24_000, 3))
@@ -167,6 +188,8 @@ def test_crown_overhangs_its_trunk_but_stacked_boxes_do_not():
     label = np.repeat([0, 1], 90).astype(np.int32)
     assert overhanging(np.concatenate([trunk, 3 * crown - [0, 16, 0]]), label).max() == 0
     assert overhanging(np.concatenate([4 * trunk, np.add(crown, [0, 12, 0])]), label).max() == 1
+    # A box on a slightly narrower one is no crown.
+    assert overhanging(np.concatenate([trunk, 1.2 * trunk + [0, 6, 0]]), label).max() == 1
 
 
 def ring(num_views, reach):

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from recon.recognition.cells import coarser, distinct, means
-from recon.recognition.connectivity import in_order_of_appearance, joined
+from recon.recognition.connectivity import in_order_of_appearance
 from recon.recognition.fitting.normals import estimate_normals
+from recon.recognition.unions import agreed_roots, numbered
 from recon.records import Voxels
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
+Mask = NDArray[np.bool_]
 
 MOST_CELLS, COARSE_CELLS = 2000, 1500
 """Number of cells above which coarser cells show the creases as well, and their approximate
@@ -28,6 +30,9 @@ SMALLEST_TOUCH = 2
 """Minimum number of cell pairs between two touching patches."""
 CONCAVE_DEG = 12.0
 """Angle up to which a crease is noise."""
+CONVEX_SHARE = 0.3
+"""Minimum share of the edges between two pieces that are convex: where a box stands close behind a
+can, some of them are by chance."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,10 +119,13 @@ def _outwards(relief: Relief, eyes: Array) -> Array:
 def _pieces(relief: Relief, normals: Array) -> Labels:
     """Convex piece (K,) of each cell, those of few cells included."""
     patches = _patches(relief.cells, normals)
-    touching = _touching(relief.touching, patches)
-    convex = touching[_is_convex(patches, touching)]
-    count = len(patches.middles)
-    return joined(_twice_held(convex, count), count)[patches.label]
+    edges = _touching(relief.touching, patches)
+    alike = np.einsum("ij,ij->i", *patches.normals[edges.T])
+    edges = edges[np.argsort(-alike, kind="stable")]
+    convex = _twice_held(edges, _is_convex(patches, edges), len(patches.middles))
+    roots = agreed_roots(edges, convex, len(patches.middles), CONVEX_SHARE)
+    piece: Labels = numbered(roots)[patches.label]
+    return piece
 
 
 def _patches(cells: Voxels, normals: Array) -> _Patches:
@@ -147,23 +155,24 @@ def _touching(pairs: NDArray[np.intp], patches: _Patches) -> NDArray[np.intp]:
     return np.column_stack(np.divmod(edges, len(patches.middles)))
 
 
-def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _is_convex(patches: _Patches, edges: NDArray[np.intp]) -> Mask:
     first, second = edges.T
     apart = patches.middles[first] - patches.middles[second]
     apart /= np.maximum(np.linalg.norm(apart, axis=1, keepdims=True), 1e-12)
     turn = np.einsum("ij,ij->i", patches.normals[first] - patches.normals[second], apart)
     alike = np.einsum("ij,ij->i", patches.normals[first], patches.normals[second])
-    convex: NDArray[np.bool_] = (turn >= 0) | (alike > np.cos(np.radians(CONCAVE_DEG)))
+    convex: Mask = (turn >= 0) | (alike > np.cos(np.radians(CONCAVE_DEG)))
     return convex
 
 
-def _twice_held(edges: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Edges whose patches share a third neighbour, so that one false edge joins nothing."""
+def _twice_held(edges: NDArray[np.intp], convex: Mask, count: int) -> Mask:
+    """Convex edges whose patches share a third neighbour, so that one false edge joins nothing."""
+    first, second = edges[convex].T
     touching = np.zeros((count, count), dtype=bool)
-    touching[edges[:, 0], edges[:, 1]] = touching[edges[:, 1], edges[:, 0]] = True
-    held = (touching[edges[:, 0]] & touching[edges[:, 1]]).any(axis=1)
-    kept: NDArray[np.intp] = edges[held]
-    return kept
+    touching[first, second] = touching[second, first] = True
+    held = convex.copy()
+    held[convex] = (touching[first] & touching[second]).any(axis=1)
+    return held
 
 
 def _absorbed(cells: Voxels, piece: Labels, smallest: int) -> Labels:
