@@ -12,13 +12,10 @@ from recon.exploration.outlines import Outline
 from recon.geometry import wrapped
 from recon.localisation.graph import FRONT_SHARE, Bearing, Graph
 
-EDGE_SIGMA_PX = 0.3
+EDGE_SIGMA_PX = 0.2
 """Standard deviation of an edge, pixels."""
 HIDDEN_SHARE = 0.1
 """Standard deviation of an object's middle derived from one edge, as a share of its radius."""
-NEAR = 0.1
-"""Additional standard deviation of the middle, radians, over the cube of radius over distance: of
-near objects only some sides have points."""
 DISTANCE_SHARE, HIDDEN_DISTANCE_SHARE = 0.06, 0.5
 """The same for the distance of its front: for a whole object, and for a partly hidden one."""
 GATE = 3.0
@@ -117,7 +114,7 @@ class Sighter:
             landmark=landmark,
             azimuth_rad=azimuth,
             distance=seen.distance,
-            azimuth_sigma=math.hypot(edge, share * radius / away, NEAR * (radius / away) ** 3),
+            azimuth_sigma=math.hypot(edge, share * radius / away),
             distance_sigma=math.hypot(seen.sigma, (DISTANCE_SHARE + hidden) * radius),
             half_rad=max(seen.half_rad, self.edge_sigma) if is_whole else math.nan,
         )

@@ -22,9 +22,8 @@ NUM_ROUNDS = 12
 SMALL_CHANGE = 1e-5
 FIRST_SIGMA = 1e-5
 """Standard deviation of the first pose, which anchors the world; radians and world units."""
-WIDTH_QUANTILE, WHOLE_SHARE = 0.6, 0.8
-"""Of the widths that a thing was seen in, the one that counts; and the share of it, or it of what
-is seen, from which on the thing is taken to be seen whole."""
+WIDTH_QUANTILE = 0.6
+"""Of the widths that a thing was seen in, the one that counts."""
 SHAPE_SHARE, NUM_SHAPE = 0.03, 2.0
 """Standard deviation of the middle between the edges of a thing as a share of its radius, before
 it was seen, and so many sightings that counts as: a tree looks the same from all sides, a house
@@ -56,11 +55,11 @@ class Bearing:
 def hidden_rad(half_rad: Array, radius: Array, away: Array) -> Array:
     """Angles (N,) by which objects appear too narrow or too wide, and their middle may be off.
 
-    An object that appears too narrow is partly hidden; one too wide has another beside it.
+    An object that appears too narrow is partly hidden; one too wide has another beside it or behind
+    it, however little of it shows.
     """
     half = np.arcsin(np.minimum(radius / away, 1.0))
-    is_whole = (half_rad > WHOLE_SHARE * half) & (WHOLE_SHARE * half_rad < half)
-    return np.where(is_whole | np.isnan(half_rad), 0.0, np.abs(half_rad - half))
+    return np.where(np.isnan(half_rad), 0.0, np.abs(half_rad - half))
 
 
 def planar(T_world_left: Array) -> Array:

@@ -112,3 +112,23 @@ def test_uncertainty_of_a_step_excludes_that_of_its_start():
         graph.walk(step_between(before, after))
     last = graph.spread_between(len(meant) - 2)
     np.testing.assert_allclose(np.sqrt(np.diag(last)), [0.1, 0.1, np.radians(1.0)], rtol=1e-6)
+
+
+def test_little_of_another_thing_behind_an_outline_does_not_turn_the_path():
+    """Its outline is wider on one side, by less than a house seen from another side."""
+    away = np.hypot(*TREES[0])
+    half, azimuth = np.arcsin(RADIUS / away), np.arctan2(*TREES[0, ::-1])
+    graph = Graph.at(np.zeros(3), STEP_SIGMA)
+    graph.add(TREES[0], RADIUS)
+    for number, wider in enumerate((0.0, 0.0, 0.3 * half)):
+        if number:
+            graph.walk(np.zeros(3))
+        graph.bearings.append(
+            Bearing(
+                pose=number, landmark=0, azimuth_rad=azimuth + wider / 2.0,
+                distance=away - FRONT_SHARE * RADIUS, azimuth_sigma=0.001, distance_sigma=0.3,
+                half_rad=half + wider / 2.0,
+            )
+        )  # fmt: skip
+    graph.solve()
+    assert abs(graph.poses[-1, 2]) < 0.3 * 0.15 * half
