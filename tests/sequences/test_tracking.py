@@ -44,3 +44,13 @@ def test_noise_is_tracked_where_it_was_guessed_but_is_not_alike(rng):
     found = likenesses(rng, np.full((SIZE, SIZE + DISPARITY_PX), 128.0))
     assert len(found) > 20
     assert found.max() < 0.4
+
+
+def test_tracks_along_the_horizon_are_not_alike(rng):
+    """They would slide to where they were guessed, and agree with any motion."""
+    scene = np.repeat([200.0, 100.0], SIZE // 2)[:, None] + np.zeros(SIZE + DISPARITY_PX)
+    first, second = taken(rng, scene), taken(rng, scene)
+    tracks = track(first, second, np.eye(4))
+    is_level = np.abs(tracks.first.points_px[:, 1] - SIZE / 2) < 4.0
+    assert np.count_nonzero(is_level) > 5
+    assert likeness(first, second, tracks)[is_level].max() < 0.4

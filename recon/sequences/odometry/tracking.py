@@ -119,10 +119,15 @@ def likeness(first: StereoPair, second: StereoPair, tracks: Tracks) -> Array:
 
 
 def _window(image: Image, point_px: Array) -> NDArray[np.float32]:
-    """The window around a point, of mean 0 and standard deviation 1; 0 where it is plain."""
+    """The window around a point, of mean 0 and standard deviation 1 but for rounding.
+
+    The mean of each row is left out: along an edge that lies level, as the horizon, everything is
+    alike, and a track slides.
+    """
     size = (LK_WINDOW_PX, LK_WINDOW_PX)
     window = cv2.getRectSubPix(image, size, point_px.tolist(), patchType=cv2.CV_32F)
-    found: NDArray[np.float32] = (window - window.mean()) / max(float(window.std()), 1e-6)
+    off = window - window.mean(axis=1, keepdims=True)
+    found: NDArray[np.float32] = off / max(float(off.std()), 1e-6)
     return found
 
 
