@@ -14,7 +14,7 @@ from recon.camera import StereoRig
 from recon.geometry import invert
 from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
-from recon.localisation.precision import information, shares
+from recon.localisation.precision import information, shares, supported
 from recon.records import PoseEstimate
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import Meeting, meet
@@ -62,7 +62,8 @@ class PlaceErrors:
 def motion_covariance(met: Meeting, rig: StereoRig) -> Array:
     """Covariance (6, 6) of the motion between two places, from their common points."""
     at = linearise(met.T_second_first, met.tracks, rig)
-    known = information(at.residual, at.by_motion, shares(met.tracks))
+    share = shares(met.tracks)
+    known = information(at.residual, supported(at.residual, at.by_motion, share), share)
     return np.asarray(np.linalg.pinv(known), np.float64)
 
 

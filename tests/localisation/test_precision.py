@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from recon.geometry import invert
 from recon.localisation.place_errors import motion_covariance
-from recon.localisation.precision import information
+from recon.localisation.precision import information, supported
 from recon.records import View
 from recon.sequences.odometry.motion import linearise
 from recon.sequences.odometry.places import meet, see
@@ -137,3 +137,20 @@ def test_overlapping_windows_are_not_independent(views):
 def as_if_independent(met, rig):
     at = linearise(met.T_second_first, met.tracks, rig)
     return np.linalg.pinv(information(at.residual, at.by_motion, np.ones(len(met.tracks))))
+
+
+def test_what_one_track_alone_tells_is_not_known():
+    """It is followed wherever it errs; of two alike, each confirms the other no more."""
+    rng, number = np.random.default_rng(6), 40
+    derivative = np.zeros((number, 3, 3))
+    derivative[:, [0, 1], [0, 1]] = 1.0
+    residual, share = rng.normal(size=(number, 3)), np.ones(number)
+    share[:2] = 0.5
+    evenly = supported(residual, derivative, share)
+    assert information(residual, evenly, share)[:2, :2] == pytest.approx(
+        information(residual, derivative, share)[:2, :2], rel=0.05
+    )
+    derivative[:2, 2, 2] = 1.0
+    alone = information(residual, supported(residual, derivative, share), share)
+    assert alone[2, 2] < 0.01 * information(residual, derivative, share)[2, 2]
+    assert alone[0, 0] == pytest.approx(information(residual, evenly, share)[0, 0], rel=0.1)
