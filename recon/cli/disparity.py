@@ -1,7 +1,7 @@
 """`recon disparity`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -15,9 +15,7 @@ from recon.cli.options import (
     run_folder,
     with_options,
 )
-
-if TYPE_CHECKING:
-    from recon.runs.report import Report
+from recon.cli.output import say_numbers
 
 
 @click.command(epilog="Example: recon disparity left.png right.png --max-disparity 64 -o out")
@@ -43,9 +41,4 @@ if TYPE_CHECKING:
 def disparity(left: Path, right: Path, **given: Any) -> None:
     """Match two rectified images; with -o, save matches.npz and figures."""
     named = {name: given[name] for name in ("truth", "truth_scale", "calib")}
-    do_job("disparity", (left, right), given, say=_say, **named)
-
-
-def _say(report: "Report") -> None:
-    for name, value in report.numbers.items():
-        click.echo(f"{name:20} {value}")
+    do_job("disparity", (left, right), given, say=say_numbers, **named)

@@ -17,6 +17,7 @@ from recon.cli.options import (
     run_folder,
     with_options,
 )
+from recon.cli.output import say_numbers
 
 if TYPE_CHECKING:
     from recon.runs.report import Report
@@ -99,7 +100,7 @@ def evaluate(pair_dirs: tuple[Path, ...], **given: Any) -> None:
         do_job("surface", (), given, say=_say_surface, **asked)
     elif kind == "trajectory":
         path = (given["trajectory"],)
-        do_job("trajectory", path, given, say=_say_numbers, truth=given["truth"])
+        do_job("trajectory", path, given, say=say_numbers, truth=given["truth"])
     elif kind == "worlds":
         do_job("worlds", (), given, say=_say_worlds, unit="worlds", worlds=given["worlds"])
     elif kind == "dense":
@@ -126,11 +127,6 @@ def _kind(pair_dirs: tuple[Path, ...], given: dict[str, Any]) -> str:
         others = "" if kind == "dense" else ", --worlds, --trajectory or --surface"
         raise click.UsageError(f"PAIR_DIRS{others} is needed")
     return kind
-
-
-def _say_numbers(report: "Report") -> None:
-    for name, value in report.numbers.items():
-        click.echo(f"{name:24} {value}")
 
 
 def _say_surface(report: "Report") -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from recon.cli.options import OUTPUT, PATH, SCENE, with_options
-from recon.cli.output import print_document, start_logging
+from recon.cli.output import print_document, shown, start_logging
 
 _INDENT = "  "
 
@@ -47,16 +47,3 @@ def table(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for line in cells:
         padded = (f"{cell:{width}}" for cell, width in zip(line, widths, strict=True))
         yield "  ".join(padded).rstrip()
-
-
-def shown(value: Any) -> str:
-    """One value in a readable form."""
-    if value is None:
-        return "-"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(shown, value)) or "none"
-    return str(value) if value != {} else "none"

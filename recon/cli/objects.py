@@ -20,13 +20,19 @@ def object_line(found: dict[str, Any]) -> str:
     box = found.get("box")
     decimals = _decimals(box)
     place = ", ".join(_rounded(value, decimals) for value in found["centre"])
-    return f"{found['label']:14} at {place}{_size(box, decimals)}{said}{_reason(found)}"
+    return f"{found['label']:14} at {place}{_size(found, decimals)}{said}{_reason(found)}"
 
 
-def _size(box: dict[str, Any] | None, decimals: int) -> str:
+def _size(found: dict[str, Any], decimals: int) -> str:
+    """The size of what has a name, from the ground up; else the edges of the box of its cells."""
+    # Late: listing the commands needs no arrays.
+    from recon.records.objects import UNKNOWN
+
+    box = found.get("box")
     if box is None:
         return ""
-    edges = " x ".join(_rounded(edge, decimals) for edge in box["sizes"])
+    lengths = box["sizes"] if found["label"] == UNKNOWN else found["size"]
+    edges = " x ".join(_rounded(edge, decimals) for edge in lengths)
     return f"   {edges} {box['unit'] or ''}".rstrip()
 
 

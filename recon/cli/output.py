@@ -3,11 +3,14 @@
 import json
 import logging
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from recon.notices import Notice, collected_notices
+
+if TYPE_CHECKING:
+    from recon.runs.report import Report
 
 _NOTICES = "recon.notices"
 
@@ -54,6 +57,27 @@ def print_document(
     elif not given["quiet"]:
         for line in lines:
             click.echo(line)
+
+
+def shown(value: Any) -> str:
+    """One value in a readable form."""
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(map(shown, value)) or "none"
+    return str(value) if value != {} else "none"
+
+
+def say_numbers(report: "Report") -> None:
+    """Print the numbers of a report, one a line, and the run folder if there is one."""
+    for name, value in report.numbers.items():
+        click.echo(f"{name:24} {shown(value)}")
+    if report.run is not None:
+        click.echo(report.run)
 
 
 class StderrHandler(logging.Handler):

@@ -235,6 +235,10 @@ def test_object_sizes_are_readable_in_any_unit(size, said):
     box = {"sizes": [size, size / 2], "unit": None}
     found = {"label": "unknown", "centre": [-1e-9], "box": box, "probability": None}
     assert object_line(found) == f"unknown        {said}"
+    # What has a name extends to the ground, below its lowest cell.
+    named = found | {"label": "tree", "size": [4.0, 12.0, 4.0], "probability": 1.0}
+    assert "4.0" in object_line(named)
+    assert "12.0" in object_line(named)
 
 
 def test_existing_run_is_refused_before_the_recording_is_read(capsys, tmp_path, monkeypatch):
