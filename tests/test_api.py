@@ -175,4 +175,4 @@ def test_folder_is_reconstructed_to_a_map():
     assert len(done.voxels) > 500
     assert len(done.trajectory) == 1
     assert "occupied cells" in repr(done)
-    assert all(found.views == 1 for found in done.objects)
+    assert {found.views for found in done.objects} == {1}

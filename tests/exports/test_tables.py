@@ -236,6 +236,19 @@ def test_foreign_e57_is_read(tmp_path):
         read(tmp_path / "a.e57")
 
 
+def test_scans_of_an_e57_are_turned_and_moved_into_their_common_frame(tmp_path):
+    pye57 = pytest.importorskip("pye57")
+    file = pye57.E57(str(tmp_path / "a.e57"), mode="w")
+    scan = {f"cartesian{axis}": np.array([float(n)]) for n, axis in enumerate("XYZ", 1)}
+    quarter = np.array([np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)])  # w, x, y, z: from x to y
+    file.write_scan_raw(scan, rotation=quarter, translation=np.array([10.0, 20.0, 30.0]))
+    file.write_scan_raw(scan)
+    file.close()
+    turned, as_it_is = read(tmp_path / "a.e57").points
+    np.testing.assert_allclose(turned, [8.0, 33.0, -21.0], atol=1e-6)
+    np.testing.assert_allclose(as_it_is, [1.0, 3.0, -2.0], atol=1e-6)
+
+
 def test_nan_cells_of_a_grid_are_left_out_with_a_notice(tmp_path):
     block = pyvista.ImageData(dimensions=(2, 3, 4))
     block["density"] = np.arange(24.0)

@@ -15,7 +15,7 @@ from recon.figures.frame import step_of, ticks
 from recon.figures.geojson import feature_collection
 from recon.figures.kinds import Subject
 from recon.figures.occupancy import labels
-from recon.figures.partition import NO_OBJECT, PartCells, owners
+from recon.figures.partition import NO_OBJECT, owners
 from recon.figures.viewpoint import VIEWS, viewpoint
 from recon.geometry import look_at, rotation_about_y
 from recon.records import (
@@ -23,8 +23,6 @@ from recon.records import (
     Cone,
     Cylinder,
     Ellipsoid,
-    FoundObject,
-    Part,
     Plane,
     Reconstruction,
     Sphere,
@@ -237,32 +235,6 @@ def test_observed_ground_is_free_and_obstacles_on_it_are_occupied():
     assert (states.cells[[0, 4, 6, 19]] == FREE).all()
     np.testing.assert_array_equal(states.origin_xz, [0.0, 0.0])
     assert states_by_ground(voxels.select(slice(0))) is None
-
-
-def two_balls():
-    """A red ball under a blue one; the lower half of the blue ball's cells is red as well."""
-    centres = np.array([[0.0, 2.0, 0.0], [0.0, 6.0, 0.0]])
-    parts = tuple(
-        Part(role=role, solid=Sphere(centre=at, radius=2.0), hue_deg=None, num_voxels=9, rms=0.1)
-        for role, at in zip(("body", "roof"), centres, strict=True)
-    )
-    index = np.array([[x, y, z] for x in (-2, 1) for y in range(8) for z in (-2, 1)])
-    is_blue = index[:, 1:2] >= 6
-    return Voxels(
-        index=index, centres=index + 0.5, means=index + 0.5, counts=np.full(len(index), 9),
-        colours=np.where(is_blue, [[20, 20, 220]], [[220, 20, 20]]).astype(np.uint8),
-        cell_size=1.0,
-    ), FoundObject(
-        id=0, label="cottage", probability=0.9, centre=np.array([0.0, 4.0, 0.0]),
-        size=np.array([4.0, 8.0, 4.0]), num_voxels=len(index), parts=parts,
-    )  # fmt: skip
-
-
-def test_part_keeps_its_own_colour_where_two_parts_touch():
-    voxels, found = two_balls()
-    parts = PartCells.of(voxels, found)
-    assert [parts.colour(number) for number in (0, 1)] == [(220, 20, 20), (20, 20, 220)]
-    assert [len(parts.own(number)) for number in (0, 1)] == [16, 16]
 
 
 @pytest.mark.parametrize(("x", "corner"), [(0, "right"), (40, "left")])

@@ -52,6 +52,7 @@ def test_pairs_of_another_place_are_not_located(drive, run, capsys, tmp_path):
     shutil.copy(drive / "calib.txt", elsewhere)
     said = answer(capsys, "localise", run, elsewhere)
     assert said["num_found"] == 0
+    assert len(said["poses"]) == len(SOME)
     assert all(one["T_world_left"] is None and one["reason"] for one in said["poses"])
 
 

@@ -28,6 +28,14 @@ def test_ground_is_free_where_observed_and_without_obstacles():
     assert low.cells[:, 0].tolist() == [FREE, FREE, OCCUPIED, FREE, FREE, OCCUPIED]
 
 
+def test_cell_counts_if_its_centre_lies_in_the_band():
+    voxels = filled(cloud([[0.5, 1.1, 0.5], [1.5, 6.1, 0.5], [2.5, 0.9, 0.5]])).occupied(1)
+    nothing = VoxelMap(channels=["rays"]).sightings()
+    floor = navigation(voxels, nothing, band=(1.2, 6.2))
+    assert floor.cells.tolist() == [[OCCUPIED]]
+    assert floor.origin_xz.tolist() == [0.0, 0.0]
+
+
 def test_cells_that_no_ray_crossed_are_unknown():
     points = cloud([[5.5, 1.5, 0.5], [0.5, 1.5, 5.5]])
     voxel_map = observed([(points, [0.5, 1.5, 0.5], 0)], channels=["rays"])
