@@ -191,6 +191,15 @@ def check_flags(path: Path | None, *, overwrite: bool, resume: bool) -> None:
         raise InputError(f"{'overwrite' if overwrite else 'resume'} needs a run folder: give -o")
     if path is not None and path.exists() and not (overwrite or resume):
         raise InputError(f"{path} exists; give --overwrite, --resume, or another -o")
+    if path is not None:
+        _check_folders(path)
+
+
+def _check_folders(path: Path) -> None:
+    """Raise `InputError` if a folder that is to hold the path is something else."""
+    holder = next(parent for parent in path.absolute().parents if parent.exists())
+    if not holder.is_dir():
+        raise InputError(f"output is {path}, but {holder} is not a folder; give another -o")
 
 
 def check_none_inside(path: Path, inputs: Iterable[Path]) -> None:

@@ -36,3 +36,9 @@ def test_failure_keeps_the_existing_file(tmp_path):
         cut_short(path)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_file_below_a_file_is_refused_for_what_it_is(tmp_path):
+    (tmp_path / "notes").touch()
+    with pytest.raises(NotADirectoryError), atomic_path(tmp_path / "notes" / "map.npz"):
+        pass

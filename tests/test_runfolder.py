@@ -9,7 +9,7 @@ import pytest
 
 from recon.errors import InputError, ReconError
 from recon.manifest import RunPlan, digest, read_manifest
-from recon.runfolder import RunFolder
+from recon.runfolder import RunFolder, check_flags
 
 
 @pytest.fixture
@@ -251,3 +251,16 @@ def test_folder_that_cannot_hold_a_run_is_named_in_the_error(plan):
     with pytest.raises(OSError, match="No such file") as error, folder.opened():
         pass
     assert error.value.filename == "/proc"
+
+
+@pytest.mark.parametrize("below", ["run", "deep/run"])
+def test_folder_below_a_file_is_named_with_what_is_needed(tmp_path, below):
+    (tmp_path / "notes").touch()
+    with pytest.raises(InputError) as error:
+        check_flags(tmp_path / "notes" / below, overwrite=False, resume=False)
+    file = tmp_path / "notes"
+    assert f"output is {file / below}, but {file} is not a folder" in str(error.value)
+
+
+def test_folder_below_missing_ones_is_accepted(tmp_path):
+    check_flags(tmp_path / "not" / "yet" / "run", overwrite=False, resume=False)

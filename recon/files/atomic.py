@@ -35,7 +35,8 @@ def atomic_path(path: PathLike) -> Iterator[Path]:
     wanted = Path(path)
     if not wanted.parent.is_dir():
         # The error names the requested folder, not the temporary name.
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(wanted.parent))
+        lack = errno.ENOTDIR if wanted.parent.exists() else errno.ENOENT
+        raise OSError(lack, os.strerror(lack), str(wanted.parent))
     _remove_stale(wanted)
     temporary = wanted.with_name(f".{os.getpid()}-{secrets.token_hex(4)}-{wanted.name}")
     try:
