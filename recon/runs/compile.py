@@ -1,5 +1,6 @@
-"""Compilation of kernels in advance, by small jobs that together need all of them."""
+"""Compilation in advance: of modules, and of kernels by small jobs that need all of them."""
 
+import compileall
 import logging
 import tempfile
 from collections.abc import Iterator
@@ -7,6 +8,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
 
+import recon
 from recon.runs.events import Events
 from recon.runs.execute import execute
 from recon.runs.job import Job
@@ -22,7 +24,9 @@ Jobs = list[tuple[Job, Path]]
 
 
 def compile_ahead(events: Events | None = None) -> None:
-    """Run small jobs in a temporary folder, in two processes; numba caches what they compile.
+    """Compile all modules, and run small jobs in a temporary folder, in two processes.
+
+    Numba caches what the jobs compile.
 
     Parameters
     ----------
@@ -31,6 +35,7 @@ def compile_ahead(events: Events | None = None) -> None:
     """
     events = events or Events()
     events.on_stage("compiling")
+    compile_modules(Path(recon.__file__).parent)
     with (
         tempfile.TemporaryDirectory(prefix="recon-") as name,
         ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
@@ -39,6 +44,14 @@ def compile_ahead(events: Events | None = None) -> None:
         for number, future in enumerate(as_completed(futures), start=1):
             future.result()
             events.progress(number, len(futures))
+
+
+def compile_modules(package: Path) -> None:
+    """Write the bytecode of a package, if its folder can be written.
+
+    With PYTHONDONTWRITEBYTECODE, common in containers, every start would compile all that it loads.
+    """
+    compileall.compile_dir(package, quiet=2)
 
 
 def _run(jobs: Jobs) -> None:

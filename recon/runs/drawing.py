@@ -4,7 +4,7 @@ drawn.
 
 import signal
 
-from recon.libraries import keep_memory, limit_threads
+from recon.libraries import keep_memory, limit_threads, load_unused_late
 from recon.processes import collect_rarely
 
 
@@ -13,6 +13,7 @@ def _load() -> None:
     limit_threads(1)
     collect_rarely()
     keep_memory()
+    load_unused_late()
     if hasattr(signal, "pthread_sigmask"):  # Ctrl-C is handled by the process of the run
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     from recon.figures.canvas import load_libraries
