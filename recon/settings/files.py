@@ -19,6 +19,8 @@ STAGES: dict[str, Any] = {
     field.name: type(getattr(Stages(), field.name)) for field in fields(Stages)
 }
 """The table of each stage, by its name."""
+OPTIONS = ("preset", "quality", "seed")
+"""What sets many settings, or none, and has no stage."""
 
 
 def to_tree(settings: Stages) -> Tree:
@@ -106,7 +108,12 @@ def _plain(stage: str, name: str, value: Any) -> Any:
 
 
 def _unknown_stage(name: str, source: str) -> str:
-    """The message about an unknown stage, which may be a setting without its stage."""
+    """The message about an unknown stage, which may be an option, or a setting without a stage."""
+    if name in OPTIONS:
+        return (
+            f"{source}: {name} is no setting: it is the option --{name}, and in a job file "
+            "a key of the job"
+        )
     settings = {
         one.name: f"{stage}.{one.name}" for stage in STAGES for one in fields(STAGES[stage])
     }
