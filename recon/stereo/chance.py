@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.stereo.kernels.simd import FAST, Floats, Integers
+from recon.stereo.neighbours import Neighbours
 
 Array = NDArray[np.float64]
 
@@ -21,8 +22,9 @@ Array = NDArray[np.float64]
 # pair is confirmed by the others.
 _MEAN, _SPREAD = -1.45, 0.5
 """Log odds by matching of the pairs that noise creates."""
-_CORRECT = 0.05
-"""Share of those that are correct to a pixel."""
+_CORRECT, _CORRECT_IN_COMPANY = -3.5, 6.3
+"""Log odds that such a pair is correct to a pixel if no block around it agrees, and what is added
+if all do: some that look like noise are the faint ones of a surface, whose disparity they have."""
 _GROWTH = 0.5
 """Log odds that noise created a pair, per natural logarithm of the variance due to noise."""
 _DISSENT = 12.0
@@ -39,7 +41,7 @@ _FAINT = 1.0
 """Added if they are noisy: noise reduces the scores of correct pairs, too."""
 _ALONG = -3.0
 """Added instead if their edges are along the row, which matches anywhere on it."""
-_CONSENT = 7.0
+_CONSENT = 6.0
 """Added if they are noisy, and all of their neighbours agree instead of none."""
 _EVEN_TRUST = 0.02
 
@@ -60,7 +62,9 @@ class _Share(NamedTuple):
     spread: float
 
 
-def probability(prior: Array, noise_variance: Floats, trust: Floats, agreement: Floats) -> Array:
+def probability(
+    prior: Array, noise_variance: Floats, trust: Floats, neighbours: Neighbours
+) -> Array:
     """Probability that pairs are correct (N,), from matching and from the effect of noise.
 
     Parameters
@@ -71,17 +75,16 @@ def probability(prior: Array, noise_variance: Floats, trust: Floats, agreement: 
         Variance of the disparity due to noise alone, squared pixels.
     trust : (N,)
         From 0, if the edge is along the row, to 1.
-    agreement : (N,)
-        Share of a pair's neighbours that have its disparity.
+    neighbours : Neighbours
     """
     log_odds = np.log(np.clip(prior, 1e-6, None) / np.clip(1.0 - prior, 1e-6, None))
     noise = np.minimum(noise_variance, np.float32(_MOST_NOISE))
     known = np.flatnonzero(np.isfinite(log_odds))
     rows = known[noise[known] > _LEAST_NOISE]
     rows = rows[:: max(1, len(rows) // _NUM_SAMPLES)]
-    some = log_odds[rows], np.log(noise[rows] / _EVEN_NOISE), agreement[rows]
+    some = log_odds[rows], np.log(noise[rows] / _EVEN_NOISE), neighbours.agreement[rows]
     found = prior.copy()
-    _update(known, (log_odds, noise, trust, agreement), _estimate(*some), found)
+    _update(known, (log_odds, noise, trust), neighbours, _estimate(*some), found)
     return found
 
 
@@ -135,10 +138,15 @@ def _logistic(log_odds: float) -> float:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
 def _update(
-    rows: Integers, evidence: tuple[Array, Floats, Floats, Floats], share: _Share, found: Array
+    rows: Integers,
+    evidence: tuple[Array, Floats, Floats],
+    neighbours: Neighbours,
+    share: _Share,
+    found: Array,
 ) -> None:
     """Write the probabilities of some pairs."""
-    log_odds, noise, trust, agreement = evidence
+    log_odds, noise, trust = evidence
+    agreement, company = neighbours
     for i in rows:
         created = 0.0
         if noise[i] > _LEAST_NOISE:
@@ -149,4 +157,5 @@ def _update(
         across = trust[i] / (trust[i] + _EVEN_TRUST)
         change = _FAINT * across + _ALONG * (1.0 - across) + _CONSENT * (agreement[i] - 0.5)
         other = _logistic(_OFFSET + log_odds[i] + effect * change)
-        found[i] = (1.0 - created) * other + created * _CORRECT
+        correct = _logistic(_CORRECT + _CORRECT_IN_COMPANY * company[i])
+        found[i] = (1.0 - created) * other + created * correct

@@ -105,7 +105,7 @@ def solve(
         ratio = _noise_ratio(scatter_of_sure[:, :num_sure], calm_ratio).astype(np.float32)
         _split(sums, white, ratio, scatter, shifts)
         probability = chance.probability(
-            probability, shifts[_NOISE], shifts[_TRUST], prior.neighbours.agreement
+            probability, shifts[_NOISE], shifts[_TRUST], prior.neighbours
         )
     # Unknown probabilities do not make a pair doubtful.
     wrong = np.nan_to_num(1.0 - probability).astype(np.float32)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from recon.stereo import chance
+from recon.stereo.neighbours import Neighbours
 
 
 @pytest.fixture
@@ -11,10 +12,11 @@ def rng():
     return np.random.default_rng(8)
 
 
-def probability(log_odds, noise=0.5, trust=0.9, agreement=0.5):
+def probability(log_odds, noise=0.5, trust=0.9, agreement=0.5, company=0.0):
     prior = 1 / (1 + np.exp(-np.asarray(log_odds, np.float64)))
-    full = [np.broadcast_to(x, len(log_odds)).astype(np.float32) for x in (noise, trust, agreement)]
-    return chance.probability(prior, *full)
+    of_each = noise, trust, agreement, company
+    full = [np.broadcast_to(x, len(log_odds)).astype(np.float32) for x in of_each]
+    return chance.probability(prior, *full[:2], Neighbours(*full[2:]))
 
 
 def test_same_score_is_improbable_only_where_noise_creates_pairs(rng):
@@ -54,10 +56,20 @@ def test_noisy_pairs_without_support_of_neighbours_are_improbable(rng):
     np.testing.assert_allclose(*certain, atol=0.01)
 
 
+def test_pair_that_looks_like_noise_is_correct_where_the_surface_agrees(rng):
+    created = rng.normal(-1.45, 0.5, 3000)
+    alone, with_others = (probability(created, company=x) for x in (0.0, 0.75))
+    assert alone.mean() < 0.1 < 0.5 < with_others.mean() < 0.9
+    few = probability(created, company=0.1).mean()
+    assert alone.mean() < few < 2.5 * alone.mean()
+
+
 def test_unknown_prior_stays_unknown():
     prior = np.array([0.8, np.nan])
     noise = np.array([np.inf, 0.1], np.float32)
-    found = chance.probability(prior, noise, *np.ones((2, 2), np.float32))
+    others = Neighbours(*np.ones((2, 2), np.float32))
+    found = chance.probability(prior, noise, np.ones(2, np.float32), others)
     assert 0 < found[0] < 1
     assert np.isnan(found[1])
-    assert len(chance.probability(prior[:0], *np.ones((3, 0), np.float32))) == 0
+    none = np.ones(0, np.float32)
+    assert len(chance.probability(prior[:0], none, none, Neighbours(none, none))) == 0
