@@ -9,6 +9,7 @@ import pytest
 from recon.batch.batch import BatchReport
 from recon.batch.jobfile import NamedJob
 from recon.batch.summary import write_summary
+from recon.batch.sweeps import Point
 from recon.batch.worker import Outcome
 from recon.errors import InputError
 from recon.figures import contact
@@ -119,3 +120,9 @@ def test_unknown_metric_is_rejected_after_the_summary_is_written(tmp_path):
     with pytest.raises(InputError, match="known are seconds, share"):
         write_summary(make_report(tmp_path), ["shares"])
     assert len(json.loads((tmp_path / "summary.json").read_text())["jobs"]) == 6
+
+
+def test_mean_of_a_metric_counts_only_the_jobs_that_have_it():
+    point = Point(values={}, runs=[{"rms_px": 1.0}, {"rms_px": 2.0}, {"seconds": 9.0}])
+    assert point.mean("rms_px") == 1.5
+    assert point.mean("num_pairs") is None

@@ -105,6 +105,15 @@ def test_watertight_alone_makes_a_mesh():
     assert len(fusion.finish().mesh)
 
 
+@pytest.mark.parametrize(("share", "is_kept"), [(0.5, True), (2.0, False)])
+def test_depth_that_others_look_through_is_dropped_but_not_one_they_see_hidden(share, is_kept):
+    view = wall_view(4.0)
+    agreeing, others = [view] * 2, [wall_view(4.0 * share)] * 3
+    found = confirmed(view, [*agreeing, *others])
+    assert found.valid_mask.all() == found.valid_mask.any() == is_kept
+    assert found.num_views.max() == (3 if is_kept else 0)
+
+
 def test_depths_that_neighbours_see_are_confirmed():
     views = [ball_view(angle, noise=0.01, sigma=0.01) for angle in (0, 10, 20)]
     found = confirmed(views[1], [views[0], views[2]])
