@@ -1,4 +1,4 @@
-"""Compilation in advance: of modules, and of kernels by small jobs that need all of them."""
+"""Compilation in advance: of modules, and of kernels by small jobs that need nearly all of them."""
 
 import compileall
 import logging
@@ -11,7 +11,6 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-import recon
 from recon.runs.events import Events
 from recon.runs.execute import execute
 from recon.runs.fit import fit_run
@@ -40,7 +39,7 @@ def compile_ahead(events: Events | None = None) -> None:
     """
     events = events or Events()
     events.on_stage("compiling")
-    compile_modules(Path(recon.__file__).parent)
+    compile_modules(Path(__file__).parents[1])
     with (
         tempfile.TemporaryDirectory(prefix="recon-") as name,
         ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
