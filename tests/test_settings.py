@@ -56,8 +56,8 @@ def test_overrides_are_parsed_as_toml_or_as_a_word():
     ("override", "message"),
     [
         ("matching.max_dispraity=3", "matching.max_dispraity is unknown.*matching.max_disparity"),
-        ("quality=fast", "quality is no setting: it is the option --quality, and in a job"),
-        ("seed=3", "seed is no setting: it is the option --seed"),
+        ("quality=fast", "quality is not a setting: it is the option --quality, and in a job"),
+        ("seed=3", "seed is not a setting: it is the option --seed"),
         ("maps.cell_size=3", "maps is unknown; the nearest known name is map"),
         ("cell_size=3", "cell_size is unknown; the nearest known name is map.cell_size"),
         ("map=3", "map is 3, but a table is needed"),

@@ -40,7 +40,7 @@ def len_of(data: "Data | PartitionedMap") -> int:
 
 
 def inside(data: "Data | PartitionedMap", box: Box, path: PathLike) -> Data:
-    """What lies inside a box, to be written to `path`; a notice says if it is nothing.
+    """The part inside a box, to be written to `path`; a notice says if there is none.
 
     Raises
     ------

@@ -3,6 +3,7 @@
 import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ def _is_in_box(
     return inside
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PartCells:
     """The cells of an object, and how far each is from each part."""
 
@@ -65,8 +66,14 @@ class PartCells:
         """The cells nearest to a part."""
         return self.cells.select(self._rows(number))
 
+    @cached_property
+    def _nearest(self) -> NDArray[np.intp]:
+        """(K,) numbers of the parts with the nearest surfaces."""
+        nearest: NDArray[np.intp] = np.argmin(self.distances, axis=0)
+        return nearest
+
     def _rows(self, number: int) -> NDArray[np.intp]:
-        return np.flatnonzero(np.argmin(self.distances, axis=0) == number)
+        return np.flatnonzero(self._nearest == number)
 
     def colour(self, number: int) -> RGB:
         """The median colour of a part's own cells; if it has none, that of its hue."""

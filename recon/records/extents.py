@@ -1,4 +1,4 @@
-"""How far solids extend."""
+"""Extents of solids: points whose hull is theirs."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -20,7 +20,7 @@ STAGES: dict[str, Any] = {
 }
 """The table of each stage, by its name."""
 OPTIONS = ("preset", "quality", "seed")
-"""What sets many settings, or none, and has no stage."""
+"""Options that belong to no stage: each sets many settings, or none."""
 
 
 def to_tree(settings: Stages) -> Tree:
@@ -111,7 +111,7 @@ def _unknown_stage(name: str, source: str) -> str:
     """The message about an unknown stage, which may be an option, or a setting without a stage."""
     if name in OPTIONS:
         return (
-            f"{source}: {name} is no setting: it is the option --{name}, and in a job file "
+            f"{source}: {name} is not a setting: it is the option --{name}, and in a job file "
             "a key of the job"
         )
     settings = {
