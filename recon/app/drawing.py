@@ -32,6 +32,7 @@ class View:
     number: NDArray[np.int32]
     """(H, W) row of the layer under each pixel; -1 = none."""
     lens: Lens
+    layer: Layer
     shown: Shown
 
     def row_at(self, column_px: float, row_px: float, reach_px: int = 3) -> int | None:
@@ -59,7 +60,8 @@ def draw(
     number = raster.number
     if look.is_quick:
         number = number.repeat(2, axis=0).repeat(2, axis=1)
-    return View(image=raster.image, number=number, lens=orbit.lens(*size), shown=shown)
+    lens = orbit.lens(*size)
+    return View(image=raster.image, number=number, lens=lens, layer=layer, shown=shown)
 
 
 def _add_rows(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:

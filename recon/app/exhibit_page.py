@@ -186,7 +186,7 @@ class ExhibitPage:
             self.table.select(int(layer.columns["object"][row]))
 
     def _drawn(self, view: View) -> None:
-        self.share.set_text(view.shown.share(self.panel.layer.noun))
+        self.share.set_text(view.shown.share(view.layer.noun))
         # Late: the scene comes first.
         self.pairs.begin()
 

@@ -1,4 +1,4 @@
-"""Selection of the shown rows of a layer: thresholds, a box, and a limit for fast drawing."""
+"""The shown rows of a layer: thresholds, a box, and a limit for fast drawing."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -66,6 +66,25 @@ class Shown:
         if self.num_kept < self.num_all:
             return f"{text} ({self.num_kept / self.num_all:.0%}): the others are filtered out"
         return f"{text} (100%)"
+
+
+class Selection:
+    """The rows of a layer that pass a filter, and those of them that are drawn.
+
+    A drawing keeps the selection with which it began, whatever is chosen meanwhile.
+    """
+
+    def __init__(self, layer: Layer, chosen: Filter) -> None:
+        self.layer = layer
+        self.kept = chosen.kept(layer)
+        """(N,) mask of the rows that pass."""
+        self._shown: dict[int, Shown] = {}
+
+    def shown(self, most: int) -> Shown:
+        """The rows to draw: all that pass, or a random sample of `most`."""
+        if most not in self._shown:
+            self._shown[most] = shown(self.layer, self.kept, most)
+        return self._shown[most]
 
 
 def shown(layer: Layer, kept: NDArray[np.bool_], most: int) -> Shown:

@@ -19,9 +19,9 @@ FRUSTUM_SHARE = 0.04
 """Size of a camera's symbol, of the distance at which it is seen."""
 
 
-def of_view(view: View, layer: Layer, look: Look, names: Names) -> str:
+def of_view(view: View, look: Look, names: Names) -> str:
     """The scale of the colours, and the names of objects."""
-    return _scale(layer, look) + "".join(_name(view.lens, found) for found in names)
+    return _scale(view.layer, look) + "".join(_name(view.lens, found) for found in names)
 
 
 def of_trajectory(lens: Lens, trajectory: Trajectory | None, pair: int) -> str:

@@ -5,10 +5,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.app import drawing, view_marks
 from recon.app.drawing import View, draw
-from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, Shown, shown
+from recon.app.filters import MOST_AT_REST, MOST_MOVING, Filter, Selection
 from recon.app.layers import Layer
 from recon.app.looks import Look
 from recon.app.orbit import DEFAULT, VIEWS, Orbit
@@ -53,8 +54,8 @@ class ViewPanel:
         drawn: Callable[[View], Any],
         complain: Callable[[str], Any],
     ) -> None:
-        self.layer = layer
         self.filter = Filter()
+        self.selection = Selection(layer, self.filter)
         self.look = Look()
         self.orbit = self._home = Orbit.round(*layer.box)
         self.trajectory: Trajectory | None = None
@@ -67,8 +68,6 @@ class ViewPanel:
         self._is_moving = False
         self._pressed: tuple[float, float, float] | None = None
         self._last = (0.0, 0.0)
-        self._kept = np.ones(len(layer), bool)
-        self._chosen: dict[int, Shown] = {}
         self.painter = Painter(self._draw, self._show, complain)
         self.image = pane(name, drawing.SIZE, self._on_mouse, EVENTS)
         self.image.on("wheel.prevent", self._on_wheel, ["deltaY"], throttle=0.05)
@@ -82,21 +81,27 @@ class ViewPanel:
 
     def change_layer(self, layer: Layer) -> None:
         """Show another layer from the same viewpoint."""
-        self.layer = layer
         self.picked = None
-        self.refilter(self.filter)
+        self._select(layer, self.filter)
 
     def refilter(self, chosen: Filter) -> None:
         """Show the rows of another filter."""
-        self.filter = chosen
-        self._kept = chosen.kept(self.layer)
-        self._chosen = {}
-        self.painter.ask()
+        self._select(self.layer, chosen)
 
     @property
-    def kept(self) -> Any:
+    def layer(self) -> Layer:
+        """The layer of the next drawing."""
+        return self.selection.layer
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
         """(N,) mask of the rows that pass the filter."""
-        return self._kept
+        return self.selection.kept
+
+    def _select(self, layer: Layer, chosen: Filter) -> None:
+        self.filter = chosen
+        self.selection = Selection(layer, chosen)
+        self.painter.ask()
 
     def look_from(self, view: str) -> None:
         """Turn to one of VIEWS."""
@@ -106,15 +111,14 @@ class ViewPanel:
     def _draw(self) -> View:
         most = MOST_MOVING if self._is_moving else MOST_AT_REST
         look = replace(self.look, is_quick=self._is_moving)
-        if most not in self._chosen:
-            self._chosen = {**self._chosen, most: shown(self.layer, self._kept, most)}
-        return draw(self.layer, self._chosen[most], self.orbit, look)
+        selection = self.selection
+        return draw(selection.layer, selection.shown(most), self.orbit, look)
 
     def _show(self, view: View) -> None:
         self.view = view
         self.image.set_source(as_source(view.image, ".jpg"))
         self.image.set_content(
-            view_marks.of_view(view, self.layer, self.look, self.names)
+            view_marks.of_view(view, self.look, self.names)
             + view_marks.of_trajectory(view.lens, self.trajectory, self.pair)
             + view_marks.of_row(view.lens, self.layer, self.picked)
         )
@@ -165,7 +169,9 @@ class ViewPanel:
             self._turn(self.orbit, is_moving=False)
 
     def _pick(self, at: tuple[float, float]) -> None:
-        self.picked = None if self.view is None else self.view.row_at(*at)
+        self.picked = None
+        if self.view is not None and self.view.layer is self.layer:
+            self.picked = self.view.row_at(*at)
         self._clicked(self.picked)
         self.painter.ask()
 
