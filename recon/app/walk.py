@@ -48,7 +48,7 @@ class Walk:
         """Cells with points so far, with a colour each."""
         self.said = ""
         self.stage = ""
-        self._stage_began = 0.0
+        self._stage_began = time.monotonic()
         self.error = ""
         self.report: Report | None = None
         self._permits = 0
@@ -105,9 +105,10 @@ class Walk:
             self.error = "stopped before the first pair"
 
     def check(self) -> None:
-        """Abandon a controller that does not respond."""
-        waited = 0.0 if self._cancelled_at is None else time.monotonic() - self._cancelled_at
-        if waited > PATIENCE_S and not self.is_over and self.stage in ("", "plan", "render"):
+        """Abandon a controller that does not respond; what it compiles is no part of its time."""
+        if self._cancelled_at is None or self.is_over or self.stage not in ("", "plan", "render"):
+            return
+        if min(time.monotonic() - self._cancelled_at, self.waited_s) > PATIENCE_S:
             self._is_left_behind = True
             self.error = f"the controller has not answered for {PATIENCE_S:g} s; it is abandoned"
 
