@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 TESTS = Path(__file__).parent
 SLOWEST = (
@@ -17,6 +18,12 @@ SLOWEST = (
     "runs/test_localise.py", "exports/test_fuzz.py", "runs/test_recorded.py", "test_packaging.py",
 )  # fmt: skip
 """Files that start first, so that no process is left alone with one of them at the end."""
+
+# The same examples in every run, however slow the machine is, or while kernels compile; others with
+# --hypothesis-profile fresh.
+settings.register_profile("fresh", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("fixed", settings.get_profile("fresh"), derandomize=True)
+settings.load_profile("fixed")
 
 
 @pytest.fixture(scope="session")

@@ -52,7 +52,7 @@ def test_transform_keeps_its_input_and_names_wrong_shapes():
 
 
 @given(st.tuples(*[st.floats(-50, 50)] * 6))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_look_at_puts_the_target_straight_ahead(numbers):
     eye, target = np.array(numbers[:3]), np.array(numbers[3:])
     if np.hypot(*(target - eye)[[0, 2]]) < 1e-3:

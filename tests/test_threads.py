@@ -36,7 +36,7 @@ def test_calls_share_the_context_and_run_concurrently(number):
     token = given.set(7)
 
     def call(item):
-        barrier.wait(10)
+        barrier.wait(300)
         return item + given.get()
 
     assert list(in_threads(call, range(number))) == [item + 7 for item in range(number)]

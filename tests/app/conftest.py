@@ -49,7 +49,9 @@ def browser():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
-        started = play.chromium.launch(executable_path=chromium(), args=FLAGS)
+        started = play.chromium.launch(
+            executable_path=chromium(), args=FLAGS, timeout=1000.0 * TIMEOUT_S
+        )
         yield started
         started.close()
 

@@ -142,6 +142,7 @@ def test_export_contains_what_is_shown(page, tmp_path):
     assert len(voxels) == int(shown[1].replace(",", ""))
     assert voxels.counts.min() >= 9
     slide(page, "threshold-count", 1)
+    wait_for_text(page, "shown-share", "(100%)")
 
 
 def test_second_visitor_has_an_independent_view(page, browser):

@@ -36,7 +36,7 @@ def test_lost_scheduler_fails_only_unfinished_jobs():
         address = cluster.stdout.readline().decode().strip()
         calls = [
             ("quick", partial(finish_after, 0, "quick")),
-            ("slow", partial(finish_after, 60, "slow")),
+            ("slow", partial(finish_after, 600, "slow")),
         ]
         found = {}
         for outcome in Dask(address, 1).outcomes(calls):

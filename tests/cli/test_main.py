@@ -262,7 +262,8 @@ def drop_and_fail(_job):
 
 def drop_and_go_on(_job):
     drop_interrupt()
-    time.sleep(30)
+    time.sleep(100)
+    pytest.fail("the work was not interrupted")
 
 
 def convert_interrupt(_job):
@@ -276,10 +277,8 @@ def convert_interrupt(_job):
 @pytest.mark.parametrize("work", [drop_and_fail, drop_and_go_on, convert_interrupt])
 def test_interrupt_that_machine_code_hides_ends_the_command(monkeypatch, capsys, tmp_path, work):
     monkeypatch.setattr("recon.runs.job.resolve", work)
-    start = time.monotonic()
     code, out, err = run(capsys, "explore", "village", "-o", str(tmp_path / "run"))
     assert (code, out, err.strip()) == (130, "", "recon: interrupted")
-    assert time.monotonic() - start < 20.0, "the work was not interrupted"
 
 
 @pytest.mark.usefixtures("listening")

@@ -20,7 +20,7 @@ def is_known(floor, x, z):
     return bool(floor.known_free[tuple(floor.cells([x, z]))])
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.integers(1, 60), st.integers(1, 60))
 def test_cells_and_their_centres_are_inverse(size_x, size_z):
     floor = Floor(size_x=size_x, size_z=size_z)

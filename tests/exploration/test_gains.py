@@ -160,7 +160,7 @@ def test_side_that_stays_unseen_after_several_views_is_given_up(floor):
     assert not is_given_up(OBSTACLE, searching(all_round * (MAX_LOOKS - 1)))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=8))
 def test_widest_gap_is_at_least_an_even_share(bearings):
     gap = widest_gap(np.array(bearings))

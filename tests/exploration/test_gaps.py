@@ -39,7 +39,7 @@ def test_view_of_known_sides_is_worth_nothing():
     assert not values_of(np.zeros(NUM_BEARINGS, dtype=bool), SIDE).any()
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(
     st.lists(st.booleans(), min_size=NUM_BEARINGS, max_size=NUM_BEARINGS),
     st.integers(0, NUM_BEARINGS),

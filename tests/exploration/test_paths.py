@@ -191,7 +191,7 @@ def test_path_can_leave_a_place_of_contact(floor, radius):
     assert not planned(state_on(floor, place=(-20.0, 0.0))).reaches(np.zeros((1, 2)))[0]
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 5.0))
 def test_dilation_matches_the_distance_transform(seed, distance):
     rng = np.random.default_rng(seed)

@@ -25,7 +25,7 @@ def best_length(legs):
     return min(length_of([0, *order], legs) for order in others)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.integers(1, 9), st.integers(0, 1000))
 def test_two_opt_keeps_the_stops_and_never_lengthens_the_tour(number, seed):
     legs = legs_of(number, seed)
@@ -59,7 +59,7 @@ def test_two_opt_alone_misses_the_best_tour():
     assert max(excess) > 1.05
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(st.integers(1, 25), st.integers(0, 1000))
 def test_long_tours_keep_their_stops_and_are_no_longer_than_by_two_opt(number, seed):
     legs = legs_of(number, seed)

@@ -50,8 +50,8 @@ def test_fuzzer_finds_a_fault(valid_files, folder):
 
 
 def test_fuzzer_finds_a_reader_that_computes_or_waits_too_long():
-    with pytest.raises(TimeoutError, match="processor time"), within(0.05):
+    with pytest.raises(TimeoutError, match="processor time"), within(0.05, 100.0):
         for _ in count():
             pass
-    with pytest.raises(TimeoutError, match="waiting"), within(0.02):
-        time.sleep(5)
+    with pytest.raises(TimeoutError, match="waiting"), within(100.0, 0.05):
+        time.sleep(100)

@@ -62,7 +62,7 @@ def test_order_of_cells_does_not_matter():
     assert (straight.label[order] == mixed.label).all()
 
 
-@settings(max_examples=9, deadline=None, derandomize=True)
+@settings(max_examples=9)
 @given(
     kind=st.sampled_from(["apple tree", "pine tree", "cottage"]),
     angle=st.floats(0.0, 6.28),

@@ -71,7 +71,7 @@ def test_fit_is_robust_to_a_tenth_of_outliers(surfaces):
     assert found.radius == pytest.approx(1.5, rel=0.01)
 
 
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=12)
 @given(
     kind=st.sampled_from(KINDS),
     seed=st.integers(0, 10_000),

@@ -72,7 +72,7 @@ def test_invalid_pose_is_named_by_its_line(tmp_path, text, message):
         read_poses(path)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(rotations)
 def test_conversion_to_y_up_uses_right_angles_and_keeps_the_camera_upright(rotation):
     turn = T_up_recorded(pose(rotation, [1.0, 2.0, 3.0]))

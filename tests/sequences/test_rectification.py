@@ -67,7 +67,7 @@ def check(rig):
         )
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(
     turn=st.tuples(*[st.floats(-0.05, 0.05)] * 3),
     step=st.tuples(st.floats(-0.3, -0.1), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02)),

@@ -22,7 +22,7 @@ def pair():
     return exposed_with(left, 0.6, 20), exposed_with(right, 0.6, 20), truth
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(gain=st.floats(1.1, 1.3), offset=st.floats(-20, 10))
 def test_gain_is_measured_whatever_the_offset(pair, gain, offset):
     left, right, _ = pair

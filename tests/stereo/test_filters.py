@@ -66,7 +66,7 @@ def test_wave_of_the_filters_length_responds_most(width):
     assert response(1.0) > 1.2 * max(response(0.6), response(1.8))
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(0, np.pi, exclude_max=True))
 def test_doubled_angle_is_that_of_the_normal(angle):
     responses = filters.respond(wave(7.0, angle, (41, 41)), (2.0, 4.0))

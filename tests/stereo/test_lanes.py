@@ -55,7 +55,7 @@ def reduce(a):
     return largest(load(a, 1)), total(load(a, 1))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(numbers, numbers)
 def test_arithmetic_matches_arrays(a, b):
     out = np.zeros_like(a)
@@ -65,7 +65,7 @@ def test_arithmetic_matches_arrays(a, b):
     np.testing.assert_allclose(out, wanted, rtol=1e-5, atol=1e-3)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(numbers)
 def test_reductions_use_every_number_once(a):
     highest, added = reduce(a)
@@ -120,7 +120,7 @@ def round_off(a, out):
         store_shorts(out[1], i, rounded(load(a, i), load(a, i + NUM_LANES)))
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(arrays(np.float32, 2 * NUM_SHORTS, elements=st.floats(0, 32_000, width=32)))
 def test_lanes_become_the_nearest_shorts(a):
     out = np.zeros((2, a.size), np.int16)
@@ -156,7 +156,7 @@ def slide(a, out):
     store_shorts(out, NUM_SHORTS, short_later(load_shorts(a, 0), load_shorts(a, NUM_SHORTS)))
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(arrays(np.int16, 2 * NUM_SHORTS))
 def test_neighbours_match_a_shifted_load(a):
     out = np.zeros_like(a)
@@ -173,7 +173,7 @@ def reduce_shorts(a, b, out):
     return least(x), greatest(x)
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(short_numbers, short_numbers)
 def test_extremes_of_shorts_match_arrays(a, b):
     out = np.zeros((2, NUM_SHORTS), np.int16)

@@ -13,7 +13,7 @@ from recon.voxelmap import VoxelMap
 from tests.voxelmap.clouds import ALL_CHANNELS, cloud, observed, random_scans, saved_bytes
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1), margin=st.sampled_from([0.0, 1.5]))
 def test_order_and_merging_do_not_change_a_bit(seed, margin, tmp_path_factory):
     folder = tmp_path_factory.mktemp("maps")

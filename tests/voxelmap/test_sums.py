@@ -39,7 +39,7 @@ def test_sums_round_trip_exactly(channels, tmp_path):
     assert saved(rebuilt(sums_of(whole), whole), tmp_path) == saved(whole, tmp_path)
 
 
-@settings(deadline=None, max_examples=15)
+@settings(max_examples=15)
 @given(st.permutations(range(5)), st.sets(st.integers(1, 4)))
 def test_parts_add_up_to_the_whole_in_any_order(order, cuts):
     chunks = [part for part in np.split(np.array(order), sorted(cuts)) if len(part)]

@@ -70,7 +70,7 @@ def test_occupied_keeps_cells_with_enough_points():
     assert len(voxel_map.occupied(min_count=6)) == 0
 
 
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), chunks=st.integers(1, 7), cell=st.sampled_from([0.1, 1.0]))
 def test_order_chunks_and_merging_do_not_change_a_bit(seed, chunks, cell, tmp_path_factory):
     rng = np.random.default_rng(seed)
@@ -160,7 +160,7 @@ def test_save_and_load_are_exact(tmp_path):
     assert same(loaded.occupied(1), voxel_map.occupied(1))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(max_examples=40)
 @given(
     place=st.tuples(*[st.floats(-1e6, 1e6)] * 3),
     cell_size=st.sampled_from([0.1, 0.3, 1.0, 7.5]),

@@ -53,7 +53,7 @@ def test_ground_is_ignored_and_an_empty_world_is_infinitely_far(world_of):
     )
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.lists(st.floats(-3, 3), min_size=9, max_size=9), st.floats(-2, 2))
 def test_split_triangle_keeps_its_area_and_its_sides(values, height):
     corners = np.array(values).reshape(1, 3, 3)

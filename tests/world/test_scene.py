@@ -152,7 +152,7 @@ visuals = st.one_of(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(visuals=st.lists(visuals, max_size=4).map(tuple), ambient=colours)
 def test_any_scene_round_trips_through_its_file(visuals, ambient, tmp_path_factory):
     folder = tmp_path_factory.getbasetemp()
@@ -242,7 +242,7 @@ words = st.sampled_from(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(data=st.data())
 def test_damaged_file_is_read_or_rejected_in_one_line(data, tmp_path_factory):
     rows = SMALL.splitlines()
