@@ -2,11 +2,13 @@
 
 import asyncio
 import logging
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Generic, TypeVar
 
 from recon.app.threads import in_thread
+from recon.app.widgets import nicegui
 from recon.errors import ReconError
 from recon.libraries import listening_to_compiler, load_extra
 
@@ -19,6 +21,8 @@ COMPILING = "compiling what draws; that is done once and takes about a minute"
 
 class Painter(Generic[Drawn]):
     """Redraws on request; requests during drawing are merged into one redraw at the end.
+
+    To be made while its page is built.
 
     Parameters
     ----------
@@ -41,7 +45,8 @@ class Painter(Generic[Drawn]):
         self.complain = complain
         self._is_wanted = False
         self._is_at_work = False
-        self._has_compiled = False
+        self._client = nicegui().context.client
+        self._notification: Any = None
 
     def ask(self) -> None:
         """Request a redraw."""
@@ -62,7 +67,14 @@ class Painter(Generic[Drawn]):
         loop = asyncio.get_running_loop()
 
         def draw() -> Drawn:
-            with listening_to_compiler(lambda: _tell(loop, self._compile), _done):
+            own = threading.get_ident()
+
+            def compiles() -> None:
+                # Other threads may compile meanwhile, such as an exploration.
+                if threading.get_ident() == own:
+                    _tell(loop, self._notify)
+
+            with listening_to_compiler(compiles, _done):
                 return self.draw()
 
         try:
@@ -74,14 +86,25 @@ class Painter(Generic[Drawn]):
             log.exception("drawing failed")
             self.complain(f"{type(error).__name__}: {error}")
         else:
-            if self._has_compiled:
-                self._has_compiled = False
-                self.complain("")
             self.show(drawn)
+        finally:
+            self._dismiss()
 
-    def _compile(self) -> None:
-        self._has_compiled = True
-        self.complain(COMPILING)
+    def _notify(self) -> None:
+        if self._notification is None:
+            with self._client:
+                self._notification = nicegui().notification(
+                    COMPILING,
+                    position="bottom-left",
+                    spinner=True,
+                    timeout=None,
+                    classes="recon-wait",
+                )
+
+    def _dismiss(self) -> None:
+        if self._notification is not None:
+            self._notification.dismiss()
+            self._notification = None
 
 
 def _tell(loop: asyncio.AbstractEventLoop, what: Callable[[], None]) -> None:
@@ -91,4 +114,4 @@ def _tell(loop: asyncio.AbstractEventLoop, what: Callable[[], None]) -> None:
 
 
 def _done() -> None:
-    """Do nothing: the message goes when everything is drawn."""
+    """Do nothing: the notification goes when everything is drawn."""

@@ -61,7 +61,7 @@ class SettingsCard:
             self._complain(str(error))
         else:
             self._changed()
-        self.text.set_value(to_toml(self.simulation.settings))
+            self.text.set_value(to_toml(self.simulation.settings))
 
     def _save(self) -> None:
         content = to_toml(self.simulation.settings).encode()

@@ -50,6 +50,7 @@ HEAD = """
   .recon-pane { border: 1px solid rgba(128, 128, 128, .35); border-radius: 4px; overflow: hidden;
                 touch-action: none; user-select: none; outline-offset: -2px; }
   .recon-message { min-height: 20px; font-size: 13px; color: #d55e00; overflow-wrap: anywhere; }
+  .recon-wait { pointer-events: none; }
   .recon-bar { height: 10px; width: 100%; border-radius: 3px; }
   @media (min-width: 1800px) { .recon-wide { flex-basis: 850px; }
                                .recon-wide > .recon-columns { columns: 2; } }

@@ -296,3 +296,5 @@ def test_settings_are_shown_and_edited(page):
     text.fill("[map]\ncell_siz = 2.0\n")
     page.get_by_test_id("settings-apply").click()
     wait_for_text(page, "message", "nearest known name is map.cell_size")
+    # What was typed stays, to be corrected.
+    assert "cell_siz = 2.0" in text.input_value()
