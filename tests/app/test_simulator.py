@@ -254,6 +254,7 @@ def test_controller_that_never_returns_is_abandoned(page):
     select_and_press(page, "frontier", "step")
     wait_for_text(page, "controller-result", "paused: 1 pairs")
     page.get_by_test_id("stop").click()
+    wait_for_text(page, "controller-result", "done")
 
 
 @pytest.mark.parametrize(
@@ -296,5 +297,4 @@ def test_settings_are_shown_and_edited(page):
     text.fill("[map]\ncell_siz = 2.0\n")
     page.get_by_test_id("settings-apply").click()
     wait_for_text(page, "message", "nearest known name is map.cell_size")
-    # What was typed stays, to be corrected.
     assert "cell_siz = 2.0" in text.input_value()
