@@ -200,3 +200,11 @@ def test_offset_that_differs_from_the_principal_points_is_reported(tmp_path, dof
     text = middlebury_keys().replace("doffs=0", f"doffs={doffs}")
     (tmp_path / "calib.txt").write_text(text)
     assert len(notices_of(tmp_path / "calib.txt")) == is_said
+
+
+@pytest.mark.parametrize(("baseline", "is_said"), [("0.193", True), ("193.001", False)])
+def test_baseline_of_middlebury_in_metres_is_reported(tmp_path, baseline, is_said):
+    text = re.sub(r"baseline=.*", f"baseline={baseline}", middlebury_keys())
+    (tmp_path / "calib.txt").write_text(text)
+    notices = notices_of(tmp_path / "calib.txt")
+    assert ["write 193" in one.text for one in notices] == [True] * is_said

@@ -16,6 +16,10 @@ PARTNERS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("cam0", "c
             ("camera0", "camera1"), ("infra1", "infra2"))  # fmt: skip
 """Words by which the file names of one rig differ."""
 ENDINGS = (".txt", ".yaml", ".yml", ".xml", ".json")
+KINDS = "OpenCV, ROS, Kalibr, OKVIS, VINS-Fusion, ORB-SLAM, KITTI, Middlebury"
+"""The known kinds, in words."""
+UNKNOWN = (".conf", ".ini", ".npz", ".mat", ".pkl", ".pickle")
+"""Endings of other kinds: of ZED's cameras, and of arrays saved by scripts."""
 MAX_DIFFERENCE = 0.01
 """Largest relative difference of two calibrations of one rig."""
 
@@ -43,6 +47,8 @@ def read_calibration(path: Path, cameras: Cameras | None = None) -> Calibration:
     """
     if path.is_dir():
         return _of_folder(path, cameras)
+    if path.suffix.lower() in UNKNOWN:
+        raise InputError(_unknown(str(path)))
     lines = read_lines(path, MAX_BYTES)
     try:
         if is_middlebury(lines):
@@ -134,10 +140,7 @@ def _with_partner(path: Path, document: Document) -> Document:
         if here in path.name and missing and partner.is_file():
             return {**read_document(partner), **document}
     if not has_cameras and not has_step:
-        raise KeyError(
-            "K1 or M1: it is not a known calibration (OpenCV, ROS, Kalibr, OKVIS, "
-            "VINS-Fusion, ORB-SLAM, KITTI, Middlebury)"
-        )
+        raise KeyError(f"K1 or M1: it is not a known calibration ({KINDS})")
     return document
 
 
@@ -181,4 +184,12 @@ def _none_found(path: Path, faults: list[tuple[Path, str]]) -> str:
     ]
     if likely:
         return likely[0]
+    unknown = [file.name for file in sorted(path.iterdir()) if file.suffix.lower() in UNKNOWN]
+    if unknown:
+        return f"{path}: {_unknown(unknown[0])}"
     return f"{path} holds no calibration: calib.txt or a YAML file is needed"
+
+
+def _unknown(name: str) -> str:
+    """What is said of a file of another kind."""
+    return f"{name} is no calibration of a known kind ({KINDS}); write it as one of them"

@@ -29,6 +29,8 @@ MAX_CAMERAS = 8
 """Maximum number of unlabelled projections; more are poses."""
 MAX_DOFFS_PX = 1.0
 """Error of Middlebury's doffs that rounding explains."""
+SMALLEST_MM = 1.0
+"""No two cameras are nearer to each other."""
 MIN_FOCAL_PX = 2.0
 """A matrix with a smaller focal length is a pose."""
 
@@ -56,7 +58,7 @@ def middlebury(path: Path) -> Calibration:
     if "width" in keys and "height" in keys:
         size = (_count(path, keys, "width"), _count(path, keys, "height"))
     _check_doffs(path, keys, right[0, 2] - left[0, 2])
-    step = pose(np.eye(3), [-_number(path, keys, "baseline") / 1000.0, 0.0, 0.0])
+    step = pose(np.eye(3), [-_baseline(path, keys), 0.0, 0.0])
     return Calibration(
         left=Camera(matrix=left, distortion=np.zeros(0), size=size),
         right=Camera(matrix=right, distortion=np.zeros(0), size=size),
@@ -64,6 +66,18 @@ def middlebury(path: Path) -> Calibration:
         disparity_range=(0, _count(path, keys, "ndisp")) if "ndisp" in keys else None,
         residual_px=_number(path, keys, RESIDUAL) if RESIDUAL in keys else TYPICAL_RESIDUAL_PX,
     )
+
+
+def _baseline(path: Path, keys: dict[str, str]) -> float:
+    """The baseline in metres; one stated in metres causes a notice."""
+    stated_mm = _number(path, keys, "baseline")
+    if 0.0 < stated_mm < SMALLEST_MM:
+        notify(
+            "calibration-contradictory",
+            f"{path}: baseline is {stated_mm:g}, which these files state in millimetres; if it is "
+            f"in metres, write {1000.0 * stated_mm:g}",
+        )
+    return stated_mm / 1000.0
 
 
 def _check_doffs(path: Path, keys: dict[str, str], apart_px: float) -> None:
