@@ -25,7 +25,8 @@ _BYTE_ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": 
 
 _MAX_HEADER_BYTES = 1_000_000
 _END = b"end_header"
-_FIRST_LINE = re.compile(rb"ply[ \t]*(\r\n|\n|\r)")
+_FIRST_LINE = re.compile(rb"(?:\xef\xbb\xbf)?ply[ \t]*(\r\n|\n|\r)")
+"""Editors on Windows write a byte-order mark before it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -174,3 +174,10 @@ def test_two_vertex_elements_are_rejected(path):
     head = f"element vertex 1\n{XYZ}element vertex 1\n{XYZ}"
     with pytest.raises(InputError, match="two of its elements have the same name"):
         read(ply(path, head, "1 2 3\n4 5 6\n"))
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_byte_order_mark_is_skipped(path, newline):
+    ply(path, f"element vertex 1\n{XYZ}", f"1 2 3{newline}", newline=newline)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read(path).points.tolist() == [[1, 2, 3]]
