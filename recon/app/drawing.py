@@ -1,5 +1,6 @@
 """A view of a layer as an image, and the row of the layer at each pixel."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,9 @@ SIZE = (960, 720)
 """Width and height of a view in pixels."""
 LIGHT, DARK = (250, 250, 249), (24, 27, 31)
 MARKED = np.array([255, 140, 0], np.uint8)
-POINT_PX = 2
+POINT_PX, LARGEST_POINT_PX = 2, 9
+POINTS_SHARE = 0.01
+"""Share of the view that few points fill, until they are of the largest size."""
 SEE_THROUGH = 0.55
 """Opacity of a solid in front of its cells."""
 
@@ -77,9 +80,16 @@ def _add_rows(raster: Raster, layer: Layer, shown: Shown, look: Look) -> None:
     elif layer.triangles is not None:
         _add_mesh(raster, layer, shown, look)
     else:
-        side = 1 if look.is_quick else POINT_PX
+        side = point_side(len(shown.rows), raster.number.size)
+        side = max(1, side // 2) if look.is_quick else side
         raster.add_points(layer.places[shown.rows], colours, numbers, side)
         raster.shade()
+
+
+def point_side(num_points: int, num_pixels: int) -> int:
+    """Side in pixels of the square of a point: larger if there are few."""
+    side = math.sqrt(POINTS_SHARE * num_pixels / max(num_points, 1))
+    return min(max(round(side), POINT_PX), LARGEST_POINT_PX)
 
 
 def row_colours(layer: Layer, rows: NDArray[np.int64], look: Look) -> NDArray[np.uint8]:

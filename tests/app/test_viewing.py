@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from recon.app.archive import archive
-from recon.app.drawing import draw
+from recon.app.drawing import draw, point_side
 from recon.app.filters import Filter, shown
 from recon.app.layers import layer_of
 from recon.app.looks import Look
@@ -59,6 +59,17 @@ def test_nearer_points_occlude_farther_ones():
         view = draw(layer, shown(layer, np.ones(2, bool), 10), orbit, Look(), SIZE)
         middle = view.row_at(SIZE[0] / 2, SIZE[1] / 2)
         np.testing.assert_array_equal(layer.places[middle], [0, 0, 0])
+
+
+def test_few_points_are_visible():
+    layer = layer_of(PointCloud(points=np.diag([4.0, 2.0, 3.0])))
+    for is_quick in (False, True):
+        look = Look(is_quick=is_quick)
+        view = draw(layer, shown(layer, np.ones(3, bool), 10), Orbit.round(*layer.box), look)
+        found, counts = np.unique(view.number[view.number >= 0], return_counts=True)
+        assert found.tolist() == [0, 1, 2]
+        assert counts.min() >= 60
+    assert point_side(100_000, 960 * 720) == 2
 
 
 def test_mesh_is_drawn_without_gaps_and_can_be_picked():
