@@ -4,6 +4,8 @@
 product. The world is right-handed with y up; a camera looks along its z, x right and y down.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -68,13 +70,28 @@ def check_rigid(name: str, T: ArrayLike) -> None:
     matrix = as_numbers(name, T)
     check_shape(name, matrix, (4, 4))
     check_finite(name, matrix)
-    rotation = matrix[:3, :3]
-    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-    if error > 1e-6 or np.linalg.det(rotation) < 0 or (matrix[3] != (0, 0, 0, 1)).any():
-        raise InputError(
-            f"{name} is not a rigid motion (R R^T is off by {error:.2g}, det R = "
-            f"{np.linalg.det(rotation):.3g}), but a rotation and a translation are needed"
-        )
+    for _, said in _not_rigid(matrix[None]):
+        raise InputError(f"{name} is {said}")
+
+
+def check_poses(name: str, poses: Array) -> None:
+    """Raise `InputError` unless `poses` is (N, 4, 4), each a rotation and translation."""
+    check_shape(name, poses, (None, 4, 4))
+    check_finite(name, poses)
+    for number, said in _not_rigid(poses):
+        raise InputError(f"{name}[{number}] is {said}")
+
+
+def _not_rigid(poses: Array) -> Iterator[tuple[int, str]]:
+    """Number and fault of each matrix that is no rotation and translation, to 1e-6."""
+    rotations = poses[:, :3, :3]
+    errors = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    volumes = np.linalg.det(rotations)
+    is_wrong = (errors > 1e-6) | (volumes < 0) | (poses[:, 3] != (0, 0, 0, 1)).any(axis=1)
+    for number in np.flatnonzero(is_wrong).tolist():
+        said = f"R R^T is off by {errors[number]:.2g}, det R = {volumes[number]:.3g}"
+        need = "a rotation and a translation are needed"
+        yield number, f"not a rigid motion ({said}), but {need}"
 
 
 def look_at(position: ArrayLike, target: ArrayLike, up: ArrayLike = WORLD_UP) -> Array:

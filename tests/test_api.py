@@ -15,6 +15,7 @@ RIG = recon.StereoRig(
     width=8, height=6, focal_px=10.0, cx_left_px=3.5, cx_right_px=3.5, cy_px=2.5, baseline=0.1
 )
 IMAGE = np.zeros((6, 8), np.uint8)
+STRETCHED = np.array([np.eye(4), np.diag([2.0, 1.0, 1.0, 1.0])])
 WORLD = SimpleNamespace(start=print, take=print)
 CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.uint8))
 
@@ -61,7 +62,7 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
             lambda: recon.match_pair(IMAGE, IMAGE, max_disparity="64"),
             "max_disparity is '64', but a whole number",
         ),
-        (lambda: recon.explore(WORLD, controller=3), "controller is 3, but a name or an object"),
+        (lambda: recon.explore(WORLD, controller=3), "controller 3 has no next_view and no info"),
         (lambda: recon.World.from_file(3), "path is 3, but a path is needed"),
         (lambda: recon.VoxelMap().save(None), "path is None, but a path is needed"),
         (lambda: recon.VoxelMap.load(None), "path is None, but a path is needed"),
@@ -102,6 +103,11 @@ CLOUD = recon.PointCloud(points=np.zeros((3, 3)), colours=np.zeros((3, 3), np.ui
         (lambda: replace(RIG, width=7.5), "rig width is 7.5, but a whole number is needed"),
         (lambda: recon.register("matchers", 3, None), "name is of type int, but str"),
         (lambda: recon.execute(recon.Job(kind="explore"), 3), "path is 3, but a path"),
+        (lambda: recon.execute(recon.Job(kind="explore"), events=3), "events is of type int"),
+        (
+            lambda: recon.Trajectory(stamps_s=np.arange(2.0), T_world_left=STRETCHED),
+            r"T_world_left\[1\] is not a rigid motion \(R R\^T is off by 3",
+        ),
         (lambda: recon.rectifier(PAIR, "big"), "size is 'big', but .width, height. in pixels"),
         (lambda: recon.rectifier(PAIR, (741, 500)).pair([1], IMAGE), "left image is of type list"),
     ],

@@ -54,16 +54,32 @@ def make_controller(name: str) -> Controller:
     Raises
     ------
     InputError
-        For an unknown name, listing the known ones, or a plug-in that does not load.
+        For an unknown name, listing the known ones, or a plug-in that does not load or lacks a
+        method.
     """
     factory = CONTROLLERS.load(name)
     try:
-        return factory()
+        made = factory()
     # A third-party package may fail in any way.
     except Exception as error:
         raise InputError(
             f"controller {name!r} cannot be made: {type(error).__name__}: {error}"
         ) from error
+    check_controller(repr(name), made)
+    return made
+
+
+def check_controller(called: str, controller: object) -> None:
+    """Raise `InputError` unless it has the methods of a controller."""
+    lacking = [
+        name for name in ("next_view", "info", "result")
+        if not callable(getattr(controller, name, None))
+    ]  # fmt: skip
+    if lacking:
+        raise InputError(
+            f"controller {called} has no {' and no '.join(lacking)}, but an object with next_view, "
+            "info and result is needed"
+        )
 
 
 def check_view(view: View) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from recon.errors import InputError, check_shape
 from recon.files.rows import rows_of_numbers
-from recon.geometry import pose
+from recon.geometry import check_poses, pose
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Trajectory:
     """(N, 4, 4)"""
 
     def __post_init__(self) -> None:
-        check_shape("T_world_left", self.T_world_left, (None, 4, 4))
+        check_poses("T_world_left", self.T_world_left)
         check_shape("stamps_s", self.stamps_s, (len(self.T_world_left),))
 
     def __len__(self) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 
 from recon.errors import InputError, check_path
 from recon.exploration.agent import explore as lead
-from recon.exploration.controllers import Controller
+from recon.exploration.controllers import Controller, check_controller
 from recon.exploration.explorable import Explorable
 from recon.exploration.outcome import Exploration, Step
 from recon.exports.partitions.partitioned import PartitionedMap
@@ -134,8 +134,8 @@ def explore(
     if controller and isinstance(controller, str):
         chosen = updated(chosen, {"exploration": {"controller": controller}})
     own = None if isinstance(controller, str) else controller
-    if own is not None and not callable(getattr(own, "next_view", None)):
-        raise InputError(f"controller is {own!r}, but a name or an object with next_view is needed")
+    if own is not None:
+        check_controller(repr(own), own)
     return lead(source, explorers(chosen), observe, controller=own)
 
 

@@ -57,9 +57,10 @@ def execute(
         or have no folder to act on.
     """
     check_type("job", job, Job)
+    events = Events() if events is None else events
+    check_type("events", events, Events)
     if folder is not None:
         check_path(folder)
-    events = events or Events()
     stopwatch = Stopwatch(events.on_stage)
     with (
         collected_notices() as notices,

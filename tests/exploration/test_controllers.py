@@ -61,6 +61,19 @@ def test_plugin_that_does_not_load_is_rejected_by_name(tmp_path, monkeypatch):
         make_controller("broken")
 
 
+def test_controller_that_lacks_a_method_is_rejected_before_it_is_asked(monkeypatch):
+    class Mute:
+        def next_view(self, state):
+            return None
+
+        def info(self):
+            return "says nothing in the end"
+
+    monkeypatch.setattr(CONTROLLERS, "load", lambda name: Mute)
+    with pytest.raises(InputError, match="controller 'mute' has no result, but an object with"):
+        make_controller("mute")
+
+
 @pytest.mark.parametrize(
     "module", [frontier, thesis, paths, prospects, viewpoints, gains, sides, tour]
 )
