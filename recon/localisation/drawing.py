@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-NEAREST = 0.05
-"""Least depth, world units per cell size, of what is drawn."""
 OUTLIERS = 0.1
 """Share of pixels that may have any colour."""
 LEVELS = 16
@@ -119,7 +117,7 @@ def _meeting(
         root = math.sqrt(root) if a > 0.0 else -math.sqrt(root)
         for depth in ((-b - root) / a, (-b + root) / a):
             t = eye[2] + depth * ray[2]
-            if depth > NEAREST and ends[0] <= t <= ends[1]:
+            if depth > 0.0 and ends[0] <= t <= ends[1]:
                 return depth, t
     return math.inf, 0.0
 

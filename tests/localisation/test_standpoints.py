@@ -11,6 +11,7 @@ from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.look import Look
 from recon.localisation.portrait import Portrait
 from recon.localisation.recall import KnownWorld
+from recon.localisation.revolved import revolved
 from recon.mapping.mapper import Mapper
 from recon.records import Box, Cone, Cylinder, Ellipsoid, Part, Sphere, StereoPair, TruncatedCone
 from recon.settings import Settings, explorers, updated
@@ -62,6 +63,18 @@ def test_what_is_drawn_lies_on_the_solid(solid):
     assert solid.distances(points).max() < 1e-6
     assert drawn.texel.max() < drawn_of.shape.prod(axis=1).sum()
     assert np.isinf(drawn.depth[drawn.texel < 0]).all()
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_solids_are_drawn_alike_in_any_unit(scale):
+    ball = Sphere(centre=AHEAD, radius=2.0)
+    scaled = Sphere(centre=scale * AHEAD, radius=scale * 2.0)
+    camera = camera_of(np.eye(4), taken(0).rig)
+    one = draw(revolved([ball], 0.5), camera, 1)
+    other = draw(revolved([scaled], scale * 0.5), camera, 1)
+    assert (one.texel >= 0).sum() > 500
+    np.testing.assert_array_equal(other.texel, one.texel)
+    np.testing.assert_allclose(other.depth, scale * one.depth)
 
 
 def test_portrait_of_a_box_is_none():
