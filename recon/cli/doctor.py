@@ -43,7 +43,7 @@ def _compile(quiet: bool) -> None:
         compile_ahead(events)
     if not quiet:
         seconds = time.perf_counter() - began
-        click.echo(f"recon: all kernels are compiled ({seconds:.0f} s)", err=True)
+        click.echo(f"recon: what a first run compiles is compiled ({seconds:.0f} s)", err=True)
 
 
 def _state(is_ok: bool, is_needed: bool) -> str:
