@@ -21,7 +21,8 @@ FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
-TIMEOUT_S = 300
+TIMEOUT_S = 900
+"""Far longer than anything takes, kernels that compile on a busy machine included."""
 
 
 def missing_requirement():
