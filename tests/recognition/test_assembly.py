@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.recognition.fitting.composite import Composite
-from recon.recognition.naming import assembly, hypotheses
+from recon.recognition.naming import arrangement, assembly, hypotheses
 from recon.recognition.naming.acceptance import accepted
 from recon.recognition.naming.catalogue import read_catalogues
 from recon.recognition.naming.naming import name_object
@@ -108,9 +108,11 @@ def test_a_slice_of_a_noisy_wall_is_no_seat(seed, monkeypatch):
         return label_of([wall], rng, Orbit(sigma_px=0.15))
 
     assert label() == "unknown"
+    always = Logistic(middle=-99.0, steepness=1.0)
     monkeypatch.setattr(hypotheses, "proportion_chance", lambda *_: 1.0)
+    monkeypatch.setattr(arrangement, "UNPIERCED", always)
     assert label() == "unknown"
-    monkeypatch.setattr(assembly, "FREE", Logistic(middle=-99.0, steepness=1.0))
+    monkeypatch.setattr(assembly, "FREE", always)
     assert label() == "bench"
 
 

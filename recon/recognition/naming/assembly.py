@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from recon.recognition.cells import trust_by_points
 from recon.recognition.fitting.least_squares import student_deviance
 from recon.recognition.naming.angles import squareness
+from recon.recognition.naming.arrangement import arranged, boards, is_upright
 from recon.recognition.naming.kinds import Kind, PartRule, Range
 from recon.recognition.naming.limits import box_sizes, solid_sizes
 from recon.recognition.naming.probability import EXPLAINED, FREE, SHOWN, SQUARE
@@ -30,7 +31,6 @@ MOST = 0.75
 """Minimum share of the cells of a part below the middle of what lies on it."""
 LEAST_TRUST = 0.25
 """Minimum weight of a cell with few points."""
-UPRIGHT_DEG = 45.0
 COST_OF_SOLID = 0.5
 """Seven numbers times the log of sixty, by sixty: no more cells than these are independent, and a
 further solid takes up what is only noise at a crease."""
@@ -46,7 +46,8 @@ class Assembly:
     bic: float
     explained: float
     """Probability that enough cells are on its pieces, and on each required piece, that walls are
-    at right angles, and that what stands on legs stands on nothing else."""
+    at right angles, that what stands on legs stands on nothing else, and that parts are on others
+    as those of the kind are."""
     seen: float
     """Weighted share of the cells on its pieces."""
     pieces: tuple[FlatPiece, ...]
@@ -68,7 +69,7 @@ class Assembly:
     @property
     def upright(self) -> list[FlatPiece]:
         """Its planes that are nearer to upright than to level."""
-        return [one for one in self.pieces if (one.tilt_deg or 0.0) > UPRIGHT_DEG]
+        return [one for one in self.pieces if is_upright(one)]
 
     @property
     def has_planes(self) -> bool:
@@ -120,10 +121,11 @@ def _assembled(pieces: Pieces, kind: Kind, ground: float) -> Assembly | None:
     own = [one for _, one in parts]
     trust = trust_by_points(cells, (LEAST_TRUST, 1.0))
     share = sum(_explained(one, cells, trust) for one in own) / float(trust.sum())
+    shown *= _on_legs(kind, own, cells) * arranged(kind, parts, cells)
     return Assembly(
         kind=kind,
         bic=bic_of_pieces(cells, own),
-        explained=float(EXPLAINED.chance(share)) * shown * _on_legs(kind, own, cells),
+        explained=float(EXPLAINED.chance(share)) * shown,
         seen=share,
         pieces=tuple(own),
         rules=tuple(rule for rule, _ in parts),
@@ -153,12 +155,7 @@ def _on_legs(kind: Kind, pieces: list[FlatPiece], cells: Voxels) -> float:
     """Probability that the boards of a kind with legs are no slices of something solid."""
     if all(rule.place != "under" for rule in kind.parts):
         return 1.0
-    return float(np.prod([FREE.chance(free_below(one, cells)) for one in _boards(pieces)]))
-
-
-def _boards(pieces: Sequence[FlatPiece]) -> list[FlatPiece]:
-    """The planes that are nearer to level than to upright."""
-    return [one for one in pieces if (one.tilt_deg or 0.0) < UPRIGHT_DEG and _is_plane(one)]
+    return float(np.prod([FREE.chance(free_below(one, cells)) for one in boards(pieces)]))
 
 
 def _num_in_place(
@@ -169,10 +166,10 @@ def _num_in_place(
     What is under a back may be above the seat: clumps over a floor do not make a bench of it. Bits
     of a back that are taken for more legs than a kind needs do no harm.
     """
-    boards = _boards(own)
-    if rule.place != "under" or not boards:
+    carried = boards(own)
+    if rule.place != "under" or not carried:
         return len(found)
-    height = max(float(one.low[1] + one.high[1]) / 2.0 for one in boards)
+    height = max(float(one.low[1] + one.high[1]) / 2.0 for one in carried)
     height -= CARRIES_CELLS * cells.cell_size
     return sum(float(one.low[1]) < height for one in found)
 
