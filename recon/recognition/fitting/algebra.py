@@ -58,19 +58,29 @@ def num_parallel(normals: Array, cosine: float) -> NDArray[np.int64]:
 
 
 @njit(cache=True)
-def round_line(points: Array, axis: Array, is_cone: bool) -> tuple[Array, float, float, float]:
-    """The line round an axis that points (N, 3) lie near, by an algebraic fit.
-
-    ``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` is linear.
+def round_lines(points: Array, axes: Array, is_cone: bool) -> tuple[Array, Array]:
+    """The lines round some axes (A, 3) that points (N, 3) lie near, by algebraic fits.
 
     Returns
     -------
-    point : (3,)
-        On the axis.
-    offset, angle : float
-        Of the line in the half plane, as `AxialModel` has them; a cylinder's angle is 0.
-    away : float
-        Median distance of the points to it.
+    lines : (A, 8)
+        A point on the axis, the axis, and offset and angle of the line in the half plane, as
+        `AxialModel` has them; a cylinder's angle is 0.
+    away : (A,)
+        Median distance of the points to each.
+    """
+    lines, away = np.empty((len(axes), 8)), np.empty(len(axes))
+    for k in range(len(axes)):
+        lines[k, :3], lines[k, 6], lines[k, 7], away[k] = _round_line(points, axes[k], is_cone)
+        lines[k, 3:6] = axes[k]
+    return lines, away
+
+
+@njit(cache=True)
+def _round_line(points: Array, axis: Array, is_cone: bool) -> tuple[Array, float, float, float]:
+    """Point, offset, angle and median distance of one of them.
+
+    ``x^2 + y^2 = 2 a x + 2 b y + c (+ d t + e t^2)`` is linear.
     """
     across, size = across_axis(axis), 5 if is_cone else 3
     local, row = np.empty((len(points), 3)), np.ones(5)

@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
-from recon.recognition.fitting.algebra import quantiles, round_line, spread
+from recon.recognition.fitting.algebra import quantiles, round_lines
+from recon.recognition.fitting.sample import Sample
 from recon.records import Cone, Cylinder, FitFailure, Solid, TruncatedCone
 
 Array = NDArray[np.float64]
 
 NUM_STARTS = 3
 """Axes that are refined, out of all that are tried."""
-PARALLEL = 0.998
-"""Cosine of the angle below which two axes count as one."""
 TIP_EVIDENCE = 4.6
 """A cone is truncated if evenly spread points would put this number on its missing tip (p = 1
 %)."""
@@ -26,22 +25,11 @@ LARGEST_TO_EXTENT = 10.0
 """A radius larger than this multiple of the points' extent cannot be estimated from them."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Line:
-    """A line around an axis."""
-
-    point: Array
-    axis: Array
-    offset: float
-    angle: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class AxialModel:
-    """Points on a cylinder or cone without ends."""
+    """Points on a cylinder or cone without ends: a point of its axis, this, offset and angle."""
 
-    points: Array
-    normals: Array
+    sample: Sample
     is_cone: bool
 
     @property
@@ -54,58 +42,36 @@ class AxialModel:
         """Number of the surface in `descent`."""
         return descent.CONE if self.is_cone else descent.CYLINDER
 
-    def starts(self) -> list[Line]:
-        """Algebraic fits around the most promising axes."""
-        lines, away = self._algebraic(_axes(self.points, self.normals))
-        return [lines[row] for row in np.argsort(away, kind="stable")[:NUM_STARTS]]
+    def starts(self) -> Array:
+        """Algebraic fits (S, 8) around the most promising axes."""
+        lines, away = round_lines(self.sample.local, self.sample.axes, self.is_cone)
+        lines[:, :3] += self.sample.middle
+        starts: Array = lines[np.argsort(away, kind="stable")[:NUM_STARTS]]
+        return starts
 
-    def _algebraic(self, axes: Array) -> tuple[list[Line], Array]:
-        """Lines round given axes (A, 3), and the median distances (A,) of the points to them."""
-        middle = self.points.mean(axis=0)
-        local = self.points - middle
-        fits = [round_line(local, axis, self.is_cone) for axis in axes]
-        lines = [
-            Line(point=middle + point, axis=axis, offset=offset, angle=angle)
-            for (point, offset, angle, _), axis in zip(fits, axes, strict=True)
-        ]
-        return lines, np.array([away for *_, away in fits])
-
-    def packed(self, state: Line) -> Array:
-        """The numbers (8,) of a line."""
-        return np.concatenate([state.point, state.axis, [state.offset, state.angle]])
-
-    def unpacked(self, numbers: Array) -> Line:
-        """The line of its numbers."""
-        return Line(
-            point=numbers[:3],
-            axis=numbers[3:6],
-            offset=float(numbers[6]),
-            angle=float(numbers[7]),
-        )
-
-    def solid(self, state: Line, inliers: Array, sigma: float) -> Solid | FitFailure:
+    def solid(self, numbers: Array, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The solid, bounded by the ends of the points on it."""
-        t = _within((inliers - state.point) @ state.axis)
+        point, axis, (offset, angle) = numbers[:3], numbers[3:6], numbers[6:].tolist()
+        t = _within((inliers - point) @ axis)
         low, high = float(t.min()), float(t.max())
-        slope = np.tan(state.angle)
-        radii = state.offset / np.cos(state.angle) + slope * np.array([low, high])
+        radii = offset / np.cos(angle) + np.tan(angle) * np.array([low, high])
         if np.abs(radii).max() > LARGEST_TO_EXTENT * float(np.ptp(inliers, axis=0).max()):
             return FitFailure("the radius is too large for the points")
         if not self.is_cone:
             return Cylinder(
-                point=state.point + low * state.axis,
-                axis=state.axis,
+                point=point + low * axis,
+                axis=axis,
                 radius=abs(float(radii[0])),
                 height=high - low,
             )
-        return _cone(state, (low, high), (float(radii[0]), float(radii[1])), len(inliers))
+        return _cone(numbers, (low, high), (float(radii[0]), float(radii[1])), len(inliers))
 
 
 def _cone(
-    state: Line, ends: tuple[float, float], radii: tuple[float, float], num_points: int
+    numbers: Array, ends: tuple[float, float], radii: tuple[float, float], num_points: int
 ) -> Solid | FitFailure:
     (low, high), (first, last) = ends, radii
-    axis, angle = state.axis, state.angle
+    axis, angle = numbers[3:6], float(numbers[7])
     if last < first:
         # A cone narrows upwards: the wide end is the bottom.
         bottom, top, foot = first, last, low
@@ -113,7 +79,7 @@ def _cone(
         bottom, top, foot, axis, angle = last, first, high, -axis, -angle
     if bottom <= 0 or angle == 0.0:
         return FitFailure("the cone does not open")
-    point = state.point + foot * state.axis
+    point = numbers[:3] + foot * numbers[3:6]
     height = high - low
     if num_points * (max(top, 0.0) / bottom) ** 2 < TIP_EVIDENCE:
         length = bottom / float(np.tan(-angle))
@@ -129,14 +95,3 @@ def _within(t: Array) -> Array:
     margin = 0.2 * (high - low)
     inside: Array = t[(t >= low - margin) & (t <= high + margin)]
     return inside
-
-
-def _axes(points: Array, normals: Array) -> Array:
-    """Candidate directions (A, 3): where normals vary least, and the principal axes of points."""
-    moments = (normals.T @ normals, spread(normals), spread(points))
-    vectors = [np.linalg.eigh(moment)[1].T for moment in moments]
-    axes: list[Array] = []
-    for axis in (vectors[0][0], vectors[1][0], *vectors[2]):
-        if all(abs(axis @ other) < PARALLEL for other in axes):
-            axes.append(axis)
-    return np.stack(axes)

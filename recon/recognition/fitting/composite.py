@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting import descent
 from recon.recognition.fitting.profiles import NUM_RADII, OUTLINES, to_parts
 from recon.records import Cone, Cylinder, Ellipsoid, Solid, Sphere, TruncatedCone
 
@@ -68,7 +67,7 @@ class Composite:
     @property
     def layout(self) -> NDArray[np.int64]:
         """(2, parts) outlines, and counts of radii."""
-        return _layout(self.shapes)
+        return layout_of(self.shapes)
 
     def nearest(self, points: Array) -> tuple[Array, NDArray[np.intp]]:
         """Signed distances (N,) of points (N, 3) to the nearest part, and its number (N,)."""
@@ -79,32 +78,20 @@ class Composite:
         return signed, nearest
 
 
-def _layout(shapes: tuple[str, ...]) -> NDArray[np.int64]:
+def layout_of(shapes: tuple[str, ...]) -> NDArray[np.int64]:
+    """(2, parts) outlines, and counts of radii, of parts."""
     return np.array([[table[shape] for shape in shapes] for table in (OUTLINES, NUM_RADII)])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CompositeModel:
-    """Points on the parts of a composite."""
-
-    points: Array
-    shapes: tuple[str, ...]
-    surface = descent.COMPOSITE
-
-    def packed(self, state: Composite) -> Array:
-        """The numbers of a composite: axis, heights, radii."""
-        return np.concatenate([state.axis, state.heights, *state.radii])
-
-    def unpacked(self, numbers: Array) -> Composite:
-        """The composite of its numbers."""
-        ends = 3 + len(self.shapes)
-        borders = ends + np.cumsum([NUM_RADII[shape] for shape in self.shapes])
-        return Composite(
-            shapes=self.shapes,
-            axis=numbers[:2],
-            heights=numbers[2:ends],
-            radii=tuple(np.split(numbers[ends:], borders[:-1] - ends)),
-        )
+def unpacked(shapes: tuple[str, ...], numbers: Array) -> Composite:
+    """The composite of its numbers: axis, heights, radii."""
+    first, radii = 3 + len(shapes), []
+    for shape in shapes:
+        radii.append(numbers[first : first + NUM_RADII[shape]])
+        first += NUM_RADII[shape]
+    return Composite(
+        shapes=shapes, axis=numbers[:2], heights=numbers[2 : 3 + len(shapes)], radii=tuple(radii)
+    )
 
 
 def solids(composite: Composite) -> list[Solid]:

@@ -1,7 +1,6 @@
 """Fits of composites: the most promising one, or all optima."""
 
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise, product
 
 import numpy as np
@@ -9,8 +8,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from recon.recognition.fitting.algebra import column_quantiles, quantiles
-from recon.recognition.fitting.composite import NOISE_FLOOR, Composite, CompositeModel
-from recon.recognition.fitting.least_squares import Estimate, minimise
+from recon.recognition.fitting.composite import NOISE_FLOOR, Composite, layout_of, unpacked
+from recon.recognition.fitting.descent import COMPOSITE, descents
+from recon.recognition.fitting.least_squares import (
+    MOST_STEPS,
+    Estimate,
+    minimise,
+    most_promising,
+)
 from recon.recognition.fitting.profiles import NUM_RADII
 
 Array = NDArray[np.float64]
@@ -43,23 +48,21 @@ def fit_composite(
 
     Its parameters are those of `fit_composites`, of which it takes a fifth of the time.
     """
-    some = slice(None, None, -(-len(points) // ROUGH_POINTS))
-    few, model = CompositeModel(points[some], shapes), CompositeModel(points, shapes)
-    floor = NOISE_FLOOR * cell_size
-    rough = [
-        minimise(
-            few,
-            start,
-            floor=floor,
-            weights=weights[some],
-            layout=start.layout,
-            max_steps=ROUGH_STEPS,
-        )
-        for start in _starts(shapes, points, ground, SPLITS, num_ways=1)
-    ]
-    best = min(rough, key=lambda estimate: estimate.deviance)
-    fit = minimise(model, best.state, floor=floor, weights=weights, layout=best.state.layout)
-    return replace(fit, state=_trimmed(fit, points, cell_size))
+    some, layout = slice(None, None, -(-len(points) // ROUGH_POINTS)), layout_of(shapes)
+    starts = _starts(shapes, points, ground, SPLITS, num_ways=1)
+    floor, few = NOISE_FLOOR * cell_size, weights[some]
+    start = most_promising(
+        COMPOSITE,
+        np.ascontiguousarray(points[some]),
+        starts,
+        share=few / few.mean(),
+        floor=floor,
+        layout=layout,
+        num_steps=ROUGH_STEPS,
+    )
+    share = weights / weights.mean()
+    fit = minimise(COMPOSITE, points, start, share=share, floor=floor, layout=layout)
+    return _trimmed(shapes, fit, points, cell_size)
 
 
 def fit_composites(
@@ -80,40 +83,54 @@ def fit_composites(
     weights : (N,) float64
         Weight of each point.
     """
-    some = slice(None, None, -(-len(points) // ROUGH_POINTS))
-    few, model = CompositeModel(points[some], shapes), CompositeModel(points, shapes)
+    some, layout = slice(None, None, -(-len(points) // ROUGH_POINTS)), layout_of(shapes)
     starts = _starts(shapes, points, ground, CLOSE_SPLITS)
-    search = partial(minimise, floor=NOISE_FLOOR * cell_size, layout=starts[0].layout)
-    rough = [search(few, start, weights=weights[some]) for start in starts]
-    fits = [search(model, one.state, weights=weights) for one in _distinct(rough, few, cell_size)]
-    optima = _distinct(fits, model, cell_size)
-    return [replace(one, state=_trimmed(one, points, cell_size)) for one in optima]
+    floor, few, share = NOISE_FLOOR * cell_size, weights[some], weights / weights.mean()
+    rough, lowest = descents(
+        COMPOSITE,
+        np.ascontiguousarray(points[some]),
+        starts,
+        layout,
+        few / few.mean(),
+        floor,
+        MOST_STEPS,
+    )
+    fits = [
+        minimise(COMPOSITE, points, rough[row], share=share, floor=floor, layout=layout)
+        for row in _distinct(rough, lowest, cell_size)
+    ]
+    found = np.stack([one.state for one in fits]), np.array([one.deviance for one in fits])
+    optima = [fits[row] for row in _distinct(*found, cell_size)]
+    return [_trimmed(shapes, one, points, cell_size) for one in optima]
 
 
-def _distinct(
-    fits: list[Estimate[Composite]], model: CompositeModel, cell_size: float
-) -> list[Estimate[Composite]]:
-    """The fits that differ from every better one, best first."""
-    distinct: list[Estimate[Composite]] = []
-    for fit in sorted(fits, key=lambda estimate: estimate.deviance):
-        numbers, least = model.packed(fit.state), SAME_CELLS * cell_size
-        if all(np.abs(model.packed(one.state) - numbers).max() > least for one in distinct):
-            distinct.append(fit)
+def _distinct(numbers: Array, deviances: Array, cell_size: float) -> list[int]:
+    """Rows of the fits (M, S) that differ from every better one, best first."""
+    distinct: list[int] = []
+    for row in np.argsort(deviances, kind="stable").tolist():
+        away = np.abs(numbers[distinct] - numbers[row]).max(axis=1)
+        if (away > SAME_CELLS * cell_size).all():
+            distinct.append(row)
     return distinct
 
 
-def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Composite:
-    """Cut the last part where its points end: excess length costs a fit nothing."""
-    composite = fit.state
-    if composite.shapes[-1] in ("sphere", "ellipsoid"):
-        return composite
-    _, nearest = composite.nearest(points)
-    own = (nearest == len(composite.shapes) - 1) & (
-        np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma
-    )
-    if not own.any():
-        return composite
-    ends = quantiles(points[own, 1], ENDS) - [BELOW_CELLS * cell_size, 0.0]
+def _trimmed(
+    shapes: tuple[str, ...], fit: Estimate[Array], points: Array, cell_size: float
+) -> Estimate[Composite]:
+    """The fit as a composite, its last part cut where its points end: excess costs nothing."""
+    composite = unpacked(shapes, fit.state)
+    if shapes[-1] not in ("sphere", "ellipsoid"):
+        _, nearest = composite.nearest(points)
+        is_close = np.abs(fit.residuals) < INLIER_SIGMAS * fit.sigma
+        own = (nearest == len(shapes) - 1) & is_close
+        if own.any():
+            composite = _cut(composite, points[own, 1], cell_size)
+    return fit.as_of(composite)
+
+
+def _cut(composite: Composite, heights: Array, cell_size: float) -> Composite:
+    """A composite whose last part ends at some of its points' heights (N,)."""
+    ends = quantiles(heights, ENDS) - [BELOW_CELLS * cell_size, 0.0]
     ends = np.clip(ends, *composite.heights[-2:])
     if len(composite.shapes) == 1:
         ends[0] = composite.heights[0]
@@ -126,11 +143,10 @@ def _trimmed(fit: Estimate[Composite], points: Array, cell_size: float) -> Compo
         # midpoint is off by at most half of that distance.
         rise = 0.5 * min(rim[1] / -slope, ends[1] - ends[0])
         ends[1], rim[1] = ends[1] + rise, rim[1] + slope * rise
-    radii = rim[-len(composite.radii[-1]) :]
     return replace(
         composite,
         heights=np.append(composite.heights[:-2], ends),
-        radii=(*composite.radii[:-1], radii),
+        radii=(*composite.radii[:-1], rim[-len(composite.radii[-1]) :]),
     )
 
 
@@ -148,8 +164,8 @@ def _starts(
     ground: float,
     of_two: tuple[float, ...],
     num_ways: int | None = None,
-) -> list[Composite]:
-    """Composites round the middle of the bulk, their boundaries at several heights.
+) -> Array:
+    """Numbers (M, S) of composites round the middle of the bulk, split at several heights.
 
     Parameters
     ----------
@@ -170,11 +186,8 @@ def _starts(
             _first_radii(NUM_RADII[shape], middle, max(middles))[:num_ways]
             for shape, middle in zip(shapes, middles, strict=True)
         ]
-        found += [
-            Composite(shapes=shapes, axis=axis, heights=heights, radii=radii)
-            for radii in product(*ways)
-        ]
-    return found
+        found += [np.concatenate([axis, heights, *radii]) for radii in product(*ways)]
+    return np.stack(found)
 
 
 def _first_radii(number: int, middle: float, widest: float) -> list[Array]:

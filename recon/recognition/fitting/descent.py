@@ -98,6 +98,25 @@ def descend(
 
 
 @njit(cache=True)
+def descents(
+    surface: int,
+    points: Array,
+    starts: Array,
+    layout: Numbers,
+    share: Array,
+    floor: float,
+    max_steps: int,
+) -> tuple[Array, Array]:
+    """States (M, S) after a few steps from each start, and their deviances (M,)."""
+    states, lowest = np.empty(starts.shape), np.empty(len(starts))
+    for k in range(len(starts)):
+        states[k], _, _, _, lowest[k] = descend(
+            surface, points, starts[k], layout, share, floor, max_steps
+        )
+    return states, lowest
+
+
+@njit(cache=True)
 def _residuals(surface: int, points: Array, state: Array, layout: Numbers) -> tuple[Array, Array]:
     """Signed distances (N,) and their derivatives (N, P) by a step."""
     if surface == COMPOSITE:

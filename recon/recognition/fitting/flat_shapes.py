@@ -1,12 +1,13 @@
 """Plane and box: fitted by geometric distance."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.recognition.fitting import descent
 from recon.recognition.fitting.algebra import column_quantiles, num_parallel
+from recon.recognition.fitting.sample import Sample
 from recon.records import Box, FitFailure, Plane, Solid
 
 Array = NDArray[np.float64]
@@ -29,79 +30,58 @@ ALIKE, ACROSS = 0.98, 0.9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneModel:
-    """Points on a plane."""
+    """Points on a plane, whose numbers are a point and the normal."""
 
-    points: Array
-    normals: Array
+    sample: Sample
     surface = descent.PLANE
     num_parameters = 3
 
-    def starts(self) -> list[Plane]:
-        """The least-squares plane."""
-        middle = self.points.mean(axis=0)
-        vectors = np.linalg.eigh(np.cov((self.points - middle).T))[1]
-        return [Plane(point=middle, normal=vectors[:, 0])]
+    def starts(self) -> Array:
+        """The least-squares plane (1, 6)."""
+        return np.append(self.sample.middle, self.sample.principal[1][0])[None]
 
-    def packed(self, state: Plane) -> Array:
-        """The numbers (6,) of a plane."""
-        return np.concatenate([state.point, state.normal])
-
-    def unpacked(self, numbers: Array) -> Plane:
-        """The plane of its numbers."""
-        return Plane(point=numbers[:3], normal=numbers[3:])
-
-    def solid(self, state: Plane, inliers: Array, sigma: float) -> Solid | FitFailure:
+    def solid(self, numbers: Array, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The plane with its point in the middle of the points."""
-        middle = inliers.mean(axis=0)
-        foot = middle - ((middle - state.point) @ state.normal) * state.normal
-        return Plane(point=foot, normal=state.normal)
+        middle, normal = inliers.mean(axis=0), numbers[3:]
+        foot = middle - ((middle - numbers[:3]) @ normal) * normal
+        return Plane(point=foot, normal=normal)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxModel:
-    """Points on a box."""
+    """Points on a box, whose numbers are centre, axes and edges."""
 
-    points: Array
-    normals: Array
+    sample: Sample
     surface = descent.BOX
     num_parameters = 9
 
-    def starts(self) -> list[Box]:
-        """Boxes along the principal axes of the points and along the most common normals."""
-        moments = np.linalg.eigh(np.cov(self.points.T))[1].T
-        return [self._around(axes) for axes in (moments, _commonest(self.normals))]
+    def starts(self) -> Array:
+        """Boxes (2, 15) along the principal axes and along the most common normals."""
+        frames = self.sample.principal[1], _commonest(self.sample.normals)
+        return np.stack([self._around(axes) for axes in frames])
 
-    def _around(self, axes: Array) -> Box:
-        local = self.points @ axes.T
-        low, high = column_quantiles(local, ENDS)
-        return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
+    def _around(self, axes: Array) -> Array:
+        low, high = column_quantiles(self.sample.points @ axes.T, ENDS)
+        return np.concatenate([(low + high) / 2.0 @ axes, axes.ravel(), high - low])
 
-    def packed(self, state: Box) -> Array:
-        """The numbers (15,) of a box."""
-        return np.concatenate([state.centre, state.axes.ravel(), state.sizes])
-
-    def unpacked(self, numbers: Array) -> Box:
-        """The box of its numbers."""
-        return Box(centre=numbers[:3], axes=numbers[3:12].reshape(3, 3), sizes=numbers[12:])
-
-    def solid(self, state: Box, inliers: Array, sigma: float) -> Solid | FitFailure:
+    def solid(self, numbers: Array, inliers: Array, sigma: float) -> Solid | FitFailure:
         """The box, with faces that have no points moved to the nearest points."""
-        if state.sizes.min() < THINNEST * sigma:
+        centre, axes, sizes = numbers[:3], numbers[3:12].reshape(3, 3), numbers[12:]
+        if sizes.min() < THINNEST * sigma:
             return FitFailure("the box is too thin for the noise")
-        local = (inliers - state.centre) @ state.axes.T
-        fault = self._faceless(state)
+        local = (inliers - centre) @ axes.T
+        fault = self._faceless(centre, axes, sizes)
         if fault:
             return FitFailure(fault)
-        low = np.maximum(local.min(axis=0), -state.sizes / 2.0)
-        high = np.minimum(local.max(axis=0), state.sizes / 2.0)
-        middle = state.centre + (low + high) / 2.0 @ state.axes
-        return replace(state, centre=middle, sizes=high - low)
+        low = np.maximum(local.min(axis=0), -sizes / 2.0)
+        high = np.minimum(local.max(axis=0), sizes / 2.0)
+        return Box(centre=centre + (low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
 
-    def _faceless(self, state: Box) -> str:
+    def _faceless(self, centre: Array, axes: Array, sizes: Array) -> str:
         """The reason why the points do not show the faces of a box; empty if they do."""
-        local = np.abs((self.points - state.centre) @ state.axes.T)
-        face = np.argmax(local - state.sizes / 2.0, axis=1)
-        along = np.abs(self.normals @ state.axes.T)[np.arange(len(face)), face]
+        local = np.abs((self.sample.points - centre) @ axes.T)
+        face = np.argmax(local - sizes / 2.0, axis=1)
+        along = np.abs(self.sample.normals @ axes.T)[np.arange(len(face)), face]
         if (along > ALIGNED).mean() < ALIGNED_SHARE:
             return "the surface does not run along the faces of a box"
         if np.sort(np.bincount(face, minlength=3))[1] < SECOND_FACE * len(face):

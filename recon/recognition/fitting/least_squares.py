@@ -5,41 +5,21 @@ estimated with the parameters (expectation maximisation), the steps are Levenber
 """
 
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.descent import NUM_RESCALINGS, descend
+from recon.recognition.fitting.descent import NUM_RESCALINGS, descend, descents
 from recon.recognition.fitting.student import DEGREES_OF_FREEDOM, deviance, rescaled
 
 Array = NDArray[np.float64]
 State = TypeVar("State")
+Other = TypeVar("Other")
 
 NO_PARTS: NDArray[np.int64] = np.empty((2, 0), dtype=np.int64)
 """Layout of a surface that is not a composite."""
-
-
-class Model(Protocol[State]):
-    """The surface that is fitted to points, and its state as numbers."""
-
-    @property
-    def points(self) -> Array:
-        """(N, 3)"""
-        ...
-
-    @property
-    def surface(self) -> int:
-        """Number of the surface in `descent`."""
-        ...
-
-    def packed(self, state: State) -> Array:
-        """The numbers of a state."""
-        ...
-
-    def unpacked(self, numbers: Array) -> State:
-        """The state of numbers."""
-        ...
+MOST_STEPS = 30
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,6 +35,16 @@ class Estimate(Generic[State]):
     """(P, P) inverse covariance of a step from the state."""
     deviance: float
     """Minus twice the log likelihood, up to a constant."""
+
+    def as_of(self, state: Other) -> "Estimate[Other]":
+        """The same estimate with its state in another form."""
+        return Estimate(
+            state=state,
+            residuals=self.residuals,
+            sigma=self.sigma,
+            information=self.information,
+            deviance=self.deviance,
+        )
 
     @property
     def bic(self) -> float:
@@ -77,36 +67,56 @@ def deviance_a_residual(residuals: Array, sigma: float) -> Array:
 
 
 def minimise(
-    model: Model[State],
-    start: State,
+    surface: int,
+    points: Array,
+    start: Array,
     *,
+    share: Array,
     floor: float,
-    weights: Array | None = None,
     layout: NDArray[np.int64] = NO_PARTS,
-    max_steps: int = 30,
-) -> Estimate[State]:
-    """Fit `model` from `start`.
+) -> Estimate[Array]:
+    """Fit a surface to points from a start.
 
     Parameters
     ----------
+    surface : int
+        Number of the surface in `descent`.
+    points : (N, 3) float64
+    start : (S,) float64
+        Numbers of the surface.
+    share : (N,) float64
+        How much each point counts, 1 on average.
     floor : float
         Minimum noise, in the unit of the residuals; > 0.
-    weights : (N,) float64, optional
-        Relative weights of the residuals; equal by default.
     layout : (2, parts) int64, optional
         Of a composite.
-    max_steps : int
-        Maximum number of steps.
     """
-    points = np.ascontiguousarray(model.points)
-    share = np.ones(len(points)) if weights is None else weights / weights.mean()
     numbers, residuals, sigma, normal, lowest = descend(
-        model.surface, points, model.packed(start), layout, share, floor, max_steps
+        surface, points, start, layout, share, floor, MOST_STEPS
     )
     return Estimate(
-        state=model.unpacked(numbers),
+        state=numbers,
         residuals=residuals,
         sigma=sigma,
         information=normal / sigma**2,
         deviance=lowest,
     )
+
+
+def most_promising(
+    surface: int,
+    points: Array,
+    starts: Array,
+    *,
+    share: Array,
+    floor: float,
+    layout: NDArray[np.int64] = NO_PARTS,
+    num_steps: int,
+) -> Array:
+    """Numbers (S,) of the likeliest surface a few steps from starts (M, S)."""
+    if len(starts) == 1:
+        found: Array = starts[0]
+        return found
+    states, lowest = descents(surface, points, starts, layout, share, floor, num_steps)
+    best: Array = states[min(range(len(states)), key=lowest.__getitem__)]
+    return best

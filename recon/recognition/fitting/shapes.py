@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from recon.errors import InputError, as_numbers, check_shape
 from recon.recognition.fitting.axial_shapes import AxialModel
 from recon.recognition.fitting.flat_shapes import BoxModel, PlaneModel
-from recon.recognition.fitting.least_squares import minimise
-from recon.recognition.fitting.normals import estimate_normals
+from recon.recognition.fitting.least_squares import minimise, most_promising
 from recon.recognition.fitting.round_shapes import EllipsoidModel, SphereModel
+from recon.recognition.fitting.sample import Sample
 from recon.records import FitFailure, Solid
 
 Array = NDArray[np.float64]
@@ -45,14 +45,19 @@ class Candidate:
     """One solid fitted to points."""
 
     solid: Solid
-    rms: float
-    """Root mean square of the geometric distances of all points, in their unit."""
+    points: Array
+    """(N, 3) that it was fitted to."""
     bic: float
     """The smallest is best; only comparable for the same points."""
     sigma: float
     """Scale of the noise without outliers."""
     information: Array
     """(P, P) inverse covariance of the surface's parameters, in the order of its model's steps."""
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the geometric distances of all points, in their unit."""
+        return float(np.sqrt(np.mean(self.solid.distances(self.points) ** 2)))
 
     @property
     def covariance(self) -> Array:
@@ -107,16 +112,7 @@ def from_points(
     return sample if isinstance(sample, FitFailure) else _fitted(MODELS[shape], sample)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Sample:
-    """Data of a fit."""
-
-    points: Array
-    normals: Array
-    weights: Array
-
-
-def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample | FitFailure:
+def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> Sample | FitFailure:
     cloud = as_numbers("points", points)
     check_shape("points", cloud, (None, 3))
     share = np.ones(len(cloud)) if weights is None else np.asarray(weights, dtype=np.float64)
@@ -127,7 +123,7 @@ def _sample(points: ArrayLike, weights: ArrayLike | None, most: int) -> _Sample 
     if len(cloud) > most:
         rows = np.random.default_rng(0).choice(len(cloud), most, replace=False)
         cloud, share = cloud[rows], share[rows]
-    return _Sample(points=cloud, normals=estimate_normals(cloud), weights=share)
+    return Sample(points=np.ascontiguousarray(cloud), weights=share)
 
 
 def _fault(points: Array) -> str:
@@ -158,23 +154,20 @@ def _are_on_a_line(points: Array) -> bool:
 
 def _num_distinct(points: Array) -> int:
     """Number of distinct points, of the first few that are enough if these are."""
-    few = len(np.unique(points[:FEW], axis=0))
+    few = len(set(map(tuple, points[:FEW].tolist())))
     return few if few >= 4 else len(np.unique(points, axis=0))
 
 
-def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate | FitFailure:
-    points, weights = sample.points, sample.weights
-    model = make(points, sample.normals)
+def _fitted(make: Callable[[Sample], Any], sample: Sample) -> Candidate | FitFailure:
+    points, share, model = sample.points, sample.share, make(sample)
     spare = len(points) - model.num_parameters - 1
     if spare < 1:
         return FitFailure("too few points for the shape")
-    floor = RELATIVE_FLOOR * float(np.sqrt(points.var(axis=0).sum()))
-    search = partial(minimise, model, floor=floor, weights=weights)
-    starts = model.starts()
-    if len(starts) > 1:
-        rough = [search(start, max_steps=ROUGH_STEPS) for start in starts]
-        starts = [min(rough, key=lambda one: one.deviance).state]
-    estimate = search(starts[0])
+    floor = RELATIVE_FLOOR * sample.size
+    start = most_promising(
+        model.surface, points, model.starts(), share=share, floor=floor, num_steps=ROUGH_STEPS
+    )
+    estimate = minimise(model.surface, points, start, share=share, floor=floor)
     inliers = points[np.abs(estimate.residuals) <= INLIER_SIGMAS * estimate.sigma]
     solid = model.solid(estimate.state, inliers, estimate.sigma)
     if isinstance(solid, FitFailure):
@@ -183,7 +176,7 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
     penalty = model.num_parameters * np.log(len(points)) * len(points) / spare
     return Candidate(
         solid=solid,
-        rms=float(np.sqrt(np.mean(solid.distances(points) ** 2))),
+        points=points,
         bic=estimate.deviance + float(penalty),
         sigma=estimate.sigma,
         information=estimate.information,
@@ -191,7 +184,7 @@ def _fitted(make: Callable[[Array, Array], Any], sample: _Sample) -> Candidate |
 
 
 # The first of equally good fits is chosen.
-MODELS: dict[str, Callable[[Array, Array], Any]] = {
+MODELS: dict[str, Callable[[Sample], Any]] = {
     "plane": PlaneModel,
     "cylinder": partial(AxialModel, is_cone=False),
     "sphere": SphereModel,
