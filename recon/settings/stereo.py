@@ -37,9 +37,10 @@ class MatchingSettings:
     """Rows above and below that are searched as well; on rectified pairs, leave it at 0."""
     cross_check: Literal["exact", "row"] = "exact"
     """Confirmation of a match: its right pixel chooses among all left pixels, or only among the
-    features of its row, which takes half the time."""
+    features of its row, which takes two thirds of the time."""
     support_sampling: Literal["half", "quarter"] = "half"
-    """Share of the neighbouring pixels that support a disparity."""
+    """Share of the neighbouring pixels that support a disparity; the exact confirmation always
+    takes a quarter."""
     model: str | None = None
     """Model file of the von Mises matcher; none = the one that ships with recon."""
     per_block: Count | None = None
