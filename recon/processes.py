@@ -2,8 +2,11 @@
 
 import gc
 import os
+import signal
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from multiprocessing.context import BaseContext
@@ -22,12 +25,28 @@ def start_server(*modules: str) -> BaseContext:
     """
     if sys.platform != "linux":
         return SPAWN
-    from multiprocessing.forkserver import ensure_running
+    from multiprocessing import forkserver, resource_tracker
 
     context = get_context("forkserver")
     context.set_forkserver_preload(list(modules))
-    ensure_running()
+    resource_tracker.ensure_running()  # it changes the mask of signals itself
+    with _ctrl_c_held_back():
+        forkserver.ensure_running()
     return context
+
+
+@contextmanager
+def _ctrl_c_held_back() -> Iterator[None]:
+    """Let processes that start in the block wait with Ctrl-C until they are set up.
+
+    The server ignores it, but only when it has loaded its modules; until then it would end with a
+    traceback.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def begin_worker(num_threads: int) -> None:
@@ -36,6 +55,8 @@ def begin_worker(num_threads: int) -> None:
     A pool's worker waits for work forever, even if the process that would give it was killed; one
     in the middle of a job would keep its run folder locked.
     """
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     parent = parent_process()
     if parent is not None:
         threading.Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()

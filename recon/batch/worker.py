@@ -52,8 +52,10 @@ def report_progress_to(progress: Progress | None) -> None:
 def do(named: NamedJob, folder: Path) -> Outcome:
     """Run one job in its own run folder, or resume it if its worker was lost.
 
-    No exception except a keyboard interrupt escapes: a failed job never stops the others.
+    No exception except a keyboard interrupt escapes: a failed job never stops the others. It is
+    reported before it begins, and does not begin if its batch was interrupted meanwhile.
     """
+    _listener[-1](named.name, 0, 1)
     began = time.perf_counter()
     was_done = is_finished(folder)
     try:

@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,11 +18,12 @@ from recon.batch.batch import run_batch
 from recon.batch.jobfile import read_jobs
 from recon.batch.schedulers import MAX_TRIES, Processes, bound, lost, make_scheduler
 from recon.batch.summary import as_csv
-from recon.batch.worker import Outcome, do
+from recon.batch.worker import Outcome, do, report_progress_to
 from recon.cli import main
 from recon.errors import InputError
 from recon.files import check_memory, may_read, memory_limit, outside_allowed
 from recon.manifest import read_manifest
+from recon.runs.events import Cancelled
 
 JOBS = """
 [[job]]
@@ -50,22 +52,24 @@ def batch(tmp_path_factory):
     folder = tmp_path_factory.mktemp("batch")
     (folder / "jobs.toml").write_text(JOBS)
     code = main(["batch", str(folder / "jobs.toml"), "-o", str(folder / "out"), "-j", "1", "-q"])
+    for ending in ("json", "csv"):  # other tests resume the batch
+        shutil.copyfile(folder / f"out/summary.{ending}", folder / f"first.{ending}")
     return folder, code
 
 
 def test_failed_job_is_reported_and_stops_no_other(batch):
     folder, code = batch
     assert code == 5
-    jobs = json.loads((folder / "out" / "summary.json").read_text())["jobs"]
+    jobs = json.loads((folder / "first.json").read_text())["jobs"]
     assert [(one["name"], one["state"]) for one in jobs] == [
         ("walk", "done"),
         ("nowhere", "failed"),
     ]
     assert jobs[0]["num_pairs"] == 2
     assert (folder / "out" / "contact.png").exists()
-    assert json.loads((folder / "out" / "summary.json").read_text())["num_objects"] == 3
+    assert json.loads((folder / "first.json").read_text())["num_objects"] == 3
     assert "nowhere" in jobs[1]["error"]
-    with (folder / "out" / "summary.csv").open() as stream:
+    with (folder / "first.csv").open() as stream:
         rows = list(csv.DictReader(stream))
     assert [row["state"] for row in rows] == ["done", "failed"]
     assert rows[0]["num_pairs"] == "2"
@@ -148,6 +152,19 @@ def test_job_of_a_lost_worker_continues_its_run(batch, without_figures):
     manifest.write_text(whole.replace('"finished"', '"running"'))
     again = do(job, folder / "out" / "walk")
     assert (again.state, again.error) == ("done", None)
+
+
+def test_job_whose_batch_was_interrupted_before_does_not_begin(batch, tmp_path):
+    def tell(*_):
+        raise Cancelled
+
+    report_progress_to(tell)
+    try:
+        with pytest.raises(Cancelled):
+            do(read_jobs(batch[0] / "jobs.toml")[0], tmp_path / "run")
+    finally:
+        report_progress_to(None)
+    assert not (tmp_path / "run").exists()
 
 
 def die():
