@@ -6,7 +6,7 @@ import re
 import secrets
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from recon.errors import check_path
@@ -71,7 +71,8 @@ def _is_stale(path: Path, process: int) -> bool:
     try:
         os.kill(process, 0)
     except ProcessLookupError:
-        return path.exists() and time.time() - path.stat().st_mtime > _STALE_S
+        with suppress(FileNotFoundError):  # another process may remove it at any moment
+            return time.time() - path.stat().st_mtime > _STALE_S
     except (OSError, OverflowError):
         return False
     return False
