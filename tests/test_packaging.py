@@ -1,5 +1,6 @@
 """Release artefacts: a source archive and a wheel built from it, tested in isolation."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -41,7 +42,12 @@ load_model(None)
 
 
 def run(*words, cwd=None):
-    done = subprocess.run([*map(str, words)], cwd=cwd, capture_output=True, text=True, check=False)
+    # Git as nobody has set it up: the user's may sign commits, or be in the middle of one.
+    others = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    done = subprocess.run(
+        [*map(str, words)], cwd=cwd, capture_output=True, text=True, check=False,
+        env=others | {"GIT_CONFIG_GLOBAL": os.devnull},
+    )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
