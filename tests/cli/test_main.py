@@ -1,12 +1,8 @@
 """The command line: help, version, and one line for every known error."""
 
-import ctypes
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +12,6 @@ import recon
 from recon.cli import main
 from recon.cli.objects import object_line
 from recon.cli.options import build_settings
-from recon.errors import InputError, ReconError
 from recon.exports.formats import write
 from recon.notices import notify
 from recon.records import PointCloud
@@ -199,30 +194,6 @@ def test_excessive_size_is_rejected(capsys):
     assert "out of range" in err
 
 
-@pytest.fixture
-def listening():
-    """Signals end this process, also where the caller of the tests ignores some (nohup)."""
-    numbers = (signal.SIGTERM, signal.SIGHUP)
-    before = [signal.signal(number, signal.SIG_DFL) for number in numbers]
-    yield
-    for number, handler in zip(numbers, before, strict=True):
-        signal.signal(number, handler)
-
-
-@pytest.mark.usefixtures("listening")
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_termination_signal_is_handled_like_ctrl_c(number, tmp_path, monkeypatch, capsys):
-    def killed(*_, **__):
-        os.kill(os.getpid(), number)
-
-    monkeypatch.setattr("recon.runs.explore.World.from_file", killed)
-    before = signal.getsignal(number)
-    assert main(["explore", "village", "-o", str(tmp_path / "run")]) == 130
-    assert capsys.readouterr().err.strip() == "recon: interrupted"
-    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["state"] == "interrupted"
-    assert signal.getsignal(number) == before
-
-
 @pytest.mark.parametrize(
     ("size", "said"),
     [
@@ -248,48 +219,3 @@ def test_existing_run_is_refused_before_the_recording_is_read(capsys, tmp_path, 
     code, _, err = run(capsys, "reconstruct", str(tmp_path / "pair"), "-o", str(tmp_path / "run"))
     assert code == 2
     assert "run exists; give --overwrite, --resume, or another -o" in err
-
-
-def drop_interrupt():
-    """Interrupt this process inside a callback of machine code, which drops the exception."""
-    ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))()
-
-
-def drop_and_fail(_job):
-    drop_interrupt()
-    raise RuntimeError("no compiled object yet")
-
-
-def drop_and_go_on(_job):
-    drop_interrupt()
-    time.sleep(100)
-    pytest.fail("the work was not interrupted")
-
-
-def convert_interrupt(_job):
-    try:
-        signal.raise_signal(signal.SIGTERM)
-    except KeyboardInterrupt as error:
-        raise ReconError("Open3D does not load (initialization failed)") from error
-
-
-@pytest.mark.usefixtures("listening")
-@pytest.mark.parametrize("work", [drop_and_fail, drop_and_go_on, convert_interrupt])
-def test_interrupt_that_machine_code_hides_ends_the_command(monkeypatch, capsys, tmp_path, work):
-    monkeypatch.setattr("recon.runs.job.resolve", work)
-    code, out, err = run(capsys, "explore", "village", "-o", str(tmp_path / "run"))
-    assert (code, out, err.strip()) == (130, "", "recon: interrupted")
-
-
-@pytest.mark.usefixtures("listening")
-def test_signal_that_the_caller_ignores_stays_ignored(monkeypatch, capsys, tmp_path):
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    monkeypatch.setattr("recon.runs.job.resolve", lambda job: hung_up())
-    code, _, err = run(capsys, "explore", "village", "-o", str(tmp_path / "run"))
-    assert (code, err.strip()) == (2, "recon: went on")
-    assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-
-
-def hung_up():
-    signal.raise_signal(signal.SIGHUP)
-    raise InputError("went on")
