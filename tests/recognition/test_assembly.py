@@ -13,7 +13,7 @@ from recon.recognition.naming.naming import name_object
 from recon.recognition.naming.probability import Logistic
 from recon.recognition.recognition import recognise
 from recon.recognition.synthetic import Orbit, observe, voxelise
-from recon.records import Box, Cylinder, Sphere
+from recon.records import Box, Cylinder, PointCloud, Sphere
 from recon.settings import RecognitionSettings, Settings, updated
 
 SETTINGS = RecognitionSettings()
@@ -76,6 +76,17 @@ def label_of(parts, rng, orbit=ORBIT, cell_size=1.0):
 def test_composite_kind_is_named(make, kind, seed):
     rng = np.random.default_rng(seed)
     assert label_of(make(rng.uniform), rng) == kind
+
+
+@pytest.mark.parametrize(("num_points", "is_lamp"), [(8, True), (400, False)])
+def test_few_points_in_a_row_do_not_make_a_lamp_post_as_long_as_a_bench(num_points, is_lamp):
+    rng = np.random.default_rng(0)
+    lamp = observe(lamp_post(rng.uniform), np.full((2, 3), 90.0), ORBIT, rng)
+    row = np.repeat([[x, 5.0, 0.0] for x in (1.5, 2.5, 3.5, 4.5, 5.5)], num_points, axis=0)
+    points = np.concatenate([lamp.points, row])
+    voxels = voxelise(PointCloud(points=points, colours=np.full(points.shape, 90, np.uint8)))
+    labels = [one.label for one in recognise(voxels, SETTINGS).objects]
+    assert (labels == ["lamp post"]) == is_lamp
 
 
 @pytest.mark.parametrize(("radius", "kind"), [(1.8, "lamp post"), (4.5, "apple tree")])

@@ -97,6 +97,16 @@ def test_a_board_is_free_below_and_a_slice_of_a_wall_is_not_even_near_the_ground
     assert free_below(slice_of(table, 3.0), table) > 0.9
 
 
+def test_noise_of_few_points_closes_nothing_below_a_board():
+    board = plane([0.0, 3.5, 0.0], [8.0, 0.0, 0.0], [0.0, 0.0, 6.0])
+    noise = plane([0.0, 1.5, 0.0], [8.0, 0.0, 0.0], [0.0, 0.0, 6.0])
+    cells = cells_of(board, noise)
+    is_low = cells.means[:, 1] < 3.0
+    for count, is_free in ((3, True), (10, False)):
+        scanned = replace(cells, counts=np.where(is_low, count, 16))
+        assert (free_below(slice_of(scanned, 3.0), scanned) > 0.9) == is_free
+
+
 def explained(*planes):
     """How well a house explains planes; 0 if it has not its parts among them."""
     found = assemblies([flat_pieces(cells_of(*planes), ("upright", "any"))], HOUSE, 0.0)

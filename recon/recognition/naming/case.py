@@ -39,6 +39,9 @@ MOST_SOLIDS = 6
 """Maximum number of solids that an object is taken apart into."""
 TRUSTS = 0.1, 4.0
 """Limits of the trust in a cell by its number of points."""
+STRAY = 0.25
+"""Trust below which a cell may be beside the object and does not count for its box: three of them
+in a row make a lamp post as long as a bench."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,8 +71,8 @@ class Case:
 
     @cached_property
     def box(self) -> dict[str, float]:
-        """Sizes of the upright box around the cells."""
-        return box_sizes(self.cells.means)
+        """Sizes of the upright box around the cells that are no strays."""
+        return box_sizes(self.cells.means[self.weights >= STRAY])
 
     @property
     def overall_slenderness(self) -> float:

@@ -11,16 +11,20 @@ from recon.records import Voxels
 BESIDE_CELLS, NEAR_CELLS = 1.25, 0.8
 """Distance from a cell, beyond the thickness of its plane, and how near to this place another cell
 continues it."""
+FULL = 0.5
+"""Share of the usual number of points from which a cell continues it: noise beside thin legs has
+fewer, and closes nothing."""
 
 
 def free_below(board: FlatPiece, cells: Voxels) -> float:
-    """Share of a board's cells below which there is no other cell of the object.
+    """Share of a board's cells below which there is no other full cell of the object.
 
     Nothing is known of what is lower than its lowest cell: there it must be free above.
     """
     means: NDArray[np.float64] = cells.means[board.rows]
     step = BESIDE_CELLS * cells.cell_size * np.array(WORLD_UP)
-    tree, reach = cKDTree(cells.means), NEAR_CELLS * cells.cell_size
+    full = cells.means[cells.counts >= FULL * np.median(cells.counts)]
+    tree, reach = cKDTree(full), NEAR_CELLS * cells.cell_size
     above, below = (
         np.isinf(tree.query(means + side, distance_upper_bound=reach)[0]) for side in (step, -step)
     )
