@@ -5,19 +5,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import binary_closing, distance_transform_edt, label
 from scipy.spatial.distance import cdist
 
 from recon.exploration.floor import NEIGHBOURS, Array, Floor
 from recon.exploration.obstacles import Obstacle
-from recon.exploration.paths import unexplored
+from recon.exploration.paths import unseen
 from recon.exploration.scan import Detection
-from recon.exploration.search import are_nameable
+from recon.exploration.search import are_named
 from recon.exploration.sides import widest_gap
 from recon.exploration.state import State
 
 CLOSE = 0.5
 """Distance of a second look, as a share of the usual one: errors of depth grow with its square."""
+NEARBY = 1.25
+"""Distance of a view, as a share of the usual one, up to which it shows most of a side."""
 FAR = 0.8
 """Least distance of a look at a top, as a share of the usual one."""
 
@@ -36,14 +38,33 @@ def doubtful(obstacles: Iterable[Obstacle]) -> list[Detection]:
 
 
 def strange(obstacles: Sequence[Obstacle]) -> list[Detection]:
-    """Obstacles that resemble nothing where most have a sure label: one more look is enough.
+    """Obstacles that resemble nothing where most have a label.
 
-    A board as high as the eyes is only seen from nearby.
+    One more look is enough unless it shows much more, such as a board as high as the eyes, which is
+    only seen from nearby: then its other sides are worth one as well.
     """
-    if not are_nameable(obstacles):
+    if not are_named(obstacles):
         return []
     odd = [one for one in obstacles if one.is_strange]
-    return [_one_look(one.centre, one.radius) for one in odd]
+    return [(_once_more if one.is_growing else _one_look)(one.centre, one.radius) for one in odd]
+
+
+def seen_from_afar(obstacles: Sequence[Obstacle], clearance: float) -> list[Obstacle]:
+    """Obstacles that resemble nothing where most have a label.
+
+    They are as if seen only by the views from nearby: a wall at some distance has few cells, and
+    the roof above it none.
+
+    Parameters
+    ----------
+    clearance : float
+        Usual distance of a view, world units.
+    """
+    if not are_named(obstacles):
+        return []
+    odd = [one for one in obstacles if one.is_strange]
+    reach = NEARBY * clearance
+    return [replace(one, bearings_rad=one.bearings_rad[one.away <= reach]) for one in odd]
 
 
 def cut_off(obstacles: Iterable[Obstacle]) -> list[Obstacle]:
@@ -74,17 +95,19 @@ def elsewhere(state: State) -> Iterator[Detection]:
 
 
 def hiding_places(floor: Floor, obstacles: Iterable[Obstacle], least: float) -> Iterator[Detection]:
-    """Patches of unexplored ground with a foot of something and room for it.
+    """Patches of unknown ground with a foot of something and room for it.
 
     An edge on plain ground is taken for a foot as well, but hides nothing: the ground behind it is
-    seen from other sides.
+    seen from other sides. Of a table far away only the legs are seen, so that cells between small
+    patches belong to them.
 
     Parameters
     ----------
     least : float
         Minimum distance of the middle of a patch from the explored ground, world units.
     """
-    unknown = unexplored(floor, obstacles)
+    unknown = unseen(floor, obstacles)
+    unknown |= binary_closing(unknown, NEIGHBOURS)
     depth = distance_transform_edt(unknown) * floor.cell_size
     number, num_patches = label(unknown, NEIGHBOURS)
     for patch in range(1, num_patches + 1):

@@ -5,7 +5,7 @@ The round is planned again after every pair with what is then known.
 
 from dataclasses import dataclass, field
 
-from recon.exploration.doubts import CLOSE, FAR, cut_off, doubtful, doubts, strange
+from recon.exploration.doubts import CLOSE, FAR, cut_off, doubtful, doubts, seen_from_afar, strange
 from recon.exploration.floor import Array
 from recon.exploration.gains import Visibility
 from recon.exploration.obstacles import Obstacle
@@ -81,6 +81,7 @@ class FrontierController:
         for search in (
             self._second(state, doubtful(known)),
             self._afar(state, cut_off(known)),
+            self._second(state, seen_from_afar(known, state.scales.clearance)),
             self._second(state, strange(known)),
         ):
             if not all(is_given_up(one, search) for one in search.wanted):

@@ -21,6 +21,8 @@ TOP_AT = 0.5
 """Distance of the top from the middle of an obstacle, as a share of its radius."""
 SURE, POSSIBLE = 0.9, 0.05
 """Minimum probability of a trusted label, and of one that is worth another look."""
+MUCH_MORE = 1.1
+"""Factor by which the cells of an obstacle grow in a view after which another one is worth it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,6 +43,8 @@ class Obstacle:
     """Its occupied cells above the ground."""
     bearings_rad: Array
     """(V,) azimuth, from the obstacle, of every position that saw it well."""
+    away: Array
+    """(V,) distance of these positions from its disc, world units."""
     is_whole: Mask
     """(V,) True for views in which its top is not cut off."""
     found: FoundObject | None = None
@@ -49,6 +53,8 @@ class Obstacle:
     """Number of its occupied cells at that time."""
     views_named: int = 0
     """Number of views that had seen it well at that time."""
+    num_before: int = 0
+    """Number of its occupied cells when it was named the time before."""
 
     @property
     def is_sure(self) -> bool:
@@ -66,6 +72,11 @@ class Obstacle:
     def is_strange(self) -> bool:
         """True if it was recognised and resembles no kind."""
         return self.found is not None and not (self.is_sure or self.is_doubtful)
+
+    @property
+    def is_growing(self) -> bool:
+        """True if the last views before it was named showed much more of it."""
+        return self.num_named > MUCH_MORE * self.num_before
 
     def holds(self, points_xz: Array, margin: float = 0.0) -> Mask:
         """Mask (N,) of the points (N, 2) within its disc, widened by a margin."""
@@ -213,7 +224,8 @@ def _obstacle(
     offsets = places - centre
     radius = float(np.hypot(*(points_xz - centre).T).max()) + 0.5 * floor.cell_size
     top = float(voxels.means[:, 1].max())
-    highest = edges[:, 0] + edges[:, 1] * (np.hypot(*offsets.T) - TOP_AT * radius)
+    distance = np.hypot(*offsets.T)
+    highest = edges[:, 0] + edges[:, 1] * (distance - TOP_AT * radius)
     return Obstacle(
         cells=cells,
         covered=covered,
@@ -222,5 +234,6 @@ def _obstacle(
         top=top,
         voxels=voxels,
         bearings_rad=np.arctan2(offsets[:, 1], offsets[:, 0]),
+        away=distance - radius,
         is_whole=highest >= top,
     )

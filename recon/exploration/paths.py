@@ -189,10 +189,16 @@ def _is_rim(cells: Mask, x: int, z: int) -> bool:
 
 def unexplored(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
     """Mask (X, Z) of unknown cells worth a look: no insides of obstacles, no small gaps."""
-    unknown = ~floor.known_free & ~floor.occupied & ~floor.touched
-    for obstacle in obstacles:
-        unknown[tuple(obstacle.covered.T)] = False
+    unknown = unseen(floor, obstacles)
     number, _ = label(unknown, NEIGHBOURS)
     large = np.bincount(number.ravel()) >= MIN_POCKET
     large[0] = False
     return large[number]
+
+
+def unseen(floor: Floor, obstacles: Iterable[Obstacle]) -> Mask:
+    """Mask (X, Z) of all unknown cells except the insides of obstacles."""
+    unknown = ~floor.known_free & ~floor.occupied & ~floor.touched
+    for obstacle in obstacles:
+        unknown[tuple(obstacle.covered.T)] = False
+    return unknown

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from recon.exploration.floor import Array
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scan import Detection
+from recon.records import UNKNOWN
 
 MAX_LOOKS = 2
 """A side that was not seen well in this number of views is usually given up."""
@@ -53,3 +54,9 @@ def are_nameable(obstacles: Iterable[Obstacle]) -> bool:
     """True unless most of the obstacles named so far have no sure label."""
     sure = [one.is_sure for one in obstacles if one.found is not None]
     return 2 * sum(sure) >= len(sure)
+
+
+def are_named(obstacles: Iterable[Obstacle]) -> bool:
+    """True unless most of the obstacles named so far have no label, sure or not."""
+    labels = [one.found.label for one in obstacles if one.found is not None]
+    return 2 * labels.count(UNKNOWN) <= len(labels)

@@ -26,10 +26,11 @@ MIN_CELLS = 3
 """Fewer connected cells of the map are noise."""
 NUM_VIEWS = 3
 """An obstacle is first named when this number of views have seen it well ..."""
-GROWTH, SURE_GROWTH = 1.25, 2.0
-"""... and again when it has grown by this factor; by the second one if its label is sure, and it is
-not yet seen from all around. One that resembles a kind is named again after every view, and one
-without a sure label that is seen from all around as well: it may resemble one now."""
+GROWTH, OPEN_GROWTH, KNOWN_GROWTH = 1.25, 2.0, 1.1
+"""... and again when it has grown by this factor; if its label is sure, by the second one while it
+is not yet seen from all around, and by the third one after that: the name must be that of all its
+cells. One that resembles a kind is named again after every view, and one without a sure label that
+is seen from all around as well: it may resemble one now."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -147,6 +148,7 @@ class WorldModel:
             obstacle,
             found=largest,
             num_named=len(obstacle.voxels),
+            num_before=obstacle.num_named,
             views_named=len(obstacle.bearings_rad),
         )
 
@@ -186,7 +188,7 @@ class WorldModel:
 
 def _is_due(obstacle: Obstacle) -> bool:
     is_open = widest_gap(obstacle.bearings_rad) > OPEN_SURE_RAD
-    growth = SURE_GROWTH if obstacle.is_sure and is_open else GROWTH
+    growth = (OPEN_GROWTH if is_open else KNOWN_GROWTH) if obstacle.is_sure else GROWTH
     has_grown = len(obstacle.voxels) > growth * obstacle.num_named
     num_views = len(obstacle.bearings_rad)
     may_change = obstacle.is_doubtful or (is_known(obstacle) and not obstacle.is_sure)
@@ -210,9 +212,13 @@ def with_names(obstacles: tuple[Obstacle, ...], named: list[Obstacle]) -> tuple[
 def _with_name(obstacle: Obstacle, named: Obstacle | None) -> Obstacle:
     """The obstacle with the name of another one, and the evidence for that name."""
     if named is None:
-        return replace(obstacle, found=None, num_named=0, views_named=0)
+        return replace(obstacle, found=None, num_named=0, num_before=0, views_named=0)
     if obstacle.found is named.found and obstacle.num_named == named.num_named:
         return obstacle
     return replace(
-        obstacle, found=named.found, num_named=named.num_named, views_named=named.views_named
+        obstacle,
+        found=named.found,
+        num_named=named.num_named,
+        num_before=named.num_before,
+        views_named=named.views_named,
     )

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from recon.exploration import world_model
-from recon.exploration.doubts import CLOSE, cut_off, elsewhere, hiding_places, strange
+from recon.exploration.doubts import (
+    CLOSE,
+    cut_off,
+    elsewhere,
+    hiding_places,
+    seen_from_afar,
+    strange,
+)
 from recon.exploration.floor import Floor
 from recon.exploration.obstacles import Obstacle
 from recon.exploration.scales import Scales
@@ -34,6 +41,18 @@ def test_unseen_ground_behind_a_foot_may_hide_an_object():
 @pytest.mark.parametrize(("size", "feet"), [(7, 0), (4, 3), (0, 20)])
 def test_ground_without_a_foot_or_space_hides_no_object(size, feet):
     assert not list(hiding_places(floor_with_pocket(size, feet), (), 2.0))
+
+
+def test_legs_of_a_table_far_away_hide_one_object():
+    floor = floor_with_pocket(size=0, feet=0)
+    for x in (30, 34, 38):
+        for z in (20, 24):
+            floor.barred_from[x : x + 2, z : z + 2] = 50.0
+            floor.seen_from[x : x + 2, z : z + 2] = 55.0
+    (found,) = hiding_places(floor, (), 2.0)
+    assert np.allclose(found.centre, [5.0, -7.0])
+    floor.seen_from[:] = 20.0
+    assert not list(hiding_places(floor, (), 2.0))
 
 
 REFUTED = Detection(centre=np.zeros(2), radius=1.0, distance=50.0, sigma=4.0, azimuth_rad=0.0)
@@ -84,12 +103,12 @@ RESEMBLING = SimpleNamespace(label=UNKNOWN, probability=0.6, nearest=(("tree", 0
 TREE = SimpleNamespace(label="tree", probability=0.95, nearest=(("tree", 0.95),))
 
 
-def obstacle(found, is_whole):
+def obstacle(found, is_whole=(True,) * 4, **more):
     """Make an obstacle seen from four sides."""
     return Obstacle(
         cells=np.empty((0, 2), np.intp), covered=np.empty((0, 2), np.intp), centre=np.ones(2),
-        radius=3.0, top=9.0, voxels=None, bearings_rad=AROUND, is_whole=np.array(is_whole),
-        found=found,
+        radius=3.0, top=9.0, voxels=None, bearings_rad=AROUND, away=np.array([9.0, 11, 14, 9]),
+        is_whole=np.array(is_whole), found=found, **more,
     )  # fmt: skip
 
 
@@ -116,10 +135,22 @@ def test_tops_of_strange_things_are_viewed_from_half_of_all_directions(found, is
     [([TREE, TREE], 1), ([TREE], 1), ([], 0), ([TREE, TREE, STRANGE], 2), ([None], 0)],
 )
 def test_strange_things_are_looked_at_once_where_most_have_names(others, number):
-    known = [obstacle(found, [True] * 4) for found in (STRANGE, *others)]
+    known = [obstacle(found) for found in (STRANGE, *others)]
     looks = strange(known)
     assert len(looks) == number
     assert all(one.sigma == np.inf for one in looks)
+    assert len(seen_from_afar(known, 10.0)) == number
+
+
+@pytest.mark.parametrize(("num_before", "sigma"), [(100, np.inf), (95, np.inf), (85, 0.0)])
+def test_strange_thing_is_looked_at_from_all_sides_while_looks_show_more(num_before, sigma):
+    (look,) = strange([obstacle(STRANGE, num_named=100, num_before=num_before), obstacle(TREE)])
+    assert look.sigma == sigma
+
+
+def test_side_of_a_strange_thing_that_was_seen_from_afar_counts_as_unseen():
+    (again,) = seen_from_afar([obstacle(STRANGE), obstacle(TREE)], 10.0)
+    assert again.bearings_rad.tolist() == AROUND[[0, 1, 3]].tolist()
 
 
 def close_views(done, disc):

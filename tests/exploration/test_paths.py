@@ -73,6 +73,7 @@ def obstacle_at(x, z, radius, floor):
             counts=np.empty(0, dtype=np.int64), colours=none.astype(np.uint8), cell_size=1.0,
         ),
         bearings_rad=np.empty(0),
+        away=np.empty(0),
         is_whole=np.empty(0, dtype=bool),
     )  # fmt: skip
 
