@@ -24,6 +24,21 @@ HORIZON = 1.5
 there."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Planned:
+    """The looks of a view that was asked for."""
+
+    looks: list[Look]
+    """The list whose last ones they are."""
+    number: int
+    num_pairs: int
+    """Number of pairs at that time; if it is still the same, something was in the way."""
+
+    def take_back(self) -> None:
+        """Forget the looks of a view that was not taken."""
+        del self.looks[len(self.looks) - self.number :]
+
+
 @dataclass(slots=True, kw_only=True)
 class FrontierController:
     """Goes on a round of the unknown sides of obstacles and the unknown ground."""
@@ -36,6 +51,8 @@ class FrontierController:
     """Views that were meant to remove doubts."""
     far_looks: list[Look] = field(default_factory=list)
     """Views that were meant to show tops."""
+    planned: Planned | None = None
+    """The looks of the last view asked for."""
     reason: str = ""
 
     def info(self) -> str:
@@ -48,6 +65,8 @@ class FrontierController:
 
     def next_view(self, state: State) -> View | None:
         """The first view of the round."""
+        if self.planned is not None and self.planned.num_pairs == state.num_pairs:
+            self.planned.take_back()
         gaze = (state.view.target - state.view.position)[[0, 2]]
         self.taken.append((state.place, azimuth_of(gaze)))
         reach = HORIZON * state.settings.exploration.sight_range
@@ -126,7 +145,9 @@ class FrontierController:
         stop = prospects.first_stop(visibility, sides, unknown, state.scales)
         if stop is None:
             return None
-        search.looks.extend(sides.looks(*stop))
+        looks = sides.looks(*stop)
+        search.looks.extend(looks)
+        self.planned = Planned(looks=search.looks, number=len(looks), num_pairs=state.num_pairs)
         return self._look(state, prospects.known, sides, *stop)
 
     def _look(

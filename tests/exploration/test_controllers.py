@@ -79,3 +79,21 @@ def test_controller_that_lacks_a_method_is_rejected_before_it_is_asked(monkeypat
 )
 def test_built_in_controllers_do_not_use_the_simulator(module):
     assert "simulator" not in Path(module.__file__).read_text()
+
+
+class AskedTwice(frontier.FrontierController):
+    """Asked again for every view, as where something is in the way."""
+
+    def next_view(self, state):
+        super().next_view(state)
+        return super().next_view(state)
+
+
+def test_looks_of_a_view_that_is_not_taken_do_not_count(explore_discs):
+    discs = [(20.0, 5.0, 4.0, 12.0)]
+    once, twice = (
+        explore_discs(discs, led_by=led_by).views
+        for led_by in (frontier.FrontierController(), AskedTwice())
+    )
+    assert len(once) == len(twice)
+    assert all(np.array_equal(a.position, b.position) for a, b in zip(once, twice, strict=True))
