@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.stereo.kernels.sorting import order
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Integers = NDArray[np.int64]
@@ -33,9 +35,9 @@ class SeenDepths:
         self._num_blocks = tuple(int(side / MAX_OFFSET_PX) + 1 for side in size)
         columns, rows = self._num_blocks
         block = _blocks(at_px, (columns, rows))
-        order = np.argsort(block, kind="stable")
-        self._starts = np.searchsorted(block[order], np.arange(columns * rows + 1))
-        self._seen = np.column_stack([at_px, depth, sigma])[order]
+        self._starts = np.zeros(columns * rows + 1, np.int64)
+        np.cumsum(np.bincount(block, minlength=columns * rows), out=self._starts[1:])
+        self._seen = np.column_stack([at_px, depth, sigma])[order(block)]
 
     def agree(self, at_px: Array, depth: Array, sigma: Array) -> Mask:
         """Mask (M,) of given points whose depth is that of one of the nearest points."""
@@ -61,7 +63,9 @@ def _agree(seen: Array, starts: Integers, num_blocks: tuple[int, int], given: Ar
         number = _find_nearest(seen, starts, num_blocks, given[k], (nearest, row_of))
         for i in row_of[:number]:
             limit = NUM_SIGMAS * np.hypot(seen[i, 3], given[k, 3])
-            found[k] |= abs(seen[i, 2] - given[k, 2]) <= limit
+            if abs(seen[i, 2] - given[k, 2]) <= limit:
+                found[k] = True
+                break
     return found
 
 
