@@ -11,7 +11,7 @@ from recon.figures.kinds import Arrays, Kind, Subject
 from recon.figures.table import KINDS
 from recon.files import atomic_path
 
-ALWAYS = ("overview", "map3d", "solids", "labels", "occupancy", "trajectory", "disparity")
+ALWAYS = ("solids", "overview", "map3d", "labels", "occupancy", "trajectory", "disparity")
 """Figures that every run with a map writes by default, those that take longest first."""
 
 
