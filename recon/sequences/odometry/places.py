@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 NUM_POINTS = 250
 CONTRAST = 0.02
 """Contrast threshold of SIFT."""
+DOUBLED_PX = 0.25
+"""SIFT doubles the image first, which moves pixel centres by half a pixel of the doubled one: its
+points are so far right of and below where they are, and the farther off the closer one comes."""
 STRETCHES = (1.0, 0.65, 1.5)
 """Horizontal scales at which a place is searched for; it is stored at the first."""
 NUM_BITS = 11
@@ -92,7 +95,7 @@ def blobs(
     points, descriptors = _sift(number).detectAndCompute(wide, None)
     if not points:
         return np.zeros((0, 2), np.float32), np.zeros((0, 128), np.uint8)
-    places = np.array([point.pt for point in points], np.float32)
+    places = np.array([point.pt for point in points], np.float32) - DOUBLED_PX
     scale = image.shape[1] / wide.shape[1]
     places[:, 0] = (places[:, 0] + 0.5) * scale - 0.5
     return places, descriptors.astype(np.uint8)
