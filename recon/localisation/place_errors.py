@@ -4,7 +4,7 @@ Recorded poses have errors of their own, which differ from recording to recordin
 simulator have none.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ from recon.localisation.atlas import Atlas
 from recon.localisation.candidates import COVERED_COSINE, COVERED_SHARE
 from recon.localisation.precision import information, shares, supported
 from recon.records import PoseEstimate
-from recon.sequences.odometry.motion import linearise
+from recon.sequences.odometry.motion import Linearised, linearise
 from recon.sequences.odometry.places import Meeting, meet
+from recon.sequences.odometry.tracking import Tracks
 
 Array = NDArray[np.float64]
 
@@ -25,6 +26,9 @@ NUM_PLACES = 24
 """Maximum number of places that are compared with the next one."""
 MIN_AGREEING = 24
 """Minimum number of agreeing points of two places."""
+OWN_PX = 0.05
+"""Standard deviation of the error of a blob's disparity that is the same in both places, against
+the truth of rendered worlds."""
 LEAST_CELLS, LEAST_DEG = 0.01, 0.01
 """Least standard deviations of a place's position, in cells, and rotation."""
 
@@ -64,7 +68,33 @@ def motion_covariance(met: Meeting, rig: StereoRig) -> Array:
     at = linearise(met.T_second_first, met.tracks, rig)
     share = shares(met.tracks)
     known = information(at.residual, supported(at.residual, at.by_motion, share), share)
-    return np.asarray(np.linalg.pinv(known), np.float64)
+    feigned = _feigned(at, met, rig)
+    return np.asarray(np.linalg.pinv(known) + np.outer(feigned, feigned), np.float64)
+
+
+def _feigned(at: Linearised, met: Meeting, rig: StereoRig) -> Array:
+    """Error (6,) of a motion that the points' own errors of depth make likely.
+
+    They are the same in both places and leave no residual, but points that seem to be at several
+    distances and yet move alike feign that the camera moved less and turned instead. To second
+    order: the mean product of what such an error changes in the residual and in its derivative.
+    """
+    nearer, farther = (
+        linearise(met.T_second_first, _changed(met.tracks, px), rig) for px in (OWN_PX, -OWN_PX)
+    )
+    residual = (nearer.residual - farther.residual) / 2.0
+    derivative = (nearer.by_motion - farther.by_motion) / 2.0
+    pull = np.einsum("n,nij,ni->j", at.weights, derivative, residual)
+    error: Array = np.linalg.pinv(at.normal_equations()[0]) @ pull
+    return error
+
+
+def _changed(tracks: Tracks, by_px: float) -> Tracks:
+    """The tracks with all disparities of both pairs changed."""
+    first, second = (
+        replace(one, disparity_px=one.disparity_px + by_px) for one in (tracks.first, tracks.second)
+    )
+    return Tracks(first=first, second=second)
 
 
 def measured_from(T_world_first: Array, met: Meeting, rig: StereoRig, own: Array) -> PoseEstimate:

@@ -8,7 +8,7 @@ from recon.sequences.odometry.tracking import LK_WINDOW_PX, Tracks
 
 Array = NDArray[np.float64]
 
-USUAL = 2.0
+USUAL = 1.0
 """Number of points that the usual precision of tracks counts as, beside the agreeing ones."""
 ALONE = 1e-6
 """Share of its information that remains of a track that nothing confirms."""

@@ -1,5 +1,6 @@
 """The sigma of motions between places is that of their errors, in worlds of no choice."""
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -8,16 +9,19 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
-from recon.geometry import invert
-from recon.localisation.place_errors import motion_covariance
-from recon.localisation.precision import information, supported
+from recon.geometry import invert, pose, rotation_about_y, transform
+from recon.localisation.place_errors import OWN_PX, motion_covariance
+from recon.localisation.precision import information, shares, supported
 from recon.records import View
-from recon.sequences.odometry.motion import linearise
-from recon.sequences.odometry.places import meet, see
+from recon.sequences.odometry.motion import linearise, refine_motion
+from recon.sequences.odometry.places import Meeting, meet, see
+from recon.sequences.odometry.tracking import Sightings, Tracks
 from recon.settings import Settings, updated
 from recon.world.generator import random_scene
 from recon.world.world import World
+from tests.sequences.drives import RIG
 
+EYES = replace(RIG, focal_px=260.0)
 SEEDS, NOISES = (371, 372, 373), (0.0, 5.0)
 MIN_AGREEING = 24
 """Motions of fewer points are used by nothing that states their sigma."""
@@ -137,6 +141,47 @@ def test_overlapping_windows_are_not_independent(views):
 def as_if_independent(met, rig):
     at = linearise(met.T_second_first, met.tracks, rig)
     return np.linalg.pinv(information(at.residual, at.by_motion, np.ones(len(met.tracks))))
+
+
+def test_what_errors_of_depth_feign_is_uncertain():
+    """A front that is almost flat, seen from two sides, with depths off by the same in both."""
+    rng = np.random.default_rng(7)
+    found = [front(rng) for _ in range(60)]
+    stated = ratio([(off, motion_covariance(met, EYES)) for met, off in found])
+    known = ratio([(off, as_known_by_points(met)) for met, off in found])
+    assert (stated > 0.7).all()
+    assert (stated < 1.4).all()
+    assert known[1] > 1.4
+
+
+def front(rng):
+    """A motion around a front as its points tell it, and its error (6,)."""
+    number, away = 60, np.array([0.0, 0.0, 130.0]) * EYES.baseline
+    points = away + rng.uniform(-1.0, 1.0, (number, 3)) * [20.0, 20.0, 6.0] * EYES.baseline
+    T_second_first = pose(rotation_about_y(0.05), away) @ pose(np.eye(3), -away)
+    own = rng.normal(0.0, OWN_PX, number)
+    first = seen_from(points, own, rng)
+    second = seen_from(transform(T_second_first, points), own, rng)
+    tracks = Tracks(first=first, second=second)
+    refined = refine_motion(T_second_first, tracks, EYES)
+    off = T_second_first @ invert(refined)
+    met = Meeting(T_second_first=refined, num_agreeing=number, share=1.0, tracks=tracks)
+    return met, np.append(Rotation.from_matrix(off[:3, :3]).as_rotvec(), off[:3, 3])
+
+
+def seen_from(points, own_px, rng):
+    """Sightings of points (N, 3) whose disparities have errors of their own."""
+    noise = rng.normal(0.0, 0.08, (len(points), 3))
+    return Sightings(
+        points_px=EYES.project_left(points) + noise[:, :2],
+        disparity_px=EYES.disparity(points[:, 2]) + own_px + 0.3 * noise[:, 2],
+        row_offset_px=np.zeros(len(points)),
+    )
+
+
+def as_known_by_points(met):
+    at, share = linearise(met.T_second_first, met.tracks, EYES), shares(met.tracks)
+    return np.linalg.pinv(information(at.residual, at.by_motion, share))
 
 
 def test_what_one_track_alone_tells_is_not_known():
