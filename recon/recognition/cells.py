@@ -15,6 +15,8 @@ LARGEST_KEY = 2**62
 """Cells of a box that one number tells apart."""
 ROOM = 8
 """Most places for each number from which a list of all places is faster than sorting."""
+TOO_MANY, WIDER = 2.0, 1.25
+"""Coarse cells over those wanted above which they are widened, and by how much."""
 BLOCK = 1_000_000
 """Points that are gathered at a time: their temporaries are many times as large as they."""
 
@@ -119,6 +121,10 @@ def coarser(cells: Voxels, count: int) -> tuple[Voxels, NDArray[np.intp], NDArra
     """
     side = cells.cell_size * math.sqrt(len(cells) / count)
     rows, cell = distinct(_cells_of(cells.means, side))
+    while len(rows) > TOO_MANY * count:
+        # No surface: specks apart from each other, or threads.
+        side *= WIDER
+        rows, cell = distinct(_cells_of(cells.means, side))
     first = np.empty(len(rows), dtype=np.intp)
     first[cell[::-1]] = np.arange(len(cell))[::-1]
     coarse = replace(cells.select(first), means=means(cells.means, cell), cell_size=side)

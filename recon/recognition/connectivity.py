@@ -44,16 +44,15 @@ def linked(points: NDArray[np.float64], least: float) -> NDArray[np.int32]:
     if not roots.any():
         return roots.astype(np.int32)
     tree, count = cKDTree(points), len(points)
-    spacing, _ = tree.query(points, k=[min(SPACING_RANK + 1, count)])
+    distances, near = map(np.asarray, tree.query(points, k=min(FEW_LINKS, count)))
     # The denser side decides: a speck far off joins nothing, and dense points are linked already.
-    reach = LINK_SPACINGS * np.asarray(spacing)[:, 0]
+    reach = LINK_SPACINGS * distances[:, min(SPACING_RANK, count - 1)]
     rows = np.flatnonzero(reach > least)
-    for most in FEW_LINKS, NUM_LINKS:
-        if not len(rows):
-            break
-        distances, near = map(np.asarray, tree.query(points[rows], k=min(most, count)))
+    roots = linked_roots(roots, rows, distances[rows], near[rows], reach, least)
+    rows = _unsettled(points, roots, reach, rows)
+    if len(rows):
+        distances, near = map(np.asarray, tree.query(points[rows], k=min(NUM_LINKS, count)))
         roots = linked_roots(roots, rows, distances, near, reach, least)
-        rows = _unsettled(points, roots, reach, rows)
     label: NDArray[np.int32] = numbered(roots)
     return label
 

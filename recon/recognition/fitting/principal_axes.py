@@ -1,4 +1,4 @@
-"""Principal axes of neighbourhoods of points, compiled."""
+"""Principal axes of points, compiled."""
 
 import math
 
@@ -7,7 +7,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 MOST_SWEEPS = 20
 """Jacobi sweeps; they converge quadratically, so that 6 are usual."""
@@ -63,32 +62,6 @@ def _rotate(a: Array, v: Array, p: int, q: int) -> None:
         a[p, k], a[q, k] = c * a[p, k] - s * a[q, k], s * a[p, k] + c * a[q, k]
     for k in range(3):
         v[k, p], v[k, q] = c * v[k, p] - s * v[k, q], s * v[k, p] + c * v[k, q]
-
-
-@njit(cache=True)
-def principal_normals(points: Array, near: Numbers) -> tuple[Array, Array]:
-    """The direction in which the neighbours of each point vary least.
-
-    Parameters
-    ----------
-    points : (N, 3)
-    near : (N, K)
-        Rows of the neighbours of each point.
-
-    Returns
-    -------
-    normals : (N, 3)
-    variances : (N,)
-        Of the neighbours along them.
-    """
-    normals, variances = np.empty(points.shape), np.empty(len(points))
-    some, equal = np.empty((near.shape[1], 3)), np.ones(near.shape[1])
-    for i in range(len(points)):
-        for k in range(near.shape[1]):
-            some[k] = points[near[i, k]]
-        values, axes = principal_axes(weighted_spread(some, equal)[1])
-        normals[i], variances[i] = axes[0], max(values[0], 0.0) / near.shape[1]
-    return normals, variances
 
 
 @njit(cache=True)

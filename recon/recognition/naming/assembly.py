@@ -1,6 +1,5 @@
 """Assemblies: kinds made of planes and other pieces on, beside and under each other."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -105,11 +104,15 @@ def _assembled(pieces: Pieces, kind: Kind, ground: float) -> Assembly | None:
     touch, top = TOUCH_CELLS * cells.cell_size, float(cells.means[:, 1].max())
     for rule in kind.parts:
         own = [one for _, one in parts]
-        waiting = [one for one in pieces.of(rule.shapes) if not _is_taken(one, own)]
-        fitting = [one for one in waiting if _has_form(rule, one)]
-        fitting = [one for one in fitting if _is_level(rule, one, ground, top)]
-        fitting = [one for one in fitting if _is_placed(rule, one, before, cells)]
-        fitting = [one for one in fitting if not own or _touches(one, own, touch)]
+        fitting = [
+            one
+            for one in pieces.of(rule.shapes)
+            if not _is_taken(one, own)
+            and _has_form(rule, one)
+            and _is_level(rule, one, ground, top)
+            and _is_placed(rule, one, before, cells)
+            and (not own or _touches(one, own, touch))
+        ]
         fitting.sort(key=lambda one: -len(one.rows))
         before = fitting[: rule.count[1]]
         num_in_place = _num_in_place(rule, before, own, cells)
@@ -169,7 +172,7 @@ def _num_in_place(
     carried = boards(own)
     if rule.place != "under" or not carried:
         return len(found)
-    height = max(float(one.low[1] + one.high[1]) / 2.0 for one in carried)
+    height = max(one.middle for one in carried)
     height -= CARRIES_CELLS * cells.cell_size
     return sum(float(one.low[1]) < height for one in found)
 
@@ -186,13 +189,12 @@ def _touches(piece: FlatPiece, others: list[FlatPiece], touch: float) -> bool:
 
 def _has_form(rule: PartRule, piece: FlatPiece) -> bool:
     """True if the slenderness of a piece, and the tilt of a plane, fit a part."""
-    if piece.tilt_deg is None:
-        sizes = solid_sizes(piece.solid)
-        ratio = sizes["height"] / sizes["radius"] if {"height", "radius"} <= sizes.keys() else None
-        return ratio is None or _is_within(rule.slenderness, ratio)
-    x, y, z = (piece.high - piece.low).tolist()
-    slenderness = y / max(math.hypot(x, z), 1e-9)
-    return _is_within(rule.tilt_deg, piece.tilt_deg) and _is_within(rule.slenderness, slenderness)
+    if piece.tilt_deg is not None:
+        is_tilted = _is_within(rule.tilt_deg, piece.tilt_deg)
+        return is_tilted and _is_within(rule.slenderness, piece.slenderness)
+    sizes = solid_sizes(piece.solid)
+    ratio = sizes["height"] / sizes["radius"] if {"height", "radius"} <= sizes.keys() else None
+    return ratio is None or _is_within(rule.slenderness, ratio)
 
 
 def _is_within(bounds: Range | None, value: float) -> bool:
@@ -201,8 +203,7 @@ def _is_within(bounds: Range | None, value: float) -> bool:
 
 def _is_level(rule: PartRule, piece: FlatPiece, ground: float, top: float) -> bool:
     """True if the middle of a piece is at a height of its part: a seat is not low on the ground."""
-    middle = float(piece.low[1] + piece.high[1]) / 2.0
-    return _is_within(rule.level, (middle - ground) / max(top - ground, 1e-9))
+    return _is_within(rule.level, (piece.middle - ground) / max(top - ground, 1e-9))
 
 
 def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells: Voxels) -> bool:
@@ -214,7 +215,7 @@ def _is_placed(rule: PartRule, piece: FlatPiece, before: list[FlatPiece], cells:
     """
     if not before:
         return True
-    middle = float(piece.low[1] + piece.high[1]) / 2.0
+    middle = piece.middle
     if rule.place == "beside":
         return any(bool(one.low[1] <= middle <= one.high[1]) for one in before)
     if rule.place == "under":

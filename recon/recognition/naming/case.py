@@ -1,7 +1,7 @@
 """The cells of one object, and their properties that do not depend on the kind."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -108,7 +108,8 @@ class Case:
     @cached_property
     def outer(self) -> FlatPieces:
         """Slopes that touch the cells from outside, and upright planes below them."""
-        return self.unsplit.then("outer").then("upright")
+        slopes = self.unsplit.then("outer")
+        return replace(slopes.then("upright"), is_outer=True)
 
     def ways(self, kind: Kind) -> Sequence[Pieces]:
         """The splits of the cells that may show the parts of a kind."""

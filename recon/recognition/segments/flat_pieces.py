@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -34,7 +34,7 @@ FILLED = 0.5
 """Minimum share of a board's area with cells: a ring of walls has few."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FlatPiece:
     """A plane patch, an upright bar, or a convex piece."""
 
@@ -45,12 +45,23 @@ class FlatPiece:
     """(3,) corner of its box along the axes."""
     high: Array
 
-    @property
+    @cached_property
+    def middle(self) -> float:
+        """Height of its middle."""
+        return float(self.low[1] + self.high[1]) / 2.0
+
+    @cached_property
     def tilt_deg(self) -> float | None:
         """Angle between a plane's normal and the vertical; None for another solid."""
         if not isinstance(self.solid, Plane):
             return None
         return math.degrees(math.acos(min(abs(float(self.solid.normal[1])), 1.0)))
+
+    @cached_property
+    def slenderness(self) -> float:
+        """Height of its box over the diagonal of its base."""
+        x, y, z = (self.high - self.low).tolist()
+        return float(y / max(math.hypot(x, z), 1e-9))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,6 +78,8 @@ class FlatPieces:
     """Cells on none of them."""
     is_outer: bool = False
     """True if the first of them were found by what they touch, and not as surfaces."""
+    _known: dict[Step, "FlatPieces"] = field(default_factory=dict)
+    """What follows after a step, so that ways that begin alike are gone once."""
 
     def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
         """The pieces that may have one of some shapes: planes or, as boxes and cylinders, bars."""
@@ -80,20 +93,28 @@ class FlatPieces:
         return tuple(_bars(self.cells, self.rest))
 
     def then(self, step: Step) -> "FlatPieces":
-        """The same with the planes of one step among the rest, by descending size.
+        """The same with the planes of one step among the rest, by descending size; itself if none.
 
         Stereo errors are along the rays, which are nearly level, so heights are the most accurate,
         and the tilt of a low board the least.
         """
+        if step not in self._known:
+            self._known[step] = self._after(step)
+        return self._known[step]
+
+    def _after(self, step: Step) -> "FlatPieces":
         planes, is_left = list(self.planes), np.ones(len(self.rest), np.bool_)
         for plane, own in _found(self, step, max(LEAST_PLANE, int(LEAST_SHARE * len(self.cells)))):
             planes.append(piece_of(self.cells, self.rest[own], plane))
             is_left[own] = False
+        if is_left.all():
+            return self
         return replace(
             self,
             planes=tuple(planes),
             rest=self.rest[is_left],
             is_outer=self.is_outer or step == "outer",
+            _known={},
         )
 
 

@@ -6,13 +6,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from recon.recognition.fitting.principal_axes import TINY, principal_axes
+from recon.recognition.fitting.least_axis import Moments, Vector, least_axis
+from recon.recognition.fitting.principal_axes import TINY
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-Vector = tuple[float, float, float]
-Moments = tuple[float, float, float, float, float, float]
-"""Of x with x, y and z, of y with y and z, and of z."""
 
 REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 """Sums in any order, so that several terms are added at once; NaN and infinities stay as they
@@ -24,8 +22,6 @@ NUM_ROUNDS = 3
 """Fits of a neighbourhood's plane."""
 MOST_AT_FIRST = 32
 """Pairs of neighbours a point for which there is room from the start: some 20 are usual."""
-PARALLEL = 1e-12
-"""Square of the sine between two rows below which these are parallel."""
 
 
 @njit(cache=True)
@@ -113,7 +109,7 @@ def local_planes(
         for _ in range(NUM_ROUNDS):
             # Without a normal all have the same vote.
             middle, moments = _spread(near, middle, normal, 1.0 / (WIDE * reach))
-            normal = _level_normal(moments) if is_upright else _normal(moments)
+            normal = _level_normal(moments) if is_upright else least_axis(moments)
         for axis in range(3):
             middles[k, axis] = points[row, axis] + middle[axis]
             normals[k, axis] = normal[axis]
@@ -166,44 +162,3 @@ def _level_normal(moments: Moments) -> Vector:
     """The level direction of least variance."""
     turn = 0.5 * math.atan2(2.0 * moments[2], moments[0] - moments[5]) + math.pi / 2.0
     return math.cos(turn), 0.0, math.sin(turn)
-
-
-@njit(cache=True)
-def _normal(moments: Moments) -> Vector:
-    """The direction of least variance: across the rows of the moments less their least value."""
-    xx, xy, xz, yy, yz, zz = moments
-    least = _least_variance(moments)
-    first, second, third = (xx - least, xy, xz), (xy, yy - least, yz), (xz, yz, zz - least)
-    normal, largest = (0.0, 0.0, 0.0), 0.0
-    for across in (_across(first, second), _across(second, third), _across(third, first)):
-        square = across[0] ** 2 + across[1] ** 2 + across[2] ** 2
-        if square > largest:
-            normal, largest = across, square
-    scale = xx + yy + zz
-    if largest <= PARALLEL * scale**4:
-        axis = principal_axes(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))[1][0]
-        return axis[0], axis[1], axis[2]
-    length = math.sqrt(largest)
-    return normal[0] / length, normal[1] / length, normal[2] / length
-
-
-@njit(cache=True)
-def _across(first: Vector, second: Vector) -> Vector:
-    """The cross product."""
-    (a, b, c), (d, e, f) = first, second
-    return b * f - c * e, c * d - a * f, a * e - b * d
-
-
-@njit(cache=True)
-def _least_variance(moments: Moments) -> float:
-    """The least eigenvalue of symmetric moments, by the trigonometric formula."""
-    xx, xy, xz, yy, yz, zz = moments
-    mean = (xx + yy + zz) / 3.0
-    a, b, c = xx - mean, yy - mean, zz - mean
-    square = (a * a + b * b + c * c) / 6.0 + (xy * xy + xz * xz + yz * yz) / 3.0
-    spread = math.sqrt(max(square, TINY))
-    a, b, c, xy, xz, yz = a / spread, b / spread, c / spread, xy / spread, xz / spread, yz / spread
-    volume = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
-    angle = math.acos(min(max(volume / 2.0, -1.0), 1.0)) / 3.0
-    least: float = mean + 2.0 * spread * math.cos(angle + 2.0 * math.pi / 3.0)
-    return least
