@@ -1,4 +1,4 @@
-"""Pairs of neighbouring cells, compiled: sorted by place, neighbours in a row are a run."""
+"""Pairs of neighbouring cells and points, compiled: sorted by place, neighbours are a run."""
 
 import math
 
@@ -9,7 +9,11 @@ from scipy.spatial import cKDTree
 
 from recon.recognition.cells import LARGEST_KEY
 
+Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+
+MOST_AT_FIRST = 32
+"""Pairs of neighbours a point for which there is room from the start: some 20 are usual."""
 
 
 def neighbours(index: Numbers, reach: int = 1) -> NDArray[np.intp]:
@@ -55,3 +59,31 @@ def _pairs(keys: Numbers, order: Numbers, runs: Numbers) -> Numbers:
                 count += 1
                 other += 1
     return pairs[:count].copy()
+
+
+def near_pairs(points: Array, reach: float) -> Numbers:
+    """Pairs (2, M) of rows of points (N, 3) at most `reach` apart."""
+    # Along the longest side of their box the fewest are within reach of each other.
+    axes = np.argsort(-np.ptp(points, axis=0))
+    order = np.argsort(points[:, axes[0]])
+    pairs, count = ordered_pairs(np.ascontiguousarray(points[order].T[axes]), reach)
+    rows: Numbers = order[pairs[:, :count]]
+    return rows
+
+
+@njit(cache=True)
+def ordered_pairs(ordered: Array, reach: float) -> tuple[Numbers, int]:
+    """Pairs (2, M) of points (3, N), given by their first coordinate, and how many count."""
+    x, y, z = ordered
+    pairs, count = np.empty((2, MOST_AT_FIRST * len(x)), dtype=np.int64), 0
+    for i in range(len(x)):
+        if count + len(x) > pairs.shape[1]:
+            pairs = np.concatenate((pairs, np.empty_like(pairs)), axis=1)
+        for j in range(i + 1, len(x)):
+            dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
+            if dx > reach:
+                break
+            pairs[0, count], pairs[1, count] = i, j
+            # Not an if: no branch predictor would guess it.
+            count += dx * dx + dy * dy + dz * dz <= reach * reach
+    return pairs, count

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -94,13 +95,16 @@ def grouped(label: NDArray[np.integer], num_groups: int) -> list[NDArray[np.intp
     return np.split(order, np.searchsorted(label[order], np.arange(num_groups + 1)))[1:-1]
 
 
+@njit(cache=True)
 def in_order_of_appearance(label: NDArray[np.integer]) -> NDArray[np.int32]:
-    """The same groups, numbered 0, 1, ... by their first member; negative labels stay -1."""
-    kept = label >= 0
-    _, first, inverse = np.unique(label[kept], return_index=True, return_inverse=True)
-    rank = np.argsort(np.argsort(first))
-    ordered = np.full(len(label), -1, dtype=np.int32)
-    ordered[kept] = rank[inverse]
+    """The same groups, numbered 0, 1, ... by their first member; negative labels become -1."""
+    number = np.full(max(label.max(), 0) + 1 if len(label) else 0, -1)
+    ordered, count = np.empty(len(label), dtype=np.int32), 0
+    for i in range(len(label)):
+        if label[i] >= 0 and number[label[i]] < 0:
+            number[label[i]] = count
+            count += 1
+        ordered[i] = number[label[i]] if label[i] >= 0 else -1
     return ordered
 
 

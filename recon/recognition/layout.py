@@ -182,7 +182,8 @@ def _gathered(component: Labels, points_world: Array, focus: Focus | None) -> La
     merged = np.where(here, np.flatnonzero(here).min(initial=len(here)), np.arange(len(here)))
     gathered = component.copy()
     gathered[kept] = merged[component[kept]]
-    return in_order_of_appearance(gathered)
+    ordered: Labels = in_order_of_appearance(gathered)
+    return ordered
 
 
 def _clearance(cells: Voxels, settings: RecognitionSettings) -> float:

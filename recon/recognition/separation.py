@@ -16,7 +16,6 @@ from recon.records import (
     Cone,
     Ellipsoid,
     FitFailure,
-    Solid,
     Sphere,
     TruncatedCone,
     Voxels,
@@ -114,7 +113,7 @@ def cut_at_creases(
     piece = overhanging(cells.means, piece)
     parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
     explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
-    if not explained or explained < (_explained(cells, naming.solid) + BETTER) * len(rows):
+    if not explained or explained < (_explained(cells) + BETTER) * len(rows):
         return [whole]
     pieces = [(_held_by(name(rows[part]), naming), rows[part]) for part in parts]
     return [whole] if _is_topped(pieces, voxels) else pieces
@@ -137,12 +136,13 @@ def _by_solids(cells: Voxels, parts: list[Rows]) -> float:
     return explained
 
 
-def _explained(cells: Voxels, solid: Solid | None = None) -> float:
-    """Share of the cells on the single solid that fits them best, unless it is known already."""
-    best = solid or fit(cells.means[:: max(1, len(cells) // MOST_FITTED)])
-    if isinstance(best, FitFailure):
+def _explained(cells: Voxels) -> float:
+    """Share of the cells on the single solid that fits them best."""
+    step = max(1, len(cells) // MOST_FITTED)
+    solid = fit(cells.means[::step])
+    if isinstance(solid, FitFailure):
         return 0.0
-    on_it = best.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
+    on_it = solid.distances(cells.means) < ON_SOLID_CELLS * cells.cell_size
     return float(on_it.mean())
 
 

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from recon.recognition.adjacency import near_pairs
 from recon.recognition.cells import coarser, distinct, means
 from recon.recognition.connectivity import in_order_of_appearance
 from recon.recognition.fitting.normals import estimate_normals
@@ -16,6 +18,7 @@ from recon.records import Voxels
 Array = NDArray[np.float64]
 Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
 
 MOST_CELLS, COARSE_CELLS = 2000, 1500
 """Number of cells above which coarser cells show the creases as well, and their approximate
@@ -61,9 +64,8 @@ class Relief:
 
     @cached_property
     def touching(self) -> NDArray[np.intp]:
-        """Pairs (E, 2) of touching cells."""
-        reach = LINK_CELLS * self.cells.cell_size
-        return cKDTree(self.cells.means).query_pairs(reach, output_type="ndarray")
+        """Pairs (2, E) of touching cells."""
+        return near_pairs(self.cells.means, LINK_CELLS * self.cells.cell_size)
 
     @cached_property
     def rounded(self) -> Labels:
@@ -133,10 +135,10 @@ def _patches(cells: Voxels, normals: Array) -> _Patches:
     # Positions in units of a patch, with normals: a patch ends where its surface bends.
     places = np.hstack([cells.means / reach, normals])
     seeds = np.floor(cells.means / reach).astype(np.int64)
-    label: NDArray[np.integer] = distinct(seeds)[1]
+    label = distinct(seeds)[1]
     for _ in range(NUM_ROUNDS):
         middles = means(places, label)
-        label = in_order_of_appearance(np.asarray(cKDTree(middles).query(places)[1]))
+        label = in_order_of_appearance(nearest_middle(places, middles, label))
     middles = means(places, label)
     length = np.linalg.norm(middles[:, 3:], axis=1, keepdims=True)
     return _Patches(
@@ -146,9 +148,40 @@ def _patches(cells: Voxels, normals: Array) -> _Patches:
     )
 
 
+@njit(cache=True)
+def nearest_middle(places: Array, middles: Array, label: Numbers) -> Numbers:
+    """The nearest middle (N,) of each place, which is near that of its label.
+
+    No middle is nearer to a place that is twice as far from the own one as this is from the place.
+    """
+    apart = np.empty((len(middles), len(middles)))
+    for a in range(len(middles)):
+        for b in range(len(middles)):
+            apart[a, b] = _square(middles[a], middles[b])
+    nearest = np.empty(len(places), dtype=np.int64)
+    for i in range(len(places)):
+        own = label[i]
+        least = _square(places[i], middles[own])
+        nearest[i], limit = own, 4.0 * least
+        for other in range(len(middles)):
+            is_near = apart[own, other] <= limit
+            square = _square(places[i], middles[other]) if is_near else np.inf
+            if square < least:
+                nearest[i], least = other, square
+    return nearest
+
+
+@njit(cache=True)
+def _square(first: Array, second: Array) -> float:
+    total = 0.0
+    for k in range(len(first)):
+        total += (first[k] - second[k]) ** 2
+    return total
+
+
 def _touching(pairs: NDArray[np.intp], patches: _Patches) -> NDArray[np.intp]:
     """Pairs (E, 2) of patches that meet, the smaller number first, from those of cells."""
-    first, second = patches.label[pairs].T.astype(np.int64)
+    first, second = patches.label[pairs].astype(np.int64)
     low, high = np.minimum(first, second), np.maximum(first, second)
     counts = np.bincount((low * len(patches.middles) + high)[low != high])
     edges = np.flatnonzero(counts >= SMALLEST_TOUCH)

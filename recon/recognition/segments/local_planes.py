@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.recognition.adjacency import ordered_pairs
 from recon.recognition.fitting.least_axis import Moments, Vector, least_axis
 from recon.recognition.fitting.principal_axes import TINY
 
@@ -20,8 +21,6 @@ WIDE = 2.0
 settles on one of the two faces."""
 NUM_ROUNDS = 3
 """Fits of a neighbourhood's plane."""
-MOST_AT_FIRST = 32
-"""Pairs of neighbours a point for which there is room from the start: some 20 are usual."""
 
 
 @njit(cache=True)
@@ -40,7 +39,7 @@ def surroundings(points: Array, reach: float) -> tuple[Numbers, Numbers]:
         Rows of points, those of one point by their first coordinate.
     """
     order = np.argsort(points[:, 0])
-    pairs, count = _near_pairs(np.ascontiguousarray(points[order].T), reach)
+    pairs, count = ordered_pairs(np.ascontiguousarray(points[order].T), reach)
     starts = np.zeros(len(points) + 1, dtype=np.int64)
     starts[1:] = 1
     for k in range(count):
@@ -58,24 +57,6 @@ def surroundings(points: Array, reach: float) -> tuple[Numbers, Numbers]:
             ends[other] += 1
             k += 1
     return starts, near
-
-
-@njit(cache=True)
-def _near_pairs(ordered: Array, reach: float) -> tuple[Numbers, int]:
-    """Pairs (2, M) of points (3, N), given by their first coordinate, and how many count."""
-    x, y, z = ordered
-    pairs, count = np.empty((2, MOST_AT_FIRST * len(x)), dtype=np.int64), 0
-    for i in range(len(x)):
-        if count + len(x) > pairs.shape[1]:
-            pairs = np.concatenate((pairs, np.empty_like(pairs)), axis=1)
-        for j in range(i + 1, len(x)):
-            dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
-            if dx > reach:
-                break
-            pairs[0, count], pairs[1, count] = i, j
-            # Not an if: no branch predictor would guess it.
-            count += dx * dx + dy * dy + dz * dz <= reach * reach
-    return pairs, count
 
 
 @njit(cache=True)
