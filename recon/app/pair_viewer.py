@@ -33,7 +33,7 @@ class PairViewer:
         self.shown = SPARSE
         self.count = 0 if exhibit.trajectory is None else len(exhibit.trajectory)
         self._chosen, self._complain = chosen, complain
-        self.label = note(words=self._text())
+        self.label = note(words=self._text(self.number))
         slider(f"trajectory-slider{suffix}", (0, max(self.count - 1, 1), 1), 0, self._choose)
         chooser(f"pair-shown{suffix}", "shown in it", SHOWN, SPARSE, self._show_other)
         with ui.element("div").classes("recon-stack w-full recon-seen"):
@@ -41,7 +41,7 @@ class PairViewer:
                 testid(ui.interactive_image(sanitize=False).classes("w-full recon-pane"), name)
                 for name in (f"pair-left{suffix}", f"pair-disparity{suffix}")
             )
-        self.painter: Painter[SeenPair] = Painter(self._take, self._show, self._fail)
+        self.painter: Painter[tuple[int, SeenPair]] = Painter(self._take, self._show, self._fail)
         self._is_begun = not exhibit.is_run
         if not exhibit.is_run:
             self.label.set_text("a file holds no pairs")
@@ -52,10 +52,10 @@ class PairViewer:
             self._is_begun = True
             self._ask()
 
-    def _text(self) -> str:
+    def _text(self, number: int) -> str:
         if self.count < 2:
-            return f"pair {self.number}, the only one" if self.count else "no trajectory"
-        return f"pair {self.number} (0 to {self.count - 1})"
+            return f"pair {number}, the only one" if self.count else "no trajectory"
+        return f"pair {number} (0 to {self.count - 1})"
 
     def _choose(self, value: float) -> None:
         self.number = min(round(value), max(self.count - 1, 0))
@@ -67,17 +67,19 @@ class PairViewer:
         self._ask()
 
     def _ask(self) -> None:
-        self.label.set_text(f"{self._text()}: finding {self.shown} ...")
+        self.label.set_text(f"{self._text(self.number)}: finding {self.shown} ...")
         self.painter.ask()
 
-    def _take(self) -> SeenPair:
-        return self.pairs.take(self.number, self.shown)
+    def _take(self) -> tuple[int, SeenPair]:
+        number = self.number
+        return number, self.pairs.take(number, self.shown)
 
     def _fail(self, text: str) -> None:
-        self.label.set_text(self._text())
+        self.label.set_text(self._text(self.number))
         self._complain(text)
 
-    def _show(self, seen: SeenPair) -> None:
+    def _show(self, taken: tuple[int, SeenPair]) -> None:
+        number, seen = taken
         self.left.set_source(as_source(seen.left, ".jpg"))
         self.disparity.set_source(as_source(coloured(seen), ".jpg"))
         font = FONT * seen.left.shape[1]
@@ -86,7 +88,7 @@ class PairViewer:
             if len(seen.values)
             else ""
         )
-        self.label.set_text(f"{self._text()}: {seen.said}")
+        self.label.set_text(f"{self._text(number)}: {seen.said}")
 
 
 def coloured(seen: SeenPair) -> NDArray[np.uint8]:
