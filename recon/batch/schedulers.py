@@ -81,16 +81,19 @@ class Processes:
         for _ in range(num_pools):
             self._idle.put(self._new_pool())
         threads = ThreadPoolExecutor(self._num_workers)
+        is_cut = True
         try:
             with self._pipes.listening():
                 futures = [threads.submit(self._do, name, call) for name, call in calls]
                 for future in as_completed(futures):
                     yield future.result()
+            is_cut = False
         finally:
             threads.shutdown(wait=False, cancel_futures=True)
             for pool in self._pools:
-                # They end while the summary is written.
-                pool.shutdown(wait=False, cancel_futures=True)
+                # They end while the summary is written. Python would wait for them anyway where a
+                # batch is interrupted, and may fail to wake those that are just ending.
+                pool.shutdown(wait=is_cut, cancel_futures=True)
 
     def _new_pool(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(
