@@ -1,34 +1,64 @@
 """The upright box with the smallest footprint."""
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from recon.geometry import WORLD_UP
 from recon.records import Box
 
 Array = NDArray[np.float64]
 
 MOST_POINTS = 1000
 """Maximum number of points that define a box: more do not change it."""
-BULK = (0.01, 0.99)
-"""Quantiles of the points at the ends of a box: the few beyond them are outliers."""
+OUTLIERS = 0.01
+"""Share of the points beyond either end of a box."""
 
 
 def upright_box(points: Array) -> Box:
     """The box (y up) with the smallest footprint around the bulk of points (N, 3)."""
-    points = points[:: -(-len(points) // MOST_POINTS)]
-    floor = points[:, ::2]
-    turns = _edge_directions(floor)
-    along = floor @ np.stack([np.cos(turns), np.sin(turns)])
-    across = floor @ np.stack([-np.sin(turns), np.cos(turns)])
-    lows, highs = np.quantile(np.stack([along, across]), BULK, axis=1)
+    points = np.ascontiguousarray(points[:: -(-len(points) // MOST_POINTS)])
+    turns = _edge_directions(points[:, ::2])
+    c, s, level = np.cos(turns), np.sin(turns), np.zeros(len(turns))
+    frames = [np.column_stack([c, level, s]), np.column_stack([-s, level, c])]
+    lows, highs = np.stack([_ends(points, directions, OUTLIERS) for directions in frames], axis=1)
     best = int(np.argmin(np.prod(highs - lows, axis=0)))
-    c, s = np.cos(turns[best]), np.sin(turns[best])
-    axes = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    bottom, top = np.quantile(points[:, 1], BULK)
+    axes = np.stack([frames[0][best], WORLD_UP, frames[1][best]])
+    bottom, top = _ends(points, axes[1:2], OUTLIERS)[:, 0]
     low = np.array([lows[0, best], bottom, lows[1, best]])
     high = np.array([highs[0, best], top, highs[1, best]])
     return Box(centre=(low + high) / 2.0 @ axes, axes=axes, sizes=high - low)
+
+
+@njit(cache=True)
+def _ends(points: Array, directions: Array, share: float) -> Array:
+    """Low and high quantiles (2, D) of points along directions (D, 3), a share from either end."""
+    place = share * (len(points) - 1)
+    rank = int(place)
+    ends, kept = np.empty((2, len(directions))), np.empty((2, min(rank + 2, len(points))))
+    for k in range(len(directions)):
+        x, y, z = directions[k]
+        kept[:] = np.inf
+        for i in range(len(points)):
+            along = x * points[i, 0] + y * points[i, 1] + z * points[i, 2]
+            _keep(along, kept[0])
+            _keep(-along, kept[1])
+        for side in range(2):
+            ends[side, k] = kept[side, rank] + (place - rank) * (kept[side, -1] - kept[side, rank])
+        ends[1, k] *= -1.0
+    return ends
+
+
+@njit(cache=True)
+def _keep(value: float, lowest: Array) -> None:
+    """Put a value among the lowest, ascending, if it is one of them."""
+    k = len(lowest) - 1
+    if value < lowest[k]:
+        while k > 0 and lowest[k - 1] > value:
+            lowest[k] = lowest[k - 1]
+            k -= 1
+        lowest[k] = value
 
 
 def _edge_directions(floor: Array) -> Array:
