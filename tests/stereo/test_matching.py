@@ -9,7 +9,7 @@ from recon.errors import InputError
 from recon.records import Matches
 from recon.settings import FeatureSettings, MatchingSettings
 from recon.stereo.features import detect
-from recon.stereo.matching import matching
+from recon.stereo.matching import matching, phase
 from recon.stereo.subpixel import refine
 from scenes import step_pair, textured_pair, truth_at
 
@@ -183,3 +183,15 @@ def test_points_on_an_occluding_edge_move_to_the_side_of_their_disparity(monkeyp
         for m in (moved, stayed)
     ]
     assert wrong[0] < 0.8 * wrong[1]
+
+
+@pytest.mark.parametrize("scene", [textured_pair, step_pair])
+def test_check_by_every_second_row_is_as_right_as_by_all(scene, monkeypatch):
+    left, right, truth = scene()
+    sparse = solve(left, right)
+    monkeypatch.setattr(phase, "_EVERY_IN_CHECK", 1)
+    full = solve(left, right)
+    assert 0.97 * len(full) < len(sparse) < 1.01 * len(full)
+    assert share_right(sparse, truth) > share_right(full, truth) - 0.002
+    unchecked = solve(left, right, cross_check="row")
+    assert share_right(sparse, truth) > share_right(unchecked, truth)
