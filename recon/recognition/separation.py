@@ -25,6 +25,8 @@ from recon.settings import RecognitionSettings
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Piece = tuple[Naming, Rows]
+Part = tuple[Rows, float]
+"""Cells, and their share on the single solid that fits them best."""
 Namer = Callable[[Rows], Naming]
 """Names the object in some rows of the map."""
 Reliefs = Callable[[Rows], Relief]
@@ -107,16 +109,33 @@ def cut_at_creases(
     naming, rows = whole
     if naming.label != UNKNOWN or len(rows) < 2 * min_voxels:
         return [whole]
-    cells = voxels.select(rows)
-    smallest = max(min_voxels, int(SMALLEST_PIECE * len(rows)))
-    piece = fewest_pieces(relief_of(rows), eyes, smallest)
-    piece = overhanging(cells.means, piece)
-    parts = [np.flatnonzero(piece == number) for number in range(int(piece.max()) + 1)]
-    explained = _by_solids(cells, parts) if len(parts) > 1 else 0.0
-    if not explained or explained < (_explained(cells) + BETTER) * len(rows):
+    parts = _solid_parts(rows, voxels, min_voxels, relief_of, eyes)
+    if not parts:
         return [whole]
-    pieces = [(_held_by(name(rows[part]), naming), rows[part]) for part in parts]
+    pieces = [(_held_by(name(part), naming), part) for part, _ in parts]
     return [whole] if _is_topped(pieces, voxels) else pieces
+
+
+def _solid_parts(
+    rows: Rows, voxels: Voxels, min_voxels: int, relief_of: Reliefs, eyes: Array | None
+) -> list[Part]:
+    """The convex pieces of an object if solids explain these, otherwise none.
+
+    A piece that is no solid is split again, in its own finer cells, before the whole is judged.
+    """
+    cells = voxels.select(rows)
+    piece = fewest_pieces(relief_of(rows), eyes, max(min_voxels, int(SMALLEST_PIECE * len(rows))))
+    piece = overhanging(cells.means, piece)
+    if not piece.any():
+        return []
+    parts: list[Part] = []
+    for number in range(int(piece.max()) + 1):
+        own = rows[piece == number]
+        share = _explained(voxels.select(own))
+        is_whole = share > EXPLAINED_SHARE or len(own) < 2 * min_voxels
+        finer = [] if is_whole else _solid_parts(own, voxels, min_voxels, relief_of, eyes)
+        parts += finer or [(own, share)]
+    return parts if _by_solids(parts) > (_explained(cells) + BETTER) * len(rows) else []
 
 
 def _held_by(piece: Naming, whole: Naming) -> Naming:
@@ -124,16 +143,12 @@ def _held_by(piece: Naming, whole: Naming) -> Naming:
     return replace(piece, is_hovering=piece.is_hovering and whole.is_hovering)
 
 
-def _by_solids(cells: Voxels, parts: list[Rows]) -> float:
+def _by_solids(parts: list[Part]) -> float:
     """Number of cells on the solids of the pieces; 0 if too many are in pieces without one."""
-    explained, spare = 0.0, (1.0 - PIECES_SHARE) * len(cells)
-    for part in sorted(parts, key=len, reverse=True):
-        share = _explained(cells.select(part))
-        explained += share * len(part)
-        spare -= 0.0 if share > EXPLAINED_SHARE else len(part)
-        if spare < 0.0:
-            return 0.0
-    return explained
+    in_solids = sum(len(rows) for rows, share in parts if share > EXPLAINED_SHARE)
+    if in_solids < PIECES_SHARE * sum(len(rows) for rows, _ in parts):
+        return 0.0
+    return sum(share * len(rows) for rows, share in parts)
 
 
 def _explained(cells: Voxels) -> float:
