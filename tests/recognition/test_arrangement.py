@@ -1,4 +1,4 @@
-"""Planes on others that do not span or line them, or go through them, are no roof and no back."""
+"""Planes that do not line what they are on, or go through it, are no roof and no back."""
 
 import numpy as np
 import pytest
@@ -31,12 +31,12 @@ def roofed(surfaces, rng, low, high):
     return voxels.select(voxels.centres[:, 1] >= 1.0)
 
 
-def test_a_roof_spans_its_walls(surfaces, monkeypatch):
+def test_a_roof_lines_its_walls(surfaces, monkeypatch):
     corner = roofed(surfaces, np.random.default_rng(0), (-7.0, -5.0), (-3.5, -1.5))
     half = roofed(surfaces, np.random.default_rng(0), (-7.0, -5.0), (7.0, 0.0))
     assert name_object(half, 0.0, KINDS).label == "house"
     assert name_object(corner, 0.0, KINDS).label == "unknown"
-    monkeypatch.setattr(arrangement, "SPANNED", ALWAYS)
+    monkeypatch.setattr(arrangement, "ROOF", ALWAYS)
     assert name_object(corner, 0.0, KINDS).label == "house"
 
 
@@ -63,8 +63,14 @@ def seat_and_back(low, high):
     ("left", "right", "share"), [(-8.0, 8.0, 1.0), (-8.0, 0.0, 0.5), (4.0, 20.0, 0.25)]
 )
 def test_a_back_lines_its_seat_as_far_as_both_extend(left, right, share):
-    found = lined(*seat_and_back([left, 4.3, -3.0], [right, 9.0, -2.8]))
+    seat, back, cells = seat_and_back([left, 4.3, -3.0], [right, 9.0, -2.8])
+    found = lined([seat], [back], cells)
     assert found == pytest.approx(share, abs=0.06)
+
+
+def test_a_level_plane_lines_what_it_covers():
+    seat, _, cells = seat_and_back([-8.0, 4.3, -3.0], [8.0, 9.0, -2.8])
+    assert lined([seat], [seat], cells) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(

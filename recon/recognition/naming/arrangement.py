@@ -1,15 +1,18 @@
-"""Arrangement of planes: roofs span their walls; backs line their seats and end at them."""
+"""Arrangement of planes: roofs and backs line what they are on, and backs end at their seats."""
 
 from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from recon.geometry import WORLD_UP
 from recon.recognition.naming.kinds import Kind, PartRule
-from recon.recognition.naming.probability import LINED, SPANNED, UNPIERCED
+from recon.recognition.naming.probability import BACK, ROOF, UNPIERCED
 from recon.recognition.segments.flat_pieces import FlatPiece
 from recon.records import Plane, Voxels
+
+Array = NDArray[np.float64]
 
 UPRIGHT_DEG = 45.0
 ASIDE_CELLS, LOWER_CELLS = 0.5, 1.0
@@ -24,12 +27,12 @@ def arranged(kind: Kind, parts: Sequence[tuple[PartRule, FlatPiece]], cells: Vox
         above = [one for rule, one in parts if rule is upper and isinstance(one.solid, Plane)]
         if upper.place != "on" or not below or not above:
             continue
+        share = lined(below, above, cells)
         if boards(below) and is_upright(above[0]):
-            board, standing = boards(below)[0], above[0]
-            chance *= float(LINED.chance(lined(board, standing, cells)))
-            chance *= float(UNPIERCED.chance(-pierced(board, standing, cells)))
+            chance *= float(BACK.chance(share))
+            chance *= float(UNPIERCED.chance(-pierced(boards(below)[0], above[0], cells)))
         else:
-            chance *= float(SPANNED.chance(span(above, below)))
+            chance *= float(ROOF.chance(share))
     return chance
 
 
@@ -43,24 +46,23 @@ def is_upright(piece: FlatPiece) -> bool:
     return (piece.tilt_deg or 0.0) > UPRIGHT_DEG
 
 
-def span(above: Sequence[FlatPiece], below: Sequence[FlatPiece]) -> float:
-    """Diagonal of the footprint of pieces over that of those they lie on."""
-    return _diagonal(above) / max(_diagonal(below), 1e-9)
+def lined(below: Sequence[FlatPiece], above: Sequence[FlatPiece], cells: Voxels) -> float:
+    """Share of the extent of pieces over which planes on them extend, along the first of these."""
+    along = _along(above[0])
+    lower, upper = (
+        cells.means[np.concatenate([one.rows for one in pieces])] @ along
+        for pieces in (below, above)
+    )
+    both = min(lower.max(), upper.max()) - max(lower.min(), upper.min())
+    return float(both / max(np.ptp(lower), 1e-9))
 
 
-def _diagonal(pieces: Sequence[FlatPiece]) -> float:
-    low = np.min([one.low for one in pieces], axis=0)
-    high = np.max([one.high for one in pieces], axis=0)
-    return float(np.linalg.norm((high - low)[::2]))
-
-
-def lined(board: FlatPiece, standing: FlatPiece, cells: Voxels) -> float:
-    """Share of a board's extent, along a plane that stands on it, over which the plane extends."""
-    assert isinstance(standing.solid, Plane)
-    along = np.cross(WORLD_UP, standing.solid.normal)
-    own, others = (cells.means[one.rows] @ along for one in (standing, board))
-    both = min(own.max(), others.max()) - max(own.min(), others.min())
-    return float(both / max(np.ptp(others), 1e-9))
+def _along(piece: FlatPiece) -> Array:
+    """The level direction of a plane; any of a level plane."""
+    assert isinstance(piece.solid, Plane)
+    along: Array = np.cross(WORLD_UP, piece.solid.normal)
+    length = float(np.linalg.norm(along))
+    return along / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
 
 
 def pierced(board: FlatPiece, standing: FlatPiece, cells: Voxels) -> float:

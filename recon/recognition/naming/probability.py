@@ -71,11 +71,11 @@ SQUARE = Logistic(middle=0.65, steepness=20.0)
 FREE = Logistic(middle=0.25, steepness=25.0)
 """Share of a board below which there is air: of simulated tables and benches 0.4 at least, of
 level slices of walls and fences 0.2 at most."""
-SPANNED = Logistic(middle=0.3, steepness=25.0)
-"""Footprint of a roof over that of its walls, along the diagonal: of simulated houses 0.43 at
-least, of a slope on the corner of a recorded box 0.17."""
-LINED = Logistic(middle=0.65, steepness=40.0)
-"""Share of a seat's extent along which its back extends: of simulated benches 0.75 at least, of an
+ROOF = Logistic(middle=0.4, steepness=40.0)
+"""Share of its walls' extent along which a roof extends: of simulated houses 0.45 at least, one in
+fifty 0.58; of slopes on the corner of a recorded box 0.17 and 0.37."""
+BACK = Logistic(middle=0.65, steepness=40.0)
+"""Share of its seat's extent along which a back extends: of simulated benches 0.75 at least, of an
 edge of a recorded floor 0.56."""
 UNPIERCED = Logistic(middle=-0.12, steepness=60.0)
 """How far a back goes through its seat, negative: of simulated benches -0.09 at least, of planes
