@@ -5,7 +5,7 @@ run are known far better, and so is where in its images a thing ends.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 
 from recon.geometry import Array
 from recon.localisation.cameras import camera_of
-from recon.localisation.drawing import Camera, Drawn, Indices, Paint, Solids, draw, values
+from recon.localisation.drawing import Camera, Drawn, Solids, draw
+from recon.localisation.likelihood import UNSEEN, values
+from recon.localisation.paint import Paint
 from recon.localisation.revolved import squared_radii
+from recon.localisation.summit import summit
 from recon.records import StereoPair, as_rgb
 
 NUM_SIGHTS, MIN_PX = 8, 60
@@ -24,10 +27,10 @@ LARGE_PX = 16_000
 """Number of pixels from which on an image is halved."""
 AROUND_CELLS, AROUND_PX = 0.5, 2
 """Width of the surroundings of a thing that are compared."""
+BESIDE_PX = 2
+"""Width of what is beside an outline, on either side."""
 STEPS_CELLS = (0.3, 0.2, 0.1, 0.05, 0.025)
 """Steps of the fit."""
-MOST_STEPS = 1.5
-"""Maximum number of steps at a time."""
 SIGMA_CELLS = 0.15
 """Standard deviation of a measure of a solid before its outlines are known."""
 JOINT_CELLS = 0.1
@@ -61,6 +64,8 @@ def fitted(
     paint: Paint,
     pairs: Sequence[StereoPair],
     cell_size: float,
+    *,
+    beside_only: bool = False,
 ) -> Solids:
     """The solids at which the images of pairs, at their poses, are likeliest.
 
@@ -70,15 +75,16 @@ def fitted(
     thing : (S,) array
         Number of each solid's object; those of an object move and join together.
     paint : Paint
-        With the same colour on all sides: outlines count, not textures.
     pairs : sequence of StereoPair
     cell_size : float
         World units.
+    beside_only : bool
+        Compare pixels beside outlines only: the texture, taken from the same images, is as they
+        have it wherever a solid was.
     """
-    owner = np.repeat(thing, solids.shape.prod(axis=1))
-    drawn = [_drawn(owner, solids, pair) for pair in pairs]
+    drawn = [_drawn(thing, solids, pair) for pair in pairs]
     for number in np.unique(thing).tolist():
-        sights = _sights(number, pairs, drawn, cell_size)
+        sights = _sights(number, pairs, drawn, cell_size, beside_only)
         if sights:
             changes = _changes(solids, np.flatnonzero(thing == number), cell_size)
             solids = _likeliest(solids, changes, sights, paint, cell_size)
@@ -109,41 +115,58 @@ def _radii(solids: Solids) -> Array:
     return np.asarray(np.sqrt(np.maximum(k0 + k1 * at + k2 * at**2, 0.0)), np.float64)
 
 
-def _drawn(owner: Indices, solids: Solids, pair: StereoPair) -> Drawn:
-    """An image of the solids as a pair shows them, with numbers of objects instead of texels."""
+def _drawn(thing: NDArray[np.intp], solids: Solids, pair: StereoPair) -> Drawn:
+    """An image of the solids as a pair shows them, with numbers of objects instead of theirs."""
     assert pair.T_world_left is not None
-    drawn = draw(solids, camera_of(pair.T_world_left, pair.rig), 1)
-    return Drawn(np.where(drawn.texel >= 0, owner[drawn.texel], -1), drawn.depth)
+    drawn: Drawn = draw(solids, camera_of(pair.T_world_left, pair.rig), 1)
+    return drawn._replace(solid=np.where(drawn.solid >= 0, thing[drawn.solid], -1))
 
 
 def _sights(
-    number: int, pairs: Sequence[StereoPair], drawn: Sequence[Drawn], cell_size: float
+    number: int,
+    pairs: Sequence[StereoPair],
+    drawn: Sequence[Drawn],
+    cell_size: float,
+    beside_only: bool,
 ) -> list[_Sight]:
     """The images that show most of an object."""
-    num_px = np.array([np.count_nonzero(one.texel == number) for one in drawn])
+    num_px = np.array([np.count_nonzero(one.solid == number) for one in drawn])
     best = np.argsort(-num_px, kind="stable")[:NUM_SIGHTS]
     return [
-        _cut(pairs[row], drawn[row].texel == number, drawn[row].depth, cell_size)
+        _cut(pairs[row], drawn[row].solid == number, drawn[row].depth, cell_size, beside_only)
         for row in best
         if num_px[row] >= MIN_PX
     ]
 
 
-def _cut(pair: StereoPair, mask: NDArray[np.bool_], depth: Array, cell_size: float) -> _Sight:
+def _cut(
+    pair: StereoPair,
+    mask: NDArray[np.bool_],
+    depth: Array,
+    cell_size: float,
+    beside_only: bool,
+) -> _Sight:
     """The part of an image around what a mask (H, W) shows."""
     assert pair.T_world_left is not None
     cells_px = cell_size * pair.rig.focal_px / float(np.median(depth[mask]))
     margin = AROUND_PX + math.ceil(AROUND_CELLS * cells_px)
     row, column = np.nonzero(mask)
     top, left = max(row.min() - margin, 0), max(column.min() - margin, 0)
-    image = as_rgb(pair.left)[top : row.max() + margin + 1, left : column.max() + margin + 1]
+    window = slice(top, row.max() + margin + 1), slice(left, column.max() + margin + 1)
+    image = as_rgb(pair.left)[window]
     block = 1 if image.shape[0] * image.shape[1] < LARGE_PX else 2
     height, width = image.shape[0] // block, image.shape[1] // block
     image = image[: height * block, : width * block]
     smaller = cv2.resize(image, (width, height), interpolation=cv2.INTER_AREA)
+    smaller = smaller.astype(np.float64)
+    if beside_only:
+        shown = cv2.resize(mask[window].astype(np.uint8), (width, height))
+        kernel = np.ones((2 * BESIDE_PX + 1,) * 2, np.uint8)
+        beside = cv2.dilate(shown, kernel) - cv2.erode(shown, kernel)
+        smaller[beside == 0] = UNSEEN
     camera = camera_of(pair.T_world_left, pair.rig)
     return _Sight(
-        image=smaller.astype(np.float64),
+        image=smaller,
         camera=camera._replace(
             cx_px=camera.cx_px - left, cy_px=camera.cy_px - top,
             width=width * block, height=height * block,
@@ -224,27 +247,4 @@ def _likeliest(
         return float(likely - 0.5 * np.square(amounts / (SIGMA_CELLS * cell_size)).sum())
 
     steps = cell_size * np.array(STEPS_CELLS)
-    return changed(solids, changes, _summit(value, len(changes.shift), steps))
-
-
-def _summit(value: Callable[[Array], float], number: int, steps: Array) -> Array:
-    """Amounts (K,), from 0 on, at which a value is highest, by parabolas through ever less."""
-    at = np.zeros(number)
-    best = value(at)
-    for step in steps:
-        for way in step * np.eye(number):
-            tried = at + way * _top(value(at - way), best, value(at + way))
-            reached = value(tried)
-            if reached > best:
-                at, best = tried, reached
-    return at
-
-
-def _top(before: float, here: float, after: float) -> float:
-    """Top of the parabola through values at -1, 0 and 1, limited to a little outside."""
-    curve = 2.0 * here - before - after
-    if not math.isfinite(curve):
-        return 0.0
-    if curve <= 0.0:
-        return math.copysign(1.0, after - before)
-    return min(max(0.5 * (after - before) / curve, -MOST_STEPS), MOST_STEPS)
+    return changed(solids, changes, summit(value, len(changes.shift), steps))

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from recon.camera import StereoRig
 from recon.geometry import Array, invert, transform
 from recon.localisation.cameras import camera_of
-from recon.localisation.drawing import Indices, draw
+from recon.localisation.drawing import Indices, draw, texels
 from recon.localisation.place_errors import measured_from
 from recon.localisation.portrait import Portrait
 from recon.localisation.registration import Prior, inverse, moved
@@ -62,17 +63,22 @@ class Corners:
 
     def _sources(self, pair: StereoPair, T_world_left: Array) -> list[int]:
         """Numbers of the pairs that show most of what is in view."""
-        here = draw(self.portrait.solids, camera_of(T_world_left, pair.rig), SOURCE_PX)
-        number = np.array([self._shared(here.texel, one) for one in self.pairs])
+        here = self._texels(pair.rig, T_world_left)
+        number = np.array([self._shared(here, one) for one in self.pairs])
         best = np.argsort(-number, kind="stable")[:NUM_SOURCES]
         return [int(one) for one in best if number[one]]
 
     def _shared(self, texel: Indices, known: StereoPair) -> int:
         """Number of large pixels of a known pair that show some of the texels."""
         assert known.T_world_left is not None
-        camera = camera_of(known.T_world_left, known.rig)
-        there = draw(self.portrait.solids, camera, SOURCE_PX).texel
+        there = self._texels(known.rig, known.T_world_left)
         return int(np.isin(there[there >= 0], texel).sum())
+
+    def _texels(self, rig: StereoRig, T_world_left: Array) -> Indices:
+        """Texels that large pixels show."""
+        solids, camera = self.portrait.solids, camera_of(T_world_left, rig)
+        found: Indices = texels(solids, draw(solids, camera, SOURCE_PX), camera)
+        return found
 
     def _met(
         self, known: StereoPair, pair: StereoPair, T_world_left: Array
@@ -117,7 +123,7 @@ class Corners:
         assert known.T_world_left is not None
         here = draw(self.portrait.solids, camera_of(T_world_left, pair.rig), 1)
         there = draw(self.portrait.solids, camera_of(known.T_world_left, known.rig), 1)
-        row, column = np.nonzero(here.texel >= 0)
+        row, column = np.nonzero(here.solid >= 0)
         rays = pair.rig.rays(np.column_stack([column, row]).astype(np.float64))
         surface = transform(T_world_left, rays * here.depth[row, column, None])
         back = transform(invert(known.T_world_left), surface)

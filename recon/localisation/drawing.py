@@ -1,4 +1,4 @@
-"""Compiled loops: solids of revolution as a camera sees them, and how well an image agrees.
+"""Compiled loops: solids of revolution as a camera sees them.
 
 Every sphere, ellipsoid, cylinder and cone is a surface whose squared radius is a polynomial of the
 place along its axis; a ray meets it where a quadratic equation says.
@@ -13,18 +13,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-OUTLIERS = 0.1
-"""Share of pixels that may have any colour."""
-LEVELS = 16
-"""Levels of each colour channel in the histogram of a backdrop."""
-BAND, NUM_BANDS = 0.015, 60
-"""Sine of the elevation that a band of directions covers, and the number of bands."""
-LOG_ANY = -3.0 * math.log(256.0)
-LOG_KNOWN = math.log(1.0 - OUTLIERS) - 1.5 * math.log(2.0 * math.pi) - LOG_ANY
-LOG_OUTLIER = math.log(OUTLIERS)
-HOPED = 4.0
-"""Log density, less that of any colour, of the colours on a known side, about."""
+Box = tuple[int, int, int, int]
+"""First and last row, first and last column."""
 
 
 class Camera(NamedTuple):
@@ -56,28 +46,24 @@ class Solids(NamedTuple):
     """(S,) radius of a sphere around the origin that holds the solid."""
     shape: Indices
     """(S, 2) numbers of azimuths and of places along the axis."""
-    start: Indices
-    """(S,) first texel."""
 
 
 class Drawn(NamedTuple):
-    """An image of solids: the texel and the depth at each pixel."""
+    """An image of solids: the solid and the depth at each pixel."""
 
-    texel: Indices
-    """(R, C) number of the texel at each pixel; -1 where there is none."""
+    solid: Indices
+    """(R, C) number of the solid at each pixel; -1 where there is none."""
     depth: Array
     """(R, C) along the axis of the camera; infinite where there is nothing."""
 
 
-class Paint(NamedTuple):
-    """Colours of texels, and of what is behind them."""
+class Views(NamedTuple):
+    """A camera as solids see it: in the frame of each."""
 
-    mean: Array
-    """(K, 3) RGB."""
-    sigma: Array
-    """(K,) standard deviation of each channel; 0 for texels that may be just as seen."""
-    backdrop: Array
-    """(B, L, L, L) log density of the colours in each band of elevations."""
+    eye: Array
+    """(S, 3)"""
+    turn: Array
+    """(S, 3, 3) rotation from the camera."""
 
 
 @njit(cache=True, nogil=True)
@@ -86,11 +72,36 @@ def _window(middle: float, half: float, size: int) -> tuple[int, int]:
 
 
 @njit(cache=True, nogil=True)
+def _is_aside(camera: Camera, centre: Array, reach: float) -> bool:
+    """True if a ball is outside one of the sides of the field of view."""
+    f, (x, y, z) = camera.focal_px, centre
+    left, top = camera.cx_px + 1.0, camera.cy_px + 1.0
+    right, bottom = camera.width - camera.cx_px, camera.height - camera.cy_px
+    return bool(
+        x * f + left * z < -reach * math.hypot(f, left)
+        or -x * f + right * z < -reach * math.hypot(f, right)
+        or y * f + top * z < -reach * math.hypot(f, top)
+        or -y * f + bottom * z < -reach * math.hypot(f, bottom)
+    )
+
+
+@njit(cache=True, nogil=True)
+def _ball(solids: Solids, s: int) -> tuple[Array, float]:
+    """Centre and radius of a ball around a solid."""
+    first, last = solids.ends[s]
+    centre = solids.origin[s] + 0.5 * (first + last) * solids.frame[s, 2]
+    widest_sq = solids.reach[s] ** 2 - max(abs(first), abs(last)) ** 2
+    return centre, math.sqrt(max(widest_sq, 0.0) + 0.25 * (last - first) ** 2)
+
+
+@njit(cache=True, nogil=True)
 def _windows(
     centre: Array, reach: float, camera: Camera, block: int, shape: tuple[int, int]
 ) -> tuple[int, int, int, int]:
     """First and last row and column of the pixels that may show a ball."""
     x, y, z = centre
+    if _is_aside(camera, centre, reach):
+        return 0, -1, 0, -1
     if z < 1.2 * reach:
         return (0, shape[0] - 1, 0, shape[1] - 1) if z > -reach else (0, -1, 0, -1)
     zoom, share = camera.focal_px / block, reach / (z - reach)
@@ -103,66 +114,139 @@ def _windows(
     return top, bottom, left, right
 
 
-@njit(cache=True, nogil=True)
-def _meeting(
-    eye: tuple[float, float, float], ray: tuple[float, float, float], radius_sq: Array, ends: Array
-) -> tuple[float, float]:
-    """Depth at which a ray meets a solid first, and the place along its axis; infinite if not."""
-    a = ray[0] * ray[0] + ray[1] * ray[1] - radius_sq[2] * ray[2] * ray[2]
-    half = 0.5 * radius_sq[1] + radius_sq[2] * eye[2]
-    b = eye[0] * ray[0] + eye[1] * ray[1] - half * ray[2]
-    c = eye[0] * eye[0] + eye[1] * eye[1] - radius_sq[0] - (half + 0.5 * radius_sq[1]) * eye[2]
+@njit(cache=True, nogil=True, inline="always")
+def meeting(solids: Solids, views: Views, s: int, x: float, y: float) -> tuple[float, float]:
+    """Depth at which a ray (x, y, 1) meets a solid first, and the place along its axis.
+
+    The depth is infinite if it does not meet it.
+    """
+    m, eye, radius_sq = views.turn, views.eye, solids.radius_sq
+    u = m[s, 0, 0] * x + m[s, 0, 1] * y + m[s, 0, 2]
+    v = m[s, 1, 0] * x + m[s, 1, 1] * y + m[s, 1, 2]
+    w = m[s, 2, 0] * x + m[s, 2, 1] * y + m[s, 2, 2]
+    a = u * u + v * v - radius_sq[s, 2] * w * w
+    half = 0.5 * radius_sq[s, 1] + radius_sq[s, 2] * eye[s, 2]
+    b = eye[s, 0] * u + eye[s, 1] * v - half * w
+    c = eye[s, 0] ** 2 + eye[s, 1] ** 2 - radius_sq[s, 0]
+    c -= (half + 0.5 * radius_sq[s, 1]) * eye[s, 2]
     root = b * b - a * c
     if root >= 0.0 and abs(a) > 1e-12:
         root = math.sqrt(root) if a > 0.0 else -math.sqrt(root)
         for depth in ((-b - root) / a, (-b + root) / a):
-            t = eye[2] + depth * ray[2]
-            if depth > 0.0 and ends[0] <= t <= ends[1]:
+            t = eye[s, 2] + depth * w
+            if depth > 0.0 and solids.ends[s, 0] <= t <= solids.ends[s, 1]:
                 return depth, t
     return math.inf, 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _row(share: float, number: int) -> int:
     return min(int(share * number), number - 1)
 
 
 @njit(cache=True, nogil=True)
-def _draw(solids: Solids, s: int, camera: Camera, block: int, drawn: Drawn) -> None:
-    """Draw a solid where nothing nearer is."""
-    texel, depth, unit = drawn.texel, drawn.depth, 1.0 / camera.focal_px
-    offset = solids.origin[s] - camera.eye
-    ahead = np.ascontiguousarray(camera.turn.T) @ offset
-    top, bottom, left, right = _windows(ahead, solids.reach[s], camera, block, texel.shape)
-    there, m = -(solids.frame[s] @ offset), solids.frame[s] @ camera.turn
-    eye, radius_sq, ends = (there[0], there[1], there[2]), solids.radius_sq[s], solids.ends[s]
-    around, along = solids.shape[s]
-    start, per_length = solids.start[s], 1.0 / (ends[1] - ends[0])
+def viewed(solids: Solids, camera: Camera) -> Views:
+    """A camera in the frames of solids."""
+    views = Views(np.empty((len(solids.origin), 3)), np.empty((len(solids.origin), 3, 3)))
+    for s in range(len(solids.origin)):
+        views.eye[s] = solids.frame[s] @ (camera.eye - solids.origin[s])
+        views.turn[s] = solids.frame[s] @ camera.turn
+    return views
+
+
+@njit(cache=True, nogil=True, inline="always")
+def place_on(
+    solids: Solids, views: Views, s: int, ray: tuple[float, float], depth: float
+) -> tuple[float, float, float]:
+    """Place (x, y, t) in the frame of a solid where a ray (x, y, 1) is at a depth."""
+    m, eye, (x, y) = views.turn, views.eye, ray
+    return (
+        eye[s, 0] + depth * (m[s, 0, 0] * x + m[s, 0, 1] * y + m[s, 0, 2]),
+        eye[s, 1] + depth * (m[s, 1, 0] * x + m[s, 1, 1] * y + m[s, 1, 2]),
+        eye[s, 2] + depth * (m[s, 2, 0] * x + m[s, 2, 1] * y + m[s, 2, 2]),
+    )
+
+
+@njit(cache=True, nogil=True, inline="always")
+def shares(solids: Solids, s: int, place: tuple[float, float, float]) -> tuple[float, float]:
+    """Shares of the way around a solid and along its axis."""
+    turn = math.atan2(place[1], place[0]) / (2.0 * math.pi)
+    first, last = solids.ends[s, 0], solids.ends[s, 1]
+    return turn - math.floor(turn), (place[2] - first) / (last - first)
+
+
+@njit(cache=True, nogil=True)
+def _draw(solids: Solids, views: Views, s: int, camera: Camera, block: int, drawn: Drawn) -> Box:
+    """Draw a solid where nothing nearer is, and say within what."""
+    solid, depth, unit = drawn.solid, drawn.depth, 1.0 / camera.focal_px
+    centre, reach = _ball(solids, s)
+    ahead = np.ascontiguousarray(camera.turn.T) @ (centre - camera.eye)
+    top, bottom, left, right = _windows(ahead, reach, camera, block, solid.shape)
     for row in range(top, bottom + 1):
         y = ((row + 0.5) * block - 0.5 - camera.cy_px) * unit
         for column in range(left, right + 1):
             x = ((column + 0.5) * block - 0.5 - camera.cx_px) * unit
-            ray = (
-                m[0, 0] * x + m[0, 1] * y + m[0, 2],
-                m[1, 0] * x + m[1, 1] * y + m[1, 2],
-                m[2, 0] * x + m[2, 1] * y + m[2, 2],
-            )
-            here, t = _meeting(eye, ray, radius_sq, ends)
-            if here < depth[row, column]:
-                turn = math.atan2(eye[1] + here * ray[1], eye[0] + here * ray[0]) / (2.0 * math.pi)
-                depth[row, column] = here
-                number = _row(turn - math.floor(turn), around) * along
-                texel[row, column] = start + number + _row((t - ends[0]) * per_length, along)
+            met = meeting(solids, views, s, x, y)
+            if met[0] < depth[row, column]:
+                depth[row, column], solid[row, column] = met[0], s
+    return top, bottom, left, right
+
+
+@njit(cache=True, nogil=True)
+def blank(height: int, width: int) -> Drawn:
+    """An image of nothing."""
+    shape = (height, width)
+    return Drawn(np.full(shape, -1), np.full(shape, np.inf))
+
+
+@njit(cache=True, nogil=True)
+def draw_on(drawn: Drawn, solids: Solids, camera: Camera, block: int) -> Box:
+    """Draw the solids that a camera sees on an image; all of them are within the box."""
+    height, width = drawn.solid.shape
+    first_row, last_row, first_column, last_column = height, -1, width, -1
+    views = viewed(solids, camera)
+    for s in range(len(solids.origin)):
+        top, bottom, left, right = _draw(solids, views, s, camera, block, drawn)
+        if top <= bottom and left <= right:
+            first_row, last_row = min(first_row, top), max(last_row, bottom)
+            first_column, last_column = min(first_column, left), max(last_column, right)
+    return first_row, last_row, first_column, last_column
+
+
+@njit(cache=True, nogil=True)
+def clear(drawn: Drawn, box: Box) -> None:
+    """Leave nothing drawn in a box."""
+    top, bottom, left, right = box
+    drawn.solid[top : bottom + 1, left : right + 1] = -1
+    drawn.depth[top : bottom + 1, left : right + 1] = np.inf
 
 
 @njit(cache=True, nogil=True)
 def draw(solids: Solids, camera: Camera, block: int) -> Drawn:
     """Draw the solids that a camera sees, with a pixel for each `block` x `block` of its own."""
-    shape = (camera.height // block, camera.width // block)
-    drawn = Drawn(np.full(shape, -1), np.full(shape, np.inf))
-    for s in range(len(solids.origin)):
-        _draw(solids, s, camera, block, drawn)
+    drawn: Drawn = blank(camera.height // block, camera.width // block)
+    draw_on(drawn, solids, camera, block)
     return drawn
+
+
+@njit(cache=True, nogil=True)
+def texels(solids: Solids, drawn: Drawn, camera: Camera) -> Indices:
+    """Number of the texel at each pixel of an image; -1 where there is none."""
+    number: Indices = np.full(drawn.solid.shape, -1)
+    views, block = viewed(solids, camera), camera.height / drawn.solid.shape[0]
+    of = solids.shape[:, 0] * solids.shape[:, 1]
+    start = np.cumsum(of) - of
+    for row in range(number.shape[0]):
+        y = ((row + 0.5) * block - 0.5 - camera.cy_px) / camera.focal_px
+        for column in range(number.shape[1]):
+            s = drawn.solid[row, column]
+            if s >= 0:
+                x = ((column + 0.5) * block - 0.5 - camera.cx_px) / camera.focal_px
+                at = place_on(solids, views, s, (x, y), drawn.depth[row, column])
+                around, along = shares(solids, s, at)
+                first = start[s] + _row(around, solids.shape[s, 0]) * solids.shape[s, 1]
+                number[row, column] = first + _row(along, solids.shape[s, 1])
+    return number
 
 
 @njit(cache=True, nogil=True)
@@ -174,70 +258,3 @@ def is_inside(solids: Solids, place: Array) -> bool:
         if solids.ends[s, 0] < t < solids.ends[s, 1] and x * x + y * y < k0 + k1 * t + k2 * t * t:
             return True
     return False
-
-
-@njit(cache=True, nogil=True)
-def _band(rise: float, x: float, y: float) -> int:
-    sine = rise / math.sqrt(1.0 + x * x + y * y)
-    return min(max(math.floor(sine / BAND) + NUM_BANDS // 2, 0), NUM_BANDS - 1)
-
-
-@njit(cache=True, nogil=True)
-def bands(rise: Array, x: Array, y: Array) -> Indices:
-    """Numbers (N,) of the bands of elevation of rays (x, y, 1) that rise so much (N,)."""
-    found = np.empty(len(rise), np.int64)
-    for n in range(len(rise)):
-        found[n] = _band(rise[n], x[n], y[n])
-    return found
-
-
-@njit(cache=True, nogil=True)
-def _log_density(off_sq: float, sigma: float) -> float:
-    """Log density of a colour so far from that of a texel, less that of any colour."""
-    own = LOG_KNOWN - 0.5 * off_sq / (sigma * sigma) - 3.0 * math.log(sigma)
-    return max(own, LOG_OUTLIER) + math.log1p(math.exp(-abs(own - LOG_OUTLIER)))
-
-
-@njit(cache=True, nogil=True)
-def agreement(image: Array, drawn: Drawn, paint: Paint, camera: Camera) -> tuple[float, int, int]:
-    """Log likelihood of an image (R, C, 3), less that of any colours.
-
-    It is that of the texels where something is drawn, and of the backdrop elsewhere. Also the
-    number of pixels that show something, and of those that are explained.
-    """
-    value, num_shown, num_explained = 0.0, 0, 0
-    texel, mean, sigma, backdrop = drawn.texel, paint.mean, paint.sigma, paint.backdrop
-    block, unit = camera.height / image.shape[0], 1.0 / camera.focal_px
-    up = (camera.turn[1, 0], camera.turn[1, 1], camera.turn[1, 2])
-    for row in range(image.shape[0]):
-        y = ((row + 0.5) * block - 0.5 - camera.cy_px) * unit
-        for column in range(image.shape[1]):
-            r, g, b = image[row, column, 0], image[row, column, 1], image[row, column, 2]
-            k = texel[row, column]
-            if k >= 0:
-                off_sq = (r - mean[k, 0]) ** 2 + (g - mean[k, 1]) ** 2 + (b - mean[k, 2]) ** 2
-                here = _log_density(off_sq, sigma[k]) if sigma[k] > 0.0 else HOPED
-            else:
-                x = ((column + 0.5) * block - 0.5 - camera.cx_px) * unit
-                height = _band(up[0] * x + up[1] * y + up[2], x, y)
-                here = backdrop[height, int(r) >> 4, int(g) >> 4, int(b) >> 4] - LOG_ANY
-            value += here
-            if k >= 0 or here < 0.0:
-                num_shown += 1
-                num_explained += here > 0.0
-    return value, num_shown, num_explained
-
-
-@njit(cache=True, nogil=True)
-def values(image: Array, solids: Solids, paint: Paint, camera: Camera, poses: Array) -> Array:
-    """Log likelihoods (N,) of an image if taken at poses (N, 4, 4); none inside a solid."""
-    found, block = np.full(len(poses), -np.inf), camera.height // image.shape[0]
-    for n in range(len(poses)):
-        turn = np.ascontiguousarray(poses[n, :3, :3])
-        eye = np.ascontiguousarray(poses[n, :3, 3])
-        if not is_inside(solids, eye):
-            there = Camera(
-                turn, eye, camera.focal_px, camera.cx_px, camera.cy_px, camera.width, camera.height
-            )
-            found[n] = agreement(image, draw(solids, there, block), paint, there)[0]
-    return found

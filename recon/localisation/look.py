@@ -11,15 +11,9 @@ from numpy.typing import NDArray
 from recon.camera import StereoRig
 from recon.geometry import Array
 from recon.localisation.cameras import camera_of
-from recon.localisation.drawing import (
-    LOG_ANY,
-    Paint,
-    Solids,
-    agreement,
-    bands,
-    draw,
-    values,
-)
+from recon.localisation.drawing import Drawn, Solids, draw
+from recon.localisation.likelihood import LOG_ANY, bands, densities, values
+from recon.localisation.paint import Paint
 from recon.records import StereoPair, as_rgb
 
 SKYLINE_PX = 2
@@ -56,11 +50,17 @@ class Look:
 
     def explained(self, solids: Solids, paint: Paint, T_world_left: Array) -> tuple[int, int]:
         """Number of pixels that show a thing, at a pose, and of those that it explains."""
+        drawn, here = self.densities(solids, paint, T_world_left, 1)
+        shown = (drawn.solid >= 0) | (here < 0.0)
+        return int(shown.sum()), int((here[shown] > 0.0).sum())
+
+    def densities(
+        self, solids: Solids, paint: Paint, T_world_left: Array, block: int
+    ) -> tuple[Drawn, Array]:
+        """What is drawn at a pose, and the log densities (R, C) of the blocks of the image."""
         camera = camera_of(T_world_left, self.rig)
-        _, num_shown, num_explained = agreement(
-            self.image(1), draw(solids, camera, 1), paint, camera
-        )
-        return num_shown, num_explained
+        drawn = draw(solids, camera, block)
+        return drawn, block**2 * densities(self.image(block), solids, drawn, paint, camera)
 
     def against(self, paint: Paint, pitch: float) -> tuple[float, int]:
         """Log likelihood if each pixel showed the backdrop or anything, and how many show that."""

@@ -4,45 +4,25 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from recon.geometry import Array
+from recon.localisation.backdrop import Backdrop
 from recon.localisation.cameras import camera_of
 from recon.localisation.contours import fitted
-from recon.localisation.drawing import (
-    LEVELS,
-    LOG_ANY,
-    NUM_BANDS,
-    Camera,
-    Drawn,
-    Paint,
-    Solids,
-    bands,
-    draw,
-)
-from recon.localisation.repeats import completed
-from recon.localisation.revolved import ROUND, revolved, texels
+from recon.localisation.drawing import Solids, draw
+from recon.localisation.paint import Paint
+from recon.localisation.painting import Texels
+from recon.localisation.revolved import ROUND, revolved
+from recon.localisation.scales import FINER, scales, usual
 from recon.records import FoundObject, StereoPair, as_rgb
 
-PER_CELL = 3.5
-"""Texels along the side of a cell."""
-LEAST_COSINE = 0.2
-"""Of the angle between the line of sight and the normal: at outlines colours are mixed."""
-MARGIN_PX = 2
-HIDDEN_CELLS, HIDDEN_SHARE = 0.3, 0.02
-"""Tolerance of depths in what hides a texel: in cells, and as a share of its depth."""
-FINE_PX = 0.6
-"""Least width of a texel, foreshortened, in an image that shows its colour."""
-CLEAR_PX = 2.0
-"""Least width of a texel in an image that shows the texture as it is."""
-COLOUR_SIGMA = 14.0
-"""Standard deviation of a channel of the same texel seen twice."""
-BACKDROP_SHARE = 0.95
-"""Share of the pixels behind everything that have colours seen there before."""
-BLURS_PX = (1, 2, 3, 5, 9)
-"""Widths of the means that a texel's colour is read from, as wide as the texel."""
+SOLID_CELLS, OUTLINE_PX = 0.015, 0.1
+"""Standard deviation of the place and size of a solid: of its shape, and of its outlines in the
+images that show it best."""
+PER_CELL = 2.5
+"""Texels along the side of a cell, two levels above the finest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,6 +37,8 @@ class Portrait:
     """The same with the mean colour of each solid: all sides look alike."""
     hoped: Paint
     """The same if sides that no pair has shown clearly agree as well as others."""
+    side: Array
+    """(S,) of a pixel on each solid, world units, in the images that show it best."""
     cell_size: float
     is_whole: bool
     """True if all parts of all objects are drawn."""
@@ -76,29 +58,37 @@ class Portrait:
             return None
         thing = np.array([number for _, number in round_ones], np.intp)
         rough = revolved([solid for solid, _ in round_ones], cell_size / PER_CELL)
-        plain = _Painted.of(rough, pairs, cell_size).plain
-        solids = fitted(rough, thing, plain, pairs, cell_size)
-        painted = _Painted.of(solids, pairs, cell_size)
+        solids = fitted(rough, thing, _plain(*_shown(rough, pairs, 1)), pairs, cell_size)
+        paint = _Painted.of(solids, pairs).paint
+        solids = fitted(solids, thing, paint, pairs, cell_size, beside_only=True)
+        painted = _Painted.of(solids, pairs)
         return cls(
             solids=solids,
             thing=thing,
             paint=painted.paint,
             plain=painted.plain,
             hoped=painted.hoped,
+            side=painted.side,
             cell_size=cell_size,
             is_whole=len(np.unique(thing)) == len(objects)
             and len(round_ones) == sum(len(one.parts) for one in objects),
         )
 
-    def of_thing(self, number: int) -> Solids:
-        """The solids of one object."""
+    def of_thing(self, number: int) -> tuple[Solids, Paint]:
+        """The solids of one object, and their mean colours."""
         rows = self.thing == number
-        return Solids(*(values[rows] for values in self.solids))
+        plain = self.plain._replace(grid=self.plain.grid[rows], first=self.plain.first[rows])
+        return Solids(*(values[rows] for values in self.solids)), plain
 
     def centre(self, number: int) -> Array:
         """(3,) Middle of an object's solids."""
         middle: Array = self.solids.origin[self.thing == number].mean(axis=0)
         return middle
+
+    def precision(self, number: int) -> float:
+        """Standard deviation of the place and size of an object, world units."""
+        outlines = OUTLINE_PX * float(self.side[self.thing == number].min())
+        return math.hypot(SOLID_CELLS * self.cell_size, outlines)
 
     def size(self, number: int) -> float:
         """Radius of the largest solid of an object."""
@@ -112,96 +102,57 @@ class _Painted:
     paint: Paint
     plain: Paint
     hoped: Paint
+    side: Array
 
     @classmethod
-    def of(cls, solids: Solids, pairs: Sequence[StereoPair], cell_size: float) -> "_Painted":
-        points, normals = (np.concatenate(both) for both in zip(*texels(solids), strict=True))
-        width, colours = np.zeros(len(points)), np.zeros((len(points), 3))
-        backdrop = np.zeros((NUM_BANDS, LEVELS, LEVELS, LEVELS))
-        for one in pairs:
-            assert one.T_world_left is not None
-            camera, image = camera_of(one.T_world_left, one.rig), as_rgb(one.left)
-            drawn = draw(solids, camera, 1)
-            _count(backdrop, image, drawn, camera)
-            rows, here_px, wide = _shown(points, normals, drawn, camera, cell_size)
-            better = wide > width[rows]
-            rows = rows[better]
-            width[rows] = wide[better]
-            colours[rows] = _read(image, here_px[better], wide[better])
-        return cls._by(solids, width, colours, _log_density(backdrop))
-
-    @classmethod
-    def _by(cls, solids: Solids, width: Array, colours: Array, backdrop: Array) -> "_Painted":
-        """Colours where pairs showed them finely enough, else those of the whole solid."""
-        usual, spread = np.full(colours.shape, 128.0), np.full(len(colours), 80.0)
-        mean, known = colours.copy(), width > FINE_PX
-        for start, (around, along) in zip(solids.start, solids.shape, strict=True):
-            rows = slice(start, start + around * along)
-            of = colours[rows][known[rows]]
-            if len(of):
-                usual[rows] = of.mean(axis=0)
-                spread[rows] = np.hypot(math.sqrt(of.var(axis=0).mean()), COLOUR_SIGMA)
-            grid, is_known = completed(
-                colours[rows].reshape(around, along, 3), known[rows].reshape(around, along)
-            )
-            mean[rows], known[rows] = grid.reshape(-1, 3), is_known.ravel()
-        # A texel about as wide as a pixel has some colour of those around it.
-        vague = spread * np.clip(1.5 - np.where(width > FINE_PX, width, 1.0), 0.0, 1.0)
-        mean, sigma = np.where(known[:, None], mean, usual), np.hypot(COLOUR_SIGMA, vague)
+    def of(cls, solids: Solids, pairs: Sequence[StereoPair]) -> "_Painted":
+        texels, backdrop = _shown(solids, pairs, 2**FINER)
+        levels = [level for s in range(len(solids.origin)) for level in scales(*texels.of(s))]
+        grid = np.array([level.sigma.shape for level in levels], np.int64)
+        number, shape = grid.prod(axis=1), (len(solids.origin), -1)
+        where = (grid.reshape(*shape, 2), (np.cumsum(number) - number).reshape(shape))
+        mean = np.concatenate([level.mean.reshape(-1, 3) for level in levels]).astype(np.float32)
+        sigma = np.concatenate([level.sigma.ravel() for level in levels]).astype(np.float32)
+        clear = np.concatenate([level.is_clear.ravel() for level in levels])
+        behind = (backdrop.log_density, backdrop.mean, backdrop.sigma)
         return cls(
-            paint=Paint(mean=mean, sigma=np.where(known, sigma, spread), backdrop=backdrop),
-            plain=Paint(mean=usual, sigma=spread, backdrop=backdrop),
-            hoped=Paint(mean=mean, sigma=np.where(width > CLEAR_PX, sigma, 0.0), backdrop=backdrop),
+            paint=Paint(*where, mean, sigma, *behind),
+            plain=_plain(texels, backdrop),
+            hoped=Paint(*where, mean, np.where(clear, sigma, np.float32(0.0)), *behind),
+            side=np.array([_side(texels, solids, s) for s in range(len(solids.origin))]),
         )
 
 
-def _shown(
-    points: Array, normals: Array, drawn: Drawn, camera: Camera, cell_size: float
-) -> tuple[NDArray[np.intp], Array, Array]:
-    """Rows (M,) of the texels that a pair shows, where (M, 2), and how wide they are in pixels."""
-    offset = points - camera.eye
-    local = offset @ camera.turn
-    cosine = -np.einsum("ni,ni->n", offset, normals) / np.linalg.norm(offset, axis=1)
-    rows = np.flatnonzero((cosine > LEAST_COSINE) & (local[:, 2] > HIDDEN_CELLS * cell_size))
-    depth = local[rows, 2]
-    here_px = camera.focal_px * local[rows, :2] / depth[:, None] + [camera.cx_px, camera.cy_px]
-    last = np.array([camera.width, camera.height]) - 1 - MARGIN_PX
-    inside = ((here_px >= MARGIN_PX) & (here_px <= last)).all(axis=1)
-    rows, here_px, depth = rows[inside], here_px[inside], depth[inside]
-    column, row = np.rint(here_px).astype(np.intp).T
-    # Not beside an outline, where colours are mixed with those behind it.
-    inner = cv2.erode(np.isfinite(drawn.depth).astype(np.uint8), np.ones((3, 3), np.uint8))
-    slack = HIDDEN_CELLS * cell_size + HIDDEN_SHARE * depth
-    clear = (inner[row, column] > 0) & (np.abs(drawn.depth[row, column] - depth) < slack)
-    wide = camera.focal_px / depth * cosine[rows] * cell_size / PER_CELL
-    return rows[clear], here_px[clear], wide[clear]
+def _shown(solids: Solids, pairs: Sequence[StereoPair], finer: int) -> tuple[Texels, Backdrop]:
+    """What pairs show of solids, so many times as fine as their grids, and behind them."""
+    texels, backdrop = Texels.blank(finer * solids.shape), Backdrop()
+    for one in pairs:
+        assert one.T_world_left is not None
+        camera, image = camera_of(one.T_world_left, one.rig), as_rgb(one.left)
+        drawn = draw(solids, camera, 1)
+        backdrop.add(image, drawn, camera)
+        texels.show(image, solids, drawn, camera)
+    return texels, backdrop
 
 
-def _read(image: NDArray[np.uint8], points_px: Array, width: Array) -> Array:
-    """Colours (N, 3) at points (N, 2), means over about so many pixels (N,)."""
-    colours = np.zeros((len(points_px), 3))
-    nearest = np.abs(np.log(np.maximum(width, 1.0))[:, None] - np.log(BLURS_PX)).argmin(axis=1)
-    for number, blur_px in enumerate(BLURS_PX):
-        rows = np.flatnonzero(nearest == number)
-        if len(rows):
-            u, v = points_px[rows].astype(np.float32).T[:, None]
-            blurred = cv2.blur(image, (blur_px, blur_px))
-            colours[rows] = cv2.remap(blurred, u, v, cv2.INTER_LINEAR)[0]
-    return colours
+def _side(texels: Texels, solids: Solids, s: int) -> float:
+    """Median side of a pixel, world units, in the images that show a solid best."""
+    width, _ = texels.of(s)
+    seen = width[width > 0.0]
+    along = float(np.ptp(solids.ends[s])) / width.shape[1]
+    return along / float(np.median(seen)) if len(seen) else math.inf
 
 
-def _count(backdrop: Array, image: NDArray[np.uint8], drawn: Drawn, camera: Camera) -> None:
-    """Count the colours of an image where nothing is drawn, by their elevation."""
-    row, column = np.nonzero(drawn.texel < 0)
-    x, y = (column - camera.cx_px) / camera.focal_px, (row - camera.cy_px) / camera.focal_px
-    rise = bands(camera.turn[1, 0] * x + camera.turn[1, 1] * y + camera.turn[1, 2], x, y)
-    red, green, blue = (image[row, column] >> 4).astype(np.intp).T
-    np.add.at(backdrop, (rise, red, green, blue), 1.0)
-
-
-def _log_density(counts: Array) -> Array:
-    """Log density of colours by their numbers; any colour may occur."""
-    total = np.maximum(counts.sum(axis=(1, 2, 3), keepdims=True), 1.0)
-    seen = BACKDROP_SHARE * counts / total * (LEVELS / 256.0) ** 3
-    density: Array = np.log(seen + (1.0 - BACKDROP_SHARE) * math.exp(LOG_ANY))
-    return density
+def _plain(texels: Texels, backdrop: Backdrop) -> Paint:
+    """The mean colour of each solid."""
+    number = len(texels.grid)
+    mean, sigma = zip(*(usual(*texels.of(s)) for s in range(number)), strict=True)
+    return Paint(
+        grid=np.ones((number, 1, 2), np.int64),
+        first=np.arange(number)[:, None],
+        mean=np.array(mean, np.float32),
+        sigma=np.array(sigma, np.float32),
+        backdrop=backdrop.log_density,
+        behind=backdrop.mean,
+        behind_sigma=backdrop.sigma,
+    )

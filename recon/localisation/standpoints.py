@@ -13,26 +13,30 @@ import numpy as np
 
 from recon.camera import StereoRig
 from recon.geometry import Array, pose, rotation_about_y, wrapped
-from recon.localisation.drawing import Paint, Solids
+from recon.localisation.drawing import Solids
 from recon.localisation.graph import planar
 from recon.localisation.look import Look
+from recon.localisation.paint import Paint
 from recon.localisation.portrait import Portrait
 from recon.localisation.stance import Stance
+from recon.localisation.summit import summit
 
-COARSE_PX, DETAIL_CELLS = 4, 0.6
-"""Side of the pixels of the first drawings, in pixels of the image, halved for things of which it
-covers more cells."""
+COARSE_PX = 4
+"""Side of the pixels of the first drawings, in pixels of the image ..."""
+SHAPE_CELLS, TEXTURE_CELLS = 0.6, 0.3
+"""... halved for things of which they cover more cells, where shapes or textures are compared."""
 STANCE_DEG, PITCH_DEG = 2.5, 0.5
 """Greatest distance of a pitch from one of the stance, and step between those that are tried."""
-RANGE_STEP, LEAST_RANGE, MOST_RANGE = 1.08, 1.1, 20.0
+RANGE_STEP, LEAST_RANGE, MOST_RANGE = 1.08, 0.6, 20.0
 """Factor between the distances that are tried; the first and last one, in sizes of the thing."""
-COLUMN_STEP = 16
-"""Pixels between the image columns at which a thing is tried."""
+BEARING_STEP_PX, ASIDE_SHARE = 16, 0.9
+"""Step between the bearings at which a thing is tried, in pixels of the middle of the image, and
+share of a thing that may be beside the image."""
 SIDE_DEG, OTHER_SIDE_DEG = 2.0, 8.0
 """Turn about a thing between the sides that are tried, and between those that are kept."""
-NUM_SIGHTINGS, NUM_DISTINCT, NUM_SIDES = 40, 14, 5
+NUM_SIGHTINGS, NUM_DISTINCT, NUM_SIDES = 40, 14, 8
 """Distances and columns that are climbed, those of which all sides are tried, and sides kept."""
-NUM_CLIMBED, NUM_REFINED, NUM_LAST = 32, 8, 3
+NUM_CLIMBED, NUM_REFINED, NUM_LAST = 24, 6, 3
 """Poses that are climbed in large pixels, in smaller ones, and in those of the image."""
 ALIKE_SHARE, ALIKE_RAD = 0.04, 0.04
 """A thing is seen alike within this share of its distance, and from the same direction."""
@@ -41,6 +45,10 @@ NEAR_CELLS, NEAR_RAD = 0.3, 0.03
 FIRST_SHARE, LEAST_SHARE, NEARER = 1.0, 0.1, 0.0075
 """First and last step of a climb in pixels as drawn; step towards a thing for each pixel of the
 image, as a share of its distance."""
+PRECISE_PX = (0.5, 0.2, 0.1)
+"""Last steps, in pixels of the image."""
+MOST_ROUNDS, LEAST_GAIN = 6, 2.0
+"""Number of rounds of the last steps, and the gain of log likelihood below which they end."""
 MOST_DRAWN = 600
 """Number of drawings after which a climb ends."""
 
@@ -76,12 +84,13 @@ class Standpoints:
         solids, paint = self.portrait.solids, self.portrait.paint
         found = self._sides(look, self._sighted(look, pitch))[:NUM_CLIMBED]
         found = self._distinct(
-            self._climbed(look, one, solids, paint, self._coarse_px(look, one)) for one in found
+            self._climbed(look, one, solids, paint, self._coarse_px(look, one, TEXTURE_CELLS))
+            for one in found
         )[:NUM_REFINED]
-        for block in (2, 1):
-            climbed = (self._climbed(look, one, solids, paint, block) for one in found)
-            found = self._distinct(climbed)[:NUM_LAST]
-        return found
+        climbed = (self._climbed(look, one, solids, paint, 2) for one in found)
+        found = self._distinct(climbed)[:NUM_LAST]
+        best, *others = self._distinct(self._one_round(look, one) for one in found)
+        return [self._precise(look, best), *others]
 
     def pitch(self, look: Look) -> float:
         """The pitch, near those of the stance, at which the backdrop is as the image has it."""
@@ -91,9 +100,9 @@ class Standpoints:
         tried = np.add.outer(self.stance.pitches, steps).ravel().tolist()
         return float(max(tried, key=lambda pitch: look.against(self.portrait.paint, pitch)[0]))
 
-    def _coarse_px(self, look: Look, one: Standpoint) -> int:
+    def _coarse_px(self, look: Look, one: Standpoint, detail: float) -> int:
         """Side of the pixels in which a thing is drawn at first: finer if it is far away."""
-        wide = DETAIL_CELLS * self.portrait.cell_size * look.rig.focal_px / self._away(one)
+        wide = detail * self.portrait.cell_size * look.rig.focal_px / self._away(one)
         return COARSE_PX if wide > COARSE_PX else COARSE_PX // 2
 
     def _away(self, one: Standpoint) -> float:
@@ -105,7 +114,7 @@ class Standpoints:
         found = []
         for thing in np.unique(self.portrait.thing).tolist():
             poses = list(self._facing(look.rig, thing, pitch))
-            solids, plain = self.portrait.of_thing(thing), self.portrait.plain
+            solids, plain = self.portrait.of_thing(thing)
             value = look.values(solids, plain, poses, COARSE_PX)
             found += [
                 Standpoint(T_world_left=poses[row], thing=thing, value=float(value[row]))
@@ -113,8 +122,8 @@ class Standpoints:
             ]
         climbed = [
             self._climbed(
-                look, one, self.portrait.of_thing(one.thing), self.portrait.plain,
-                self._coarse_px(look, one),
+                look, one, *self.portrait.of_thing(one.thing),
+                self._coarse_px(look, one, SHAPE_CELLS),
             )
             for one in self._seen_alike(found)[:NUM_SIGHTINGS]
         ]  # fmt: skip
@@ -125,9 +134,10 @@ class Standpoints:
         centre, size = self.portrait.centre(thing), self.portrait.size(thing)
         steps = math.ceil(math.log(MOST_RANGE / LEAST_RANGE) / math.log(RANGE_STEP))
         for away in LEAST_RANGE * size * RANGE_STEP ** np.arange(steps):
-            beside = int(rig.focal_px * size / away / 2.0)
-            for column in range(-beside, rig.width + beside, COLUMN_STEP):
-                bearing = math.atan2(column - rig.cx_left_px, rig.focal_px)
+            beside = ASIDE_SHARE * math.asin(min(size / away, 1.0))
+            left = math.atan2(-rig.cx_left_px, rig.focal_px) - beside
+            right = math.atan2(rig.width - rig.cx_left_px, rig.focal_px) + beside
+            for bearing in np.arange(left, right, BEARING_STEP_PX / rig.focal_px).tolist():
                 yield self.stance.at(np.array([centre[0] - away, centre[2], -bearing]), pitch)
 
     def _seen_alike(self, found: list[Standpoint]) -> list[Standpoint]:
@@ -146,7 +156,9 @@ class Standpoints:
         for one in sighted:
             centre = self.portrait.centre(one.thing)
             poses = [orbited(one.T_world_left, centre, float(turn)) for turn in turns]
-            value = look.values(solids, self.portrait.paint, poses, self._coarse_px(look, one))
+            value = look.values(
+                solids, self.portrait.paint, poses, self._coarse_px(look, one, TEXTURE_CELLS)
+            )
             found += [
                 replace(one, T_world_left=poses[row], value=float(value[row]))
                 for row in _summits(turns, value)
@@ -169,6 +181,46 @@ class Standpoints:
                 share /= 2.0
         return replace(one, T_world_left=T, value=float(best))
 
+    def _precise(self, look: Look, one: Standpoint) -> Standpoint:
+        """The pose of highest value nearby, to a small share of a pixel.
+
+        Ways of moving depend on each other: where two things are seen far away, a pose slides
+        along a ridge, round after round.
+        """
+        for _ in range(MOST_ROUNDS):
+            before, one = one.value, self._one_round(look, one)
+            if one.value - before < LEAST_GAIN:
+                break
+        return one
+
+    def _one_round(self, look: Look, one: Standpoint) -> Standpoint:
+        """A better pose nearby, and twice as far if that is better still."""
+        unit = 1.0 / look.rig.focal_px
+
+        def at(amounts: Array) -> Array:
+            return self._near(one, *(unit * amounts).tolist())
+
+        amounts = summit(lambda tried: self._value(look, at(tried)), 4, np.array(PRECISE_PX))
+        found = [
+            replace(one, T_world_left=T, value=self._value(look, T))
+            for T in (at(amounts), at(2.0 * amounts))
+        ]
+        return max(found, key=lambda it: it.value)
+
+    def _value(self, look: Look, T_world_left: Array) -> float:
+        return float(look.values(self.portrait.solids, self.portrait.paint, [T_world_left], 1)[0])
+
+    def _near(
+        self, one: Standpoint, nearer: float, turn: float, orbit: float, tilt: float
+    ) -> Array:
+        """A pose after small moves towards the thing, around itself, around the thing and up."""
+        T, centre = one.T_world_left, self.portrait.centre(one.thing)
+        sizes = self._away(one) / self.portrait.size(one.thing)
+        around = orbited(T, centre, orbit * sizes)
+        towards = (centre - around[:3, 3]) * [1.0, 0.0, 1.0]
+        R = rotation_about_y(turn) @ around[:3, :3] @ _tilted(tilt)
+        return pose(R, around[:3, 3] + nearer * sizes * towards)
+
     def _moved(
         self, rig: StereoRig, T_world_left: Array, thing: int, step_px: float
     ) -> Iterator[Array]:
@@ -180,9 +232,10 @@ class Standpoints:
         for way in (angle, -angle):
             yield pose(R, eye + way * rig.focal_px * NEARER * towards)
             yield pose(rotation_about_y(way) @ R, eye)
-            yield pose(R @ _tilted(way), eye)
             yield pose(R, eye + way * away * R[:, 0])
             yield orbited(T_world_left, centre, way * away / self.portrait.size(thing))
+        for way in (angle, -angle):
+            yield pose(R @ _tilted(way), eye)
 
     def _distinct(self, found: Iterable[Standpoint]) -> list[Standpoint]:
         """The distinct poses, the likeliest first."""

@@ -15,4 +15,4 @@ from tests.localisation.trees import taken, tree
 def test_an_unseen_side_may_repeat_a_seen_one(sides, may_repeat):
     pair, portrait = taken(30), Portrait.of((tree(),), [taken(side) for side in sides], 1.0)
     best = Standpoint(T_world_left=pair.T_world_left, thing=0, value=0.0)
-    assert Posterior.of(portrait, Look(pair=pair), best).may_repeat(best) == may_repeat
+    assert Posterior.of(portrait, Look(pair=pair), best).may_repeat() == may_repeat

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from recon.localisation.cameras import camera_of
-from recon.localisation.drawing import draw
+from recon.localisation.drawing import draw, texels
 from recon.localisation.keeper import PlaceKeeper
 from recon.localisation.look import Look
 from recon.localisation.portrait import Portrait
@@ -57,12 +57,13 @@ def portrait_of(*solids):
 def test_what_is_drawn_lies_on_the_solid(solid):
     rig, drawn_of = taken(0).rig, portrait_of(solid).solids
     drawn = draw(drawn_of, camera_of(np.eye(4), rig), 1)
-    v, u = np.nonzero(drawn.texel >= 0)
+    v, u = np.nonzero(drawn.solid >= 0)
     points = rig.rays(np.column_stack([u, v]).astype(np.float64)) * drawn.depth[v, u, None]
     assert len(points) > 500
     assert solid.distances(points).max() < 1e-6
-    assert drawn.texel.max() < drawn_of.shape.prod(axis=1).sum()
-    assert np.isinf(drawn.depth[drawn.texel < 0]).all()
+    number = texels(drawn_of, drawn, camera_of(np.eye(4), rig))
+    assert number.max() < drawn_of.shape.prod(axis=1).sum()
+    assert ((number < 0) == np.isinf(drawn.depth)).all()
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
@@ -70,10 +71,10 @@ def test_solids_are_drawn_alike_in_any_unit(scale):
     ball = Sphere(centre=AHEAD, radius=2.0)
     scaled = Sphere(centre=scale * AHEAD, radius=scale * 2.0)
     camera = camera_of(np.eye(4), taken(0).rig)
-    one = draw(revolved([ball], 0.5), camera, 1)
-    other = draw(revolved([scaled], scale * 0.5), camera, 1)
-    assert (one.texel >= 0).sum() > 500
-    np.testing.assert_array_equal(other.texel, one.texel)
+    here, there = revolved([ball], 0.5), revolved([scaled], scale * 0.5)
+    one, other = draw(here, camera, 1), draw(there, camera, 1)
+    assert (one.solid >= 0).sum() > 500
+    np.testing.assert_array_equal(texels(there, other, camera), texels(here, one, camera))
     np.testing.assert_allclose(other.depth, scale * one.depth)
 
 
