@@ -129,12 +129,16 @@ def _solid_parts(
     if not piece.any():
         return []
     parts: list[Part] = []
-    for number in range(int(piece.max()) + 1):
+    spare = (1.0 - PIECES_SHARE) * len(rows)
+    for number in np.argsort(-np.bincount(piece), kind="stable"):
         own = rows[piece == number]
         share = _explained(voxels.select(own))
         is_whole = share > EXPLAINED_SHARE or len(own) < 2 * min_voxels
         finer = [] if is_whole else _solid_parts(own, voxels, min_voxels, relief_of, eyes)
         parts += finer or [(own, share)]
+        spare -= 0 if finer or share > EXPLAINED_SHARE else len(own)
+        if spare < 0.0:
+            return []
     return parts if _by_solids(parts) > (_explained(cells) + BETTER) * len(rows) else []
 
 

@@ -37,7 +37,7 @@ def pieces_of(cells):
     rows = np.arange(len(cells))
     whole = (name(rows), rows)
     found = cut_at_creases(whole, cells, 12, relief_of=cells.select, eyes=None, name=name)
-    return [np.unique(np.floor(cells.means[own, 0])).tolist() for _, own in found]
+    return sorted(np.unique(np.floor(cells.means[own, 0])).tolist() for _, own in found)
 
 
 def test_a_piece_that_is_no_solid_is_split_again(row, monkeypatch):
