@@ -32,6 +32,17 @@ def upright_box(points: Array) -> Box:
 
 
 @njit(cache=True)
+def keep(value: float, lowest: Array) -> None:
+    """Put a value among the lowest, ascending, if it is one of them."""
+    k = len(lowest) - 1
+    if value < lowest[k]:
+        while k > 0 and lowest[k - 1] > value:
+            lowest[k] = lowest[k - 1]
+            k -= 1
+        lowest[k] = value
+
+
+@njit(cache=True)
 def _ends(points: Array, directions: Array, share: float) -> Array:
     """Low and high quantiles (2, D) of points along directions (D, 3), a share from either end."""
     place = share * (len(points) - 1)
@@ -42,23 +53,12 @@ def _ends(points: Array, directions: Array, share: float) -> Array:
         kept[:] = np.inf
         for i in range(len(points)):
             along = x * points[i, 0] + y * points[i, 1] + z * points[i, 2]
-            _keep(along, kept[0])
-            _keep(-along, kept[1])
+            keep(along, kept[0])
+            keep(-along, kept[1])
         for side in range(2):
             ends[side, k] = kept[side, rank] + (place - rank) * (kept[side, -1] - kept[side, rank])
         ends[1, k] *= -1.0
     return ends
-
-
-@njit(cache=True)
-def _keep(value: float, lowest: Array) -> None:
-    """Put a value among the lowest, ascending, if it is one of them."""
-    k = len(lowest) - 1
-    if value < lowest[k]:
-        while k > 0 and lowest[k - 1] > value:
-            lowest[k] = lowest[k - 1]
-            k -= 1
-        lowest[k] = value
 
 
 def _edge_directions(floor: Array) -> Array:

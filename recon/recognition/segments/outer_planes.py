@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from recon.recognition.segments.boxes import keep
 from recon.recognition.segments.peeling import ON_PLANE_CELLS, near_plane, width
 from recon.recognition.segments.plane_votes import fitted_plane, sum_of_votes, votes_for
 
@@ -106,11 +107,11 @@ def _chosen(points: Array, facing: Array, reach: float) -> tuple[Array, Array]:
 @njit(cache=True)
 def _outermost(points: Array, direction: Array) -> float:
     """Position along a direction beyond which there are only outliers."""
-    along = np.empty(len(points))
+    farthest = np.full(int(BEYOND * len(points)) + 1, np.inf)
     for i in range(len(points)):
-        along[i] = (
+        along = (
             points[i, 0] * direction[0] + points[i, 1] * direction[1] + points[i, 2] * direction[2]
         )
-    rank = len(points) - 1 - int(BEYOND * len(points))
-    outermost: float = np.partition(along, rank)[rank]
+        keep(-along, farthest)
+    outermost: float = -farthest[-1]
     return outermost
