@@ -103,7 +103,7 @@ def read(path: Path) -> Voxels:
     shares = (greys if description["negate"] else 255 - greys.astype(np.int64)) / 255.0
     size = description["resolution"]
     cells = _floor_cells(shares > description["occupied_thresh"], description["origin"], size)
-    height = math.ceil(BAND[0] - 0.5)
+    height = math.ceil(BAND[0] / size - 0.5)
     index = np.column_stack([cells[:, 0], np.full(len(cells), height), cells[:, 1]])
     return Voxels.occupied(index, size)
 

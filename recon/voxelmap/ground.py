@@ -15,9 +15,7 @@ UNKNOWN, FREE, OCCUPIED = -1, 0, 1
 """States of a floor cell."""
 
 BAND = (0.5, 6.0)
-"""Lowest and highest obstacle of a robot, cells: those of the thesis's worlds are as large as it is
-wide.
-"""
+"""Lowest and highest obstacle of a robot of the thesis's worlds, world units."""
 
 MAX_CELLS = 1 << 28
 """Maximum number of floor cells: a single far outlier must not exhaust the memory."""
@@ -44,14 +42,14 @@ def navigation(
     sightings : Sightings
         Cells that scans hit and passed.
     band : (low, high)
-        Range of relevant heights, in cells: those whose centre is lower or higher count neither as
-        obstacles nor as free space.
+        Range of relevant heights, world units: cells whose centre is lower or higher count neither
+        as obstacles nor as free space.
     """
     low_y, high_y = band
     if not low_y < high_y:
         raise InputError(f"band is {band}, but a lower and a higher height are needed")
-    solid = _in_band(voxels.index, band)
-    clear = _in_band(sightings.index[sightings.passes > 0], band)
+    solid = _in_band(voxels.index, voxels.cell_size, band)
+    clear = _in_band(sightings.index[sightings.passes > 0], voxels.cell_size, band)
     low, shape = _floor(np.concatenate([solid, clear]))
     cells = np.full(shape, UNKNOWN, np.int8)
     # A floor cell is free if a ray passed through one of its heights and none is occupied.
@@ -61,8 +59,10 @@ def navigation(
     return _grid(cells, low, voxels.cell_size)
 
 
-def _in_band(index: NDArray[np.int64], band: tuple[float, float]) -> NDArray[np.int64]:
-    middle = index[:, 1] + 0.5
+def _in_band(
+    index: NDArray[np.int64], cell_size: float, band: tuple[float, float]
+) -> NDArray[np.int64]:
+    middle = (index[:, 1] + 0.5) * cell_size
     return index[(middle >= band[0]) & (middle <= band[1])]
 
 

@@ -1,6 +1,5 @@
 """The floor: sums over height, and free ground for navigation."""
 
-import numpy as np
 import pytest
 
 from recon.errors import InputError
@@ -35,14 +34,6 @@ def test_cell_counts_if_its_centre_lies_in_the_band():
     floor = navigation(voxels, nothing, band=(1.2, 6.2))
     assert floor.cells.tolist() == [[OCCUPIED]]
     assert floor.origin_xz.tolist() == [0.0, 0.0]
-
-
-def test_floor_is_alike_in_any_unit():
-    points = np.array([[0.5, 0.5, 0.5], [1.5, 5.5, 0.5], [2.5, 6.5, 0.5], [3.5, -0.5, 0.5]])
-    nothing = VoxelMap(channels=["rays"]).sightings()
-    for size in (0.1, 1.0, 10.0):
-        voxels = filled(cloud(size * points), cell_size=size).occupied(1)
-        assert navigation(voxels, nothing).cells.tolist() == [[OCCUPIED], [OCCUPIED]]
 
 
 def test_cells_that_no_ray_crossed_are_unknown():
