@@ -83,7 +83,7 @@ def check_poses(name: str, poses: Array) -> None:
 
 
 def _not_rigid(poses: Array) -> Iterator[tuple[int, str]]:
-    """Number and fault of each matrix that is no rotation and translation, to 1e-6."""
+    """Number and fault of each matrix that is not a rotation and a translation, to 1e-6."""
     rotations = poses[:, :3, :3]
     errors = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     volumes = np.linalg.det(rotations)

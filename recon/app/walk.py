@@ -105,7 +105,7 @@ class Walk:
             self.error = "stopped before the first pair"
 
     def check(self) -> None:
-        """Abandon a controller that does not respond; what it compiles is no part of its time."""
+        """Abandon a controller that does not respond; the time it compiles does not count."""
         if self._cancelled_at is None or self.is_over or self.stage not in ("", "plan", "render"):
             return
         if min(time.monotonic() - self._cancelled_at, self.waited_s) > PATIENCE_S:

@@ -121,7 +121,7 @@ def _solid_parts(
 ) -> list[Part]:
     """The convex pieces of an object if solids explain these, otherwise none.
 
-    A piece that is no solid is split again, in its own finer cells, before the whole is judged.
+    A piece that is not a solid is split again, in its own finer cells, before the whole is judged.
     """
     cells = voxels.select(rows)
     piece = fewest_pieces(relief_of(rows), eyes, max(min_voxels, int(SMALLEST_PIECE * len(rows))))

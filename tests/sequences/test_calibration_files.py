@@ -209,7 +209,7 @@ def test_rounded_rotation_is_made_rigid_with_a_notice(tmp_path):
 @pytest.mark.parametrize("name", ["SN10027507.conf", "rig.npz"])
 def test_calibration_of_another_kind_is_refused_with_the_known_ones(tmp_path, name):
     (tmp_path / name).write_bytes(b"[LEFT_CAM_HD]\nfx=700.819\n")
-    said = f"{name} is no calibration of a known kind .*OpenCV, ROS, Kalibr"
+    said = f"{name} is not a calibration of a known kind .*OpenCV, ROS, Kalibr"
     for path in (tmp_path, tmp_path / name):
         with pytest.raises(InputError, match=said):
             read_calibration(path)
