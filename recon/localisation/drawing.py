@@ -229,6 +229,13 @@ def draw(solids: Solids, camera: Camera, block: int) -> Drawn:
     return drawn
 
 
+@njit(cache=True, nogil=True, inline="always")
+def direction(camera: Camera, block: float, row: int, column: int) -> tuple[float, float]:
+    """Ray (x, y, 1) through the middle of a block of pixels."""
+    x = ((column + 0.5) * block - 0.5 - camera.cx_px) / camera.focal_px
+    return x, ((row + 0.5) * block - 0.5 - camera.cy_px) / camera.focal_px
+
+
 @njit(cache=True, nogil=True)
 def texels(solids: Solids, drawn: Drawn, camera: Camera) -> Indices:
     """Number of the texel at each pixel of an image; -1 where there is none."""
@@ -237,12 +244,11 @@ def texels(solids: Solids, drawn: Drawn, camera: Camera) -> Indices:
     of = solids.shape[:, 0] * solids.shape[:, 1]
     start = np.cumsum(of) - of
     for row in range(number.shape[0]):
-        y = ((row + 0.5) * block - 0.5 - camera.cy_px) / camera.focal_px
         for column in range(number.shape[1]):
             s = drawn.solid[row, column]
             if s >= 0:
-                x = ((column + 0.5) * block - 0.5 - camera.cx_px) / camera.focal_px
-                at = place_on(solids, views, s, (x, y), drawn.depth[row, column])
+                ray = direction(camera, block, row, column)
+                at = place_on(solids, views, s, ray, drawn.depth[row, column])
                 around, along = shares(solids, s, at)
                 first = start[s] + _row(around, solids.shape[s, 0]) * solids.shape[s, 1]
                 number[row, column] = first + _row(along, solids.shape[s, 1])

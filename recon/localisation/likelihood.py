@@ -14,6 +14,7 @@ from recon.localisation.drawing import (
     Views,
     blank,
     clear,
+    direction,
     draw_on,
     is_inside,
     meeting,
@@ -135,13 +136,6 @@ def _mixed(
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _direction(camera: Camera, block: float, row: int, column: int) -> tuple[float, float]:
-    """Ray (x, y, 1) through the middle of a block of pixels."""
-    x = ((column + 0.5) * block - 0.5 - camera.cx_px) / camera.focal_px
-    return x, ((row + 0.5) * block - 0.5 - camera.cy_px) / camera.focal_px
-
-
-@njit(cache=True, nogil=True, inline="always")
 def _band_at(camera: Camera, x: float, y: float) -> int:
     rise = camera.turn[1, 0] * x + camera.turn[1, 1] * y + camera.turn[1, 2]
     band: int = _band(rise, x, y)
@@ -154,7 +148,7 @@ def _empty(image: Array, paint: Paint, camera: Camera) -> Array:
     here, block = np.empty(image.shape[:2]), camera.height / image.shape[0]
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            x, y = _direction(camera, block, row, column)
+            x, y = direction(camera, block, row, column)
             r, g, b = image[row, column, 0], image[row, column, 1], image[row, column, 2]
             band = _band_at(camera, x, y)
             if r == UNSEEN:
@@ -181,7 +175,7 @@ def _fill(
             s, is_outline = drawn.solid[row, column], _is_outline(drawn.solid, row, column)
             if (s < 0 and not is_outline) or image[row, column, 0] == UNSEEN:
                 continue
-            x, y = _direction(camera, block, row, column)
+            x, y = direction(camera, block, row, column)
             if is_outline:
                 # Rays of a pixel start at ever other places, or upright outlines would jump.
                 first = ((0.618034 * (row + column)) % 1.0 / NUM_RAYS - 0.5) * side

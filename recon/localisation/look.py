@@ -57,7 +57,7 @@ class Look:
     def densities(
         self, solids: Solids, paint: Paint, T_world_left: Array, block: int
     ) -> tuple[Drawn, Array]:
-        """What is drawn at a pose, and the log densities (R, C) of the blocks of the image."""
+        """The solids drawn at a pose, and the log density (R, C) of each block of the image."""
         camera = camera_of(T_world_left, self.rig)
         drawn = draw(solids, camera, block)
         return drawn, block**2 * densities(self.image(block), solids, drawn, paint, camera)

@@ -124,7 +124,7 @@ class _Painted:
 
 
 def _shown(solids: Solids, pairs: Sequence[StereoPair], finer: int) -> tuple[Texels, Backdrop]:
-    """What pairs show of solids, so many times as fine as their grids, and behind them."""
+    """Texels of solids, `finer` times as fine as their grids, and backdrop, as pairs show them."""
     texels, backdrop = Texels.blank(finer * solids.shape), Backdrop()
     for one in pairs:
         assert one.T_world_left is not None

@@ -110,7 +110,7 @@ def cut_at_creases(
     if naming.label != UNKNOWN or len(rows) < 2 * min_voxels:
         return [whole]
     parts = _solid_parts(rows, voxels, min_voxels, relief_of, eyes)
-    if not parts:
+    if not parts or not _explains_more(parts, _explained(voxels.select(rows))):
         return [whole]
     pieces = [(_held_by(name(part), naming), part) for part, _ in parts]
     return [whole] if _is_topped(pieces, voxels) else pieces
@@ -119,7 +119,7 @@ def cut_at_creases(
 def _solid_parts(
     rows: Rows, voxels: Voxels, min_voxels: int, relief_of: Reliefs, eyes: Array | None
 ) -> list[Part]:
-    """The convex pieces of an object if solids explain these, otherwise none.
+    """The convex pieces of an object; none if too many of its cells are in pieces without a solid.
 
     A piece that is not a solid is split again, in its own finer cells, before the whole is judged.
     """
@@ -135,11 +135,17 @@ def _solid_parts(
         share = _explained(voxels.select(own))
         is_whole = share > EXPLAINED_SHARE or len(own) < 2 * min_voxels
         finer = [] if is_whole else _solid_parts(own, voxels, min_voxels, relief_of, eyes)
-        parts += finer or [(own, share)]
-        spare -= 0 if finer or share > EXPLAINED_SHARE else len(own)
+        is_split = bool(finer) and _explains_more(finer, share)
+        parts += finer if is_split else [(own, share)]
+        spare -= 0 if is_split or share > EXPLAINED_SHARE else len(own)
         if spare < 0.0:
             return []
-    return parts if _by_solids(parts) > (_explained(cells) + BETTER) * len(rows) else []
+    return parts
+
+
+def _explains_more(parts: list[Part], share: float) -> bool:
+    """True if the solids of pieces explain more of their cells than one solid does, a share."""
+    return _by_solids(parts) > (share + BETTER) * sum(len(rows) for rows, _ in parts)
 
 
 def _held_by(piece: Naming, whole: Naming) -> Naming:

@@ -66,7 +66,7 @@ def _along(piece: FlatPiece) -> Array:
 
 
 def pierced(board: FlatPiece, standing: FlatPiece, cells: Voxels) -> float:
-    """How far a plane goes through a board: 0 where it ends at its height, or stands at its edge.
+    """Share by which a plane pierces a board: 0 where it ends at its height or stands at its edge.
 
     The smaller of the share of its cells below the board and of the share of the board's cells on
     the side with fewer.

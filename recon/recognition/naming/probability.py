@@ -78,7 +78,7 @@ BACK = Logistic(middle=0.65, steepness=40.0)
 """Share of its seat's extent along which a back extends: of simulated benches 0.75 at least, of an
 edge of a recorded floor 0.56."""
 UNPIERCED = Logistic(middle=-0.12, steepness=60.0)
-"""How far a back goes through its seat, negative: of simulated benches -0.09 at least, of planes
+"""Share by which a back pierces its seat, negated: of simulated benches -0.09 at least, of planes
 across a recorded motorcycle -0.11 to -0.16."""
 FORMED = Logistic(middle=-0.5, steepness=6.0)
 """Lead of parts of revolution over planes, and of upright planes over parts of revolution: either

@@ -17,7 +17,7 @@ fewer, and closes nothing."""
 
 
 def free_below(board: FlatPiece, cells: Voxels) -> float:
-    """Share of a board's cells below which there is no other full cell of the object.
+    """Share of a board's cells with no other full cell of the object below them.
 
     Nothing is known of what is lower than its lowest cell: there it must be free above.
     """

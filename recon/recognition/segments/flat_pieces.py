@@ -79,7 +79,7 @@ class FlatPieces:
     is_outer: bool = False
     """True if the first of them were found by what they touch, and not as surfaces."""
     _known: dict[Step, "FlatPieces"] = field(default_factory=dict)
-    """What follows after a step, so that ways that begin alike are gone once."""
+    """The pieces after each step taken so far: ways that begin alike share these."""
 
     def of(self, shapes: Collection[str]) -> Sequence[FlatPiece]:
         """The pieces that may have one of some shapes: planes or, as boxes and cylinders, bars."""

@@ -191,5 +191,5 @@ def _none_found(path: Path, faults: list[tuple[Path, str]]) -> str:
 
 
 def _unknown(name: str) -> str:
-    """What is said of a file of another kind."""
+    """The message about a file of another kind."""
     return f"{name} is not a calibration of a known kind ({KINDS}); write it as one of them"
